@@ -17,13 +17,13 @@ enum class AgainstOutcome : std::uint8_t { both_miss, same_t, other_t, incompara
 inline constexpr std::array<std::string_view, 6> against_names{"both_miss",      "same_t",     "other_t",
                                                                "incomparable_t", "alone_hits", "other_alone_hits"};
 
-/// True where the t of both forms have the same meaning: both answer one, for the same kind of direction.
+/// True if the t of both forms have the same meaning: both answer a t, for the same kind of direction.
 bool are_comparable(const intersect::Info& a, const intersect::Info& b);
 
-/// Outcome of each ray, as an index into `against_names`, and the distance of the two answers where both hit: (t − t of
-/// the other)/ulp_F(t of the other). It is 0 for the same number, infinite where exactly one is infinite or NaN, and
-/// NaN where the t are not comparable. Two NaN are the same. Either span may be empty.
+/// Writes the outcome of each ray, as an index into `against_names`, and the distance of the two answers where both
+/// hit: (t − t of the other)/ulp_F(t of the other). The distance is 0 for equal t, infinite where they differ and one
+/// is infinite or NaN, and NaN where the t are not comparable. Two NaN count as equal. Either span may be empty.
 void compare_against(const Answers& answers, const Answers& other, bool comparable, const FloatFormat& format,
-                     std::span<double> which, std::span<double> apart);
+                     std::span<double> outcomes, std::span<double> distances);
 
 }  // namespace lostbits::measure::answer

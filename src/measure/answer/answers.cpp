@@ -30,17 +30,18 @@ using truth::FormatInputs;
 
 namespace {
 
-/// Tests each ray against the primitive that it is paired with. Neighbouring rays with the same primitive go together.
+/// Tests each ray against the primitive that it is paired with. Neighbouring rays with the same primitive share one
+/// call.
 template <class S, class Kernel>
-void each_its_own(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
+void test_pairs(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
     in.stop.check();
-    const auto same = [primitives = in.primitives.listed()](std::size_t a, std::size_t b) {
+    const auto are_same_primitive = [primitives = in.primitives.listed()](std::size_t a, std::size_t b) {
         return std::ranges::equal(primitives[a].used(), primitives[b].used()) &&
                primitives[a].placed == primitives[b].placed;
     };
     for (std::size_t i = 0, end = 0; i < chunk.count(); i = end) {
         const std::size_t first = chunk.begin() + i;
-        for (end = i + 1; end < chunk.count() && same(first, chunk.begin() + end);) ++end;
+        for (end = i + 1; end < chunk.count() && are_same_primitive(first, chunk.begin() + end);) ++end;
         const Primitive<S> primitive = lift_primitive<S>(in.primitives[first]);
         kernel(chunk.batch(i, end), Target<S>(primitive), chunk.hits(i, end));
         for (std::size_t k = i; k < end; ++k) {
@@ -51,14 +52,16 @@ void each_its_own(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& 
     }
 }
 
-/// Does the same in one call, for external kernels: each call may cost a message to another process.
+/// Tests each ray against the primitive that it is paired with, all in one call. For external kernels, where each call
+/// may cost a message to another process.
 template <class S, class Kernel>
-void own_at_once(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
+void test_pairs_in_one_call(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
     in.stop.check();
-    std::vector<Primitive<S>> own;
-    for (std::size_t k = 0; k < chunk.count(); ++k) own.push_back(lift_primitive<S>(in.primitives[chunk.begin() + k]));
+    std::vector<Primitive<S>> paired_primitives;
+    for (std::size_t k = 0; k < chunk.count(); ++k)
+        paired_primitives.push_back(lift_primitive<S>(in.primitives[chunk.begin() + k]));
     const HitBatch<S> hits = chunk.hits();
-    kernel(chunk.batch(), Target<S>(std::span<const Primitive<S>>(own)), hits);
+    kernel(chunk.batch(), Target<S>(std::span<const Primitive<S>>(paired_primitives)), hits);
     for (std::size_t k = 0; k < chunk.count(); ++k) {
         const std::size_t p = chunk.begin() + k;
         if (hits.hit[k] != 0) keep_nearest(hits.t[k], p, static_cast<std::int32_t>(p), answers);
@@ -67,14 +70,14 @@ void own_at_once(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& i
 
 /// Tests one chunk of rays against all primitives and keeps the nearest hit.
 template <class S, class Kernel>
-void nearest_of(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
+void find_nearest_hits(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
     for (std::size_t s = 0; s < in.primitives.size(); ++s) {
         in.stop.check();
         const Primitive<S> primitive = lift_primitive<S>(in.primitives[s]);
         kernel(chunk.batch(), Target<S>(primitive), chunk.hits());
         chunk.keep_nearest(s);
     }
-    chunk.put(answers);
+    chunk.write_to(answers);
 }
 
 /// Kernel of one ray, in its range, against many spheres in the format's own arithmetic. It fills `t` and `hit`, one
@@ -83,40 +86,40 @@ template <class S>
 using OneToMany = std::function<void(const Ray<S>&, const Range<S>&, const PrimitiveArrays<S>&, std::span<S>,
                                      std::span<std::uint8_t>)>;
 
-/// Calls `take(c)` for every c with hit[c] != 0, in order. Hits are rare, so eight bytes are tested together.
+/// Calls `on_hit(c)` for every c with hit[c] != 0, in order. Hits are rare, so eight bytes are tested together.
 template <class Take>
-void for_each_hit(std::span<const std::uint8_t> hit, const Take& take) {
+void for_each_hit(std::span<const std::uint8_t> hit, const Take& on_hit) {
     std::size_t c = 0;
     for (; c + 8 <= hit.size(); c += 8) {
         std::uint64_t eight;
         std::memcpy(&eight, hit.data() + c, 8);
         if (eight == 0) continue;
         for (std::size_t k = c; k < c + 8; ++k) {
-            if (hit[k] != 0) take(k);
+            if (hit[k] != 0) on_hit(k);
         }
     }
     for (; c < hit.size(); ++c) {
-        if (hit[c] != 0) take(c);
+        if (hit[c] != 0) on_hit(c);
     }
 }
 
-/// True if one of the hits comes before the hit at `best`, which is a number. For most spheres none does.
+/// True if one of the hits comes before the hit at `best`, which is not NaN. For most spheres there is no such hit.
 template <class S>
-bool any_before(std::span<const S> t, std::span<const std::uint8_t> hit, S best) {
-    unsigned any = 0;
-    for (std::size_t c = 0; c < t.size(); ++c) any |= static_cast<unsigned>(t[c] < best) & hit[c];
-    return any != 0;
+bool has_nearer_hit(std::span<const S> t, std::span<const std::uint8_t> hit, S best) {
+    unsigned found = 0;
+    for (std::size_t c = 0; c < t.size(); ++c) found |= static_cast<unsigned>(t[c] < best) & hit[c];
+    return found != 0;
 }
 
-/// Tests rays against the spheres of one page that they can meet, in their order. Finds what `nearest_of` finds, and
-/// tests only these spheres.
+/// Tests rays against the spheres of one page, in the order of the spheres. Skips the spheres that a ray cannot meet,
+/// and finds the same hits as `find_nearest_hits`.
 template <class S>
 class PageOfSpheres {
 public:
-    PageOfSpheres(const OneToMany<S>& kernel, const RayBlock& rays, const FormatInputs& in, Answers& answers)
+    PageTester(const OneToMany<S>& kernel, const RayBlock& rays, const FormatInputs& in, Answers& answers)
         : kernel_(kernel), rays_(rays), in_(in), answers_(answers) {}
 
-    void meet(std::size_t page, std::size_t first, std::size_t last) {
+    void test_page(std::size_t page, std::size_t first, std::size_t last) {
         const std::size_t begin = page * SphereIndex::page;
         std::optional<std::array<std::span<const S>, 4>> columns;  // made for the first ray that needs them
         for (std::size_t p = first; p < last; ++p) {
@@ -127,33 +130,35 @@ public:
             if (!columns)
                 columns = in_.primitives.columns<S>(begin, std::min(SphereIndex::page, in_.primitives.size() - begin),
                                                     buffers_);
-            for (const auto& [from, to] : runs_) {
-                const auto part = [&, from = from, to = to](std::size_t k) {
-                    return (*columns)[k].subspan(from - begin, to - from);  // clang before 16 captures no bindings
+            for (const auto& [run_begin, run_end] : runs_) {
+                const auto column_part = [&, run_begin = run_begin, run_end = run_end](std::size_t k) {
+                    return (*columns)[k].subspan(run_begin - begin,
+                                                 run_end - run_begin);  // clang before 16 captures no bindings
                 };
-                meet(ray, p, from, {part(0), part(1), part(2), part(3)});
+                test_run(ray, p, run_begin, {column_part(0), column_part(1), column_part(2), column_part(3)});
             }
         }
     }
 
 private:
-    void meet(const Ray<double>& ray, std::size_t p, std::size_t from, const PrimitiveArrays<S>& spheres) {
+    void test_run(const Ray<double>& ray, std::size_t p, std::size_t first_sphere, const PrimitiveArrays<S>& spheres) {
         t_.resize(spheres.size());
         hit_.resize(spheres.size());
         const Range<double> range = rays_.range(p);
         kernel_(lift_ray<S>(ray), {static_cast<S>(range.tmin), static_cast<S>(range.tmax), range.open}, spheres, t_,
                 hit_);
         const bool has_best = answers_.hit[p] != 0 && !std::isnan(answers_.t[p]);
-        if (has_best && !any_before<S>(t_, hit_, static_cast<S>(answers_.t[p]))) return;
-        for_each_hit(hit_,
-                     [&](std::size_t c) { keep_nearest(t_[c], p, static_cast<std::int32_t>(from + c), answers_); });
+        if (has_best && !has_nearer_hit<S>(t_, hit_, static_cast<S>(answers_.t[p]))) return;
+        for_each_hit(hit_, [&](std::size_t c) {
+            keep_nearest(t_[c], p, static_cast<std::int32_t>(first_sphere + c), answers_);
+        });
     }
 
     const OneToMany<S>& kernel_;
     const RayBlock& rays_;
     const FormatInputs& in_;
     Answers& answers_;
-    /// Numbers in software are slower than the test that says whether a sphere is a candidate.
+    /// Arithmetic in software is slower than the test whether a sphere is a candidate.
     SphereIndex::Grain grain_ =
         in_.format.engine == Format::Engine::rounded ? SphereIndex::Grain::spheres : SphereIndex::Grain::blocks;
     std::array<std::vector<S>, 4> buffers_;
@@ -162,32 +167,37 @@ private:
     std::vector<std::uint8_t> hit_;
 };
 
-/// Goes page by page: the numbers of a page stay in the second-level cache while many rays use them.
+/// Tests the spheres page by page: the numbers of a page stay in the second-level cache while many rays use them.
 template <class S>
-void nearest_among(const OneToMany<S>& kernel, const RayBlock& rays, const FormatInputs& in, Answers& answers) {
-    constexpr std::size_t together = 4096;
-    const std::size_t parts = (rays.size() + together - 1) / together;
+void test_pages(const OneToMany<S>& kernel, const RayBlock& rays, const FormatInputs& in, Answers& answers) {
+    constexpr std::size_t rays_per_part = 4096;
+    const std::size_t parts = (rays.size() + rays_per_part - 1) / rays_per_part;
     intersect::process::in_parallel(std::size_t{0}, parts, [&](std::size_t part) {
-        PageOfSpheres<S> spheres(kernel, rays, in, answers);
+        PageTester<S> tester(kernel, rays, in, answers);
         for (std::size_t page = 0; page < in.index->pages(); ++page)
-            spheres.meet(page, part * together, std::min((part + 1) * together, rays.size()));
+            tester.test_page(page, part * rays_per_part, std::min((part + 1) * rays_per_part, rays.size()));
     });
 }
 
 /// Makes a kernel of one ray and many spheres from a kernel of many rays and one primitive.
 template <class S, class Kernel>
-OneToMany<S> one_by_one(const Intersector& form, const Kernel& kernel) {
-    return [&form, kernel](const Ray<S>& ray, const Range<S>& range, const PrimitiveArrays<S>& all, std::span<S> t,
+OneToMany<S> kernel_per_sphere(const Intersector& form, const Kernel& kernel) {
+    return [&form, kernel](const Ray<S>& ray, const Range<S>& range, const PrimitiveArrays<S>& spheres, std::span<S> t,
                            std::span<std::uint8_t> hit) {
-        const auto one = [](const S& x) { return std::span(&x, 1); };
+        const auto span_of_one = [](const S& x) { return std::span(&x, 1); };
         const Vec<S>&o = ray.origin, &d = ray.direction;
         S near{}, far{};
         Primitive<S> primitive(form.shape);
-        RayBatch<S> rays{
-            .ox = one(o.x), .oy = one(o.y), .oz = one(o.z), .dx = one(d.x), .dy = one(d.y), .dz = one(d.z)};
-        if (!range.is_whole()) rays.tmax = one(range.tmax), rays.tmin = one(range.tmin), rays.open = range.open;
-        for (std::size_t i = 0; i < all.size(); ++i) {
-            for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = all.numbers[k][i];
+        RayBatch<S> rays{.ox = span_of_one(o.x),
+                         .oy = span_of_one(o.y),
+                         .oz = span_of_one(o.z),
+                         .dx = span_of_one(d.x),
+                         .dy = span_of_one(d.y),
+                         .dz = span_of_one(d.z)};
+        if (!range.is_whole())
+            rays.tmax = span_of_one(range.tmax), rays.tmin = span_of_one(range.tmin), rays.open = range.open;
+        for (std::size_t i = 0; i < spheres.size(); ++i) {
+            for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = spheres.numbers[k][i];
             const HitBatch<S> hits{t.subspan(i, 1), std::span(&near, 1), std::span(&far, 1), hit.subspan(i, 1)};
             kernel(rays, Target<S>(primitive), hits);
             intersect::table::keep_in_range(*form.info, form.shape, rays, hits);
@@ -195,56 +205,57 @@ OneToMany<S> one_by_one(const Intersector& form, const Kernel& kernel) {
     };
 }
 
-/// Wraps the kernel for many spheres, which answers only the first root of each; null where rays have ranges, which
-/// need more.
+/// Wraps the kernel for many spheres, which answers only the first root of each; null where rays have ranges, because
+/// these may need the second root.
 template <class S, class Kernel>
-OneToMany<S> many_at_once(const Kernel& kernel, const RayBlock& rays) {
+OneToMany<S> kernel_for_many(const Kernel& kernel, const RayBlock& rays) {
     if (!kernel || rays.have_ranges()) return nullptr;
     return [kernel](const Ray<S>& ray, const Range<S>&, const auto&... rest) { kernel(ray, rest...); };
 }
 
 /// Finds the nearest hit over all spheres that a ray can meet. A row that is not in the table has no kernel for many
 /// spheres.
-void meet_many(const intersect::table::Intersector& form, const RayBlock& rays, const FormatInputs& in,
-               Answers& answers) {
+void test_spheres(const intersect::table::Intersector& form, const RayBlock& rays, const FormatInputs& in,
+                  Answers& answers) {
     const intersect::simd::ManyRow many = intersect::simd::many_kernels(form);
     switch (in.format.engine) {
         case Format::Engine::native32: {
-            const auto at_once = many_at_once<float>(many.f32, rays);
-            return nearest_among<float>(at_once ? at_once : one_by_one<float>(form, form.native32), rays, in, answers);
+            const auto many_kernel = kernel_for_many<float>(many.f32, rays);
+            return test_pages<float>(many_kernel ? many_kernel : kernel_per_sphere<float>(form, form.native32), rays,
+                                     in, answers);
         }
         case Format::Engine::native64: {
-            const auto at_once = many_at_once<double>(many.f64, rays);
-            return nearest_among<double>(at_once ? at_once : one_by_one<double>(form, form.native64), rays, in,
-                                         answers);
+            const auto many_kernel = kernel_for_many<double>(many.f64, rays);
+            return test_pages<double>(many_kernel ? many_kernel : kernel_per_sphere<double>(form, form.native64), rays,
+                                      in, answers);
         }
         case Format::Engine::rounded: break;
     }
     const auto rounded = [&](const auto&... a) { form.rounded(in.format.parameters, a...); };
-    nearest_among<double>(one_by_one<double>(form, rounded), rays, in, answers);
+    test_pages<double>(kernel_per_sphere<double>(form, rounded), rays, in, answers);
 }
 
 /// Tests every ray against its candidates.
 template <class S, class Kernel>
-void meet_candidates(const Kernel& kernel, const RayBlock& rays, const FormatInputs& in, bool at_once,
+void test_candidates(const Kernel& kernel, const RayBlock& rays, const FormatInputs& in, bool in_one_call,
                      Answers& answers) {
     answers.claimed.resize(in.candidates->pairs());
     // Pairs of one part stay in a cache. Far from a large mesh a ray has all of its triangles as candidates.
     constexpr std::size_t most_rays = 512, least_rays = 4, most_pairs = 1 << 18;
-    const std::size_t of_a_ray = in.candidates->pairs() / std::max(rays.size(), std::size_t{1}) + 1;
-    const std::size_t together =
-        at_once ? std::max(rays.size(), std::size_t{1}) : std::clamp(most_pairs / of_a_ray, least_rays, most_rays);
-    const std::size_t parts = (rays.size() + together - 1) / together;
+    const std::size_t pairs_per_ray = in.candidates->pairs() / std::max(rays.size(), std::size_t{1}) + 1;
+    const std::size_t rays_per_part = in_one_call ? std::max(rays.size(), std::size_t{1})
+                                                  : std::clamp(most_pairs / pairs_per_ray, least_rays, most_rays);
+    const std::size_t parts = (rays.size() + rays_per_part - 1) / rays_per_part;
     intersect::process::in_parallel(std::size_t{0}, parts, [&](std::size_t part) {
-        PairColumns<S> pairs(rays, in, part * together, std::min((part + 1) * together, rays.size()));
-        if (at_once) pairs.evaluate_at_once(kernel);
+        PairColumns<S> pairs(rays, in, part * rays_per_part, std::min((part + 1) * rays_per_part, rays.size()));
+        if (in_one_call) pairs.evaluate_at_once(kernel);
         else pairs.evaluate_one_by_one(kernel);
-        pairs.put(answers);
+        pairs.write_to(answers);
     });
 }
 
-/// The primitive whose surface is nearest to the point at t, in double precision. A field does not say which primitive
-/// was hit.
+/// Index of the primitive whose surface is nearest to the point at t, in double precision. A distance field does not
+/// say which primitive was hit.
 std::int32_t nearest_primitive(const Ray<double>& ray, double t, std::span<const Primitive<double>> primitives) {
     const Vec<double> p = intersect::sdf::along(ray, t);
     const auto size = [&p](const Primitive<double>& s) { return std::fabs(intersect::table::distance(s, p)); };
@@ -253,8 +264,8 @@ std::int32_t nearest_primitive(const Ray<double>& ray, double t, std::span<const
 
 /// Marches one chunk of rays through the field of all primitives.
 template <class S, class Kernel>
-void march_to(const Kernel& kernel, RayChunk<S>& chunk, const RayBlock& rays, const FormatInputs& in,
-              Answers& answers) {
+void march_chunk(const Kernel& kernel, RayChunk<S>& chunk, const RayBlock& rays, const FormatInputs& in,
+                 Answers& answers) {
     in.stop.check();
     HitBatch<S> hits = chunk.hits();
     hits.march = std::span(answers.march).subspan(chunk.begin(), chunk.count());
@@ -282,23 +293,23 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
                                                   : intersect::simd::packed_kernels(form);
     if (marches) answers.march.resize(n);
     if (inputs.index && form.shapes() == scene::sphere::Sphereflake::shape) {
-        meet_many(form, rays, inputs, answers);
+        test_spheres(form, rays, inputs, answers);
         return answers;
     }
     const auto run = [&]<class S>(const auto& whole_ray) {
         const auto kernel = [&](const RayBatch<S>& batch, const Target<S>& target, const HitBatch<S>& hits) {
             whole_ray(batch, target, hits);
-            const Intersector& asked = marches ? form : form.of(target.primitives.front().shape);
-            intersect::table::keep_in_range(*asked.info, asked.shape, batch, hits);
+            const Intersector& shape_form = marches ? form : form.of(target.primitives.front().shape);
+            intersect::table::keep_in_range(*shape_form.info, shape_form.shape, batch, hits);
         };
-        if (inputs.candidates && !marches) return meet_candidates<S>(kernel, rays, inputs, takes_many, answers);
+        if (inputs.candidates && !marches) return test_candidates<S>(kernel, rays, inputs, takes_many, answers);
         RayChunk<S> chunk(rays);
-        for (std::size_t begin = 0; begin < n; begin += RayChunk<S>::most) {
+        for (std::size_t begin = 0; begin < n; begin += RayChunk<S>::capacity) {
             chunk.move_to(begin);
-            if (marches) march_to<S>(kernel, chunk, rays, inputs, answers);
-            else if (inputs.paired && takes_many) own_at_once<S>(kernel, chunk, inputs, answers);
-            else if (inputs.paired) each_its_own<S>(kernel, chunk, inputs, answers);
-            else nearest_of<S>(kernel, chunk, inputs, answers);
+            if (marches) march_chunk<S>(kernel, chunk, rays, inputs, answers);
+            else if (inputs.paired && takes_many) test_pairs_in_one_call<S>(kernel, chunk, inputs, answers);
+            else if (inputs.paired) test_pairs<S>(kernel, chunk, inputs, answers);
+            else find_nearest_hits<S>(kernel, chunk, inputs, answers);
         }
     };
     switch (inputs.format.engine) {

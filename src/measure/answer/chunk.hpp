@@ -21,12 +21,13 @@
 
 namespace lostbits::measure::answer {
 
-/// Some of the rays stored in eight columns. The last two, ends and beginnings, may be empty.
+/// Rays `i` to `end` − 1 of the rays stored in eight columns: origin, direction, tmax and tmin. The last two columns
+/// may be empty.
 template <class S, class Columns>
 intersect::table::RayBatch<S> batch_of(const Columns& columns, std::size_t i, std::size_t end, OpenEnds open) {
     const auto part = [&](std::size_t k) {
-        const std::span<const S> all(columns[k]);
-        return all.empty() ? all : all.subspan(i, end - i);
+        const std::span<const S> column(columns[k]);
+        return column.empty() ? column : column.subspan(i, end - i);
     };
     return {part(0), part(1), part(2), part(3), part(4), part(5), part(6), part(7), open};
 }
@@ -39,7 +40,7 @@ struct AnswerBuffers {
 
     explicit AnswerBuffers(std::size_t rays) : t(rays), near(rays), far(rays), hit(rays) {}
     [[nodiscard]] intersect::table::HitBatch<S> hits(std::size_t i, std::size_t end) {
-        const auto part = [&](auto& all) { return std::span(all).subspan(i, end - i); };
+        const auto part = [&](auto& column) { return std::span(column).subspan(i, end - i); };
         return {part(t), part(near), part(far), part(hit)};
     }
     [[nodiscard]] intersect::table::HitBatch<S> hits() { return {t, near, far, hit}; }
@@ -69,24 +70,24 @@ struct KernelBuffers : AnswerBuffers<S> {
 template <class S>
 class RayChunk {
 public:
-    static constexpr std::size_t most = 2048;
+    static constexpr std::size_t capacity = 2048;
 
     explicit RayChunk(const scene::rays::RayBlock& rays)
         : rays_(rays),
-          buffers_(std::min(most, rays.size())),
+          buffers_(std::min(capacity, rays.size())),
           columns_(buffers_for_columns()),
           nearest_(buffers_.hit.size()),
           objects_(buffers_.hit.size()) {}
 
-    /// Takes the rays from `begin` to `begin + most`, or to the last one.
+    /// Takes the rays from `begin` up to, but not including, `begin + capacity`, or to the last ray.
     void move_to(std::size_t begin) {
         begin_ = begin;
-        count_ = std::min(most, rays_.size() - begin);
-        const std::array from{&rays_.ox, &rays_.oy, &rays_.oz,   &rays_.dx,
-                              &rays_.dy, &rays_.dz, &rays_.tmax, &rays_.tmin};
-        for (std::size_t k = 0; k < from.size(); ++k) {
-            if (from[k]->empty()) continue;
-            const std::span<const double> numbers = std::span(*from[k]).subspan(begin_, count_);
+        count_ = std::min(capacity, rays_.size() - begin);
+        const std::array sources{&rays_.ox, &rays_.oy, &rays_.oz,   &rays_.dx,
+                                 &rays_.dy, &rays_.dz, &rays_.tmax, &rays_.tmin};
+        for (std::size_t k = 0; k < sources.size(); ++k) {
+            if (sources[k]->empty()) continue;
+            const std::span<const double> numbers = std::span(*sources[k]).subspan(begin_, count_);
             if constexpr (std::same_as<S, double>) {
                 batch_[k] = numbers;
             } else {
@@ -107,7 +108,7 @@ public:
     }
     [[nodiscard]] intersect::table::HitBatch<S> hits(std::size_t i, std::size_t end) { return buffers_.hits(i, end); }
 
-    /// Keeps the hits with this primitive that come first.
+    /// Keeps the hits with this primitive that are nearer than the hits so far.
     void keep_nearest(std::size_t primitive) {
         columns::keep_nearest(columns::RawHits<S>{.size = count_,
                                                   .t = buffers_.t.data(),
@@ -117,7 +118,7 @@ public:
                                                   .object = static_cast<std::int32_t>(primitive)});
     }
     /// Writes the nearest hit of every ray.
-    void put(Answers& answers) const {
+    void write_to(Answers& answers) const {
         const std::int32_t* const objects = objects_.data();
         const S* const nearest = nearest_.data();
         double* const t_out = answers.t.data() + begin_;
@@ -173,12 +174,12 @@ public:
             for (std::size_t k = candidates.first(i); k < candidates.first(i + 1); ++k)
                 pairs_.push_back({candidates.primitive(k), static_cast<std::uint32_t>(k), i});
         culling::sort_by_index(pairs_, [](const Pair& pair) { return pair.primitive; });
-        const std::array from{&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz, &rays.tmax, &rays.tmin};
-        for (std::size_t c = 0; c < from.size(); ++c) {
-            if (from[c]->empty()) continue;
+        const std::array sources{&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz, &rays.tmax, &rays.tmin};
+        for (std::size_t c = 0; c < sources.size(); ++c) {
+            if (sources[c]->empty()) continue;
             columns_[c].resize(pairs_.size());
             std::ranges::transform(pairs_, columns_[c].begin(),
-                                   [&](const Pair& pair) { return static_cast<S>((*from[c])[pair.ray]); });
+                                   [&](const Pair& pair) { return static_cast<S>((*sources[c])[pair.ray]); });
         }
         buffers_.emplace(pairs_.size());
     }
@@ -196,18 +197,20 @@ public:
     /// another process.
     template <class Kernel>
     void evaluate_at_once(const Kernel& kernel) {
-        std::vector<Primitive<S>> own;
+        std::vector<Primitive<S>> shape_primitives;
         for (std::size_t k = 0, end = 0; k < pairs_.size(); k = end) {
-            own.assign(1, primitive(k));
-            for (end = k + 1; end < pairs_.size() && in_.primitives[pairs_[end].primitive].shape == own.front().shape;
+            shape_primitives.assign(1, primitive(k));
+            for (end = k + 1;
+                 end < pairs_.size() && in_.primitives[pairs_[end].primitive].shape == shape_primitives.front().shape;
                  ++end)
-                own.push_back(primitive(end));
+                shape_primitives.push_back(primitive(end));
             in_.stop.check();
-            kernel(batch(k, end), intersect::Target<S>(std::span<const Primitive<S>>(own)), buffers_->hits(k, end));
+            kernel(batch(k, end), intersect::Target<S>(std::span<const Primitive<S>>(shape_primitives)),
+                   buffers_->hits(k, end));
         }
     }
-    void put(Answers& answers) const {
-        for (std::size_t k = 0; k < pairs_.size(); ++k) answers.claimed[pairs_[k].place] = buffers_->hit[k];
+    void write_to(Answers& answers) const {
+        for (std::size_t k = 0; k < pairs_.size(); ++k) answers.claimed[pairs_[k].pair] = buffers_->hit[k];
         for (std::size_t k = 0; k < pairs_.size(); ++k)
             if (buffers_->hit[k] != 0)
                 keep_nearest(buffers_->t[k], pairs_[k].ray, static_cast<std::int32_t>(pairs_[k].primitive), answers);
@@ -215,7 +218,7 @@ public:
 
 private:
     struct Pair {
-        std::uint32_t primitive, place;
+        std::uint32_t primitive, pair;
         std::size_t ray;
     };
     [[nodiscard]] Primitive<S> primitive(std::size_t k) const {

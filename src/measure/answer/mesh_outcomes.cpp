@@ -24,26 +24,28 @@ public:
           first_(band_answers.inputs.primitives.first_of_mesh()),
           mesh_(band_answers.inputs.primitives.mesh()->mesh()) {}
 
-    [[nodiscard]] Outcome outcome_of(std::int32_t true_primitive, Outcome before) const {
-        const std::int32_t met = band_answers_.answers.object[ray_];
+    [[nodiscard]] Outcome outcome_of(std::int32_t true_primitive, Outcome plain_outcome) const {
+        const std::int32_t hit_primitive = band_answers_.answers.object[ray_];
         if (band_answers_.answers.claimed.empty())
-            return before == Outcome::wrong_primitive && are_neighbours(true_primitive, met) ? Outcome::wrong_neighbour
-                                                                                             : before;
-        Outcome outcome = before;
-        if (before == Outcome::false_miss && in_mesh(true_primitive) && lets_light_through(true_primitive))
+            return plain_outcome == Outcome::wrong_primitive && are_neighbours(true_primitive, hit_primitive)
+                       ? Outcome::wrong_neighbour
+                       : plain_outcome;
+        Outcome outcome = plain_outcome;
+        if (plain_outcome == Outcome::false_miss && in_mesh(true_primitive) && lets_light_through(true_primitive))
             outcome = Outcome::crack;
-        if (before == Outcome::wrong_primitive && in_mesh(true_primitive)) {
-            if (are_neighbours(true_primitive, met)) outcome = Outcome::wrong_neighbour;
+        if (plain_outcome == Outcome::wrong_primitive && in_mesh(true_primitive)) {
+            if (are_neighbours(true_primitive, hit_primitive)) outcome = Outcome::wrong_neighbour;
             else if (lets_light_through(true_primitive)) outcome = Outcome::crack;
-            else if (passes_a_nearer(met)) outcome = Outcome::out_of_order;
+            else if (passes_nearer_triangle(hit_primitive)) outcome = Outcome::out_of_order;
         }
-        const bool met_right = outcome == Outcome::agree_hit || outcome == Outcome::wrong_neighbour;
-        return met_right && in_mesh(met) && is_claimed_twice(met) ? Outcome::double_hit : outcome;
+        const bool hits_rightly = outcome == Outcome::agree_hit || outcome == Outcome::wrong_neighbour;
+        return hits_rightly && in_mesh(hit_primitive) && is_claimed_twice(hit_primitive) ? Outcome::double_hit
+                                                                                         : outcome;
     }
 
 private:
     /// A triangle of the mesh that the form claims or the ray truly meets.
-    struct Crossed {
+    struct CrossedTriangle {
         std::int32_t primitive;
         Truth truth;
         int facing;
@@ -70,17 +72,18 @@ private:
     }
     [[nodiscard]] bool lets_light_through(std::int32_t true_primitive) const {
         return !claims([&](std::int32_t s) { return s == true_primitive || are_neighbours(s, true_primitive); }) &&
-               counts_otherwise() && !passes_border(true_primitive);
+               has_other_crossing_parity() && !passes_border(true_primitive);
     }
-    /// True if the line passes nearest to a border edge in one of the triangles that the ray truly meets first.
+    /// True if, in one of the triangles that the ray truly meets first, the edge nearest to the line of the ray is a
+    /// border edge.
     [[nodiscard]] bool passes_border(std::int32_t true_primitive) const {
         const culling::CandidateLists& candidates = *band_answers_.inputs.candidates;
         const Truth first = truth_at(true_primitive);
         return std::ranges::any_of(candidates.of(ray_), [&](std::uint32_t k) {
             const auto primitive = static_cast<std::int32_t>(k);
             if (!in_mesh(primitive) || !mesh_.has_border(face(primitive))) return false;
-            const Truth there = truth_at(primitive);
-            return there.is_hit() && compare(there.t, first.t) == 0 &&
+            const Truth truth = truth_at(primitive);
+            return truth.is_hit() && compare(truth.t, first.t) == 0 &&
                    crossing::is_beside_border(band_answers_.inputs.rays[ray_], triangle(primitive), mesh_,
                                               face(primitive));
         });
@@ -92,79 +95,80 @@ private:
     [[nodiscard]] Primitive<double> triangle(std::int32_t primitive) const {
         return band_answers_.inputs.primitives[static_cast<std::size_t>(primitive)];
     }
-    [[nodiscard]] Crossed crossed(std::int32_t primitive) const {
+    [[nodiscard]] CrossedTriangle crossed_triangle(std::int32_t primitive) const {
         return {primitive, truth_at(primitive), facing(primitive)};
     }
     [[nodiscard]] int facing(std::int32_t primitive) const {
         return crossing::facing_of(band_answers_.inputs.rays[ray_], triangle(primitive)).value_or(0);
     }
-    /// True if two triangles are one crossing of the surface: they face to one side, or one is seen edge-on; and the
-    /// ray meets both at the same t, or it does not meet both and they share a vertex.
-    [[nodiscard]] bool is_one_crossing(const Crossed& a, const Crossed& b) const {
+    /// True if two triangles are one crossing of the surface: they face the same side, or one is seen edge-on. In
+    /// addition, if the ray meets both, it meets them at the same t; otherwise they share a vertex.
+    [[nodiscard]] bool is_one_crossing(const CrossedTriangle& a, const CrossedTriangle& b) const {
         if (a.facing * b.facing < 0) return false;
         return a.truth.is_hit() && b.truth.is_hit() ? compare(a.truth.t, b.truth.t) == 0
                                                     : are_neighbours(a.primitive, b.primitive);
     }
-    [[nodiscard]] bool is_claimed_twice(std::int32_t met) const {
-        std::optional<Crossed> here;
+    [[nodiscard]] bool is_claimed_twice(std::int32_t hit_primitive) const {
+        std::optional<CrossedTriangle> hit_triangle;
         return claims([&](std::int32_t s) {
-            if (s == met || !are_neighbours(s, met)) return false;
-            if (!here) here = crossed(met);
-            return is_one_crossing(*here, crossed(s));
+            if (s == hit_primitive || !are_neighbours(s, hit_primitive)) return false;
+            if (!hit_triangle) hit_triangle = crossed_triangle(hit_primitive);
+            return is_one_crossing(*hit_triangle, crossed_triangle(s));
         });
     }
-    /// True if the ray truly meets `met` and, before it, a triangle that the form claims too and that is no neighbour
-    /// of it.
-    [[nodiscard]] bool passes_a_nearer(std::int32_t met) const {
-        const Truth there = truth_at(met);
-        return there.is_hit() && claims([&](std::int32_t s) {
-                   if (s == met || !in_mesh(s) || are_neighbours(s, met)) return false;
-                   const Truth here = truth_at(s);
-                   return here.is_hit() && compare(here.t, there.t) < 0;
+    /// True if the ray truly meets `hit_primitive` and, before that, another claimed triangle that is not a neighbour
+    /// of `hit_primitive`.
+    [[nodiscard]] bool passes_nearer_triangle(std::int32_t hit_primitive) const {
+        const Truth hit_truth = truth_at(hit_primitive);
+        return hit_truth.is_hit() && claims([&](std::int32_t s) {
+                   if (s == hit_primitive || !in_mesh(s) || are_neighbours(s, hit_primitive)) return false;
+                   const Truth truth = truth_at(s);
+                   return truth.is_hit() && compare(truth.t, hit_truth.t) < 0;
                });
     }
-    /// Number of crossings of the surface at some of its triangles. Triangles that are one crossing with another one
-    /// form a group, and each group counts once.
-    [[nodiscard]] std::size_t crossings(std::vector<Crossed> left) const {
+    /// Number of crossings of the surface at these triangles. Triangles that are one crossing form a group, and each
+    /// group counts once.
+    [[nodiscard]] std::size_t crossings(std::vector<CrossedTriangle> remaining) const {
         std::size_t count = 0;
-        for (; !left.empty(); ++count) {
-            std::vector<Crossed> group{left.back()};
-            left.pop_back();
+        for (; !remaining.empty(); ++count) {
+            std::vector<CrossedTriangle> group{remaining.back()};
+            remaining.pop_back();
             for (std::size_t k = 0; k < group.size(); ++k) {
-                const Crossed from = group[k];
-                const auto apart =
-                    std::ranges::partition(left, [&](const Crossed& other) { return !is_one_crossing(from, other); });
-                group.insert(group.end(), apart.begin(), apart.end());
-                left.erase(apart.begin(), apart.end());
+                const CrossedTriangle member = group[k];
+                const auto same_crossing = std::ranges::partition(
+                    remaining, [&](const CrossedTriangle& other) { return !is_one_crossing(member, other); });
+                group.insert(group.end(), same_crossing.begin(), same_crossing.end());
+                remaining.erase(same_crossing.begin(), same_crossing.end());
             }
         }
         return count;
     }
-    /// True if two of them share a vertex and the ray does not truly meet both. With the roundings of the form such a
-    /// pair is either one crossing of the surface or a fold with two, and the claims do not tell which.
-    [[nodiscard]] bool leave_crossings_open(const std::vector<Crossed>& claimed) const {
-        for (const Crossed& a : claimed)
-            for (const Crossed& b : claimed)
+    /// True if two claimed triangles share a vertex and the ray does not truly meet both. With the roundings of the
+    /// form such a pair is either one crossing of the surface or a fold with two, and the claims do not tell which.
+    [[nodiscard]] bool leave_count_open(const std::vector<CrossedTriangle>& claimed) const {
+        for (const CrossedTriangle& a : claimed)
+            for (const CrossedTriangle& b : claimed)
                 if (a.primitive < b.primitive && !(a.truth.is_hit() && b.truth.is_hit()) &&
                     are_neighbours(a.primitive, b.primitive))
                     return true;
         return false;
     }
-    /// Compares two counts: the crossings of the surface at the triangles that the form claims, and the true ones. True
-    /// if one count is odd and the other even: light ends on the other side of the surface.
-    [[nodiscard]] bool counts_otherwise() const {
+    /// True if, of the claimed and the true crossings of the surface, one count is odd and the other even. Light then
+    /// ends on the other side of the surface.
+    [[nodiscard]] bool has_other_crossing_parity() const {
         const culling::CandidateLists& candidates = *band_answers_.inputs.candidates;
-        std::vector<Crossed> claimed, met;
+        std::vector<CrossedTriangle> claimed_crossings, true_crossings;
         for (std::size_t pair = candidates.first(ray_); pair < candidates.first(ray_ + 1); ++pair) {
             const auto primitive = static_cast<std::int32_t>(candidates.primitive(pair));
             if (!in_mesh(primitive)) continue;
             const Truth truth = truth_at(primitive);
             if (band_answers_.answers.claimed[pair] == 0 && !truth.is_hit()) continue;
-            const Crossed one{primitive, truth, facing(primitive)};
-            if (band_answers_.answers.claimed[pair] != 0) claimed.push_back(one);
-            if (truth.is_hit()) met.push_back(one);
+            const CrossedTriangle triangle_here{primitive, truth, facing(primitive)};
+            if (band_answers_.answers.claimed[pair] != 0) claimed_crossings.push_back(triangle_here);
+            if (truth.is_hit()) true_crossings.push_back(triangle_here);
         }
-        return !leave_crossings_open(claimed) && crossings(std::move(claimed)) % 2 != crossings(std::move(met)) % 2;
+        return !leave_count_open(claimed_crossings) &&
+               crossings(std::move(claimed_crossings)) % 2 != crossings(std::move(true_crossings)) % 2;
     }
 
     const BandAnswers& band_answers_;
@@ -174,20 +178,22 @@ private:
 
 }  // namespace
 
-Outcome outcome_in_mesh(const BandAnswers& band_answers, std::size_t ray, std::int32_t true_primitive, Outcome before) {
+Outcome outcome_in_mesh(const BandAnswers& band_answers, std::size_t ray, std::int32_t true_primitive,
+                        Outcome plain_outcome) {
     return band_answers.inputs.primitives.mesh() != nullptr
-               ? RayAtMesh(band_answers, ray).outcome_of(true_primitive, before)
-               : before;
+               ? RayAtMesh(band_answers, ray).outcome_of(true_primitive, plain_outcome)
+               : plain_outcome;
 }
 
 void refine_outcomes(const BandAnswers& band_answers, const columns::TrueLengths& truth, std::span<Outcome> outcomes) {
-    const bool at_mesh = band_answers.inputs.primitives.mesh() != nullptr;
+    const bool has_mesh = band_answers.inputs.primitives.mesh() != nullptr;
     for (std::size_t i = 0; i < outcomes.size(); ++i) {
-        const bool elsewhere = outcomes[i] == Outcome::wrong_primitive;
-        if (at_mesh || elsewhere) band_answers.inputs.stop.check();
-        if (elsewhere && meets_first(band_answers.band, i, band_answers.answers.object[i], band_answers.convention))
+        const bool is_wrong_primitive = outcomes[i] == Outcome::wrong_primitive;
+        if (has_mesh || is_wrong_primitive) band_answers.inputs.stop.check();
+        if (is_wrong_primitive &&
+            meets_first(band_answers.band, i, band_answers.answers.object[i], band_answers.convention))
             outcomes[i] = Outcome::agree_hit;
-        if (at_mesh && truth.decision[i] == Truth::Decision::hit)
+        if (has_mesh && truth.decision[i] == Truth::Decision::hit)
             outcomes[i] = RayAtMesh(band_answers, i).outcome_of(truth.object[i], outcomes[i]);
     }
 }

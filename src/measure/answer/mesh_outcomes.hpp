@@ -22,7 +22,7 @@ struct BandAnswers {
 /// Refines the outcomes of a band that has several primitives.
 ///
 /// A hit of another primitive than the true one is an agreed hit where the ray truly meets that primitive at the same
-/// t, whatever the shapes: all primitives that are met first own the hit.
+/// t, whatever the shapes: the hit belongs to all primitives that are met first.
 ///
 /// The rest concerns meshes. Neighbours are triangles that share a vertex. A form claims a triangle if it answers a hit
 /// when that triangle alone is tested. Answers read from a file do not say what else is claimed, so only
@@ -47,8 +47,9 @@ struct BandAnswers {
 ///   that the ray truly meets before. Both decisions are right, but the computed t of the nearer one is not the
 ///   smaller.
 void refine_outcomes(const BandAnswers& band_answers, const columns::TrueLengths& truth, std::span<Outcome> outcomes);
-/// Outcome at a mesh of one ray that truly hits primitive `true_primitive` first. `before` is its outcome if primitives
-/// had no edges in common.
-Outcome outcome_in_mesh(const BandAnswers& band_answers, std::size_t ray, std::int32_t true_primitive, Outcome before);
+/// Outcome at a mesh of one ray that truly hits primitive `true_primitive` first. `plain_outcome` is the outcome by the
+/// rules for primitives that share no edges.
+Outcome outcome_in_mesh(const BandAnswers& band_answers, std::size_t ray, std::int32_t true_primitive,
+                        Outcome plain_outcome);
 
 }  // namespace lostbits::measure::answer

@@ -16,13 +16,13 @@ OneRay::OneRay(const Scene& scene, int x, int y, truth::TruthLimit limit) {
                          std::to_string(scene.height - 1));
     }
     if (scene.inputs == scene::file::Inputs::shared) {
-        // The ray is tested alone: together with the other rays of its row it would be tested against many more
-        // spheres.
+        // The ray gets a band of its own. In a band with the other rays of its row, it would be tested against many
+        // more spheres.
         const scene::rays::RayBlock row = scene::rays::make_shared_rays(scene, y, y + 1);
-        const auto place = static_cast<std::size_t>(x);
-        scene::rays::RayBlock one = scene::rays::group_of(row[place]).rays;
-        one.push_range(row, place);
-        evaluate_among(scene, std::move(one), limit);
+        const auto column = static_cast<std::size_t>(x);
+        scene::rays::RayBlock single_ray = scene::rays::group_of(row[column]).rays;
+        single_ray.push_range(row, column);
+        make_band(scene, std::move(single_ray), limit);
         return;
     }
     band_ = std::make_unique<Band>(scene, y, y + 1, limit);
@@ -30,15 +30,15 @@ OneRay::OneRay(const Scene& scene, int x, int y, truth::TruthLimit limit) {
 }
 
 OneRay::OneRay(const Scene& scene, const Ray<Real>& ray, truth::TruthLimit limit) {
-    scene::rays::IdealRayBlock one;
-    one.push(ray);
-    one.set_as_list();
-    scene::rays::put_range(scene, one);
-    if (scene.inputs == scene::file::Inputs::own) band_ = std::make_unique<Band>(scene, std::move(one), limit);
-    else evaluate_among(scene, scene::rays::round_rays(one, binary64), limit);
+    scene::rays::IdealRayBlock single_ray;
+    single_ray.push(ray);
+    single_ray.set_as_list();
+    scene::rays::put_range(scene, single_ray);
+    if (scene.inputs == scene::file::Inputs::own) band_ = std::make_unique<Band>(scene, std::move(single_ray), limit);
+    else make_band(scene, scene::rays::round_rays(single_ray, binary64), limit);
 }
 
-void OneRay::evaluate_among(const Scene& scene, scene::rays::RayBlock ray, truth::TruthLimit limit) {
+void OneRay::make_band(const Scene& scene, scene::rays::RayBlock ray, truth::TruthLimit limit) {
     culler_ = std::make_unique<culling::Culler>(scene, ray[0]);
     band_ = std::make_unique<Band>(scene, std::move(ray), *culler_, limit);
 }
@@ -46,16 +46,16 @@ void OneRay::evaluate_among(const Scene& scene, scene::rays::RayBlock ray, truth
 OneRay::OneRay(scene::rays::RayGroup group) : band_(std::make_unique<Band>(std::move(group))) {}
 
 std::vector<OneRay> OneRay::pixels_around(const Scene& scene, int x, int y, truth::TruthLimit limit) {
-    std::vector<OneRay> all;
+    std::vector<OneRay> rays;
     for (const int row : {y, y - 1, y + 1}) {
         if (row < 0 || row >= scene.height) continue;
         const auto band = std::make_shared<Band>(scene, row, row + 1, limit);
-        if (row == y) all.push_back(OneRay(band, static_cast<std::size_t>(x)));
+        if (row == y) rays.push_back(OneRay(band, static_cast<std::size_t>(x)));
         const int first = std::max(0, x - columns_around), last = std::min(scene.width - 1, x + columns_around);
         for (int column = first; column <= last; ++column)
-            if (row != y || column != x) all.push_back(OneRay(band, static_cast<std::size_t>(column)));
+            if (row != y || column != x) rays.push_back(OneRay(band, static_cast<std::size_t>(column)));
     }
-    return all;
+    return rays;
 }
 
 OneRay::Inputs OneRay::inputs(const intersect::table::Intersector& form, const Format& format) const {

@@ -1,4 +1,4 @@
-// One ray with its primitives and its truth, for a close look.
+// One ray with its primitives and its truth, for the commands that explain a single ray.
 #pragma once
 
 #include <memory>
@@ -22,18 +22,19 @@ public:
     OneRay(const scene::file::Scene& scene, int x, int y, truth::TruthLimit limit = {});
     /// Takes a ray as it is given. If the scene's inputs are shared, each number of the ray is rounded once to
     /// binary64, which usually changes none of them, and the primitives are those of the scene's maps. If each format
-    /// rounds its own inputs, the ray is ideal as the scene is; rounding it to a format is then input error.
+    /// rounds its own inputs, the ray is ideal as the scene is, and the change when a format rounds it counts as an
+    /// error of the input.
     OneRay(const scene::file::Scene& scene, const Ray<Real>& ray, truth::TruthLimit limit = {});
     /// Takes the first ray of a group as it is stored, with its own primitives and constants.
     explicit OneRay(scene::rays::RayGroup group);
-    /// Makes the ray of pixel (x, y) of a scene whose camera names a ray generator. Behind it come the rays of the
-    /// pixels at most `columns_around` columns and one row away.
+    /// Makes the ray of pixel (x, y) of a scene whose camera names a ray generator. The other rays of the result are
+    /// those of the pixels at most `columns_around` columns and one row away.
     static std::vector<OneRay> pixels_around(const scene::file::Scene& scene, int x, int y,
                                              truth::TruthLimit limit = {});
     static constexpr int columns_around = 10;
-    /// Sets the touching convention that rays are judged by; without a call each form's own convention counts.
-    void judge_by(std::optional<intersect::Touching> convention) { judged_ = convention; }
-    [[nodiscard]] std::optional<intersect::Touching> judged() const { return judged_; }
+    /// Sets the touching convention that the ray is judged by; by default each form is judged by its own.
+    void judge_by(std::optional<intersect::Touching> convention) { touching_ = convention; }
+    [[nodiscard]] std::optional<intersect::Touching> touching() const { return touching_; }
 
     /// Inputs of a form in a format: the ray, for the form's kind of direction, and its target. Valid as long as the
     /// OneRay is.
@@ -43,12 +44,13 @@ public:
         [[nodiscard]] Ray<double> ray(const intersect::Info& info) const { return all.rays_for(info)[index]; }
     };
     [[nodiscard]] Inputs inputs(const intersect::table::Intersector& form, const Format& format) const;
-    /// Operations that make the ray of a camera's pixel; nothing where a format rounds the ray.
+    /// Operations that make the ray of a camera's pixel; empty if the ray is rounded to the format.
     [[nodiscard]] std::optional<scene::rays::RecordedRay> recorded_ray(const Format& format) const {
         return band_->recorded_ray(index_, format);
     }
-    /// True if the format rounds none of the numbers of the ray and the primitives, so that a form gets them as given.
-    [[nodiscard]] bool keeps(const Inputs& inputs) const { return band_->keeps(inputs.all, index_); }
+    /// True if the format rounds none of the numbers of the ray and the primitives, so that a form gets these numbers
+    /// as given.
+    [[nodiscard]] bool is_unrounded(const Inputs& inputs) const { return band_->keeps(inputs.all, index_); }
     [[nodiscard]] truth::Truth truth(const intersect::Info& info) const {
         return band_->truth(index_, convention(info));
     }
@@ -57,16 +59,16 @@ public:
     /// Largest change of t*, in the unit of the form's answer, that half an ulp in each input can cause, see
     /// `truth::reach`; NaN for a miss.
     [[nodiscard]] double reach(const intersect::Info& info, const Format& format) const;
-    /// Outcome of answers to these inputs, with the outcomes of meshes told apart; `before` where the primitives have
-    /// no mesh or the ray truly misses.
+    /// Outcome of answers to these inputs, including the outcomes that only meshes have. Returns `plain_outcome` if the
+    /// primitives have no mesh or the ray truly misses.
     [[nodiscard]] Outcome outcome(const Inputs& inputs, const Answers& answers, const intersect::Info& info,
-                                  Outcome before) const {
+                                  Outcome plain_outcome) const {
         const truth::Truth found = truth(info);
-        return found.is_hit()
-                   ? outcome_in_mesh({answers, inputs.all, *band_, convention(info)}, index_, found.object, before)
-                   : before;
+        return found.is_hit() ? outcome_in_mesh({answers, inputs.all, *band_, convention(info)}, index_, found.object,
+                                                plain_outcome)
+                              : plain_outcome;
     }
-    /// True if the ray truly meets that primitive first, alone or among others.
+    /// True if the ray truly meets this primitive first, alone or together with others.
     [[nodiscard]] bool meets_first(std::int32_t primitive, const intersect::Info& info) const {
         return answer::meets_first(*band_, index_, primitive, convention(info));
     }
@@ -79,16 +81,16 @@ public:
 private:
     OneRay(std::shared_ptr<truth::Band> band, std::size_t index) : band_(std::move(band)), index_(index) {}
     [[nodiscard]] intersect::Convention convention(const intersect::Info& info) const {
-        return info.convention(judged_);
+        return info.convention(touching_);
     }
 
     /// Builds the band of a scene with shared inputs.
-    void evaluate_among(const scene::file::Scene& scene, scene::rays::RayBlock ray, truth::TruthLimit limit);
+    void make_band(const scene::file::Scene& scene, scene::rays::RayBlock ray, truth::TruthLimit limit);
 
     std::unique_ptr<culling::Culler> culler_;
     std::shared_ptr<truth::Band> band_;  ///< pixels of the same row share one
     std::size_t index_ = 0;
-    std::optional<intersect::Touching> judged_;
+    std::optional<intersect::Touching> touching_;
 };
 
 /// Records the march of a form that marches (`form.log`) along a ray.

@@ -58,19 +58,19 @@ inline Outcome classify(truth::Truth::Decision truth, bool hit, double t) {
 /// Table of `classify` for all cases of its three arguments: looking up an outcome needs no branch.
 class OutcomeTable {
 public:
-    /// Pass `false` for a form that answers no t: its NaN are then not an outcome.
+    /// Pass `false` for a form that answers no t: a NaN is then ignored.
     explicit OutcomeTable(bool tells_t = true) {
         using Decision = truth::Truth::Decision;
         for (const Decision decision : {Decision::miss, Decision::hit, Decision::unresolved})
             for (const bool hit : {false, true})
                 for (const bool is_nan : {false, true})
-                    cases_[place(decision, hit, is_nan)] = classify(decision, hit, is_nan && tells_t ? NAN : 0);
+                    cases_[case_index(decision, hit, is_nan)] = classify(decision, hit, is_nan && tells_t ? NAN : 0);
     }
-    static constexpr std::size_t place(truth::Truth::Decision decision, bool hit, bool is_nan) {
+    static constexpr std::size_t case_index(truth::Truth::Decision decision, bool hit, bool is_nan) {
         return 4 * static_cast<std::size_t>(decision) + 2 * static_cast<std::size_t>(hit) +
                static_cast<std::size_t>(is_nan);
     }
-    Outcome operator[](std::size_t place) const { return cases_[place]; }
+    Outcome operator[](std::size_t case_index) const { return cases_[case_index]; }
 
 private:
     std::array<Outcome, 12> cases_;

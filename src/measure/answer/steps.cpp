@@ -30,10 +30,11 @@ std::optional<double> evaluate_one(const intersect::table::Intersector& row, con
         const auto& [o, d] = ray;
         const std::array<S, 6> x{static_cast<S>(o.x), static_cast<S>(o.y), static_cast<S>(o.z),
                                  static_cast<S>(d.x), static_cast<S>(d.y), static_cast<S>(d.z)};
-        const auto one = [](const S& value) { return std::span(&value, 1); };
+        const auto span_of_one = [](const S& value) { return std::span(&value, 1); };
         const S end = static_cast<S>(tmax);
-        intersect::table::RayBatch<S> rays{one(x[0]), one(x[1]), one(x[2]), one(x[3]), one(x[4]), one(x[5])};
-        if (!std::isinf(tmax)) rays.tmax = one(end);
+        intersect::table::RayBatch<S> rays{span_of_one(x[0]), span_of_one(x[1]), span_of_one(x[2]),
+                                           span_of_one(x[3]), span_of_one(x[4]), span_of_one(x[5])};
+        if (!std::isinf(tmax)) rays.tmax = span_of_one(end);
         S t{}, near{}, far{};
         std::uint8_t hit = 0;
         kernel(rays, intersect::Target<S>(transformed(primitive, [](double n) { return static_cast<S>(n); })),
@@ -55,101 +56,102 @@ Affine<Real> exactly(const Affine<T>& m) {
     return {{exactly(m.rows[0]), exactly(m.rows[1]), exactly(m.rows[2])}, exactly(m.shift)};
 }
 
-/// t as a certified value. A Real has 256 bits: what the value leaves out is less than any of the bounds that go into
-/// it.
-std::optional<Certified> known(const Real& t) {
+/// t as a certified value. The bits of the Real that the value leaves out are below any of its error bounds: a Real has
+/// 256 bits.
+std::optional<Certified> certified_value(const Real& t) {
     if (t == 0) return Certified{};
     int exponent = 0;
     const Real scaled = frexp(t, &exponent);
     const double hi = word_of(scaled), lo = low_word_of(scaled);
-    Certified found = truth::certified(hi, lo, std::fabs(hi) * 0x1p-70);
-    found.exponent += exponent;
-    return found;
+    Certified result = truth::certified(hi, lo, std::fabs(hi) * 0x1p-70);
+    result.exponent += exponent;
+    return result;
 }
 
 Real value_of(const Certified& t) { return ldexp(Real(t.hi) + Real(t.lo), static_cast<int>(t.exponent)); }
 
-/// Takes one ray through the steps of a row, in T.
+/// Takes one ray through the transform steps of a row, in T.
 template <class T>
-class Walk {
+class StepWalk {
 public:
-    Walk(const Intersector& row, const Format& format, const Ray<double>& ray, const Primitive<double>& primitive,
-         const Range<double>& range)
+    StepWalk(const Intersector& row, const Format& format, const Ray<double>& ray, const Primitive<double>& primitive,
+             const Range<double>& range)
         : row_(row),
-          made_(intersect::transform::transformed_parts_of(row)),
+          parts_(intersect::transform::transformed_parts_of(row)),
           format_(format),
           primitive_(primitive),
           range_(range) {
         world_ = lift_ray<T>(ray);
         exact_world_ = {exactly(world_.origin), exactly(world_.direction)};
-        plain_ = primitive;
-        plain_.placed.reset();
+        unplaced_ = primitive;
+        unplaced_.placed.reset();
     }
 
     Steps walk(const Certified& truth) {
-        const StepsIn<T>& here = intersect::transform::steps_in<T>(*made_.method);
-        const StepsIn<Real>& exact = made_.method->real;
-        Steps found;
-        found.t[0] = truth;
-        const Maps<T> maps = here.maps(transformed(*primitive_.placed, [](double x) { return static_cast<T>(x); }));
+        const StepsIn<T>& rounded_steps = intersect::transform::steps_in<T>(*parts_.method);
+        const StepsIn<Real>& exact_steps = parts_.method->real;
+        Steps steps;
+        steps.t[0] = truth;
+        const Maps<T> maps =
+            rounded_steps.maps(transformed(*primitive_.placed, [](double x) { return static_cast<T>(x); }));
         maps_ = {exactly(maps.to_world), exactly(maps.to_object)};
-        const auto finished = [&](const Vec<Real>& o, const Vec<Real>& d) {
-            return exact.finish(maps_, exact_world_.origin, Ray<Real>{o, d});
+        const auto finish_exactly = [&](const Vec<Real>& o, const Vec<Real>& d) {
+            return exact_steps.finish(maps_, exact_world_.origin, Ray<Real>{o, d});
         };
-        const Vec<T> o = here.origin(maps, world_.origin), d = here.direction(maps, world_.direction);
-        const Vec<Real> exact_d = exact.direction(maps_, exact_world_.direction);
-        found.t[1] = met(finished(exact.origin(maps_, exact_world_.origin), exact_d));
-        found.t[2] = met(finished(exactly(o), exact_d));
-        found.t[3] = met(finished(exactly(o), exactly(d)));
-        const ObjectRay<T> in = here.finish(maps, world_.origin, Ray<T>{o, d});
+        const Vec<T> o = rounded_steps.origin(maps, world_.origin), d = rounded_steps.direction(maps, world_.direction);
+        const Vec<Real> exact_d = exact_steps.direction(maps_, exact_world_.direction);
+        steps.t[1] = exact_t(finish_exactly(exact_steps.origin(maps_, exact_world_.origin), exact_d));
+        steps.t[2] = exact_t(finish_exactly(exactly(o), exact_d));
+        steps.t[3] = exact_t(finish_exactly(exactly(o), exactly(d)));
+        const ObjectRay<T> in = rounded_steps.finish(maps, world_.origin, Ray<T>{o, d});
         const ObjectRay<Real> exact_in{
             {exactly(in.ray.origin), exactly(in.ray.direction)}, Real(as_double(in.length)), Real(as_double(in.scale))};
-        found.t[4] = met(exact_in);
-        if (const auto t = asked(in)) {
+        steps.t[4] = exact_t(exact_in);
+        if (const auto t = rounded_t(in)) {
             if (std::isfinite(as_double(*t)))
-                found.t[5] = known(exact.back(maps_, exact_world_, exact_in, Real(as_double(*t))));
-            const double back = as_double(here.back(maps, world_, in, *t));
-            if (std::isfinite(back)) found.t[6] = truth::exactly(back);
+                steps.t[5] = certified_value(exact_steps.back(maps_, exact_world_, exact_in, Real(as_double(*t))));
+            const double rounded_world_t = as_double(rounded_steps.back(maps, world_, in, *t));
+            if (std::isfinite(rounded_world_t)) steps.t[6] = truth::exactly(rounded_world_t);
         }
-        return found;
+        return steps;
     }
 
 private:
     [[nodiscard]] Range<double> scaled_range(double length) const {
-        Range<double> there = range_;
-        there.tmin *= length;
-        there.tmax *= length;
-        return there;
+        Range<double> range = range_;
+        range.tmin *= length;
+        range.tmax *= length;
+        return range;
     }
 
-    /// t in the world where the form and the way back are exact.
-    std::optional<Certified> met(const ObjectRay<Real>& in) const {
-        Primitive<Real> object = transformed(plain_, [](double x) { return Real(x); });
+    /// t in the world if the form and the way back are exact; empty for a miss.
+    std::optional<Certified> exact_t(const ObjectRay<Real>& in) const {
+        Primitive<Real> object = transformed(unplaced_, [](double x) { return Real(x); });
         if (in.scale != 1) object = scaled(object, in.scale);
         const truth::Truth truth = truth::find_truth(in.ray, object, {}, row_.info->convention().of(object.shape),
                                                      scaled_range(word_of(in.length)));
         if (!truth.is_hit()) return std::nullopt;
-        return known(made_.method->real.back(maps_, exact_world_, in, value_of(truth.t)));
+        return certified_value(parts_.method->real.back(maps_, exact_world_, in, value_of(truth.t)));
     }
 
-    /// Answer of the form; nothing if it misses.
-    std::optional<T> asked(const ObjectRay<T>& in) const {
-        Primitive<T> object = lift_primitive<T>(plain_);
+    /// Answer of the form in its format; empty for a miss.
+    std::optional<T> rounded_t(const ObjectRay<T>& in) const {
+        Primitive<T> object = lift_primitive<T>(unplaced_);
         if (as_double(in.scale) != 1) object = scaled(object, in.scale);
         const auto t =
-            evaluate_one(*made_.form, format_, as_doubles(in.ray), as_doubles(object),
+            evaluate_one(*parts_.form, format_, as_doubles(in.ray), as_doubles(object),
                          std::isinf(range_.tmax) ? range_.tmax : as_double(static_cast<T>(range_.tmax) * in.length));
         return t ? std::optional(static_cast<T>(*t)) : std::nullopt;
     }
 
     const Intersector& row_;
-    intersect::transform::TransformedFormParts made_;
+    intersect::transform::TransformedFormParts parts_;
     const Format& format_;
     const Primitive<double>& primitive_;
     Range<double> range_;
     Ray<T> world_;
     Ray<Real> exact_world_;
-    Primitive<double> plain_;
+    Primitive<double> unplaced_;
     Maps<Real> maps_;
 };
 
@@ -164,23 +166,24 @@ std::optional<std::size_t> Steps::worst() const {
     for (std::size_t k = 0; k < step_count; ++k)
         if (t[k].has_value() != t[k + 1].has_value()) return k;
     if (!t[0]) return std::nullopt;
-    std::optional<std::size_t> found;
-    double most = 0;
+    std::optional<std::size_t> worst_step;
+    double largest = 0;
     for (std::size_t k = 0; k < step_count; ++k) {
         const double size = std::fabs(error(k, t[0]->exponent));
-        if (size > most) most = size, found = k;
+        if (size > largest) largest = size, worst_step = k;
     }
-    return found;
+    return worst_step;
 }
 
 Steps steps_of(const Intersector& row, const Format& format, const Ray<double>& ray, const Primitive<double>& primitive,
                const Range<double>& range) {
     const truth::Truth truth = truth::find_truth(ray, primitive, {}, row.info->convention().of(primitive.shape), range);
-    const bool unit = row.info->direction == intersect::Direction::unit;
+    const bool has_unit_directions = row.info->direction == intersect::Direction::unit;
     return with_number(format, [&]<class T>() {
-        Steps found = Walk<T>(row, format, ray, primitive, range).walk(unit ? truth.distance : truth.t);
-        if (!truth.is_hit()) found.t[0].reset();
-        return found;
+        Steps steps =
+            StepWalk<T>(row, format, ray, primitive, range).walk(has_unit_directions ? truth.distance : truth.t);
+        if (!truth.is_hit()) steps.t[0].reset();
+        return steps;
     });
 }
 
@@ -193,18 +196,18 @@ struct RangedProblem {
     Range<double> range;
 };
 
-RangedProblem object_of(const TransformMethod& space, const Format& format, const RangedProblem& world) {
+RangedProblem to_object_space(const TransformMethod& method, const Format& format, const RangedProblem& world) {
     return with_number(format, [&]<class T>() {
         const auto lift = [](double x) { return static_cast<T>(x); };
-        const auto& steps = intersect::transform::steps_in<T>(space);
+        const auto& steps = intersect::transform::steps_in<T>(method);
         const auto in = steps.to_object(steps.maps(transformed(*world.primitive.placed, lift)), lift_ray<T>(world.ray));
         Primitive<T> object = lift_primitive<T>(world.primitive);
         object.placed.reset();
         if (as_double(in.scale) != 1) object = scaled(object, in.scale);
-        RangedProblem there{as_doubles(in.ray), as_doubles(object), world.range};
-        there.range.tmin = as_double(lift(world.range.tmin) * in.length);
-        there.range.tmax = as_double(lift(world.range.tmax) * in.length);
-        return there;
+        RangedProblem object_problem{as_doubles(in.ray), as_doubles(object), world.range};
+        object_problem.range.tmin = as_double(lift(world.range.tmin) * in.length);
+        object_problem.range.tmax = as_double(lift(world.range.tmax) * in.length);
+        return object_problem;
     });
 }
 
@@ -212,31 +215,33 @@ RangedProblem object_of(const TransformMethod& space, const Format& format, cons
 
 Levels levels_of(const Intersector& row, const Format& format, const Ray<double>& ray,
                  const Primitive<double>& primitive, const Range<double>& range) {
-    Levels found;
-    RangedProblem at{ray, primitive, range};
+    Levels levels;
+    RangedProblem problem{ray, primitive, range};
     bool is_lost = !evaluate_one(row, format, ray, primitive, range.tmax);
-    const auto lose = [&](Level level) {
-        if (is_lost) found.lost_to = level;
+    const auto lose_to = [&](Level level) {
+        if (is_lost) levels.lost_to = level;
         is_lost = false;
     };
-    const Intersector* now = &row;
+    const Intersector* current = &row;
     for (;;) {
-        if (const auto behind = intersect::bounding_box::boxed_parts_of(*now); behind.form != nullptr) {
-            const BoundingBox<double> box = behind.method->in(format, at.primitive);
-            found.boxes.push_back({at.ray, box});
-            if (!evaluate_one(*behind.box, format, at.ray, box, at.range.tmax))
-                lose(at.primitive.placed ? Level::world_box : Level::box);
-            now = behind.form;
-        } else if (const auto through = intersect::transform::transformed_parts_of(*now); through.form != nullptr) {
-            if (at.primitive.placed) {
-                at = object_of(*through.method, format, at);
-                const auto words = now->info->convention().of(primitive.shape);
-                if (!truth::find_truth(at.ray, at.primitive, {}, words, at.range).is_hit()) lose(Level::space);
+        if (const auto boxed_parts = intersect::bounding_box::boxed_parts_of(*current); boxed_parts.form != nullptr) {
+            const BoundingBox<double> box = boxed_parts.method->in(format, problem.primitive);
+            levels.boxes.push_back({problem.ray, box});
+            if (!evaluate_one(*boxed_parts.box, format, problem.ray, box, problem.range.tmax))
+                lose_to(problem.primitive.placed ? Level::world_box : Level::box);
+            current = boxed_parts.form;
+        } else if (const auto transformed_parts = intersect::transform::transformed_parts_of(*current);
+                   transformed_parts.form != nullptr) {
+            if (problem.primitive.placed) {
+                problem = to_object_space(*transformed_parts.method, format, problem);
+                const auto form_convention = current->info->convention().of(primitive.shape);
+                if (!truth::find_truth(problem.ray, problem.primitive, {}, form_convention, problem.range).is_hit())
+                    lose_to(Level::space);
             }
-            now = through.form;
+            current = transformed_parts.form;
         } else {
-            lose(Level::form);
-            return found;
+            lose_to(Level::form);
+            return levels;
         }
     }
 }
@@ -248,21 +253,21 @@ double end_margin(const Intersector& row, const Format& format, const Ray<double
     if (!t || !std::isfinite(*t)) return truth::missing;
     const double ulp =
         std::ldexp(1, static_cast<int>(ulp_exponent(format.parameters, *t == 0 ? -100000 : std::ilogb(*t))));
-    const auto is_found = [&](double k) {
+    const auto hits_with = [&](double k) {
         const double end = rounding::to_format(*t + k * ulp, 0, format.parameters);
         return evaluate_one(row, format, ray, primitive, std::min(end, range.tmax)).has_value();
     };
-    if (is_found(0)) return 0;
-    double lost = 0, found = 1;
-    for (; !is_found(found); found *= 2) {
-        if (found > std::ldexp(1, format.parameters.precision)) return HUGE_VAL;
-        lost = found;
+    if (hits_with(0)) return 0;
+    double too_small = 0, large_enough = 1;
+    for (; !hits_with(large_enough); large_enough *= 2) {
+        if (large_enough > std::ldexp(1, format.parameters.precision)) return HUGE_VAL;
+        too_small = large_enough;
     }
-    while (found - lost > 1) {
-        const double between = std::floor((lost + found) / 2);
-        (is_found(between) ? found : lost) = between;
+    while (large_enough - too_small > 1) {
+        const double middle = std::floor((too_small + large_enough) / 2);
+        (hits_with(middle) ? large_enough : too_small) = middle;
     }
-    return found;
+    return large_enough;
 }
 
 }  // namespace lostbits::measure::answer

@@ -1,6 +1,6 @@
-// Attributes a loss to the steps and levels of an answer. Steps: the way into the space of a primitive and back, where
-// the steps are rounded one after the other and the rest is exact. Levels: a form behind boxes, in the world and in the
-// space of its primitive, where the first level that misses loses the hit.
+// Attributes a loss to the transform steps and to the levels of an answer. Steps lead into the space of a primitive and
+// back; the first k of them are rounded and the others exact, for each k. Levels belong to a form behind boxes, in the
+// world and in the space of its primitive; the first level that misses loses the hit.
 #pragma once
 
 #include <algorithm>
@@ -17,29 +17,29 @@
 
 namespace lostbits::measure::answer {
 
-/// The t that a row answers; nothing if it misses. Inputs are numbers of the format.
+/// The t that a row answers; empty if it misses. Inputs are numbers of the format.
 std::optional<double> evaluate_one(const intersect::table::Intersector& row, const Format& format,
                                    const Ray<double>& ray, const Primitive<double>& primitive, double tmax);
 
 inline constexpr std::size_t step_count = intersect::transform::step_names.size();
 
-/// Names that a ray can get: a step, or `nothing` where form and truth miss or no error arises.
+/// Categories of a ray: a step, or `nothing` if form and truth miss or there is no error.
 inline constexpr auto step_categories = [] {
-    std::array<std::string_view, step_count + 1> all{"nothing"};
-    std::ranges::copy(intersect::transform::step_names, all.begin() + 1);
-    return all;
+    std::array<std::string_view, step_count + 1> names{"nothing"};
+    std::ranges::copy(intersect::transform::step_names, names.begin() + 1);
+    return names;
 }();
 
 /// Let tₖ be the answer where the first k steps are rounded and the others are exact. t₀ is the truth for the stored
 /// numbers, and the last is the form's answer. Step k is assigned tₖ − tₖ₋₁, and these sum to the whole error.
 struct Steps {
-    /// t₀ to t₆, in the unit of the row's answers; nothing where the ray misses.
+    /// t₀ to t₆, in the unit of the row's answers; empty where the ray misses.
     std::array<std::optional<truth::Certified>, step_count + 1> t;
 
     /// Error assigned to step k, in units of 2^exponent; NaN if the ray misses before or after the step.
     [[nodiscard]] double error(std::size_t k, std::int64_t exponent) const;
-    /// The step with the largest error, if all of them hit. If a decision is wrong, the first step that makes it so.
-    /// Nothing if all of them miss or the error is 0.
+    /// The step with the largest error if all tₖ are hits. If a decision is wrong, the first step that makes it so.
+    /// Empty if all tₖ are misses or the error is 0.
     [[nodiscard]] std::optional<std::size_t> worst() const;
 };
 
@@ -72,9 +72,10 @@ struct Levels {
 Levels levels_of(const intersect::table::Intersector& row, const Format& format, const Ray<double>& ray,
                  const Primitive<double>& primitive, const Range<double>& range);
 
-/// Margin by which another hit, found before, must lie behind this one for this one to be found still, in ulps of t. It
-/// is the least k for which the row hits when the ray ends at t + k ulp(t), t being its own answer. 0: a hit at the
-/// same t is enough. Infinite if no k up to 2^p is enough; missing if the row misses with the range's own end.
+/// Margin, in ulps of t, that an earlier and farther hit must leave for the row to find this hit: the earlier hit ends
+/// the ray. The margin is the least k for which the row hits when the ray ends at t + k ulp(t), where t is the row's
+/// own answer. 0: the row hits even if the ray ends at t. Infinite if no k up to 2^p is enough; NaN if the row misses
+/// with the range's own end.
 double end_margin(const intersect::table::Intersector& row, const Format& format, const Ray<double>& ray,
                   const Primitive<double>& primitive, const Range<double>& range);
 

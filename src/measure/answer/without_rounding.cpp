@@ -12,9 +12,9 @@ using truth::Certified;
 
 namespace {
 
-/// True when this precision settles the question; `answer` is then set where there is one.
+/// True if the precision of `hit` decides the form's answer. Then sets `answer` if there is one.
 template <class E>
-bool settle(const Hit<E>& hit, std::optional<Certified>& answer) {
+bool try_to_answer(const Hit<E>& hit, std::optional<Certified>& answer) {
     if (hit.hit.is_unknown()) return false;
     if (hit.hit.is_no()) return true;
     if (hit.t.undefined() == Undefined::always) return true;
@@ -27,12 +27,12 @@ bool settle(const Hit<E>& hit, std::optional<Certified>& answer) {
 std::optional<Certified> without_rounding(const intersect::table::Intersector& form, const Ray<double>& ray,
                                           const intersect::Target<double>& target, int limit_bits) {
     std::optional<Certified> answer;
-    const intersect::LiftedTarget<Ball> quick(target, [](double x) { return Ball(x); });
-    if (settle(form.ball(lift_ray<Ball>(ray), quick.get()), answer)) return answer;
+    const intersect::LiftedTarget<Ball> ball_target(target, [](double x) { return Ball(x); });
+    if (try_to_answer(form.ball(lift_ray<Ball>(ray), ball_target.get()), answer)) return answer;
     for (int bits = 192; bits <= limit_bits; bits *= 2) {
         const Interval::Precision precision(bits);
-        const intersect::LiftedTarget<Interval> lifted(target, [](double x) { return Interval(x); });
-        if (settle(form.interval(lift_ray<Interval>(ray), lifted.get()), answer)) return answer;
+        const intersect::LiftedTarget<Interval> interval_target(target, [](double x) { return Interval(x); });
+        if (try_to_answer(form.interval(lift_ray<Interval>(ray), interval_target.get()), answer)) return answer;
     }
     return std::nullopt;
 }
@@ -49,7 +49,8 @@ const Intersector& form_of(const Call& call) {
 /// Answers a call. `numbers` are those of the ray and the primitive; `end` is the end of the ray, if it has one. Calls
 /// `ask(form, ray, target)`. A decision is a number too: 1 for a hit and -1 for a miss; the t of a miss is -1.
 template <class E, class Ask>
-std::optional<E> answered(const Call& call, std::span<const E> numbers, const std::optional<E>& end, const Ask& ask) {
+std::optional<E> answer_call(const Call& call, std::span<const E> numbers, const std::optional<E>& end,
+                             const Ask& ask) {
     const Intersector& form = form_of(call);
     const auto vec = [&](std::size_t k) { return Vec<E>(numbers[k], numbers[k + 1], numbers[k + 2]); };
     Primitive<E> primitive(form.shape);
@@ -62,15 +63,15 @@ std::optional<E> answered(const Call& call, std::span<const E> numbers, const st
     if (hit.hit.is_unknown()) return std::nullopt;
     if (call.answer == CallAnswer::decision) return E(hit.hit.is_yes() ? 1 : -1);
     if (call.answer == CallAnswer::t && hit.hit.is_no()) return E(-1);
-    const E& asked = call.answer == CallAnswer::t ? hit.t : call.answer == CallAnswer::near ? hit.near : hit.far;
-    return asked.is_bounded() ? std::optional(asked) : std::nullopt;
+    const E& value = call.answer == CallAnswer::t ? hit.t : call.answer == CallAnswer::near ? hit.near : hit.far;
+    return value.is_bounded() ? std::optional(value) : std::nullopt;
 }
 
 /// Number of arguments that describe the ray and the primitive; the end of the ray may follow them.
-std::size_t numbers_of(const Call& call) { return 6 + Primitive<double>(form_of(call).shape).used().size(); }
+std::size_t count_numbers(const Call& call) { return 6 + Primitive<double>(form_of(call).shape).used().size(); }
 
-/// Writes x exactly as a sum of doubles.
-Interval in_parts(Real2048 x) {
+/// Converts x exactly, as a sum of doubles.
+Interval exact_interval(Real2048 x) {
     Interval sum(0);
     while (mpfr_regular_p(x.backend().data()) != 0) {
         const double part = mpfr_get_d(x.backend().data(), MPFR_RNDN);
@@ -84,27 +85,28 @@ Interval in_parts(Real2048 x) {
 }  // namespace
 
 std::optional<Ball> without_rounding(const Call& call, std::span<const Ball> arguments) {
-    const std::size_t numbers = numbers_of(call);
+    const std::size_t count = count_numbers(call);
     std::optional<Ball> end;
-    if (arguments.size() > numbers && arguments.back().hi() < 0x1p880) end = arguments.back();
-    return answered<Ball>(call, arguments.first(numbers), end,
-                          [](const Intersector& form, const auto& ray, const auto& at) { return form.ball(ray, at); });
+    if (arguments.size() > count && arguments.back().hi() < 0x1p880) end = arguments.back();
+    return answer_call<Ball>(
+        call, arguments.first(count), end,
+        [](const Intersector& form, const auto& ray, const auto& target) { return form.ball(ray, target); });
 }
 
 std::optional<Real2048> without_rounding(const Call& call, std::span<const Real2048> arguments) {
     // 10240 bits: a decision takes products of four numbers of 2048 bits.
     const Interval::Precision precision(10240);
     std::vector<Interval> lifted;
-    for (const Real2048& x : arguments) lifted.push_back(in_parts(x));
-    const std::size_t numbers = numbers_of(call);
+    for (const Real2048& x : arguments) lifted.push_back(exact_interval(x));
+    const std::size_t count = count_numbers(call);
     std::optional<Interval> end;
-    if (arguments.size() > numbers && mpfr_inf_p(arguments.back().backend().data()) == 0) end = lifted.back();
-    const auto found = answered<Interval>(
-        call, std::span<const Interval>(lifted).first(numbers), end,
-        [](const Intersector& form, const auto& ray, const auto& at) { return form.interval(ray, at); });
-    if (!found) return std::nullopt;
+    if (arguments.size() > count && mpfr_inf_p(arguments.back().backend().data()) == 0) end = lifted.back();
+    const auto enclosure = answer_call<Interval>(
+        call, std::span<const Interval>(lifted).first(count), end,
+        [](const Intersector& form, const auto& ray, const auto& target) { return form.interval(ray, target); });
+    if (!enclosure) return std::nullopt;
     Real2048 value;
-    mpfr_set(value.backend().data(), found->lower(), MPFR_RNDN);
+    mpfr_set(value.backend().data(), enclosure->lower(), MPFR_RNDN);
     return value;
 }
 

@@ -1,5 +1,4 @@
-// Values of a formula without rounding, to tell the error of the formula from that of its arithmetic: for a form, and
-// for a call on a tape.
+// Evaluates a form, or a call on a tape, without rounding: tells the error of the formula from that of its arithmetic.
 #pragma once
 
 #include <optional>
@@ -19,8 +18,8 @@ namespace lostbits::measure::answer {
 std::optional<truth::Certified> without_rounding(const intersect::table::Intersector& form, const Ray<double>& ray,
                                                  const intersect::Target<double>& target, int limit_bits = 4096);
 
-/// Evaluates a call on enclosed arguments. Returns nothing if they leave the decision or the number open. A ball of
-/// 2^880 or more is infinite, as the end of a ray may be.
+/// Evaluates a call on enclosed arguments. Returns nothing if the enclosures leave the decision or the result open. A
+/// ball of 2^880 or more is infinite, as the end of a ray may be.
 std::optional<Ball> without_rounding(const Call& call, std::span<const Ball> arguments);
 /// Evaluates a call to 2048 bits.
 std::optional<BasicReal<2048>> without_rounding(const Call& call, std::span<const BasicReal<2048>> arguments);

@@ -23,7 +23,7 @@ struct OperationError {
     double exact = 0;       ///< rounded to the nearest double
     double error = 0;       ///< computed − exact
     double rounding = 0;    ///< its own error: computed − the exact operation on the computed operands; for a choice
-                            ///< that rounding turned, exact value of the side taken − of the side left
+                            ///< that rounding turned, exact value of the side taken − exact value of the other side
     double adjoint = 0;     ///< difference quotient of the subject by this value
     double derivative = 0;  ///< ∂subject/∂value at the computed values; only with `AttributionDepth::full`
     double contribution = 0;  ///< rounding · adjoint, in the unit of the subject
@@ -44,7 +44,7 @@ struct Attribution {
                              ///< ones did
     double error = 0;        ///< of the subject; for a comparison, of the difference of its sides
     double explained = 0;    ///< sum of the contributions
-    double first_order = 0;  ///< the same with derivatives; only with `AttributionDepth::full`
+    double first_order = 0;  ///< sum of the contributions by derivatives; only with `AttributionDepth::full`
     int exact_bits = 0;      ///< precision of the exact values: 106 (double-double with bounds), or 2048
     /// The live operation with the largest |contribution|. Among equals, the one that `largest_contributions` puts
     /// first: if one is computed from the other, the later one. If the subject (or a side of it) is not finite, the
@@ -69,17 +69,18 @@ struct AttributionDepth {
 /// 2^-1900 of themselves are equal.
 Attribution attribute(const Tape& tape, NodeId subject, AttributionDepth depth = {});
 
-/// Attributes the error of a tape's t if the form's decision is the exact one, otherwise of the decision. The t of a
-/// miss is not an answer, so no operation is its culprit.
+/// Attributes the error of a tape's t if the form decides as it would without rounding; otherwise the error of the
+/// decision. The t of a miss is not an answer, so no operation is its culprit.
 Attribution attribute(const Tape& tape, AttributionDepth depth = {});
 
 /// True if the form misses with and without rounding.
-bool is_plain_miss(const Tape& tape, const Attribution& found);
+bool is_plain_miss(const Tape& tape, const Attribution& attribution);
 
-/// Relative tolerance for equal contributions: two are equal if their magnitudes agree to this part of the larger. They
-/// are sums of products in binary64, far more accurate than this. But two that are equal to first order differ by the
-/// relative error of the operations between them, which from binary32 up is mostly less than this. Measured on 2.9
-/// million rays of the scenes: 11 % have equals, and on one in eight of those the equals differ by more than 2^-40.
+/// Relative tolerance for equal contributions: two contributions are equal if their magnitudes agree to this part of
+/// the larger. They are sums of products in binary64, which are far more accurate than the tolerance. But two
+/// contributions that are equal to first order differ by the relative error of the operations between them, which from
+/// binary32 up is mostly less than the tolerance. Measured on 2.9 million rays of the scenes: 11 % have equal
+/// contributions, and on one in eight of those rays they differ by more than 2^-40.
 inline constexpr double equal_contributions = 0x1p-20;
 
 /// The live operations with the largest |contribution|, the culprit first; none if there is no error. Those nearer to
@@ -88,13 +89,14 @@ inline constexpr double equal_contributions = 0x1p-20;
 /// operands from left to right. The order of the tape does not matter.
 ///
 /// `below`: considers only contributions smaller than this.
-std::vector<NodeId> largest_contributions(const Tape& tape, const Attribution& found, std::optional<double> below = {});
+std::vector<NodeId> largest_contributions(const Tape& tape, const Attribution& attribution,
+                                          std::optional<double> below = {});
 
-/// The same, but skips wrong choices that cancel each other, if there is any other error: they took another path to the
-/// same value and rounded nothing. (closest_approach does so on two rays in five.)
-std::vector<NodeId> culprit_and_equals(const Tape& tape, const Attribution& found);
+/// Same as `largest_contributions`, but skips wrong choices that cancel each other, if there is any other error. Such
+/// choices took another path to the same value and rounded nothing. (closest_approach does so on two rays in five.)
+std::vector<NodeId> culprit_and_equals(const Tape& tape, const Attribution& attribution);
 
 /// True if the error of operation `from` goes through operation i.
-bool is_computed_from(const Tape& tape, const Attribution& found, NodeId i, NodeId from);
+bool is_computed_from(const Tape& tape, const Attribution& attribution, NodeId i, NodeId from);
 
 }  // namespace lostbits::measure::attribution

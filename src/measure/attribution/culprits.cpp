@@ -21,7 +21,7 @@ using truth::missing;
 
 namespace {
 
-/// Hash of all that decides the names of a form's operations: their kinds and operands. FNV-1a over 64 bits.
+/// Hash of what determines the names of a form's operations: their kinds and operands. FNV-1a over 64 bits.
 std::uint64_t structure_of(const Tape& tape) {
     std::uint64_t h = 14695981039346656037u;
     const auto mix = [&h](std::uint64_t x) { h = (h ^ x) * 1099511628211u; };
@@ -33,30 +33,30 @@ std::uint64_t structure_of(const Tape& tape) {
 }
 
 /// For each operation its label, or the label that it leads to first.
-std::vector<std::string_view> steps_of(const Tape& tape) {
-    std::vector<std::string_view> step(tape.nodes.size());
+std::vector<std::string_view> leading_labels(const Tape& tape) {
+    std::vector<std::string_view> labels(tape.nodes.size());
     for (NodeId i = tape.size() - 1; i >= 0; --i) {
         const TapeNode& n = tape[i];
-        if (!n.label.empty()) step[static_cast<std::size_t>(i)] = n.label;
+        if (!n.label.empty()) labels[static_cast<std::size_t>(i)] = n.label;
         // Users come later on the tape. The earliest of them is visited last, so its label stays.
         for (const NodeId operand : tape.operands_of(i)) {
             if (tape[operand].label.empty() && !is_decision(n.op))
-                step[static_cast<std::size_t>(operand)] = step[static_cast<std::size_t>(i)];
+                labels[static_cast<std::size_t>(operand)] = labels[static_cast<std::size_t>(i)];
         }
     }
-    return step;
+    return labels;
 }
 
 std::optional<Target<double>> target_of(const Intersector& form, const Setting& setting) {
     if (!form.is_template()) return std::nullopt;
     if (!is_primitive(form.shape))
         return setting.march ? std::optional(Target<double>(setting.primitives, *setting.march)) : std::nullopt;
-    const auto fits = std::ranges::find(setting.primitives, form.shape, &Primitive<double>::shape);
-    return fits == setting.primitives.end() ? std::nullopt : std::optional(Target<double>(*fits));
+    const auto match = std::ranges::find(setting.primitives, form.shape, &Primitive<double>::shape);
+    return match == setting.primitives.end() ? std::nullopt : std::optional(Target<double>(*match));
 }
 
 /// A ray of the setting's camera in binary32, if formats make its rays.
-std::optional<scene::rays::RecordedRay> some_ray(const Intersector& form, const Setting& setting) {
+std::optional<scene::rays::RecordedRay> record_some_ray(const Intersector& form, const Setting& setting) {
     const auto* const generator = scene::rays::generator_of(form);
     if (setting.scene == nullptr || !(generator || setting.scene->camera.rays)) return std::nullopt;
     const scene::rays::GeneratedRays rays(generator ? with_rays(*setting.scene, *generator) : *setting.scene);
@@ -67,23 +67,23 @@ std::optional<scene::rays::RecordedRay> some_ray(const Intersector& form, const 
 std::vector<std::string> record_all(const Intersector& form, const Target<double>& target, const Setting& setting,
                                     Tape& tape) {
     form.record_all(target, tape);
-    auto recorded_ray = some_ray(form, setting);
-    const bool is_put_before = recorded_ray && form.info->direction != intersect::Direction::unit;
-    if (is_put_before) recorded_ray->put_before(tape);
-    std::vector<std::string> names = names_of_inputs(form, target, is_put_before ? &*recorded_ray : nullptr);
+    auto recorded_ray = record_some_ray(form, setting);
+    const bool begins_with_ray = recorded_ray && form.info->direction != intersect::Direction::unit;
+    if (begins_with_ray) recorded_ray->put_before(tape);
+    std::vector<std::string> names = names_of_inputs(form, target, begins_with_ray ? &*recorded_ray : nullptr);
     if (setting.ranged) append_range_checks(tape, names, form, *find_format("f32"), {.tmin = 1, .tmax = 2});
     return names;
 }
 
 /// Joins `names` of all forms of a set, each name once.
 template <class Names>
-auto of_parts(const Intersector& set, const Setting& setting, const Names& names) {
-    decltype(names(set, setting)) all;
+auto join_over_parts(const Intersector& set, const Setting& setting, const Names& names) {
+    decltype(names(set, setting)) joined;
     for (const Intersector* const part : set.parts) {
         for (const auto& name : names(*part, setting))
-            if (std::ranges::find(all, name) == all.end()) all.push_back(name);
+            if (std::ranges::find(joined, name) == joined.end()) joined.push_back(name);
     }
-    return all;
+    return joined;
 }
 
 }  // namespace
@@ -96,7 +96,7 @@ OwnedSetting::OwnedSetting(const scene::file::Scene& scene)
 }
 
 std::vector<std::string> operation_names(const Intersector& form, const Setting& setting) {
-    if (form.is_set()) return of_parts(form, setting, operation_names);
+    if (form.is_set()) return join_over_parts(form, setting, operation_names);
     std::vector<std::string> operations;
     const auto target = target_of(form, setting);
     if (!target) return operations;
@@ -111,7 +111,7 @@ std::vector<std::string> operation_names(const Intersector& form, const Setting&
 }
 
 std::vector<std::string_view> labels_of(const Intersector& form, const Setting& setting) {
-    if (form.is_set()) return of_parts(form, setting, labels_of);
+    if (form.is_set()) return join_over_parts(form, setting, labels_of);
     std::vector<std::string_view> labels;
     const auto target = target_of(form, setting);
     if (!target) return labels;
@@ -136,23 +136,23 @@ std::uint64_t rays_with_culprit(std::span<const std::uint64_t> counts) {
     return std::accumulate(counts.begin() + 1, counts.end(), std::uint64_t{0});
 }
 
-double culprit_share(std::span<const std::uint64_t> counts, std::span<const std::size_t> places) {
-    const std::uint64_t all = rays_with_culprit(counts);
-    std::uint64_t some = 0;
-    for (const std::size_t place : places) some += counts[place];
-    return truth::fraction(some, all);
+double culprit_share(std::span<const std::uint64_t> counts, std::span<const std::size_t> categories) {
+    const std::uint64_t total = rays_with_culprit(counts);
+    std::uint64_t sum = 0;
+    for (const std::size_t category : categories) sum += counts[category];
+    return truth::fraction(sum, total);
 }
 
 double contribution_of(const Tape& tape, const Attribution& attribution, std::string_view label) {
-    const auto steps = steps_of(tape);
+    const auto labels = leading_labels(tape);
     double sum = 0;
-    bool any = false;
-    for (std::size_t i = 0; i < steps.size(); ++i) {
-        if (steps[i] != label) continue;
-        any = true;
+    bool has_label = false;
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+        if (labels[i] != label) continue;
+        has_label = true;
         if (attribution.errors[i].live) sum += attribution.errors[i].contribution;
     }
-    return any ? sum : missing;
+    return has_label ? sum : missing;
 }
 
 int worst_cancellation(const Attribution& attribution) {
@@ -173,24 +173,25 @@ double cancellation_of(const Tape& tape, const Attribution& attribution, std::st
     return worst;
 }
 
-const std::vector<std::int32_t>& Attributor::places(const std::function<std::vector<std::string>()>& names) {
-    const auto [found, fresh] = known_.try_emplace(structure_of(tape_));
-    if (!fresh) return found->second;
+const std::vector<std::int32_t>& Attributor::categories_of_nodes(
+    const std::function<std::vector<std::string>()>& names) {
+    const auto [entry, is_new] = categories_by_structure_.try_emplace(structure_of(tape_));
+    if (!is_new) return entry->second;
     const TapeText text(tape_, names(), TapeText::Style::generic);
     for (NodeId i = 0; i < tape_.size(); ++i) {
-        const auto place = std::ranges::find(categories_, text.category(i));
-        found->second.push_back(place == categories_.end() ? -1
-                                                           : static_cast<std::int32_t>(place - categories_.begin()));
+        const auto category = std::ranges::find(categories_, text.category(i));
+        entry->second.push_back(
+            category == categories_.end() ? -1 : static_cast<std::int32_t>(category - categories_.begin()));
     }
-    return found->second;
+    return entry->second;
 }
 
 RayAttribution Attributor::of(const Ray<double>& ray, const Target<double>& target, const Range<double>& range,
                               const std::optional<scene::rays::RecordedRay>& recorded_ray) {
     form_.record(format_, ray, target, range.tmax, tape_);
-    const bool is_put_before = recorded_ray && recorded_ray->try_put_before(tape_);
+    const bool begins_with_ray = recorded_ray && recorded_ray->try_put_before(tape_);
     const auto names_without_range = [&] {
-        return names_of_inputs(form_, target, is_put_before ? &*recorded_ray : nullptr);
+        return names_of_inputs(form_, target, begins_with_ray ? &*recorded_ray : nullptr);
     };
     std::vector<std::string> names;  // computed only where needed
     if (!range.is_whole()) {
@@ -209,9 +210,9 @@ RayAttribution Attributor::of(const Ray<double>& ray, const Target<double>& targ
         blame.culprit = 0;
         return blame;
     }
-    const auto names_of_all = [&] { return names.empty() ? names_without_range() : names; };
-    const std::int32_t place = places(names_of_all)[static_cast<std::size_t>(attribution_.culprit)];
-    if (place >= 0) blame.culprit = place;
+    const auto all_names = [&] { return names.empty() ? names_without_range() : names; };
+    const std::int32_t category = categories_of_nodes(all_names)[static_cast<std::size_t>(attribution_.culprit)];
+    if (category >= 0) blame.culprit = category;
     return blame;
 }
 

@@ -18,7 +18,7 @@
 
 namespace lostbits::measure::attribution {
 
-/// Blame for one ray whose tape was walked.
+/// Result of an `Attributor` for one ray. The pointers are valid until its next ray.
 struct RayAttribution {
     double culprit = 0;  ///< index into the categories of the run; NaN if there is no culprit to name
     const Tape* tape = nullptr;
@@ -58,18 +58,19 @@ std::vector<std::string> operation_names(const intersect::table::Intersector& fo
 /// Labels of a form, in the order of its tape; empty if the form cannot handle the setting.
 std::vector<std::string_view> labels_of(const intersect::table::Intersector& form, const Setting& setting);
 
-/// Names of the inputs of a form's tape. `made` is the recording that made the ray, whose inputs come first; null if
-/// there is none.
+/// Names of the inputs of a form's tape. `recorded_ray` is the recording of the operations that made the ray, whose
+/// inputs come first; null if there is none.
 std::vector<std::string> names_of_inputs(const intersect::table::Intersector& form,
-                                         const intersect::Target<double>& target, const scene::rays::RecordedRay* made);
+                                         const intersect::Target<double>& target,
+                                         const scene::rays::RecordedRay* recorded_ray);
 
 /// Number of rays that have a culprit, from the counts of `culprit`'s categories. Shares of culprits are relative to
-/// it.
+/// this number.
 std::uint64_t rays_with_culprit(std::span<const std::uint64_t> counts);
 
 /// Share of some categories in the rays that have a culprit, from the counts of `culprit`'s categories. NaN if no ray
-/// has one. Rays without rounding errors have none.
-double culprit_share(std::span<const std::uint64_t> counts, std::span<const std::size_t> places);
+/// has a culprit. Rays without rounding errors have none.
+double culprit_share(std::span<const std::uint64_t> counts, std::span<const std::size_t> categories);
 
 /// Sum of the contributions of the operation that the formula calls `label` and of the unnamed operations that lead to
 /// it first; NaN if no operation has that label.
@@ -78,7 +79,7 @@ double contribution_of(const Tape& tape, const Attribution& attribution, std::st
 /// Bits of the largest cancellation among the live operations whose operands carry error.
 int worst_cancellation(const Attribution& attribution);
 
-/// Bits of the largest such cancellation among the operations with that label; NaN if no operation has it.
+/// Bits of the largest such cancellation among the operations with this label; NaN if no operation has the label.
 double cancellation_of(const Tape& tape, const Attribution& attribution, std::string_view label);
 
 /// Walks the tapes of the rays of one form, one after another. Not for use by several threads at once.
@@ -89,13 +90,13 @@ public:
                std::span<const std::string_view> categories, bool with_counterfactuals = false)
         : form_(form), format_(format), categories_(categories), with_counterfactuals_(with_counterfactuals) {}
 
-    /// `made`: the recording of the ray if a format made it.
+    /// `recorded_ray`: the recording of the operations that made the ray; empty if no format made it.
     RayAttribution of(const Ray<double>& ray, const intersect::Target<double>& target, const Range<double>& range = {},
-                      const std::optional<scene::rays::RecordedRay>& made = {});
+                      const std::optional<scene::rays::RecordedRay>& recorded_ray = {});
 
 private:
     /// Category of each node of the tape; `names` are those of its inputs. Cached for all tapes of the same structure.
-    const std::vector<std::int32_t>& places(const std::function<std::vector<std::string>()>& names);
+    const std::vector<std::int32_t>& categories_of_nodes(const std::function<std::vector<std::string>()>& names);
 
     const intersect::table::Intersector& form_;
     const Format& format_;
@@ -103,7 +104,7 @@ private:
     bool with_counterfactuals_;
     Tape tape_;
     Attribution attribution_;
-    std::unordered_map<std::uint64_t, std::vector<std::int32_t>> known_;
+    std::unordered_map<std::uint64_t, std::vector<std::int32_t>> categories_by_structure_;
 };
 
 }  // namespace lostbits::measure::attribution

@@ -31,7 +31,7 @@ using truth::missing;
 
 namespace {
 
-/// Draws −1, 0 or 1, the same in every run, with Knuth's generator (MMIX). Its high bits are the good ones.
+/// Draws −1, 0 or 1, the same in every run, with Knuth's generator (MMIX), whose high bits are good.
 class RandomMoves {
 public:
     int next() {
@@ -43,12 +43,12 @@ private:
     std::uint64_t state_ = 1;
 };
 
-double moved(double x, int ulps, const FloatFormat& format) {
+double moved_by_ulps(double x, int ulps, const FloatFormat& format) {
     return x == 0 || !std::isfinite(x) ? x : x + ulps * ulp_at(x, format);
 }
 
-/// Result of a form that has answered. For a form that answers no t, only the decision counts.
-FormResult result_of_form(const Intersector& form, const Format& format, const OneRay& ray, bool hit, double t) {
+/// Result of a form with this answer. For a form that answers no t, only the decision counts.
+FormResult result_of_answer(const Intersector& form, const Format& format, const OneRay& ray, bool hit, double t) {
     const bool tells_t = form.info->roots != intersect::Roots::none;
     FormResult s{&form, answer::classify(ray.truth(*form.info).decision, hit, tells_t ? t : 0), t};
     if (s.outcome != Outcome::agree_hit || !tells_t) return s;
@@ -61,36 +61,37 @@ FormResult result_of_form(const Intersector& form, const Format& format, const O
 FormResult result_of_form(const Intersector& form, const Format& format, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
     const answer::Answers answers = answer::evaluate(form, in.all);
-    return result_of_form(form, format, ray, answers.hit[in.index] != 0, answers.t[in.index]);
+    return result_of_answer(form, format, ray, answers.hit[in.index] != 0, answers.t[in.index]);
 }
 
-/// Rays near another one, on which forms are compared.
+/// Rays near the explained one, on which forms are compared.
 struct Surroundings {
     std::span<const OneRay> rays;
-    bool hits_alone = false;  ///< skips correct misses: pixels beside the primitive say nothing about t
+    bool skips_misses = false;  ///< skips correct misses: they say nothing about t
 };
 
 /// Mean lost bits over the rays whose truth is known. A wrong decision loses all bits. If t does not count, a right
 /// decision loses none.
-double lost_around(const Intersector& form, const Format& format, const Surroundings& around, bool asks_t) {
+double mean_lost_bits(const Intersector& form, const Format& format, const Surroundings& surroundings, bool counts_t) {
     double sum = 0;
-    int known = 0;
-    for (const OneRay& ray : around.rays) {
+    int counted = 0;
+    for (const OneRay& ray : surroundings.rays) {
         const FormResult s = result_of_form(form, format, ray);
-        if (s.outcome == Outcome::unresolved || (around.hits_alone && s.outcome == Outcome::agree_miss)) continue;
-        sum += !s.is_right() ? format.parameters.precision : !asks_t || std::isnan(s.lost) ? 0 : s.lost;
-        ++known;
+        if (s.outcome == Outcome::unresolved || (surroundings.skips_misses && s.outcome == Outcome::agree_miss))
+            continue;
+        sum += !s.is_right() ? format.parameters.precision : !counts_t || std::isnan(s.lost) ? 0 : s.lost;
+        ++counted;
     }
-    return known == 0 ? missing : sum / known;
+    return counted == 0 ? missing : sum / counted;
 }
 
-/// Primitives that the form hits and that the ray truly meets. For a march, all primitives, since its field includes
-/// all.
-std::vector<Primitive<double>> primitives_around(const Explanation& x, const OneRay::Inputs& in, int truly) {
+/// Primitives that the form hits and that the ray truly meets. For a march, all primitives, since its distance field
+/// includes all.
+std::vector<Primitive<double>> primitives_around(const Explanation& x, const OneRay::Inputs& in, int true_primitive) {
     std::vector<Primitive<double>> primitives;
     for (std::size_t i = 0; i < in.all.primitives.size(); ++i) {
-        const int place = static_cast<int>(i);
-        if (!is_primitive(x.form->shape) || place == x.primitive || place == truly)
+        const int index = static_cast<int>(i);
+        if (!is_primitive(x.form->shape) || index == x.primitive || index == true_primitive)
             primitives.push_back(in.all.primitives[i]);
     }
     return primitives;
@@ -98,41 +99,41 @@ std::vector<Primitive<double>> primitives_around(const Explanation& x, const One
 
 /// True if two forms, each on its ray, have different truths. If only one of them normalises the direction, their t
 /// have different units, and only the decision counts.
-bool is_other_question(const Intersector& a, const OneRay& ray_a, const Intersector& b, const OneRay& ray_b) {
-    const truth::Truth of_a = ray_a.truth(*a.info), of_b = ray_b.truth(*b.info);
-    if (of_a.decision != of_b.decision) return true;
-    return of_a.is_hit() && a.info->direction == b.info->direction &&
+bool have_different_truths(const Intersector& a, const OneRay& ray_a, const Intersector& b, const OneRay& ray_b) {
+    const truth::Truth truth_a = ray_a.truth(*a.info), truth_b = ray_b.truth(*b.info);
+    if (truth_a.decision != truth_b.decision) return true;
+    return truth_a.is_hit() && a.info->direction == b.info->direction &&
            ray_a.rounded_truth(*a.info, binary64) != ray_b.rounded_truth(*b.info, binary64);
 }
 
 /// The form to compare with the explained one: a form of the same shape. For a set, the same set with `other` for the
-/// explained primitive, or another set of the same shapes. Null if `other` fits neither.
-const Intersector* with_form(const Intersector& asked, Shape shape, const Intersector& other) {
-    if (!asked.is_set() && other.shape != asked.shape) return nullptr;
-    if (!asked.is_set()) return &innermost(other) == &other ? &with_other_form(asked, other) : &other;
-    if (other.is_set()) return other.shapes() == asked.shapes() ? &other : nullptr;
+/// explained primitive, or another set of the same shapes. Null if `other` is neither.
+const Intersector* substitute_form(const Intersector& explained, Shape shape, const Intersector& other) {
+    if (!explained.is_set() && other.shape != explained.shape) return nullptr;
+    if (!explained.is_set()) return &innermost(other) == &other ? &with_other_form(explained, other) : &other;
+    if (other.is_set()) return other.shapes() == explained.shapes() ? &other : nullptr;
     if (other.shape != shape) return nullptr;
-    std::vector<const Intersector*> parts(asked.parts.begin(), asked.parts.end());
+    std::vector<const Intersector*> parts(explained.parts.begin(), explained.parts.end());
     *std::ranges::find(parts, shape, &Intersector::shape) = &other;
     return intersect::table::refusal_of_set(parts).empty() ? &intersect::table::set_of(parts) : nullptr;
 }
 
-/// The same form with the ray generator of `asked`.
-const Intersector* with_generator_of(const Intersector& asked, const Intersector* held) {
-    const auto* const generator = scene::rays::generator_of(asked);
-    return generator && held ? &scene::rays::with_generator(*generator, *held) : held;
+/// The same form with the ray generator of `explained`.
+const Intersector* with_generator_of(const Intersector& explained, const Intersector* form) {
+    const auto* const generator = scene::rays::generator_of(explained);
+    return generator && form ? &scene::rays::with_generator(*generator, *form) : form;
 }
 
 /// Result of another form on a ray and, if it is right there, on the rays around it.
-FormResult result_of_other_form(const Explanation& x, const OneRay& ray, const Intersector& form, const OneRay& its_ray,
-                                const Surroundings& around) {
-    FormResult s = result_of_form(form, x.format, its_ray);
-    s.other_question = is_other_question(*x.form, ray, form, its_ray);
+FormResult result_of_other_form(const Explanation& x, const OneRay& ray, const Intersector& form,
+                                const OneRay& form_ray, const Surroundings& surroundings) {
+    FormResult s = result_of_form(form, x.format, form_ray);
+    s.other_question = have_different_truths(*x.form, ray, form, form_ray);
     const bool lost_all = s.outcome == Outcome::agree_hit && !(s.lost < x.format.parameters.precision);
-    // A form that answers no t loses no bits of it, but is not better than one that is right.
-    const bool tells_less = std::isnan(s.lost) && !std::isnan(x.result.lost);
-    if (s.is_right() && !lost_all && !tells_less && !s.other_question)
-        s.lost_nearby = lost_around(form, x.format, around, x.tells_t());
+    // A form that answers no t loses no bits of it, but is not better than a form that is right.
+    const bool answers_no_t = std::isnan(s.lost) && !std::isnan(x.result.lost);
+    if (s.is_right() && !lost_all && !answers_no_t && !s.other_question)
+        s.lost_nearby = mean_lost_bits(form, x.format, surroundings, x.tells_t());
     return s;
 }
 
@@ -140,46 +141,47 @@ void add_if_better(Explanation& x, const FormResult& s) {
     if (s.lost_nearby < x.result.lost_nearby) x.better.push_back(s);
 }
 
-void find_better(Explanation& x, const OneRay& ray, const Surroundings& around,
-                 std::span<const Intersector* const> beside) {
-    x.result.lost_nearby = lost_around(*x.form, x.format, around, x.tells_t());
-    std::vector<const Intersector*> all;
-    for (const Intersector& other : intersect::table::intersectors()) all.push_back(&other);
+void find_better(Explanation& x, const OneRay& ray, const Surroundings& surroundings,
+                 std::span<const Intersector* const> named_forms) {
+    x.result.lost_nearby = mean_lost_bits(*x.form, x.format, surroundings, x.tells_t());
+    std::vector<const Intersector*> candidates;
+    for (const Intersector& other : intersect::table::intersectors()) candidates.push_back(&other);
     if (const auto parts = intersect::transform::transformed_parts_of(*x.form); parts.method != nullptr)
         for (const auto& space : intersect::transform::transform_methods())
-            all.push_back(&intersect::transform::through(space, *parts.form));
+            candidates.push_back(&intersect::transform::through(space, *parts.form));
     if (const auto parts = intersect::bounding_box::boxed_parts_of(*x.form); parts.form != nullptr)
         for (const Intersector& box : intersect::table::intersectors(parts.box->shape))
             if (intersect::external::is_safe_to_run(box))
-                all.push_back(&intersect::bounding_box::behind(*parts.method, box, *parts.form));
-    std::ranges::copy_if(beside, std::back_inserter(all), &Intersector::is_set);
-    for (const Intersector* const other : all) {
-        const bool named = std::ranges::find(beside, other) != beside.end();
-        const Intersector* const held = with_generator_of(*x.form, with_form(*x.form, x.shape, *other));
-        if (held == x.form) continue;
-        if (held == nullptr || !held->exists_in(x.format)) {
-            if (named) x.not_comparable.push_back(other);
+                candidates.push_back(&intersect::bounding_box::behind(*parts.method, box, *parts.form));
+    std::ranges::copy_if(named_forms, std::back_inserter(candidates), &Intersector::is_set);
+    for (const Intersector* const other : candidates) {
+        const bool is_named = std::ranges::find(named_forms, other) != named_forms.end();
+        const Intersector* const candidate = with_generator_of(*x.form, substitute_form(*x.form, x.shape, *other));
+        if (candidate == x.form) continue;
+        if (candidate == nullptr || !candidate->exists_in(x.format)) {
+            if (is_named) x.not_comparable.push_back(other);
             continue;
         }
-        if (!intersect::external::is_safe_to_run(innermost(*other)) && !named) continue;
+        if (!intersect::external::is_safe_to_run(innermost(*other)) && !is_named) continue;
         try {
-            const FormResult s = result_of_other_form(x, ray, *held, ray, around);
+            const FormResult s = result_of_other_form(x, ray, *candidate, ray, surroundings);
             add_if_better(x, s);
-            if (named) x.compared.push_back(s);
+            if (is_named) x.compared.push_back(s);
         } catch (const EnvironmentError& error) {
             x.failures.emplace_back(error.what());
         }
     }
 }
 
-std::vector<OneRay> pixels_around(const ScenePixel& at, const scene::file::Scene& scene,
-                                  std::optional<intersect::Touching> judged) {
-    std::vector<OneRay> all = OneRay::pixels_around(scene, at.x, at.y, at.limit);
-    for (OneRay& ray : all) ray.judge_by(judged);
-    return all;
+std::vector<OneRay> pixels_around(const ScenePixel& pixel, const scene::file::Scene& scene,
+                                  std::optional<intersect::Touching> touching) {
+    std::vector<OneRay> rays = OneRay::pixels_around(scene, pixel.x, pixel.y, pixel.limit);
+    for (OneRay& ray : rays) ray.judge_by(touching);
+    return rays;
 }
 
-/// Pixels around the first one. If the ray hits, only the other hits count: they show the error of making such rays.
+/// Pixels around the first one. If the ray hits, only the other hits count: they show the error that generating the ray
+/// causes.
 Surroundings around_pixel(const Explanation& x, std::span<const OneRay> pixels) {
     return {pixels.subspan(1), x.truth == truth::Truth::Decision::hit};
 }
@@ -193,7 +195,7 @@ void find_better_generators(Explanation& x, const OneRay& ray, const ScenePixel&
         if (&generator == pixel.scene->camera.rays) continue;
         try {
             const scene::file::Scene scene = with_rays(*pixel.scene, generator);
-            const auto rays = pixels_around(pixel, scene, ray.judged());
+            const auto rays = pixels_around(pixel, scene, ray.touching());
             const FormResult s = result_of_other_form(x, ray, scene::rays::with_generator(generator, form),
                                                       rays.front(), around_pixel(x, rays));
             add_if_better(x, s);
@@ -201,27 +203,28 @@ void find_better_generators(Explanation& x, const OneRay& ray, const ScenePixel&
     }
 }
 
-/// Evaluates the form on the primitive that the ray truly meets; called when the form answers another one.
+/// Evaluates the form on the primitive that the ray truly meets; called when the form answers another primitive.
 std::optional<TruePrimitive> missed_primitive(const Intersector& form, const Format& format, const OneRay::Inputs& in,
-                                              const std::optional<scene::rays::RecordedRay>& recorded_ray, int truly) {
-    TruePrimitive found{.primitive = truly, .alone = scene::rays::group_of(in.all.rays[in.index])};
-    const auto place = static_cast<std::size_t>(truly);
-    found.alone.primitives = {in.all.primitives[place]};
-    found.alone.rays.push_range(in.all.rays, in.index);
+                                              const std::optional<scene::rays::RecordedRay>& recorded_ray,
+                                              int true_primitive) {
+    TruePrimitive result{.primitive = true_primitive, .alone = scene::rays::group_of(in.all.rays[in.index])};
+    const auto index = static_cast<std::size_t>(true_primitive);
+    result.alone.primitives = {in.all.primitives[index]};
+    result.alone.rays.push_range(in.all.rays, in.index);
     const Range<double> range = in.all.rays_for(*form.info).range(in.index);
-    const FormatInputs::AimedAt aim = in.all.target_for(form, place);
+    const FormatInputs::AimedAt aim = in.all.target_for(form, index);
     const intersect::Target<double> target = aim;
     Tape tape;
     form.record(format, in.ray(*form.info), target, range.tmax, tape);
     std::vector<std::string> names =
         names_of_inputs(form, target, recorded_ray && recorded_ray->try_put_before(tape) ? &*recorded_ray : nullptr);
     append_range_checks(tape, names, form.of(target.primitives.front().shape), format, range);
-    const Attribution of = attribute(tape);
-    found.hit = tape[tape.outputs.hit].value != 0;
-    found.t = tape[tape.outputs.t].value;
-    found.exact_hit = of.exact_hit;
-    found.exact_t = of[tape.outputs.t].exact;
-    return found;
+    const Attribution tape_attribution = attribute(tape);
+    result.hit = tape[tape.outputs.hit].value != 0;
+    result.t = tape[tape.outputs.t].value;
+    result.exact_hit = tape_attribution.exact_hit;
+    result.exact_t = tape_attribution[tape.outputs.t].exact;
+    return result;
 }
 
 /// The true t of the ray under another range; nothing if it misses.
@@ -231,10 +234,10 @@ std::optional<double> hit_in(const Range<double>& range, const OneRay& ray, cons
     group.rays.tmin = {range.tmin}, group.rays.tmax = {range.tmax}, group.rays.open = range.open;
     for (std::size_t i = 0; i < in.all.primitives.size(); ++i) group.primitives.push_back(in.all.primitives[i]);
     group.march = in.all.march;
-    OneRay other(std::move(group));
-    other.judge_by(ray.judged());
-    if (!other.truth(info).is_hit()) return {};
-    return other.rounded_truth(info, binary64);
+    OneRay changed(std::move(group));
+    changed.judge_by(ray.touching());
+    if (!changed.truth(info).is_hit()) return {};
+    return changed.rounded_truth(info, binary64);
 }
 
 /// Finds the hits that the range of a ray excludes, if the ray truly misses.
@@ -247,27 +250,27 @@ void find_hits_out_of_range(Explanation& x, const OneRay& ray, const OneRay::Inp
 }
 
 /// True for equal numbers and for two NaN.
-bool is_same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+bool is_same_number(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
 }  // namespace
 
 std::vector<answer::OneRay> neighbours_of(const answer::OneRay& ray, const answer::OneRay::Inputs& in,
                                           const FloatFormat& format, const std::vector<Primitive<double>>& primitives) {
-    std::vector<answer::OneRay> all;
+    std::vector<answer::OneRay> rays;
     RandomMoves moves;
-    const Ray<double> middle = in.all.rays[in.index];
+    const Ray<double> original = in.all.rays[in.index];
     for (int k = 0; k < neighbours; ++k) {
-        Ray<double> beside = middle;
-        for (Vec<double>* const v : {&beside.origin, &beside.direction}) {
-            for (double* const x : {&v->x, &v->y, &v->z}) *x = moved(*x, moves.next(), format);
+        Ray<double> neighbour = original;
+        for (Vec<double>* const v : {&neighbour.origin, &neighbour.direction}) {
+            for (double* const x : {&v->x, &v->y, &v->z}) *x = moved_by_ulps(*x, moves.next(), format);
         }
-        scene::rays::RayGroup group = scene::rays::group_of(beside);
+        scene::rays::RayGroup group = scene::rays::group_of(neighbour);
         group.rays.push_range(in.all.rays, in.index);
         group.primitives = primitives;
         group.march = in.all.march;
-        all.emplace_back(std::move(group)).judge_by(ray.judged());
+        rays.emplace_back(std::move(group)).judge_by(ray.touching());
     }
-    return all;
+    return rays;
 }
 
 bool FormResult::beats(const FormResult& other) const {
@@ -285,22 +288,22 @@ double Explanation::ulp_of_subject() const {
 
 NodeId Explanation::amplifier(NodeId from) const {
     if (from == no_node) return no_node;
-    std::vector<bool> reached(tape.nodes.size());
-    reached[static_cast<std::size_t>(from)] = true;
-    NodeId most = no_node;
+    std::vector<bool> is_reached(tape.nodes.size());
+    is_reached[static_cast<std::size_t>(from)] = true;
+    NodeId largest = no_node;
     int bits = 1;
     for (NodeId i = from + 1; i < tape.size(); ++i) {
         const OperationError& e = attribution[i];
         if (!e.live) continue;
         for (const NodeId operand : tape.operands_of(i)) {
-            if (reached[static_cast<std::size_t>(operand)]) reached[static_cast<std::size_t>(i)] = true;
+            if (is_reached[static_cast<std::size_t>(operand)]) is_reached[static_cast<std::size_t>(i)] = true;
         }
-        if (reached[static_cast<std::size_t>(i)] && e.carried && e.cancelled > bits) {
-            most = i;
+        if (is_reached[static_cast<std::size_t>(i)] && e.carried && e.cancelled > bits) {
+            largest = i;
             bits = e.cancelled;
         }
     }
-    return most;
+    return largest;
 }
 
 bool Explanation::rounding_turned_order() const {
@@ -309,25 +312,28 @@ bool Explanation::rounding_turned_order() const {
 }
 
 std::vector<NodeId> Explanation::turned() const {
-    std::vector<NodeId> all;
+    std::vector<NodeId> nodes;
     for (NodeId i = 0; i < tape.size(); ++i) {
         const OperationError& e = attribution[i];
-        if (e.turned && e.live && (is_decision(tape[i].op) || e.rounding != 0)) all.push_back(i);
+        if (e.turned && e.live && (is_decision(tape[i].op) || e.rounding != 0)) nodes.push_back(i);
     }
-    return all;
+    return nodes;
 }
 
 Explanation explain_alone(const Intersector& form, const Format& format, const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
     const answer::Answers answers = answer::evaluate(form, in.all);
     const truth::Truth& truth = ray.truth(*form.info);
-    Explanation x{.form = &form, .format = format, .rounded_inputs = !ray.keeps(in), .judged = ray.judged()};
-    const Vec<double> given = in.all.rays[in.index].direction, received = in.ray(*form.info).direction;
-    if (!is_same(given.x, received.x) || !is_same(given.y, received.y) || !is_same(given.z, received.z))
-        x.given = given;
+    Explanation x{.form = &form, .format = format, .rounded_inputs = !ray.is_unrounded(in), .judged = ray.touching()};
+    const Vec<double> given_direction = in.all.rays[in.index].direction,
+                      received_direction = in.ray(*form.info).direction;
+    if (!is_same_number(given_direction.x, received_direction.x) ||
+        !is_same_number(given_direction.y, received_direction.y) ||
+        !is_same_number(given_direction.z, received_direction.z))
+        x.given = given_direction;
     x.primitives = static_cast<int>(in.all.primitives.size());
-    const std::size_t primitive =
-        answer::measured_at(in.all, in.index, answers.hit[in.index] != 0 ? answers.object[in.index] : truth.object);
+    const std::size_t primitive = answer::measured_primitive(
+        in.all, in.index, answers.hit[in.index] != 0 ? answers.object[in.index] : truth.object);
     x.primitive = static_cast<int>(primitive);
     x.shape = in.all.primitives[primitive].shape;
     const FormatInputs::AimedAt aim = in.all.target_for(form, primitive);
@@ -346,14 +352,14 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
         x.attribution = attribute(x.tape, {.full = true});
         if (x.attribution.culprit != no_node) x.culprit_alone = counterfactuals(x.tape, x.attribution.culprit);
         x.hit = x.tape[x.tape.outputs.hit].value != 0;
-        x.result = result_of_form(form, format, ray, x.hit, x.tape[x.tape.outputs.t].value);
+        x.result = result_of_answer(form, format, ray, x.hit, x.tape[x.tape.outputs.t].value);
     } else {
         x.names = intersect::bounding_box::names_on_tape(form, target);
         x.inputs =
             tape::inputs_of(in.ray(*form.info), in.all.primitives[static_cast<std::size_t>(x.primitive)], x.range.tmax);
         if (!x.range.is_whole()) x.names.emplace_back("ray.tmin"), x.inputs.push_back(x.range.tmin);
         x.hit = answers.hit[in.index] != 0;
-        x.result = result_of_form(form, format, ray, x.hit, answers.t[in.index]);
+        x.result = result_of_answer(form, format, ray, x.hit, answers.t[in.index]);
     }
     x.truth = truth.decision;
     x.condition = x.inherent = missing;
@@ -365,12 +371,12 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
         x.inherent = truth::inherent_bits(reach, ray.true_t(*form.info), format.parameters);
     }
     if (truth.decision == truth::Truth::Decision::miss) find_hits_out_of_range(x, ray, in);
-    const int met = answers.object[in.index];
-    const bool elsewhere =
-        x.tells_t() && is_primitive(form.shape) && x.hit && truth.is_hit() && !ray.meets_first(met, *form.info);
-    if (elsewhere && x.has_tape())
+    const int hit_primitive = answers.object[in.index];
+    const bool hits_wrong_primitive = x.tells_t() && is_primitive(form.shape) && x.hit && truth.is_hit() &&
+                                      !ray.meets_first(hit_primitive, *form.info);
+    if (hits_wrong_primitive && x.has_tape())
         x.missed = missed_primitive(form, format, in, ray.recorded_ray(format), truth.object);
-    if (elsewhere) {  // distances between two primitives are not errors
+    if (hits_wrong_primitive) {  // distances between two primitives are not errors
         x.result.outcome = answer::Outcome::wrong_primitive;
         x.result.ulps = x.result.lost = missing;
     }
@@ -384,18 +390,18 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
 }
 
 Explanation explain(const Intersector& form, const Format& format, const OneRay& ray,
-                    std::span<const Intersector* const> beside, const std::optional<ScenePixel>& pixel) {
+                    std::span<const Intersector* const> named_forms, const std::optional<ScenePixel>& pixel) {
     Explanation x = explain_alone(form, format, ray);
     if (!x.is_generated_ray || !pixel) {
         const OneRay::Inputs in = ray.inputs(form, format);
         const auto primitives = primitives_around(x, in, ray.truth(*form.info).object);
-        const auto near = neighbours_of(ray, in, format.parameters, primitives);
-        find_better(x, ray, {near}, beside);
+        const auto neighbour_rays = neighbours_of(ray, in, format.parameters, primitives);
+        find_better(x, ray, {neighbour_rays}, named_forms);
     } else {
-        const auto pixels = pixels_around(*pixel, *pixel->scene, ray.judged());
-        const Surroundings around = around_pixel(x, pixels);
-        x.pixels_around = static_cast<int>(around.rays.size());
-        find_better(x, ray, around, beside);
+        const auto pixels = pixels_around(*pixel, *pixel->scene, ray.touching());
+        const Surroundings surroundings = around_pixel(x, pixels);
+        x.pixels_around = static_cast<int>(surroundings.rays.size());
+        find_better(x, ray, surroundings, named_forms);
         find_better_generators(x, ray, *pixel);
     }
     std::ranges::stable_sort(x.better, {}, &FormResult::lost_nearby);

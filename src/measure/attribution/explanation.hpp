@@ -23,13 +23,14 @@ struct FormResult {
     /// Mean lost bits over the ray's `neighbours`, or over the pixels around it if a camera makes the ray. A wrong
     /// decision counts as all bits. NaN if not computed, or if no truth is proved.
     double lost_nearby = truth::missing;
-    bool other_question = false;  ///< its contract gives another truth on this ray than that of the explained form
+    bool other_question = false;  ///< by its contract the truth differs from that by the explained form's contract
     bool is_right() const { return outcome == answer::Outcome::agree_hit || outcome == answer::Outcome::agree_miss; }
     /// Compares on this ray alone, which may be luck: a right decision beats a wrong one, then fewer lost bits win.
     bool beats(const FormResult& other) const;
 };
 
-/// Answer of a form on the primitive that a ray truly meets first, tested alone. Set if the form hits another one.
+/// Answer of a form on the primitive that a ray truly meets first, tested alone. Used if the form hits another
+/// primitive.
 struct TruePrimitive {
     int primitive = 0;  ///< index, from 0
     bool hit = false;
@@ -60,13 +61,13 @@ struct Explanation {
     bool hit = false;  ///< the form's decision
     truth::Truth::Decision truth = truth::Truth::Decision::miss;
     std::optional<double> true_t = {};  ///< t*, correctly rounded to binary64
-    /// For a ray that truly misses: its hit if the range had no end, and its hit if it began at 0, in the unit of the
-    /// form's t.
+    /// For a ray that truly misses: the t of its hit if its range had no end, and if its range began at 0, in the unit
+    /// of the form's t.
     std::optional<double> beyond_end = {}, before_begin = {};
     double condition = 0;  ///< κ; NaN for a miss
     double inherent = 0;   ///< bits of the envelope; NaN for a miss
     double beyond = 0;     ///< lost bits beyond the envelope, see `truth::excess_bits`
-    /// Set if the form hits another primitive than the ray; never for a march.
+    /// Set if the form hits another primitive than the ray truly meets; never for a march.
     std::optional<TruePrimitive> missed = {};
     /// Outcome at a mesh: a crack, a double hit, a wrong neighbour or out of order; absent for other rays.
     std::optional<answer::Outcome> in_mesh = {};
@@ -87,7 +88,8 @@ struct Explanation {
     [[nodiscard]] bool has_tape() const { return tape.size() > 0; }
     /// The ulp of the format at the subject's exact value (for a comparison, at the larger side).
     [[nodiscard]] double ulp_of_subject() const;
-    /// The live cancellation of the most bits that the error of operation `from` goes through; none below two bits.
+    /// The live cancellation that loses the most bits among those that the error of operation `from` goes through;
+    /// `no_node` if none loses two bits.
     [[nodiscard]] NodeId amplifier(NodeId from) const;
     /// True if the form would hit `missed` first without rounding.
     [[nodiscard]] bool rounding_turned_order() const;
@@ -106,20 +108,19 @@ struct ScenePixel {
     truth::TruthLimit limit = {};
 };
 
-/// Explains the form on the ray and finds forms that do better. Compares all forms whose faults cannot end this process
-/// (`external::is_safe_to_run`), and those in `beside` whatever they are: an external intersector may crash or hang,
-/// and the answer would be lost with it. If a camera makes the ray, compares the other ray generators too. Rays near
-/// the one that was made do not show the error of making it, so `lost_nearby` is then the mean over the pixels around
-/// it.
+/// Explains the form on the ray and finds forms that do better. Compares all forms that cannot end this process by a
+/// crash or a hang (`external::is_safe_to_run`): the explanation would be lost too. Compares the forms in `named_forms`
+/// in any case. If a camera makes the ray, compares the other ray generators too. Rays near a generated ray do not show
+/// the error of generating it, so `lost_nearby` is then the mean over the pixels around it.
 Explanation explain(const intersect::table::Intersector& form, const Format& format, const answer::OneRay& ray,
-                    std::span<const intersect::table::Intersector* const> beside = {},
+                    std::span<const intersect::table::Intersector* const> named_forms = {},
                     const std::optional<ScenePixel>& pixel = {});
 
 inline constexpr int neighbours = 64;
 
 /// Makes `neighbours` rays near this one, with these primitives. Each number moves by one ulp of the format down, up or
-/// not at all, by a fixed rule without random numbers. 0 and values that are not finite stay: an ulp of 0 is not a
-/// small change of a direction.
+/// not at all, in the same way in every run. 0 and values that are not finite stay: an ulp of 0 is not a small change
+/// of a direction.
 std::vector<answer::OneRay> neighbours_of(const answer::OneRay& ray, const answer::OneRay::Inputs& in,
                                           const FloatFormat& format, const std::vector<Primitive<double>>& primitives);
 

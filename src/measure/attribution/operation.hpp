@@ -33,13 +33,13 @@ namespace lostbits::measure::attribution {
 /// Text in which `$1` is the first operand, and `$1:2` the same in brackets if it binds less tightly than 2. It has no
 /// default, so an operation that lacks one of its texts does not compile.
 struct Pattern {
-    consteval Pattern(const char* written) : text(written) {}
+    consteval Pattern(const char* pattern) : text(pattern) {}
     std::string_view text;
 };
 
 /// How tightly an operation binds: decisions 0, sums 1, products 2, signs 3, calls 4.
 struct Binding {
-    consteval Binding(int how_tightly) : level(how_tightly) {}
+    consteval Binding(int tightness) : level(tightness) {}
     int level;
 };
 
@@ -57,7 +57,7 @@ struct OperationText {
     Pattern fpcore;
 };
 
-/// The pattern with `operand(k, binds)` in place of operands, k from 0, and `word(letter)` in place of letters.
+/// Returns the pattern with `operand(k, binds)` in place of operands, k from 0, and `word(letter)` in place of letters.
 template <class Operand, class Word>
 std::string filled(std::string_view pattern, const Operand& operand, const Word& word) {
     const auto digit_at = [pattern](std::size_t i) { return pattern.at(i) - '0'; };
@@ -68,9 +68,9 @@ std::string filled(std::string_view pattern, const Operand& operand, const Word&
         } else if (const int k = digit_at(++i); k < 1 || k > 3) {
             text += word(pattern[i]);
         } else {
-            const bool says = i + 1 < pattern.size() && pattern[i + 1] == ':';
-            if (says) i += 2;
-            text += operand(static_cast<std::size_t>(k - 1), says ? digit_at(i) : 0);
+            const bool has_level = i + 1 < pattern.size() && pattern[i + 1] == ':';
+            if (has_level) i += 2;
+            text += operand(static_cast<std::size_t>(k - 1), has_level ? digit_at(i) : 0);
         }
     }
     return text;
@@ -81,14 +81,14 @@ std::string filled(std::string_view pattern, const Operand& operand) {
     return filled(pattern, operand, [](char) -> std::string { throw std::logic_error("this pattern has no letters"); });
 }
 
-/// Step from the exact value of an operand to the computed one. For a derivative both are the computed one.
+/// Step from the exact value of an operand to the computed value. For a derivative both ends are the computed value.
 struct Step {
     double from = 0, to = 0;
     bool is_derivative = false;
 
     [[nodiscard]] double middle() const { return from / 2 + to / 2; }
-    /// (|to| − |from|)/(to − from)
-    [[nodiscard]] double of_size() const {
+    /// Difference quotient of the absolute value: (|to| − |from|)/(to − from).
+    [[nodiscard]] double size_quotient() const {
         if (std::signbit(to) == std::signbit(from)) return std::signbit(to) ? -1 : 1;
         return (std::fabs(to) - std::fabs(from)) / (to - from);
     }

@@ -10,7 +10,7 @@
 namespace lostbits::measure::attribution {
 namespace {
 
-/// Exact for a fused operation on any doubles: 3 · 1074 + 1024 bits and a few.
+/// Arithmetic that is exact for a fused operation on any doubles: 3 · 1074 + 1024 bits and a few more.
 struct ResidualExact {
     using Number = BasicReal<4400>;
     static Number sum(const Number& a, const Number& b) { return a + b; }
@@ -31,11 +31,11 @@ double rounding_from(const std::array<double, 3>& x, double value) {
     using Deep = ResidualExact::Number;
     const auto operand = [&](std::size_t k) { return x[k]; };
     if (std::isfinite(value)) {
-        const auto residual = [value](auto... of) { return Operation<op>::residual(of..., value); };
-        if (const auto known = with_operands<op>(residual, operand)) return *known;
+        const auto residual = [value](auto... operands) { return Operation<op>::residual(operands..., value); };
+        if (const auto error = with_operands<op>(residual, operand)) return *error;
     }
     const Deep exact =
-        with_operands<op>([](auto... of) -> Deep { return Operation<op>::exact(ResidualExact(), of...); },
+        with_operands<op>([](auto... operands) -> Deep { return Operation<op>::exact(ResidualExact(), operands...); },
                           [&](std::size_t k) { return Deep(x[k]); });
     if (std::isinf(value)) return mpfr_number_p(exact.backend().data()) != 0 ? value : 0;  // a/0 is not an overflow
     return mpfr_get_d(Deep(Deep(value) - exact).backend().data(), MPFR_RNDN);
@@ -116,22 +116,24 @@ double ulp_at(double x, const FloatFormat& format) {
 
 double result_of(TapeOp op, const std::array<double, 3>& x, const FloatFormat& format) {
     using enum OperationKind;
-    return visit_operation<rounded, exact, moved, sign>(op, [&]<TapeOp known>() {
-        return with_operands<known>([&](auto... of) { return Operation<known>::computed(of..., format); },
-                                    [&](std::size_t k) { return x[k]; });
+    return visit_operation<rounded, exact, moved, sign>(op, [&]<TapeOp known_op>() {
+        return with_operands<known_op>(
+            [&](auto... operands) { return Operation<known_op>::computed(operands..., format); },
+            [&](std::size_t k) { return x[k]; });
     });
 }
 
 Quotients quotients_of(const TapeNode& n, const std::array<Step, 3>& x, NodeId taken) {
-    const auto own = [&]<TapeOp op>() {
-        return with_operands<op>([](const auto&... of) { return Operation<op>::quotients(of...); },
+    const auto quotients_of_kind = [&]<TapeOp op>() {
+        return with_operands<op>([](const auto&... operands) { return Operation<op>::quotients(operands...); },
                                  [&](std::size_t k) -> const Step& { return x[k]; });
     };
     switch (kind_of(n.op)) {
         case OperationKind::rounded:
         case OperationKind::exact:
         case OperationKind::sign:
-            return visit_operation<OperationKind::rounded, OperationKind::exact, OperationKind::sign>(n.op, own);
+            return visit_operation<OperationKind::rounded, OperationKind::exact, OperationKind::sign>(
+                n.op, quotients_of_kind);
         case OperationKind::moved: return {1};
         case OperationKind::comparison: return {1, -1};  // stands for the difference of its sides
         case OperationKind::choice: {

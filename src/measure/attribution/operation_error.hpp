@@ -7,7 +7,7 @@
 
 namespace lostbits::measure::attribution {
 
-/// The operand that a select, min or max took; none for any other operation.
+/// The operand that a select, min or max took; `no_node` for any other operation.
 NodeId side_taken(const Tape& tape, NodeId i);
 
 /// True if a result can differ from the exact one on the same operands, by rounding or by a choice that rounding
@@ -17,13 +17,13 @@ bool can_err(TapeOp op);
 /// True if the change of value is intended and not a rounding: a form moves to the next number on purpose.
 constexpr bool is_on_purpose(TapeOp op) { return op == TapeOp::next_up || op == TapeOp::next_down; }
 
-/// computed − the exact operation on the computed operands, from error-free residuals. Accurate to a few units in 2^-50
-/// of itself, and zero if the operation was exact. Infinite if a finite result overflowed; zero if an operand is
-/// already not finite.
+/// Returns computed − the exact operation on the computed operands, from error-free residuals. Accurate to a few units
+/// in 2^-50 of itself, and zero if the operation was exact. Infinite if a finite result overflowed; zero if an operand
+/// is already not finite.
 double rounding_of(const Tape& tape, NodeId i);
 
-/// max(exponent of operands) − exponent of result, for a sum, a difference, or the sum in an fma. p if the result is
-/// zero and an operand is not; otherwise 0, and 0 for every other operation.
+/// Returns max(exponent of operands) − exponent of result, but at least 0, for a sum, a difference, or the sum in an
+/// fma; p if the result is zero and an operand is not. Returns 0 for every other operation.
 int cancellation(const Tape& tape, NodeId i);
 
 /// The ulp of the format at x, of any sign: 2^(max(⌊log2|x|⌋, emin) − p + 1); the smallest for 0, infinity and NaN.

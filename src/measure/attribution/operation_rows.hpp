@@ -160,7 +160,7 @@ struct Operation<TapeOp::abs> {
     static constexpr OperationText text{.binds = 4, .plain = "abs($1)", .c = "fabs$f($1)", .fpcore = "(fabs $1)"};
     static auto exact(auto, const auto& a) { return abs(a); }
     static double computed(double a, const FloatFormat&) { return std::fabs(a); }
-    static Quotients quotients(const Step& a) { return {a.of_size()}; }
+    static Quotients quotients(const Step& a) { return {a.size_quotient()}; }
 };
 
 template <>
@@ -169,7 +169,7 @@ struct Operation<TapeOp::copysign> {
         .binds = 4, .plain = "copysign($1, $2)", .c = "copysign$f($1, $2)", .fpcore = "(copysign $1 $2)"};
     static double computed(double a, double b, const FloatFormat&) { return std::copysign(a, b); }
     static Quotients quotients(const Step& a, const Step& b) {
-        return {std::signbit(b.to) ? -a.of_size() : a.of_size()};
+        return {std::signbit(b.to) ? -a.size_quotient() : a.size_quotient()};
     }
 };
 

@@ -37,13 +37,13 @@ decltype(auto) with_operands(const F& f, const Operand& operand) {
 template <class Exact, class Operand>
 typename Exact::Number without_rounding(const TapeNode& n, const Operand& operand) {
     using Number = typename Exact::Number;
-    const auto made = [&]<TapeOp op>() -> Number {
+    const auto evaluate = [&]<TapeOp op>() -> Number {
         if constexpr (is_given(op)) return Operation<op>::exact(Exact(), n);
         else
             return with_operands<op>([](const auto&... x) -> Number { return Operation<op>::exact(Exact(), x...); },
                                      operand);
     };
-    return visit_operation<OperationKind::given, OperationKind::rounded, OperationKind::exact>(n.op, made);
+    return visit_operation<OperationKind::given, OperationKind::rounded, OperationKind::exact>(n.op, evaluate);
 }
 
 constexpr const OperationText& text_of(TapeOp op) {

@@ -21,14 +21,15 @@ public:
     explicit Run(const Tape& tape) : tape_(tape), rounds_([](NodeId) { return true; }) {
         for (const TapeNode& n : tape.nodes) values_.emplace_back(n.value);
     }
-    /// Runs as `most`, but `operation` rounds, or chooses, as in `one`. Recomputes only what depends on it.
-    Run(const Run& most, const Run& one, NodeId operation) : Run(most) {
-        std::vector<bool> moved(values_.size());
+    /// Runs as `base`, except that `operation` rounds, or chooses, as in `other`. Recomputes only what depends on
+    /// `operation`.
+    Run(const Run& base, const Run& other, NodeId operation) : Run(base) {
+        std::vector<bool> is_changed(values_.size());
         for (NodeId i = operation; i < tape_.size(); ++i) {
-            const auto is_moved = [&](NodeId operand) { return moved[static_cast<std::size_t>(operand)]; };
-            if (i != operation && std::ranges::none_of(tape_.operands_of(i), is_moved)) continue;
-            moved[static_cast<std::size_t>(i)] = true;
-            values_[static_cast<std::size_t>(i)] = result(i, i == operation ? one : *this);
+            const auto has_changed = [&](NodeId operand) { return is_changed[static_cast<std::size_t>(operand)]; };
+            if (i != operation && std::ranges::none_of(tape_.operands_of(i), has_changed)) continue;
+            is_changed[static_cast<std::size_t>(i)] = true;
+            values_[static_cast<std::size_t>(i)] = result(i, i == operation ? other : *this);
         }
     }
     [[nodiscard]] const Number& value(NodeId i) const { return values_[static_cast<std::size_t>(i)]; }
@@ -46,25 +47,26 @@ private:
         [[nodiscard]] bool holds(std::size_t k) const { return run.value(n.operands[k]) != 0; }
     };
 
-    /// Result of node i from the operands of this run. `as` decides whether it rounds, and by which values it chooses.
-    [[nodiscard]] Number result(NodeId i, const Run& as) const {
+    /// Result of node i from the operands of this run. `mode` decides whether the node rounds, and by which values it
+    /// chooses.
+    [[nodiscard]] Number result(NodeId i, const Run& mode) const {
         const TapeNode& n = tape_[i];
         switch (kind_of(n.op)) {
             case OperationKind::given:
             case OperationKind::rounded: {
                 const Number exact = without_rounding(n);
-                return as.rounds_(i) ? Number(DeepExact::round_to(exact, tape_.format_of(i))) : exact;
+                return mode.rounds_(i) ? Number(DeepExact::round_to(exact, tape_.format_of(i))) : exact;
             }
-            case OperationKind::called: return called(i, as);
+            case OperationKind::called: return call_result(i, mode);
             case OperationKind::exact: return without_rounding(n);
-            case OperationKind::moved: return as.rounds_(i) ? moved(i) : value(n.operands[0]);
+            case OperationKind::moved: return mode.rounds_(i) ? moved_number(i) : value(n.operands[0]);
             case OperationKind::sign: {
                 const Number size = abs(value(n.operands[0]));
-                return signbit(as.value(n.operands[1])) != 0 ? Number(-size) : size;
+                return signbit(mode.value(n.operands[1])) != 0 ? Number(-size) : size;
             }
-            case OperationKind::choice: return value(side_taken(n, Judge{as, n}));
+            case OperationKind::choice: return value(side_taken(n, Judge{mode, n}));
             case OperationKind::comparison:
-            case OperationKind::logic: return Number(holds(n.op, Judge{as, n}) ? 1 : 0);
+            case OperationKind::logic: return Number(holds(n.op, Judge{mode, n}) ? 1 : 0);
         }
         return {};
     }
@@ -72,19 +74,19 @@ private:
         return attribution::without_rounding<DeepExact>(
             n, [&](std::size_t k) -> const Number& { return value(n.operands[k]); });
     }
-    /// Result of a call. If its arguments are those of the tape, it is the value on the tape, because the function
-    /// itself may be some units in the last place off.
-    [[nodiscard]] Number called(NodeId i, const Run& as) const {
-        const bool same =
+    /// Result of a call. If the arguments are those of the tape, the result is the value on the tape, because the
+    /// function itself may be some units in the last place off.
+    [[nodiscard]] Number call_result(NodeId i, const Run& mode) const {
+        const bool has_tape_arguments =
             std::ranges::all_of(tape_.operands_of(i), [&](NodeId k) { return value(k) == Number(tape_[k].value); });
-        if (same && as.rounds_(i)) return Number(tape_[i].value);
+        if (has_tape_arguments && mode.rounds_(i)) return Number(tape_[i].value);
         const auto exact = attribution::result_of_call<DeepExact>(tape_, i, [&](NodeId k) { return value(k); });
         if (!exact) return Number(tape_[i].value);
-        return as.rounds_(i) ? Number(DeepExact::round_to(*exact, tape_.format_of(i))) : *exact;
+        return mode.rounds_(i) ? Number(DeepExact::round_to(*exact, tape_.format_of(i))) : *exact;
     }
     /// Moves to the next number or to another format. Operands that are not numbers of their format are rounded to it
     /// first.
-    [[nodiscard]] Number moved(NodeId i) const {
+    [[nodiscard]] Number moved_number(NodeId i) const {
         const TapeNode& n = tape_[i];
         const Number& x = value(n.operands[0]);
         if (n.op == TapeOp::convert) return Number(DeepExact::round_to(x, tape_.format_of(i)));

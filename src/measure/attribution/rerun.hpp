@@ -9,8 +9,8 @@
 namespace lostbits::measure::attribution {
 
 /// Reruns a tape in numbers of 2048 bits. The results for which `rounds` is true are rounded to their format, and
-/// decisions are taken by the values of this run. If all are rounded, these are the tape's values; if none are, the
-/// exact ones.
+/// decisions are taken by the values of this run. If all results are rounded, `values` are the values of the tape; if
+/// none is, they are the exact values.
 struct Rerun {
     std::vector<double> values;  ///< one for each node, to the nearest double; decisions are 1 or 0
 
@@ -19,7 +19,7 @@ struct Rerun {
 };
 
 /// Answer if one operation is treated unlike all others. An attribution divides an error along the path from exact to
-/// computed values. These are two separate runs and need not agree with it.
+/// computed values. A counterfactual is a separate run and need not agree with an attribution.
 struct Counterfactual {
     bool hit = false;  ///< the form's decision
     double error = 0;  ///< on a hit: t − t without any rounding

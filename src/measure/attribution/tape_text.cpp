@@ -8,29 +8,30 @@
 namespace lostbits::measure::attribution {
 namespace {
 
-constexpr std::size_t short_enough = 40;  ///< longest expression that is written out within another, in characters
+constexpr std::size_t max_inline_length =
+    40;  ///< longest expression, in characters, that is written out within another expression
 
-/// `o.x` without its component; empty where it has none.
+/// Name without its component, such as `o` for `o.x`; empty if the name has no component.
 std::string vector_of(const std::string& name) {
     const auto n = name.size();
     return n > 2 && name[n - 2] == '.' && name[n - 1] >= 'x' && name[n - 1] <= 'z' ? name.substr(0, n - 2) : "";
 }
 
 std::string in_brackets(const std::string& text) {
-    std::string all = "(";
-    return all.append(text).append(")");
+    std::string bracketed = "(";
+    return bracketed.append(text).append(")");
 }
 
 /// True for a word with another meaning in a program that `explain` writes: in C, in FPCore, or among its own
 /// functions.
-bool is_taken(std::string_view word) {
-    static constexpr std::array<std::string_view, 42> taken{
+bool is_reserved(std::string_view word) {
+    static constexpr std::array<std::string_view, 42> reserved{
         "auto",   "break",   "case",     "char",   "const",   "continue", "default", "do",      "double",
         "else",   "enum",    "extern",   "float",  "for",     "if",       "int",     "let",     "long",
         "return", "short",   "static",   "struct", "switch",  "void",     "while",   "main",    "printf",
         "fabs",   "fma",     "fmin",     "fmax",   "sqrt",    "copysign", "isnan",   "signbit", "nextafter",
         "sum",    "product", "quotient", "root",   "rounded", "show"};
-    return std::ranges::find(taken, word) != taken.end();
+    return std::ranges::find(reserved, word) != reserved.end();
 }
 
 }  // namespace
@@ -94,18 +95,18 @@ void TapeText::name_vector(const Triple& v) {
 }
 
 void TapeText::name_all() {
-    std::map<std::string, int> times;
-    for (const std::string& input : inputs_) ++times[input];
+    std::map<std::string, int> use_counts;
+    for (const std::string& input : inputs_) ++use_counts[input];
     for (NodeId i = 0; i < tape_.size(); ++i) {
         const TapeNode& n = tape_[i];
         std::string& name = names_[static_cast<std::size_t>(i)];
         if (n.op == TapeOp::constant) name = std::to_string(n.operands[0]);
         else if (!n.label.empty()) {
             name = n.label;
-            if (const int again = ++times[name]; again > 1 && style_ != Style::generic) {
+            if (const int use_count = ++use_counts[name]; use_count > 1 && style_ != Style::generic) {
                 const std::string base = vector_of(name), stem = base.empty() ? name : base;
                 const bool is_number = std::isdigit(static_cast<unsigned char>(stem.back())) != 0;  // A^-1, not A^-12
-                name = stem + (is_number ? "_" : "") + std::to_string(again) + name.substr(stem.size());
+                name = stem + (is_number ? "_" : "") + std::to_string(use_count) + name.substr(stem.size());
             }
         } else if (name.empty()) {
             name = (is_decision(n.op) ? "m" : "s") + std::to_string(i);
@@ -122,22 +123,22 @@ std::string TapeText::identifier(NodeId i) const {
         else safe += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
     }
     if (std::isdigit(static_cast<unsigned char>(safe.front()))) safe.insert(0, "_");  // 1/det
-    return is_taken(safe) ? safe + "_" : safe;
+    return is_reserved(safe) ? safe + "_" : safe;
 }
 
 /// True for a sum or difference of inputs, or for one input: short enough to replace a name.
 bool TapeText::is_simple(NodeId i) const {
     const TapeNode& n = tape_[i];
     if (is_given(n.op)) return true;
-    const auto named = [&](NodeId part) { return !tape_[part].label.empty() || tape_[part].op == TapeOp::input; };
+    const auto has_name = [&](NodeId part) { return !tape_[part].label.empty() || tape_[part].op == TapeOp::input; };
     if (style_ == Style::generic && n.label.empty() && (n.op == TapeOp::add || n.op == TapeOp::sub) &&
-        named(n.operands[0]) && named(n.operands[1]))
+        has_name(n.operands[0]) && has_name(n.operands[1]))
         return true;
     return n.label.empty() && (n.op == TapeOp::add || n.op == TapeOp::sub) &&
            tape_[n.operands[0]].op == TapeOp::input && tape_[n.operands[1]].op == TapeOp::input;
 }
 
-std::string TapeText::vector_text(const Triple& v, bool alone) const {
+std::string TapeText::vector_text(const Triple& v, bool without_brackets) const {
     const TapeNode& n = tape_[v[0]];
     if (n.op == TapeOp::input) return vector_of(name(v[0]));
     const auto found = vectors_.find(v);
@@ -148,7 +149,7 @@ std::string TapeText::vector_text(const Triple& v, bool alone) const {
         if (is_vector(side(0)) && is_vector(side(1))) {
             const std::string sign = n.op == TapeOp::add ? " + " : style_ == Style::pretty ? " − " : " - ";
             const std::string text = vector_of(name(side(0)[0])) + sign + vector_of(name(side(1)[0]));
-            return alone ? text : in_brackets(text);
+            return without_brackets ? text : in_brackets(text);
         }
     }
     if (found != vectors_.end()) return found->second;
@@ -159,19 +160,19 @@ std::string TapeText::vector_text(const Triple& v, bool alone) const {
 
 std::string TapeText::operand(NodeId i, int binds) const {
     const TapeNode& n = tape_[i];
-    const std::string& own = name(i);
-    if (n.op == TapeOp::input || !n.label.empty()) return own;
-    if (n.op == TapeOp::constant) return n.operands[0] < 0 && binds > 1 ? in_brackets(own) : own;
-    if (!vector_of(name(i)).empty() && !is_simple(i)) return own;
+    const std::string& own_name = name(i);
+    if (n.op == TapeOp::input || !n.label.empty()) return own_name;
+    if (n.op == TapeOp::constant) return n.operands[0] < 0 && binds > 1 ? in_brackets(own_name) : own_name;
+    if (!vector_of(name(i)).empty() && !is_simple(i)) return own_name;
     if (style_ == Style::generic && !text_of(n.op).generic.empty()) return "(...)";
     const std::string text = expression(i);
     Dot dot;
-    const bool function = style_ == Style::plain && dot_of(i, dot);
-    if (text.size() > short_enough && !dot_of(i, dot)) return style_ == Style::generic ? "(...)" : own;
-    return !function && text_of(n.op).binds.level < binds ? in_brackets(text) : text;
+    const bool is_function = style_ == Style::plain && dot_of(i, dot);
+    if (text.size() > max_inline_length && !dot_of(i, dot)) return style_ == Style::generic ? "(...)" : own_name;
+    return !is_function && text_of(n.op).binds.level < binds ? in_brackets(text) : text;
 }
 
-std::string TapeText::written_out(NodeId i) const {
+std::string TapeText::write_out(NodeId i) const {
     const TapeNode& n = tape_[i];
     const auto pattern = [this](const OperationText& text) {
         switch (style_) {
@@ -185,15 +186,15 @@ std::string TapeText::written_out(NodeId i) const {
 }
 
 const std::string& TapeText::expression(NodeId i) const {
-    std::string& known = expressions_[static_cast<std::size_t>(i)];
-    if (known.empty()) known = composed(i);
-    return known;
+    std::string& text = expressions_[static_cast<std::size_t>(i)];
+    if (text.empty()) text = compose(i);
+    return text;
 }
 
-std::string TapeText::composed(NodeId i) const {
+std::string TapeText::compose(NodeId i) const {
     if (is_given(tape_[i].op)) return name(i);
     Dot dot;
-    if (!dot_of(i, dot)) return written_out(i);
+    if (!dot_of(i, dot)) return write_out(i);
     if (style_ == Style::pretty) return vector_text(dot.a, false) + "·" + vector_text(dot.b, false);
     return "dot(" + vector_text(dot.a, true) + ", " + vector_text(dot.b, true) + ")";
 }
@@ -201,8 +202,8 @@ std::string TapeText::composed(NodeId i) const {
 std::string TapeText::definition(NodeId i) const {
     const TapeNode& n = tape_[i];
     if (is_given(n.op)) return name(i);
-    const bool own = !n.label.empty() || !vector_of(name(i)).empty();
-    return own ? name(i) + " = " + expression(i) : expression(i);
+    const bool has_name = !n.label.empty() || !vector_of(name(i)).empty();
+    return has_name ? name(i) + " = " + expression(i) : expression(i);
 }
 
 std::string TapeText::category(NodeId i) const {
@@ -210,20 +211,20 @@ std::string TapeText::category(NodeId i) const {
     const std::string_view label = tape_[i].label;
     if (label.find(' ') != std::string_view::npos) return std::string(label);
     const NodeId dot = part_of_dot_[static_cast<std::size_t>(i)];
-    const bool partial = dot != no_node && dot != i;
-    std::string text = partial && tape_[i].op == TapeOp::add ? expression(dot) + ", its sums" : definition(i);
+    const bool is_part = dot != no_node && dot != i;
+    std::string text = is_part && tape_[i].op == TapeOp::add ? expression(dot) + ", its sums" : definition(i);
     // One axis stands for all three, and the first round of a loop for all rounds.
-    std::string plain;
+    std::string category_text;
     for (std::size_t k = 0; k < text.size(); ++k) {
-        const bool ends = k + 2 >= text.size() || !std::isalnum(static_cast<unsigned char>(text[k + 2]));
-        if (text[k] == '.' && k + 1 < text.size() && text[k + 1] >= 'x' && text[k + 1] <= 'z' && ends) {
-            plain += ".i";
+        const bool is_component = k + 2 >= text.size() || !std::isalnum(static_cast<unsigned char>(text[k + 2]));
+        if (text[k] == '.' && k + 1 < text.size() && text[k + 1] >= 'x' && text[k + 1] <= 'z' && is_component) {
+            category_text += ".i";
             ++k;
         } else {
-            plain += text[k];
+            category_text += text[k];
         }
     }
-    return plain;
+    return category_text;
 }
 
 }  // namespace lostbits::measure::attribution

@@ -12,8 +12,8 @@ namespace lostbits::measure::attribution {
 
 /// Names and expressions of the operations of one tape. A name of the formula is used where there is one; a name that
 /// occurs again, in a loop over axes, is numbered: `tmin`, `tmin2`. Sums of three products are written as dot products,
-/// and the three components of a vector in one as `v1.x`, `v1.y`, `v1.z`. Everything else is written out if it is
-/// short, and is `s12` if it is not.
+/// and the three components of a vector in one as `v1.x`, `v1.y`, `v1.z`. Any other expression is written out if it is
+/// short; otherwise it gets a name such as `s12`.
 class TapeText {
 public:
     /// `plain` is ASCII: `dot(a, b) - r*r`. `pretty`: `a·b − r·r`. `generic`: as plain, but the same for every
@@ -26,14 +26,14 @@ public:
     [[nodiscard]] const std::string& name(NodeId i) const { return names_[static_cast<std::size_t>(i)]; }
     /// The name as a C identifier; for a constant, its digits.
     [[nodiscard]] std::string identifier(NodeId i) const;
-    /// The right-hand side of its definition: `dot(o - centre, o - centre) - radius*radius`.
+    /// The right-hand side of the definition of node i: `dot(o - centre, o - centre) - radius*radius`.
     [[nodiscard]] const std::string& expression(NodeId i) const;
     /// Text of the node within a larger expression: its own name if it has one, otherwise its expression.
     [[nodiscard]] std::string operand(NodeId i) const { return operand(i, 0); }
     /// `c = dot(…) - radius*radius`, or only the expression if the formula does not name it.
     [[nodiscard]] std::string definition(NodeId i) const;
     /// Category of an operation in a map, in the generic style: `inv = 1/d.i`. Several operations may have the same
-    /// one.
+    /// category.
     [[nodiscard]] std::string category(NodeId i) const;
 
 private:
@@ -47,10 +47,10 @@ private:
     void name_vector(const Triple& v);
     void name_all();
     [[nodiscard]] bool is_simple(NodeId i) const;
-    [[nodiscard]] std::string vector_text(const Triple& v, bool alone) const;
+    [[nodiscard]] std::string vector_text(const Triple& v, bool without_brackets) const;
     [[nodiscard]] std::string operand(NodeId i, int binds) const;
-    [[nodiscard]] std::string composed(NodeId i) const;
-    [[nodiscard]] std::string written_out(NodeId i) const;
+    [[nodiscard]] std::string compose(NodeId i) const;
+    [[nodiscard]] std::string write_out(NodeId i) const;
 
     const Tape& tape_;
     std::vector<std::string> inputs_;

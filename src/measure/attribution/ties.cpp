@@ -16,56 +16,57 @@ void for_each_source(const Tape& tape, NodeId i, const F& f) {
     const TapeNode& n = tape[i];
     if (is_given(n.op)) return;
     if (n.op == TapeOp::call) return static_cast<void>(std::ranges::for_each(tape.operands_of(i), f));
-    const Quotients passes = quotients_of(n, {}, side_taken(tape, i));
-    for (std::size_t k = 0; k < passes.size(); ++k) {
-        if (passes[k]) f(n.operands[k]);
+    const Quotients quotients = quotients_of(n, {}, side_taken(tape, i));
+    for (std::size_t k = 0; k < quotients.size(); ++k) {
+        if (quotients[k]) f(n.operands[k]);
     }
 }
 
-/// Positions of the nodes on the way to the subject; they do not depend on the order of the tape.
+/// Positions of the nodes on the way to the subject. The positions do not depend on the order of the tape.
 class NodePositions {
 public:
-    NodePositions(const Tape& tape, const Attribution& found)
-        : tape_(tape), steps_(tape.nodes.size()), read_(tape.nodes.size(), not_read) {
-        for (NodeId i = found.subject; i >= 0; --i) {
-            if (!found[i].live) continue;
-            for_each_source(
-                tape, i, [&](NodeId source) { at(steps_, source) = std::max(at(steps_, source), at(steps_, i) + 1); });
+    NodePositions(const Tape& tape, const Attribution& attribution)
+        : tape_(tape), distances_(tape.nodes.size()), positions_(tape.nodes.size(), unnumbered) {
+        for (NodeId i = attribution.subject; i >= 0; --i) {
+            if (!attribution[i].live) continue;
+            for_each_source(tape, i, [&](NodeId source) {
+                element(distances_, source) = std::max(element(distances_, source), element(distances_, i) + 1);
+            });
         }
-        read(found.subject);
+        number_nodes(attribution.subject);
     }
 
-    [[nodiscard]] auto position_of(NodeId i) { return std::tuple(at(steps_, i), at(read_, i)); }
+    [[nodiscard]] auto position_of(NodeId i) { return std::tuple(element(distances_, i), element(positions_, i)); }
 
 private:
-    static constexpr int not_read = -1;
-    static int& at(std::vector<int>& of, NodeId i) { return of[static_cast<std::size_t>(i)]; }
+    static constexpr int unnumbered = -1;
+    static int& element(std::vector<int>& values, NodeId i) { return values[static_cast<std::size_t>(i)]; }
 
     /// Numbers the nodes from the answer down, operands from left to right. Not recursive: a march is thousands of
     /// operations deep.
-    void read(NodeId subject) {
-        int place = 0;
-        std::vector<NodeId> left{subject};
-        while (!left.empty()) {
-            const NodeId i = left.back();
-            left.pop_back();
-            if (at(read_, i) != not_read) continue;
-            at(read_, i) = place++;
-            const auto before = static_cast<std::ptrdiff_t>(left.size());
-            for_each_source(tape_, i, [&](NodeId source) { left.push_back(source); });
-            std::reverse(left.begin() + before, left.end());
+    void number_nodes(NodeId subject) {
+        int next_position = 0;
+        std::vector<NodeId> pending{subject};
+        while (!pending.empty()) {
+            const NodeId i = pending.back();
+            pending.pop_back();
+            if (element(positions_, i) != unnumbered) continue;
+            element(positions_, i) = next_position++;
+            const auto old_size = static_cast<std::ptrdiff_t>(pending.size());
+            for_each_source(tape_, i, [&](NodeId source) { pending.push_back(source); });
+            std::reverse(pending.begin() + old_size, pending.end());
         }
     }
 
     const Tape& tape_;
-    std::vector<int> steps_;  ///< number of operations up to the subject, on the longest path
-    std::vector<int> read_;   ///< position in reading order
+    std::vector<int> distances_;  ///< number of operations up to the subject, on the longest path
+    std::vector<int> positions_;  ///< position in reading order
 };
 
-bool are_wrong_choices_undone(const Attribution& found, const std::vector<NodeId>& equals) {
+bool do_wrong_choices_cancel(const Attribution& attribution, const std::vector<NodeId>& equals) {
     double sum = 0, largest = 0;
     for (const NodeId i : equals) {
-        const OperationError& e = found[i];
+        const OperationError& e = attribution[i];
         if (!e.turned) return false;
         sum += e.contribution;
         largest = std::max(largest, std::fabs(e.contribution));
@@ -75,51 +76,52 @@ bool are_wrong_choices_undone(const Attribution& found, const std::vector<NodeId
 
 }  // namespace
 
-std::vector<NodeId> largest_contributions(const Tape& tape, const Attribution& found, std::optional<double> below) {
-    // NaN has no magnitude, and comes after all numbers.
+std::vector<NodeId> largest_contributions(const Tape& tape, const Attribution& attribution,
+                                          std::optional<double> below) {
+    // NaN counts as −1, so it comes after all numbers.
     const auto size = [&](NodeId i) {
-        const double contribution = found[i].contribution;
+        const double contribution = attribution[i].contribution;
         return std::isnan(contribution) ? -1 : std::fabs(contribution);
     };
-    const auto counts = [&](NodeId i) {
-        const OperationError& e = found[i];
+    const auto is_considered = [&](NodeId i) {
+        const OperationError& e = attribution[i];
         return e.live && e.rounding != 0 && !(below && size(i) >= *below);
     };
     double largest = -1;
-    for (NodeId i = 0; i <= found.subject; ++i) {
-        if (counts(i)) largest = std::max(largest, size(i));
+    for (NodeId i = 0; i <= attribution.subject; ++i) {
+        if (is_considered(i)) largest = std::max(largest, size(i));
     }
     const double least = std::min(largest, largest * (1 - equal_contributions));
     std::vector<NodeId> equals;
-    for (NodeId i = 0; i <= found.subject; ++i) {
-        if (counts(i) && size(i) >= least) equals.push_back(i);
+    for (NodeId i = 0; i <= attribution.subject; ++i) {
+        if (is_considered(i) && size(i) >= least) equals.push_back(i);
     }
     if (equals.size() < 2) return equals;
-    NodePositions positions(tape, found);
+    NodePositions positions(tape, attribution);
     std::ranges::sort(equals, {}, [&](NodeId i) { return positions.position_of(i); });
     return equals;
 }
 
-std::vector<NodeId> culprit_and_equals(const Tape& tape, const Attribution& found) {
-    const std::vector<NodeId> largest = largest_contributions(tape, found);
+std::vector<NodeId> culprit_and_equals(const Tape& tape, const Attribution& attribution) {
+    const std::vector<NodeId> largest = largest_contributions(tape, attribution);
     std::vector<NodeId> equals = largest;
-    while (are_wrong_choices_undone(found, equals)) {
+    while (do_wrong_choices_cancel(attribution, equals)) {
         double least = HUGE_VAL;
-        for (const NodeId i : equals) least = std::min(least, std::fabs(found[i].contribution));
-        equals = largest_contributions(tape, found, least);
+        for (const NodeId i : equals) least = std::min(least, std::fabs(attribution[i].contribution));
+        equals = largest_contributions(tape, attribution, least);
     }
-    const bool any = !equals.empty() && found[equals.front()].contribution != 0;
-    return any ? equals : largest;
+    const bool has_contribution = !equals.empty() && attribution[equals.front()].contribution != 0;
+    return has_contribution ? equals : largest;
 }
 
-bool is_computed_from(const Tape& tape, const Attribution& found, NodeId i, NodeId from) {
-    std::vector<bool> reached(tape.nodes.size());
-    const auto mark = [&](NodeId k) { reached[static_cast<std::size_t>(k)] = true; };
+bool is_computed_from(const Tape& tape, const Attribution& attribution, NodeId i, NodeId from) {
+    std::vector<bool> is_reached(tape.nodes.size());
+    const auto mark = [&](NodeId k) { is_reached[static_cast<std::size_t>(k)] = true; };
     mark(i);
     for (; i > from; --i) {
-        if (reached[static_cast<std::size_t>(i)] && found[i].live) for_each_source(tape, i, mark);
+        if (is_reached[static_cast<std::size_t>(i)] && attribution[i].live) for_each_source(tape, i, mark);
     }
-    return reached[static_cast<std::size_t>(from)];
+    return is_reached[static_cast<std::size_t>(from)];
 }
 
 }  // namespace lostbits::measure::attribution

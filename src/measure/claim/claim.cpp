@@ -26,30 +26,31 @@ using scene::claim::Claim;
 
 namespace {
 
-/// Names the requirement of a claim that this machine does not meet; empty if it meets all.
-std::string missing_for(const Claim& claim) {
+/// Names a requirement of a claim that this machine does not meet; empty if it meets all of them.
+std::string unmet_requirement(const Claim& claim) {
     const auto rows = intersect::table::intersectors();
-    const auto named = [&claim](const intersect::table::Intersector& row) { return row.info->name == claim.form; };
-    if (claim.profile == Claim::Profile::libraries && std::ranges::none_of(rows, named))
+    const auto has_name = [&claim](const intersect::table::Intersector& row) { return row.info->name == claim.form; };
+    if (claim.profile == Claim::Profile::libraries && std::ranges::none_of(rows, has_name))
         return "no loaded library has " + claim.form + "; add --plugin, --pipe, --shader or --function";
-    for (const std::string& need : claim.requirements) {
+    for (const std::string& requirement : claim.requirements) {
         // For a shader: the driver named in its source description.
-        if (need.starts_with("driver-")) {
-            const auto row = std::ranges::find_if(rows, named);
-            if (row == rows.end() || row->info->source.find(need.substr(7)) == std::string_view::npos)
-                return claim.form + " does not run on " + need.substr(7);
+        if (requirement.starts_with("driver-")) {
+            const auto row = std::ranges::find_if(rows, has_name);
+            if (row == rows.end() || row->info->source.find(requirement.substr(7)) == std::string_view::npos)
+                return claim.form + " does not run on " + requirement.substr(7);
             continue;
         }
-        if (need == "processors-2") {
+        if (requirement == "processors-2") {
             if (speed::allowed_processors().size() < 2) return "this program may use only one processor";
             continue;
         }
-        const auto isa = need.starts_with("isa-") ? intersect::simd::isa_named(need.substr(4)) : std::nullopt;
+        const auto isa =
+            requirement.starts_with("isa-") ? intersect::simd::isa_named(requirement.substr(4)) : std::nullopt;
         if (!isa)
-            scene::toml::fail(claim.where, "unknown requirement \"" + need +
+            scene::toml::fail(claim.where, "unknown requirement \"" + requirement +
                                                "\"; write isa-128, isa-256, isa-512, processors-2 or driver-WORDS");
-        const auto there = intersect::simd::available_isas();
-        if (std::ranges::find(there, *isa) == there.end()) return "this machine has no " + need;
+        const auto available = intersect::simd::available_isas();
+        if (std::ranges::find(available, *isa) == available.end()) return "this machine has no " + requirement;
     }
     return "";
 }
@@ -93,12 +94,12 @@ namespace {
 /// Finds the row of a table by its name in the name of a form.
 template <class Row>
 std::vector<const Row*> part_named(const Claim& claim, std::span<const Row> table, const std::string& name,
-                                   const std::string& what) {
+                                   const std::string& kind) {
     std::vector<std::string> names;
     for (const Row& row : table) names.emplace_back(row.info->name);
     const auto found = std::ranges::find(names, name);
     if (found == names.end())
-        scene::toml::fail(claim.where, "unknown " + what + " \"" + name + "\" in form \"" + claim.form + "\"; " +
+        scene::toml::fail(claim.where, "unknown " + kind + " \"" + name + "\" in form \"" + claim.form + "\"; " +
                                            scene::toml::did_you_mean(name, names));
     return {&table[static_cast<std::size_t>(found - names.begin())]};
 }
@@ -109,38 +110,38 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
         rows, [&form](const intersect::table::Intersector& row) { return row.info->name == form; });
     if (found != rows.end()) return *found;
     const std::vector<std::string> names = scene::rays::forms_in_name(form);
-    if (const auto made = scene::rays::split_composed_name(form); made && names.size() == 1) {
-        return *rows_of(*made, {.forms = [&](const std::string& name) { return std::vector{&form_named(claim, name)}; },
-                                .transform_methods =
-                                    [&](const std::string& name) {
-                                        return part_named(claim, intersect::transform::transform_methods(), name,
-                                                          "transform method");
-                                    },
-                                .ray_generators =
-                                    [&](const std::string& name) {
-                                        return part_named(claim, scene::camera::ray_generators(), name,
-                                                          "ray generator");
-                                    },
-                                .box_methods =
-                                    [&](const std::string& name) {
-                                        return part_named(claim, intersect::bounding_box::box_methods(), name,
-                                                          "bounding-box method");
-                                    },
-                                .contracted = tape::contracted_row})
+    if (const auto composed = scene::rays::split_composed_name(form); composed && names.size() == 1) {
+        return *rows_of(*composed,
+                        {.forms = [&](const std::string& name) { return std::vector{&form_named(claim, name)}; },
+                         .transform_methods =
+                             [&](const std::string& name) {
+                                 return part_named(claim, intersect::transform::transform_methods(), name,
+                                                   "transform method");
+                             },
+                         .ray_generators =
+                             [&](const std::string& name) {
+                                 return part_named(claim, scene::camera::ray_generators(), name, "ray generator");
+                             },
+                         .box_methods =
+                             [&](const std::string& name) {
+                                 return part_named(claim, intersect::bounding_box::box_methods(), name,
+                                                   "bounding-box method");
+                             },
+                         .contracted = tape::contracted_row})
                     .front();
     }
     if (names.size() == 1) {
-        std::vector<std::string> known;
-        for (const intersect::table::Intersector& row : rows) known.emplace_back(row.info->name);
+        std::vector<std::string> known_names;
+        for (const intersect::table::Intersector& row : rows) known_names.emplace_back(row.info->name);
         scene::toml::fail(claim.where,
                           "unknown form \"" + form +
                               "\" (load a form of your own with --plugin, --pipe, --shader or --function); " +
-                              scene::toml::did_you_mean(form, known));
+                              scene::toml::did_you_mean(form, known_names));
     }
     std::vector<const intersect::table::Intersector*> parts;
     for (const std::string& name : names) parts.push_back(&scene::rays::require_no_generator(form_named(claim, name)));
-    if (const std::string why = intersect::table::refusal_of_set(parts); !why.empty())
-        scene::toml::fail(claim.where, "form \"" + form + "\": " + why);
+    if (const std::string refusal = intersect::table::refusal_of_set(parts); !refusal.empty())
+        scene::toml::fail(claim.where, "form \"" + form + "\": " + refusal);
     return intersect::table::set_of(parts);
 }
 
@@ -170,34 +171,34 @@ void add_draw(ClaimResult& result, const ClaimResult& draw) {
 }
 
 metric::Spread interval_of(const Claim& claim, const ClaimResult& result) {
-    metric::Spread s = result.spread();
-    const bool onset = !claim.onset.empty(), fraction = claim.metric.ends_with("fraction");
-    if ((onset || fraction) && s.low > 0) {
-        const double aside = std::max(std::sqrt(s.high / s.low), onset ? 1 + 0x1p-9 : 1);
-        s.low /= aside;
-        s.high *= aside;
+    metric::Spread interval = result.spread();
+    const bool is_onset = !claim.onset.empty(), is_fraction = claim.metric.ends_with("fraction");
+    if ((is_onset || is_fraction) && interval.low > 0) {
+        const double factor = std::max(std::sqrt(interval.high / interval.low), is_onset ? 1 + 0x1p-9 : 1);
+        interval.low /= factor;
+        interval.high *= factor;
     } else {
-        const double aside = (s.high - s.low) / 2;
-        s.low = s.low < 0 ? s.low - aside : std::max(0.0, s.low - aside);
-        s.high += aside;
+        const double margin = (interval.high - interval.low) / 2;
+        interval.low = interval.low < 0 ? interval.low - margin : std::max(0.0, interval.low - margin);
+        interval.high += margin;
     }
-    if (fraction) s.high = std::min(s.high, 1.0);
-    return s;
+    if (is_fraction) interval.high = std::min(interval.high, 1.0);
+    return interval;
 }
 
 namespace {
 
 /// Slow work that a claim about rays needs beyond the default metrics; empty if it needs none. Claims that need the
-/// same work are measured together, and the other forms of their scene or sweep are spared it: one such metric of a row
-/// may take a hundred times as long as all default ones.
+/// same work are measured together, without the other forms of their scene or sweep: one such metric of a row may take
+/// a hundred times as long as all default metrics.
 std::string slow_work(const Claim& claim) {
     if (claim.on<scene::claim::SceneSubject>() == nullptr && claim.on<scene::claim::SweepSubject>() == nullptr)
         return "";
     const metric::Metric* slow = nullptr;  // in worst_step_origin_fraction, both worst and worst_step may be metrics:
                                            // the longer name counts
     for (const metric::Metric& m : metric::metrics()) {
-        const bool longer = slow == nullptr || m.name.size() > slow->name.size();
-        if (!m.by_default && longer && claim.metric.starts_with(std::string(m.name) + "_")) slow = &m;
+        const bool is_longer = slow == nullptr || m.name.size() > slow->name.size();
+        if (!m.by_default && is_longer && claim.metric.starts_with(std::string(m.name) + "_")) slow = &m;
     }
     const bool runs_again = slow != nullptr && (slow->needs & metric::needs_counterfactuals) != 0;
     if (asks_for_attribution(claim) && !runs_again) return "the tape of every ray";
@@ -208,24 +209,25 @@ std::string slow_work(const Claim& claim) {
 
 std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const ClaimRequest& request) {
     std::vector<ClaimResult> results(claims.size());
-    std::map<std::tuple<std::size_t, std::string, std::string>, std::vector<std::size_t>> together;
+    std::map<std::tuple<std::size_t, std::string, std::string>, std::vector<std::size_t>> groups;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];
-        results[i].trouble = missing_for(c);
-        if (results[i].trouble.empty()) together[{c.subject.index(), c.subject_name(), slow_work(c)}].push_back(i);
+        results[i].trouble = unmet_requirement(c);
+        if (results[i].trouble.empty()) groups[{c.subject.index(), c.subject_name(), slow_work(c)}].push_back(i);
         else results[i].state = ClaimResult::State::skipped;
     }
-    for (const auto& [subject, places] : together) {
+    for (const auto& [subject, indices] : groups) {
         const auto begin = std::chrono::steady_clock::now();
         std::visit(
             [&]<class Kind>(const Kind&) {
-                SubjectClaims<Kind> some;
-                for (const std::size_t i : places) some.push_back({claims[i], *claims[i].on<Kind>(), results[i]});
-                measure(some, request);
+                SubjectClaims<Kind> subject_claims;
+                for (const std::size_t i : indices)
+                    subject_claims.push_back({claims[i], *claims[i].on<Kind>(), results[i]});
+                measure(subject_claims, request);
             },
-            claims[places.front()].subject);
-        const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-        for (const std::size_t i : places) results[i].seconds = took.count() / static_cast<double>(places.size());
+            claims[indices.front()].subject);
+        const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+        for (const std::size_t i : indices) results[i].seconds = elapsed.count() / static_cast<double>(indices.size());
     }
     for (std::size_t i = 0; i < claims.size(); ++i) {
         if (claims[i].draws > 0 && results[i].state != ClaimResult::State::skipped && !results[i].is_drawn())

@@ -1,4 +1,4 @@
-// Measures claims anew every time.
+// Measures claims. No result is stored: each run measures all of them anew.
 #pragma once
 
 #include <optional>
@@ -21,15 +21,15 @@ struct ClaimResult {
     State state = State::broken;
     double measured = 0;
     std::string trouble;  ///< reason if it is broken or skipped
-    /// The worst ray of the measurement, if there is one. For a claim about wrong decisions, the first such ray; for
-    /// all kinds together, the first of the most frequent kind.
+    /// The worst ray of the measurement, if there is one. For a claim about a kind of wrong decision, the first ray
+    /// with it; for a claim about all kinds together, the first ray of the most frequent kind.
     evaluate::WorstRay witness;
     /// Number of independent draws of rays (or numbers) behind `measured`; 0: nothing is random.
     std::uint64_t samples = 0;
     /// Number of floats if every float of a range was tested; 0: the claim is of another kind.
     std::uint64_t floats = 0;
     std::uint64_t evaluations = 0;     ///< number of rays that a search tested; 0: the claim is not about a search
-    std::vector<double> further = {};  ///< measured on further draws, one for each seed; NaN where there is no value
+    std::vector<double> further = {};  ///< values on further draws, one for each seed; NaN where there is none
     /// For a 99th percentile of random rays, each one view: interval of the percentile of all such rays, at 95 %
     /// confidence.
     std::optional<metric::Bounds> bounds = {};
@@ -55,11 +55,11 @@ struct ClaimRequest {
     std::filesystem::path data_dir;
     intersect::process::StopToken stop = {};
     int further_draws = 0;  ///< for every claim about random rays: number of further seeds after its own
-    const ClaimStudies* studies = nullptr;  ///< must be there if a claim is about a study
+    const ClaimStudies* studies = nullptr;  ///< must not be null if a claim is about a study
 };
 
 /// Measures every claim. A scene or sweep that several claims share is run once for the default metrics, and once for
-/// each other metric, with only the forms whose claims name it. A claim agrees if each of its draws does. Throws
+/// each other metric, with only the forms whose claims name it. A claim agrees if each of its draws agrees. Throws
 /// InputError, with the claim's position, for names that do not exist.
 std::vector<ClaimResult> measure_claims(const std::vector<scene::claim::Claim>& claims, const ClaimRequest& request);
 

@@ -25,8 +25,9 @@ std::vector<SummaryColumn> columns_of(const std::vector<const Metric*>& metrics)
     return columns;
 }
 
-/// Adds columns that a claim could have meant: those of metrics that no claim about this subject names.
-void add_columns_of_the_others(std::vector<std::string>& names) {
+/// Adds further columns that a claim could have meant: those of all metrics, also if no claim about this subject names
+/// them.
+void add_other_columns(std::vector<std::string>& names) {
     for (const Metric& m : metric::metrics()) {
         if (m.by_run) names.emplace_back("culprit_fraction");
         else if (m.categories.empty())
@@ -35,45 +36,47 @@ void add_columns_of_the_others(std::vector<std::string>& names) {
     }
 }
 
-/// Name of an operation in the formula: `c` of `c = dot(o - centre, o - centre) - radius*radius`. Empty if it has none.
+/// Name of an operation in the formula: `c` for `c = dot(o - centre, o - centre) - radius*radius`. Empty if the
+/// operation has no name.
 std::string label_in(const std::string& operation) {
     const auto equals = operation.find(" = ");
     return equals == std::string::npos ? "" : operation.substr(0, equals);
 }
 
-/// Operations of a form that `word` names: the one with that expression, or those with that label. Throws InputError
-/// with did-you-mean.
-std::vector<std::string> meant_by(const std::string& word, const Claim& claim, const attribution::Setting& setting) {
+/// Operations of a form that `text` names: the one with that expression, or those with that label. Throws InputError
+/// with did-you-mean if there are none.
+std::vector<std::string> operations_named(const std::string& text, const Claim& claim,
+                                          const attribution::Setting& setting) {
     const auto operations = attribution::operation_names(*claim_row(claim).form, setting);
-    std::vector<std::string> meant, known;
+    std::vector<std::string> matches, known_names;
     for (const std::string& operation : operations) {
         const std::string label = label_in(operation);
-        if (operation == word || (!label.empty() && label == word)) meant.push_back(operation);
-        if (!label.empty()) known.push_back(label);
+        if (operation == text || (!label.empty() && label == text)) matches.push_back(operation);
+        if (!label.empty()) known_names.push_back(label);
     }
-    if (!meant.empty()) return meant;
-    known.insert(known.end(), operations.begin(), operations.end());
-    scene::toml::fail(claim.quantity,
-                      claim.form + " has no operation \"" + word + "\"; " + scene::toml::did_you_mean(word, known));
+    if (!matches.empty()) return matches;
+    known_names.insert(known_names.end(), operations.begin(), operations.end());
+    scene::toml::fail(claim.quantity, claim.form + " has no operation \"" + text + "\"; " +
+                                          scene::toml::did_you_mean(text, known_names));
 }
 
 }  // namespace
 
 bool asks_for_attribution(const Claim& claim) {
     return std::ranges::any_of(std::initializer_list<const char*>{"culprit_", "cancellation", "contribution"},
-                               [&](const char* start) { return claim.metric.starts_with(start); });
+                               [&](const char* prefix) { return claim.metric.starts_with(prefix); });
 }
 
 ClaimColumns::ClaimColumns(const std::vector<const Claim*>& claims, const std::vector<evaluate::TestedForm>& rows,
                            const attribution::Setting& setting)
     : setting_(setting) {
     for (const Metric& m : lostbits::measure::metric::metrics()) {
-        const bool named = std::ranges::any_of(
+        const bool is_named = std::ranges::any_of(
             claims, [&](const Claim* c) { return c->metric.starts_with(std::string(m.name) + "_"); });
-        if (m.by_default || named) metrics_.push_back(&m);
+        if (m.by_default || is_named) metrics_.push_back(&m);
     }
     for (const Claim* claim : claims) {
-        for (const std::string& word : claim->operations) meant_by(word, *claim, setting_);  // throws early
+        for (const std::string& text : claim->operations) operations_named(text, *claim, setting_);  // throws early
         add_labelled(*claim);
     }
     metrics_ = metric_set_.for_forms(std::move(metrics_), evaluate::forms_of(rows), setting_);
@@ -107,14 +110,14 @@ void ClaimColumns::add_labelled(const Claim& claim) {
 double ClaimColumns::culprit_share(const Claim& claim, const FormSummary& summary) const {
     const auto m = static_cast<std::size_t>(std::ranges::find_if(metrics_, &Metric::by_run) - metrics_.begin());
     const auto categories = metrics_[m]->categories;
-    std::vector<std::size_t> places;
-    for (const std::string& word : claim.operations) {
-        for (const std::string& operation : meant_by(word, claim, setting_)) {
-            const auto place = static_cast<std::size_t>(std::ranges::find(categories, operation) - categories.begin());
-            if (std::ranges::find(places, place) == places.end()) places.push_back(place);
+    std::vector<std::size_t> category_indices;
+    for (const std::string& text : claim.operations) {
+        for (const std::string& operation : operations_named(text, claim, setting_)) {
+            const auto index = static_cast<std::size_t>(std::ranges::find(categories, operation) - categories.begin());
+            if (std::ranges::find(category_indices, index) == category_indices.end()) category_indices.push_back(index);
         }
     }
-    return attribution::culprit_share(summary.categories[m], places);
+    return attribution::culprit_share(summary.categories[m], category_indices);
 }
 
 double ClaimColumns::value(const Claim& claim, const FormSummary& summary) const {
@@ -123,7 +126,7 @@ double ClaimColumns::value(const Claim& claim, const FormSummary& summary) const
     if (const SummaryColumn* const column = evaluate::find_column(columns, claim.metric)) return column->value(summary);
     std::vector<std::string> names;
     for (const SummaryColumn& c : columns) names.push_back(c.name);
-    add_columns_of_the_others(names);
+    add_other_columns(names);
     scene::toml::fail(claim.quantity, "unknown metric \"" + claim.metric + "\"; " +
                                           scene::toml::did_you_mean(claim.metric, names) +
                                           " (`lostbits list metrics` lists the metrics)");

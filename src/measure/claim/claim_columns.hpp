@@ -9,7 +9,7 @@
 
 namespace lostbits::measure::claim {
 
-/// True if a claim is about culprits, cancellation or contributions: those need the tape of every ray.
+/// True if a claim is about culprits, cancellation or contributions: such claims need the tape of every ray.
 bool asks_for_attribution(const scene::claim::Claim& claim);
 
 /// Columns that the claims about one subject name.
@@ -20,11 +20,11 @@ public:
     ClaimColumns(const std::vector<const scene::claim::Claim*>& claims, const std::vector<evaluate::TestedForm>& rows,
                  const attribution::Setting& setting);
 
-    /// Metrics to measure: the default ones, and those whose columns a claim names. Others are left out, since some
-    /// need an exact evaluation of every form.
+    /// Metrics to measure: the default metrics, and those whose columns a claim names. Other metrics are left out,
+    /// since some need an exact evaluation of every form.
     [[nodiscard]] const std::vector<const metric::Metric*>& metrics() const { return metrics_; }
-    /// Value of the claim's column in a summary of `metrics()`; NaN if there is none. Throws InputError for an unknown
-    /// name, with did-you-mean.
+    /// Value of the claim's column in a summary of `metrics()`; NaN if the column has no value. Throws InputError for
+    /// an unknown name, with did-you-mean.
     [[nodiscard]] double value(const scene::claim::Claim& claim, const evaluate::FormSummary& summary) const;
 
 private:

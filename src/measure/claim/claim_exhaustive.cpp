@@ -25,7 +25,7 @@ namespace {
 std::size_t ray_of(const Claim& claim, const std::string& ray, const ExhaustiveFile& file) {
     if (ray.empty() && file.rays.size() == 1) return 0;
     std::vector<std::string> names;
-    for (const auto& each : file.rays) names.push_back(each.name);
+    for (const auto& file_ray : file.rays) names.push_back(file_ray.name);
     const auto found = static_cast<std::size_t>(std::ranges::find(names, ray) - names.begin());
     if (found < names.size()) return found;
     scene::toml::fail(claim.where, ray.empty() ? "claim.given names no ray, and " + file.id + " has several; " +
@@ -34,42 +34,42 @@ std::size_t ray_of(const Claim& claim, const std::string& ray, const ExhaustiveF
                                                      scene::toml::did_you_mean(ray, names));
 }
 
-/// The file, with only the range and the ray of a claim.
-ExhaustiveFile narrowed(const Claim& claim, const SweepSubject::EveryFloat& on, ExhaustiveFile file) {
-    const std::size_t ray = ray_of(claim, on.ray, file);
+/// Returns the file with only the range and the ray of a claim.
+ExhaustiveFile narrow_to_claim(const Claim& claim, const SweepSubject::EveryFloat& subject, ExhaustiveFile file) {
+    const std::size_t ray = ray_of(claim, subject.ray, file);
     file.rays = {file.rays[ray]};
-    if (on.from.has_value() != on.to.has_value())
+    if (subject.from.has_value() != subject.to.has_value())
         scene::toml::fail(claim.where, "claim.given has one of from and to; write both, or neither for the whole axis");
-    if (on.from) file.narrow(*on.from, *on.to, claim.where);
+    if (subject.from) file.narrow(*subject.from, *subject.to, claim.where);
     return file;
 }
 
 /// A number of a tally, with its name. `wrong` counts every wrong decision.
-struct Number {
+struct TallyNumber {
     std::string name;
     double value;
 };
-std::vector<Number> numbers_of(const TestedForm& row, const FloatTally& tally) {
+std::vector<TallyNumber> numbers_of(const TestedForm& row, const FloatTally& tally) {
     const double worst = tally.worst ? std::fabs(tally.worst->ulps) : truth::missing;
-    std::vector<Number> all{
+    std::vector<TallyNumber> numbers{
         {"wrong", static_cast<double>(tally.wrong())},
         {"padding_max", sweep::padding_max(row, tally)},
         {"ulp_error_max", worst},
         {"lost_bits_max", tally.worst ? truth::lost_bits(worst, binary32.precision) : truth::missing}};
     for (std::size_t o = 0; o < tally.outcomes.size(); ++o) {
         const std::string name(answer::outcome_names[o]);
-        all.push_back({name, static_cast<double>(tally.outcomes[o])});
-        all.push_back({name + "_fraction", truth::fraction(tally.outcomes[o], tally.floats())});
+        numbers.push_back({name, static_cast<double>(tally.outcomes[o])});
+        numbers.push_back({name + "_fraction", truth::fraction(tally.outcomes[o], tally.floats())});
     }
-    return all;
+    return numbers;
 }
 
 double metric_of(const Claim& claim, const TestedForm& row, const FloatTally& tally) {
-    const auto all = numbers_of(row, tally);
-    const auto found = std::ranges::find(all, claim.metric, &Number::name);
-    if (found != all.end()) return found->value;
+    const auto numbers = numbers_of(row, tally);
+    const auto found = std::ranges::find(numbers, claim.metric, &TallyNumber::name);
+    if (found != numbers.end()) return found->value;
     std::vector<std::string> names;
-    for (const Number& number : all) names.push_back(number.name);
+    for (const TallyNumber& number : numbers) names.push_back(number.name);
     scene::toml::fail(claim.quantity, "claim.expect.metric is \"" + claim.metric +
                                           "\", which a sweep over every float does not measure; " +
                                           scene::toml::did_you_mean(claim.metric, names));
@@ -90,7 +90,7 @@ std::size_t event_of(const Claim& claim) {
 }
 
 /// The float that the number comes from: an onset, the first wrong decision, or the worst error.
-std::optional<std::uint32_t> witness_place(const Claim& claim, const FloatTally& tally) {
+std::optional<std::uint32_t> witness_float(const Claim& claim, const FloatTally& tally) {
     if (!claim.onset.empty()) return tally.first[event_of(claim)];
     for (std::size_t e = 0; e < sweep::first_events.size(); ++e) {
         const auto& event = sweep::first_events[e];
@@ -103,17 +103,17 @@ std::optional<std::uint32_t> witness_place(const Claim& claim, const FloatTally&
     return std::nullopt;
 }
 
-evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t row, std::uint32_t place) {
-    const auto there = sweep::answer_at(request, 0, row, place);
-    const auto given = std::make_shared<const scene::rays::RayGroup>(request.sweep.group_at(0, float_at(place)));
+evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t row, std::uint32_t float_index) {
+    const auto float_answer = sweep::answer_at(request, 0, row, float_index);
+    const auto given = std::make_shared<const scene::rays::RayGroup>(request.sweep.group_at(0, float_at(float_index)));
     return {.x = 0,
             .y = 0,
             .ray = given->rays[0],
             .primitive = given->primitives.front(),
-            .t = there.t,
-            .outcome = there.outcome,
-            .ulps = there.ulps,
-            .truth = there.truth,
+            .t = float_answer.t,
+            .outcome = float_answer.outcome,
+            .ulps = float_answer.ulps,
+            .truth = float_answer.truth,
             .judged = request.rows[row].judged,
             .given = given};
 }
@@ -130,25 +130,26 @@ TestedForm float_row(const Claim& claim, const ExhaustiveFile& file) {
 /// Judges a row by its findings in all ranges.
 ClaimResult judge_tally(const Claim& claim, std::size_t row, const ExhaustiveRequest& request,
                         const std::vector<RangeFinding>& findings) {
-    FloatTally all;
+    FloatTally tally;
     std::optional<float> onset;
-    // With two ranges, of all floats from each zero outwards, the onset is that of the first range that has one.
+    // If there are two ranges, of all floats from each zero outwards, the onset is that of the first range with an
+    // onset.
     for (const RangeFinding& finding : findings) {
         if (finding.row != row) continue;
-        all.append(finding.tally);
+        tally.append(finding.tally);
         if (!claim.onset.empty() && !onset && finding.tally.first[event_of(claim)])
             onset = float_at(*finding.tally.first[event_of(claim)]);
     }
-    const double measured = claim.onset.empty() ? metric_of(claim, request.rows[row], all)
+    const double measured = claim.onset.empty() ? metric_of(claim, request.rows[row], tally)
                             : onset             ? static_cast<double>(*onset)
                                                 : truth::missing;
     ClaimResult result = judge(claim, measured, nullptr);
-    result.floats = all.floats();
+    result.floats = tally.floats();
     if (!claim.onset.empty() && !onset) result.trouble = "it does not happen at any of the floats";
-    require_proof(result, all.count(Outcome::unresolved), "float has no proved truth", "floats have no proved truth");
-    // A command names a ray and its primitives by their numbers, and a mesh has too many.
-    if (const auto place = witness_place(claim, all); place && !request.sweep.mesh)
-        result.witness = witness_at(request, row, *place);
+    require_proof(result, tally.count(Outcome::unresolved), "float has no proved truth", "floats have no proved truth");
+    // A command names a ray and its primitives by their numbers, and a mesh has too many numbers for that.
+    if (const auto float_index = witness_float(claim, tally); float_index && !request.sweep.mesh)
+        result.witness = witness_at(request, row, *float_index);
     return result;
 }
 
@@ -158,36 +159,39 @@ struct RangeClaims {
     SubjectClaims<SweepSubject> claims = {};
 };
 
-void measure_range(const RangeClaims& of, truth::TruthLimit limit) {
-    ExhaustiveRequest request{.sweep = of.file, .limit = limit};
+void measure_range(const RangeClaims& range_claims, truth::TruthLimit limit) {
+    ExhaustiveRequest request{.sweep = range_claims.file, .limit = limit};
     std::vector<std::size_t> rows;
-    for (const auto& asked : of.claims) rows.push_back(place_or_added(request.rows, float_row(asked.claim, of.file)));
+    for (const auto& subject_claim : range_claims.claims)
+        rows.push_back(index_or_added(request.rows, float_row(subject_claim.claim, range_claims.file)));
     sweep::ExhaustiveState state;
     sweep::run_exhaustive(request, state);
     const auto findings = sweep::findings_of(request, state);
     for (std::size_t k = 0; k < rows.size(); ++k)
-        of.claims[k].result = judge_tally(of.claims[k].claim, rows[k], request, findings);
+        range_claims.claims[k].result = judge_tally(range_claims.claims[k].claim, rows[k], request, findings);
 }
 
 }  // namespace
 
 void measure_exhaustive(const SubjectClaims<SweepSubject>& claims, const std::filesystem::path& path,
                         const ClaimRequest& run) {
-    const ExhaustiveFile whole(path, run.data_dir, run.stop);
-    std::vector<RangeClaims> together;
-    for (const auto& asked : claims) {
-        const auto& [claim, on, result] = asked;
-        const auto* const range = on.part_if<SweepSubject::EveryFloat>();
+    const ExhaustiveFile whole_file(path, run.data_dir, run.stop);
+    std::vector<RangeClaims> claims_by_range;
+    for (const auto& subject_claim : claims) {
+        const auto& [claim, subject, result] = subject_claim;
+        const auto* const range = subject.part_if<SweepSubject::EveryFloat>();
         if (!range)
-            scene::toml::fail(claim.where,
-                              "sweep \"" + on.name + "\" tries every float; write `exhaustive = true` in claim.given");
-        ExhaustiveFile file = narrowed(claim, *range, whole);
-        const auto same = std::ranges::find_if(together, [&file](const RangeClaims& of) {
-            return of.file.rays.front().name == file.rays.front().name && of.file.ranges() == file.ranges();
+            scene::toml::fail(claim.where, "sweep \"" + subject.name +
+                                               "\" tries every float; write `exhaustive = true` in claim.given");
+        ExhaustiveFile file = narrow_to_claim(claim, *range, whole_file);
+        const auto match = std::ranges::find_if(claims_by_range, [&file](const RangeClaims& range_claims) {
+            return range_claims.file.rays.front().name == file.rays.front().name &&
+                   range_claims.file.ranges() == file.ranges();
         });
-        (same != together.end() ? *same : together.emplace_back(RangeClaims{std::move(file)})).claims.push_back(asked);
+        (match != claims_by_range.end() ? *match : claims_by_range.emplace_back(RangeClaims{std::move(file)}))
+            .claims.push_back(subject_claim);
     }
-    for (const RangeClaims& of : together) measure_range(of, {.stop = run.stop});
+    for (const RangeClaims& range_claims : claims_by_range) measure_range(range_claims, {.stop = run.stop});
 }
 
 }  // namespace lostbits::measure::claim

@@ -19,20 +19,21 @@ namespace {
 /// A form that is mended, with the requirement of its claims.
 class MendedForm {
 public:
-    MendedForm(const Claim& claim, const MendSubject& on, const ClaimRequest& run) : scene_(one_scene(claim, run)) {
-        if (on.size) std::tie(scene_.width, scene_.height) = *on.size;
+    MendedForm(const Claim& claim, const MendSubject& subject, const ClaimRequest& run)
+        : scene_(one_scene(claim, run)) {
+        if (subject.size) std::tie(scene_.width, scene_.height) = *subject.size;
         request_.scene = &scene_;
         request_.row = row_for(claim, scene_);
-        request_.requirement = {.bits = on.requirement.bits, .wrong = on.requirement.wrong};
+        request_.requirement = {.bits = subject.requirement.bits, .wrong = subject.requirement.wrong};
         request_.requirement.quantile =
-            find_for_claim(claim, [&] { return choice::quantile_named(on.requirement.at); });
+            find_for_claim(claim, [&] { return choice::quantile_named(subject.requirement.at); });
         request_.limit.stop = run.stop;
         judge_.emplace(request_);
         tape_ = find_for_claim(claim, [&] { return repair::recorded(request_); });
         own_ = find_for_claim(claim, [&] { return own_quality(request_, tape_, *judge_); });
     }
 
-    /// The most accurate other way of writing the form; nothing if none is more accurate.
+    /// The most accurate other way of writing the form; empty if no other way is more accurate.
     std::optional<repair::Rewritten> rewritten() {
         if (!rewriting_) rewriting_ = rewrite(request_, tape_, own_, *judge_);
         return rewriting_->found.empty() ? std::nullopt : std::optional(rewriting_->found.front());
@@ -42,9 +43,11 @@ public:
     double wider_operations() {
         if (own_.meets(request_.requirement)) return 0;
         const FloatFormat wider = tape::wider_than(request_.row.format.parameters, false);
-        const auto all = judge_->quality_of({tape::widened(tape_, tape::rounded_operations(tape_), wider)}).front();
-        if (!all.meets(request_.requirement)) return truth::missing;
-        return static_cast<double>(smallest_set(tape_, wider, all, request_, *judge_, 0).operations.size());
+        const auto quality_with_all =
+            judge_->quality_of({tape::widened(tape_, tape::rounded_operations(tape_), wider)}).front();
+        if (!quality_with_all.meets(request_.requirement)) return truth::missing;
+        return static_cast<double>(
+            smallest_set(tape_, wider, quality_with_all, request_, *judge_, 0).operations.size());
     }
 
 private:
@@ -56,15 +59,16 @@ private:
     std::optional<repair::Rewriting> rewriting_;
 };
 
-double value_of(const Claim& claim, MendedForm& bench) {
-    const auto of_rewritten = [&](const auto& value) {
-        const auto found = bench.rewritten();
+double value_of(const Claim& claim, MendedForm& form) {
+    const auto value_of_rewritten = [&](const auto& value) {
+        const auto found = form.rewritten();
         return found ? static_cast<double>(value(*found)) : truth::missing;
     };
-    if (claim.metric == "wrong_fraction") return of_rewritten([](const auto& r) { return r.quality.wrong_fraction(); });
-    if (claim.metric == "kept_bits") return of_rewritten([](const auto& r) { return r.quality.kept_bits; });
-    if (claim.metric == "operations") return of_rewritten([](const auto& r) { return r.operations; });
-    if (claim.metric == "wider_operations") return bench.wider_operations();
+    if (claim.metric == "wrong_fraction")
+        return value_of_rewritten([](const auto& r) { return r.quality.wrong_fraction(); });
+    if (claim.metric == "kept_bits") return value_of_rewritten([](const auto& r) { return r.quality.kept_bits; });
+    if (claim.metric == "operations") return value_of_rewritten([](const auto& r) { return r.operations; });
+    if (claim.metric == "wider_operations") return form.wider_operations();
     scene::toml::fail(claim.quantity, "unknown metric \"" + claim.metric +
                                           "\"; for a form that is mended, write wrong_fraction, kept_bits or "
                                           "operations (of the best other way of writing it), or wider_operations");
@@ -74,14 +78,16 @@ double value_of(const Claim& claim, MendedForm& bench) {
 
 void measure(const SubjectClaims<MendSubject>& claims, const ClaimRequest& run) {
     // Claims about the same form, format, size and requirement are measured together.
-    const auto what = [](const Claim& c, const MendSubject& on) {
-        return std::tuple(c.form, c.format, on.requirement.bits, on.requirement.wrong, on.requirement.at, on.size);
+    const auto key_of = [](const Claim& c, const MendSubject& subject) {
+        return std::tuple(c.form, c.format, subject.requirement.bits, subject.requirement.wrong, subject.requirement.at,
+                          subject.size);
     };
-    std::map<decltype(what(claims.front().claim, claims.front().on)), SubjectClaims<MendSubject>> alike;
-    for (const auto& asked : claims) alike[what(asked.claim, asked.on)].push_back(asked);
-    for (const auto& [same, some] : alike) {
-        MendedForm bench(some.front().claim, some.front().on, run);
-        for (const auto& [claim, on, result] : some) result = judge(claim, value_of(claim, bench), nullptr);
+    std::map<decltype(key_of(claims.front().claim, claims.front().subject)), SubjectClaims<MendSubject>> claims_by_key;
+    for (const auto& subject_claim : claims)
+        claims_by_key[key_of(subject_claim.claim, subject_claim.subject)].push_back(subject_claim);
+    for (const auto& [key, key_claims] : claims_by_key) {
+        MendedForm form(key_claims.front().claim, key_claims.front().subject, run);
+        for (const auto& [claim, subject, result] : key_claims) result = judge(claim, value_of(claim, form), nullptr);
     }
 }
 

@@ -1,4 +1,4 @@
-// Measures claims about scenes: mapped, or marched through.
+// Measures claims about scenes: about their maps, one pixel, or a march.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ using truth::missing;
 
 namespace {
 
-/// One number of one step of a march along the scene's first pixel.
+/// One number of a march along the ray of the scene's first pixel, or of one step of this march.
 double trace_value(const Claim& claim, int step, const scene::file::Scene& scene, truth::TruthLimit limit) {
     const TestedForm row = row_for(claim, scene);
     if (!row.form->log) scene::toml::fail(claim.where, claim.form + " does not march; `step` is for sdf.* forms");
@@ -42,7 +42,7 @@ double trace_value(const Claim& claim, int step, const scene::file::Scene& scene
     return found->second;
 }
 
-/// Summary of the pixel of a claim, as if the map had no other.
+/// Summary of the pixel of a claim, as if the map had no other pixel.
 evaluate::FormSummary summary_of_pixel(const Claim& claim, const scene::file::Scene& scene, const TestedForm& row,
                                        const std::vector<const metric::Metric*>& metrics, truth::TruthLimit limit) {
     const auto [x, y] = *claim.on<SceneSubject>()->pixel;
@@ -51,53 +51,55 @@ evaluate::FormSummary summary_of_pixel(const Claim& claim, const scene::file::Sc
                                                    "to {} and rows 0 to {}",
                                                    x, y, scene.id, scene.width - 1, scene.height - 1));
     const auto* const generator = scene::rays::generator_of(*row.form);
-    const scene::file::Scene made = generator ? with_rays(scene, *generator) : scene;
-    culling::Culler culler(made);
-    truth::Band line(made, y, y + 1, limit, &culler);
+    const scene::file::Scene generated_scene = generator ? with_rays(scene, *generator) : scene;
+    culling::Culler culler(generated_scene);
+    truth::Band line(generated_scene, y, y + 1, limit, &culler);
     const evaluate::SharedBandTruth shared(line, {row}, metrics);
-    evaluate::FormSummary of_line(metrics), of_pixel(metrics);
-    const auto place = static_cast<std::uint32_t>(x);
-    const evaluate::RaySubset part{std::span(&place, 1), &of_pixel};
-    evaluate::measure_row({row, metrics}, shared.of(row), of_line, std::span(&part, 1));
-    return of_pixel;
+    evaluate::FormSummary line_summary(metrics), pixel_summary(metrics);
+    const auto column = static_cast<std::uint32_t>(x);
+    const evaluate::RaySubset pixel_subset{std::span(&column, 1), &pixel_summary};
+    evaluate::measure_row({row, metrics}, shared.of(row), line_summary, std::span(&pixel_subset, 1));
+    return pixel_summary;
 }
 
 }  // namespace
 
 scene::file::Scene one_scene(const Claim& claim, const ClaimRequest& run) {
-    const std::string& called = claim.subject_name();
-    const auto name = find_for_claim(claim, [&] { return scene::file::find_scene(called, run.data_dir); });
+    const std::string& subject_name = claim.subject_name();
+    const auto name = find_for_claim(claim, [&] { return scene::file::find_scene(subject_name, run.data_dir); });
     auto scenes = scene::file::load_scene(name.path, {.variant = name.variant, .stop = run.stop});
     if (scenes.size() != 1)
-        scene::toml::fail(claim.where,
-                          "scene \"" + called + "\" has variants; name one, such as \"" + scenes.front().id + "\"");
+        scene::toml::fail(claim.where, "scene \"" + subject_name + "\" has variants; name one, such as \"" +
+                                           scenes.front().id + "\"");
     return std::move(scenes.front());
 }
 
 void measure(const SubjectClaims<SceneSubject>& claims, const ClaimRequest& run) {
     const scene::file::Scene scene = one_scene(claims.front().claim, run);
     SubjectClaims<SceneSubject> pictures;
-    for (const auto& asked : claims) {
-        const auto& [claim, on, result] = asked;
-        if (on.step) result = judge(claim, trace_value(claim, *on.step, scene, {.stop = run.stop}), nullptr);
-        else pictures.push_back(asked);
+    for (const auto& subject_claim : claims) {
+        const auto& [claim, subject, result] = subject_claim;
+        if (subject.step) result = judge(claim, trace_value(claim, *subject.step, scene, {.stop = run.stop}), nullptr);
+        else pictures.push_back(subject_claim);
     }
     if (pictures.empty()) return;
     evaluate::MapStudy request{.scene = &scene, .rows = {}, .metrics = {}, .limit = {.stop = run.stop}};
     std::vector<std::size_t> rows;
-    for (const auto& asked : pictures) rows.push_back(place_or_added(request.rows, row_for(asked.claim, scene)));
+    for (const auto& subject_claim : pictures)
+        rows.push_back(index_or_added(request.rows, row_for(subject_claim.claim, scene)));
     const OwnedSetting setting(scene);
     const ClaimColumns columns(claims_in(pictures), request.rows, setting.get());
     request.metrics = columns.metrics();
-    const auto whole = [](const auto& asked) { return !asked.on.pixel; };
-    const auto summaries =
-        std::ranges::any_of(pictures, whole) ? evaluate::run_map(request) : std::vector<evaluate::FormSummary>();
+    const auto is_whole_picture = [](const auto& subject_claim) { return !subject_claim.subject.pixel; };
+    const auto summaries = std::ranges::any_of(pictures, is_whole_picture) ? evaluate::run_map(request)
+                                                                           : std::vector<evaluate::FormSummary>();
     for (std::size_t k = 0; k < pictures.size(); ++k) {
-        const auto& [claim, on, result] = pictures[k];
+        const auto& [claim, subject, result] = pictures[k];
         const TestedForm& row = request.rows[rows[k]];
-        const evaluate::FormSummary one =
-            on.pixel ? summary_of_pixel(claim, scene, row, request.metrics, request.limit) : evaluate::FormSummary();
-        const evaluate::FormSummary& summary = on.pixel ? one : summaries[rows[k]];
+        const evaluate::FormSummary pixel_summary =
+            subject.pixel ? summary_of_pixel(claim, scene, row, request.metrics, request.limit)
+                          : evaluate::FormSummary();
+        const evaluate::FormSummary& summary = subject.pixel ? pixel_summary : summaries[rows[k]];
         result = judge(claim, columns.value(claim, summary), &summary);
     }
 }

@@ -1,4 +1,5 @@
-// Studies as claims see them. The list of studies is above this folder (analysis/study), so a run passes it in.
+// Interface through which claims use studies. The list of studies is above this folder (analysis/study), so a run
+// passes it in.
 #pragma once
 
 #include <cstdint>
@@ -18,16 +19,16 @@ namespace lostbits::measure::claim {
 struct StudyQuestion {
     const scene::file::Scene& scene;
     std::vector<evaluate::TestedForm> rows;
-    std::map<std::string, std::vector<std::string>> options = {};  ///< by name; the others have their usual values
-    std::set<std::string> columns = {};                            ///< numbers of the summary that are asked for
+    std::map<std::string, std::vector<std::string>> options = {};  ///< by name; other options have their default values
+    std::set<std::string> columns = {};                            ///< names of the requested numbers of the summary
     intersect::process::StopToken stop = {};
 };
 
 /// A row of the summary of a study.
 struct StudyRow {
-    std::map<std::string, std::string> words;                  ///< by column, form and format among them
+    std::map<std::string, std::string> words;                  ///< by column; form and format are columns too
     std::map<std::string, double> numbers;                     ///< by column; NaN if missing
-    std::map<std::string, evaluate::WorstRay> witnesses = {};  ///< by column that is asked for
+    std::map<std::string, evaluate::WorstRay> witnesses = {};  ///< by requested column
     std::uint64_t unproved = 0;                                ///< number of its pixels without a proof
 };
 
@@ -41,7 +42,7 @@ public:
     virtual ~ClaimStudies() = default;
     /// Throws InputError for an unknown study.
     [[nodiscard]] virtual StudyNames names(const std::string& study) const = 0;
-    /// Throws InputError if the study does not take the scene, a form or a word.
+    /// Throws InputError if the study does not take the scene, a form or the value of an option.
     [[nodiscard]] virtual std::vector<StudyRow> measure(const std::string& study, const StudyQuestion& asked) const = 0;
     /// Draws the sheet of a study. Throws as `measure`.
     virtual void draw(const std::string& study, const StudyQuestion& asked,

@@ -13,23 +13,23 @@
 
 namespace lostbits::measure::claim {
 
-/// Index of a word among the names of a list. Throws InputError with the claim's position for an unknown word.
+/// Index of a name in a list. Throws InputError with the claim's position for an unknown name.
 template <class List, class Name = std::identity>
-std::size_t place_of_word(const scene::claim::Claim& claim, const char* what, const std::string& word, const List& list,
+std::size_t index_of_name(const scene::claim::Claim& claim, const char* kind, const std::string& text, const List& list,
                           Name name = {}) {
     std::vector<std::string> names;
-    for (const auto& each : list) names.emplace_back(std::invoke(name, each));
-    const auto found = std::ranges::find(names, word);
+    for (const auto& item : list) names.emplace_back(std::invoke(name, item));
+    const auto found = std::ranges::find(names, text);
     if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
     scene::toml::fail(claim.where,
-                      "unknown " + std::string(what) + " \"" + word + "\"; " + scene::toml::did_you_mean(word, names));
+                      "unknown " + std::string(kind) + " \"" + text + "\"; " + scene::toml::did_you_mean(text, names));
 }
 
 /// A claim, its subject, and its result.
 template <class Kind>
 struct SubjectClaim {
     const scene::claim::Claim& claim;
-    const Kind& on;
+    const Kind& subject;
     ClaimResult& result;
 };
 /// Claims about one scene, sweep or table, measured together.
@@ -46,32 +46,34 @@ void measure(const SubjectClaims<scene::claim::TableSubject>& claims, const Clai
 void measure(const SubjectClaims<scene::claim::TimingSubject>& claims, const ClaimRequest& run);
 void measure(const SubjectClaims<scene::claim::ChoiceSubject>& claims, const ClaimRequest& run);
 
-/// Measures those of the claims that are about a sweep over every float.
+/// Measures claims about a sweep over every float, which is in the file `path`.
 void measure_exhaustive(const SubjectClaims<scene::claim::SweepSubject>& claims, const std::filesystem::path& path,
                         const ClaimRequest& run);
 
-/// Measures what it changes to pass on the nearest hit. The rays are seeded rays of `scene::box::BoxDistribution`,
-/// eight adjoining boxes aimed at their shared edges from `distance` sizes away. Every box in turn gets the closest t
-/// so far as the end of the ray. Returns the share of the rays on which the nearest t over all boxes, or the decision,
-/// then differs.
+/// Measures what changes if the nearest hit so far is passed on. The rays are seeded rays of
+/// `scene::box::BoxDistribution`, eight adjoining boxes aimed at their shared edges from `distance` sizes away. Every
+/// box in turn gets the closest t so far as the end of the ray. Returns the share of the rays on which the nearest t
+/// over all boxes, or the decision, then differs.
 double differs_with_closest(const evaluate::TestedForm& row, double distance, std::uint64_t seed,
                             truth::TruthLimit limit);
 
-/// Adds a further draw: a claim holds only if it holds for every draw.
+/// Adds the result of a further draw: a claim holds only if it holds for every draw.
 void add_draw(ClaimResult& result, const ClaimResult& draw);
 
-/// Measures claims on the subject's own draw and on further ones, with `measure_draw(claims, draw)`; `draw` counts the
-/// seeds after its own.
+/// Measures claims on the subject's own draw and on further draws, with `measure_draw(claims, draw)`. `draw` is 0 for
+/// the subject's own seed, 1 for the next one, and so on.
 template <class Kind, class Measure>
 void measure_draws(const SubjectClaims<Kind>& claims, const ClaimRequest& run, const Measure& measure_draw) {
     measure_draw(claims, 0);
-    const bool any = std::ranges::any_of(claims, [](const SubjectClaim<Kind>& c) { return c.result.is_drawn(); });
-    const auto further = static_cast<std::size_t>(any ? run.further_draws : 0);
-    std::vector<std::vector<ClaimResult>> draws(further, std::vector<ClaimResult>(claims.size()));
-    intersect::process::in_parallel(std::size_t{0}, further, [&](std::size_t d) {
-        SubjectClaims<Kind> again;
-        for (std::size_t i = 0; i < claims.size(); ++i) again.push_back({claims[i].claim, claims[i].on, draws[d][i]});
-        measure_draw(again, static_cast<int>(d) + 1);
+    const bool any_is_drawn =
+        std::ranges::any_of(claims, [](const SubjectClaim<Kind>& c) { return c.result.is_drawn(); });
+    const auto further_draw_count = static_cast<std::size_t>(any_is_drawn ? run.further_draws : 0);
+    std::vector<std::vector<ClaimResult>> draws(further_draw_count, std::vector<ClaimResult>(claims.size()));
+    intersect::process::in_parallel(std::size_t{0}, further_draw_count, [&](std::size_t d) {
+        SubjectClaims<Kind> draw_claims;
+        for (std::size_t i = 0; i < claims.size(); ++i)
+            draw_claims.push_back({claims[i].claim, claims[i].subject, draws[d][i]});
+        measure_draw(draw_claims, static_cast<int>(d) + 1);
     });
     for (const auto& draw : draws) {
         for (std::size_t i = 0; i < claims.size(); ++i) {
@@ -93,7 +95,7 @@ void require_proof(ClaimResult& result, std::uint64_t unproved, const char* one,
 Format claim_format(const scene::claim::Claim& claim);
 
 /// Index of the row among those of several claims; adds it if it is new.
-inline std::size_t place_or_added(std::vector<evaluate::TestedForm>& rows, const evaluate::TestedForm& row) {
+inline std::size_t index_or_added(std::vector<evaluate::TestedForm>& rows, const evaluate::TestedForm& row) {
     const auto found = std::ranges::find(rows, row);
     if (found != rows.end()) return static_cast<std::size_t>(found - rows.begin());
     rows.push_back(row);
@@ -102,9 +104,9 @@ inline std::size_t place_or_added(std::vector<evaluate::TestedForm>& rows, const
 
 template <class Kind>
 std::vector<const scene::claim::Claim*> claims_in(const SubjectClaims<Kind>& claims) {
-    std::vector<const scene::claim::Claim*> all;
-    for (const SubjectClaim<Kind>& c : claims) all.push_back(&c.claim);
-    return all;
+    std::vector<const scene::claim::Claim*> result;
+    for (const SubjectClaim<Kind>& c : claims) result.push_back(&c.claim);
+    return result;
 }
 
 /// Form and format of a claim about a scene or sweep. Throws InputError if the form cannot handle it.
@@ -117,7 +119,7 @@ evaluate::TestedForm row_for(const scene::claim::Claim& claim, const Rays& rays)
                                        "; name another form, or another scene or sweep");
 }
 
-/// Result of `find`. If it throws InputError, the claim's position is put in front of the message.
+/// Result of `find`. If `find` throws InputError, the claim's position is put in front of the message.
 template <class Find>
 auto find_for_claim(const scene::claim::Claim& claim, const Find& find) {
     try {

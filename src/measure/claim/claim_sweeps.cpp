@@ -32,17 +32,17 @@ void measure_cases(const SubjectClaims<SweepSubject>& claims, const std::filesys
                    truth::TruthLimit limit) {
     const scene::sweep::CaseFile file(path);
     sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = limit};
-    for (const auto& asked : claims) request.rows.push_back(row_for(asked.claim, file));
+    for (const auto& subject_claim : claims) request.rows.push_back(row_for(subject_claim.claim, file));
     const OwnedSetting setting(file.rays(0, binary64).front());
     const ClaimColumns columns(claims_in(claims), request.rows, setting.get());
     request.metrics = columns.metrics();
     for (std::size_t k = 0; k < claims.size(); ++k) {
-        const auto& [claim, on, result] = claims[k];
-        const auto* const named = on.part_if<SweepSubject::Case>();
-        if (!named)
-            scene::toml::fail(claim.where,
-                              "sweep \"" + on.name + "\" has cases, not axes; write `case = \"...\"` in claim.given");
-        const auto summary = sweep::run_cases_together(request, k, file.matching(named->name, claim.where));
+        const auto& [claim, subject, result] = claims[k];
+        const auto* const named_case = subject.part_if<SweepSubject::Case>();
+        if (!named_case)
+            scene::toml::fail(claim.where, "sweep \"" + subject.name +
+                                               "\" has cases, not axes; write `case = \"...\"` in claim.given");
+        const auto summary = sweep::run_cases_together(request, k, file.matching(named_case->name, claim.where));
         result = judge(claim, columns.value(claim, summary), &summary);
     }
 }
@@ -50,31 +50,32 @@ void measure_cases(const SubjectClaims<SweepSubject>& claims, const std::filesys
 std::optional<metric::Bounds> bounds_of(const Claim& claim, const ClaimColumns& columns,
                                         const evaluate::FormSummary& summary) {
     if (!claim.metric.ends_with("_p99")) return std::nullopt;
-    const auto end = [&](const char* name) {
-        Claim other = claim;
-        other.metric += name;
-        return columns.value(other, summary);
+    const auto bound = [&](const char* name) {
+        Claim bound_claim = claim;
+        bound_claim.metric += name;
+        return columns.value(bound_claim, summary);
     };
-    return metric::Bounds{end("_low"), end("_high")};
+    return metric::Bounds{bound("_low"), bound("_high")};
 }
 
-/// Position of the claim on the axes. Throws InputError if it does not fit them.
-std::vector<double> place_on(const SubjectClaim<SweepSubject>& asked, const scene::sweep::SweepFile& sweep) {
-    const auto& [claim, on, result] = asked;
-    const auto* const part = on.part_if<SweepSubject::At>();
-    std::vector<double> at = part ? part->values : std::vector<double>{};
-    if (at.size() != sweep.axes.size()) {
-        scene::toml::fail(claim.where, "sweep \"" + on.name + "\" has " +
+/// Position of the claim on the axes. Throws InputError if the position does not fit the axes.
+std::vector<double> position_on_axes(const SubjectClaim<SweepSubject>& subject_claim,
+                                     const scene::sweep::SweepFile& sweep) {
+    const auto& [claim, subject, result] = subject_claim;
+    const auto* const part = subject.part_if<SweepSubject::At>();
+    std::vector<double> position = part ? part->values : std::vector<double>{};
+    if (position.size() != sweep.axes.size()) {
+        scene::toml::fail(claim.where, "sweep \"" + subject.name + "\" has " +
                                            scene::toml::counted(sweep.axes.size(), "axis", "axes") +
                                            "; write as many values in `at`");
     }
-    for (std::size_t a = 0; a < at.size(); ++a) {
+    for (std::size_t a = 0; a < position.size(); ++a) {
         const auto [low, high] = std::minmax(sweep.axes[a].from, sweep.axes[a].to);
-        if (at[a] < low || at[a] > high)
+        if (position[a] < low || position[a] > high)
             scene::toml::fail(claim.where, "`at` lies outside the axis " + sweep.axes[a].name + " of sweep \"" +
-                                               on.name + "\"; write a value between its ends");
+                                               subject.name + "\"; write a value between its ends");
     }
-    return at;
+    return position;
 }
 
 /// Claims about one position on the axes of a sweep, or about its onsets.
@@ -84,27 +85,28 @@ struct AxesClaims {
     const std::vector<std::size_t>& rows;  ///< row of each claim, among those of the request
 };
 
-void measure_place(const AxesClaims& on, const sweep::SweepRequest& request, const std::vector<double>& place) {
-    const auto summaries = sweep::run_place(request, place);
-    for (std::size_t k = 0; k < on.claims.size(); ++k) {
-        const auto& [claim, subject, result] = on.claims[k];
-        const evaluate::FormSummary& summary = summaries[on.rows[k]];
-        result = judge(claim, on.columns.value(claim, summary), &summary);
+void measure_position(const AxesClaims& axes_claims, const sweep::SweepRequest& request,
+                      const std::vector<double>& position) {
+    const auto summaries = sweep::measure_at(request, position);
+    for (std::size_t k = 0; k < axes_claims.claims.size(); ++k) {
+        const auto& [claim, subject, result] = axes_claims.claims[k];
+        const evaluate::FormSummary& summary = summaries[axes_claims.rows[k]];
+        result = judge(claim, axes_claims.columns.value(claim, summary), &summary);
         if (!request.sweep.has_random_rays()) continue;
         result.samples = summary.views;
-        if (summary.rays == summary.views) result.bounds = bounds_of(claim, on.columns, summary);
+        if (summary.rays == summary.views) result.bounds = bounds_of(claim, axes_claims.columns, summary);
     }
 }
 
-void measure_onsets(const AxesClaims& on, sweep::SweepRequest request) {
-    for (std::size_t k = 0; k < on.claims.size(); ++k) {
-        const Claim& claim = on.claims[k].claim;
-        request.only.push_back({on.rows[k], claim.onset, claim.statistic, claim.threshold});
+void measure_onsets(const AxesClaims& axes_claims, sweep::SweepRequest request) {
+    for (std::size_t k = 0; k < axes_claims.claims.size(); ++k) {
+        const Claim& claim = axes_claims.claims[k].claim;
+        request.only.push_back({axes_claims.rows[k], claim.onset, claim.statistic, claim.threshold});
     }
     const auto onsets = sweep::find_onsets(request, sweep::run_sweep(request));
-    for (std::size_t k = 0; k < on.claims.size(); ++k) {
-        const Claim& claim = on.claims[k].claim;
-        ClaimResult& result = on.claims[k].result;
+    for (std::size_t k = 0; k < axes_claims.claims.size(); ++k) {
+        const Claim& claim = axes_claims.claims[k].claim;
+        ClaimResult& result = axes_claims.claims[k].result;
         const auto found =
             std::ranges::find_if(onsets, [&](const sweep::Onset& o) { return o.is_of_event(request.only[k]); });
         if (found == onsets.end()) {
@@ -123,19 +125,19 @@ void measure_onsets(const AxesClaims& on, sweep::SweepRequest request) {
 /// Position on the axes of a sweep; absent for claims about onsets.
 using AxesPosition = std::optional<std::vector<double>>;
 
-void measure_axes(const SubjectClaims<SweepSubject>& claims, const AxesPosition& place,
+void measure_axes(const SubjectClaims<SweepSubject>& claims, const AxesPosition& position,
                   const scene::sweep::SweepFile& sweep, truth::TruthLimit limit) {
     sweep::SweepRequest request{.sweep = sweep, .rows = {}, .metrics = {}, .limit = limit};
     std::vector<std::size_t> rows;
-    for (const auto& [claim, on, result] : claims) {
+    for (const auto& [claim, subject, result] : claims) {
         TestedForm row = row_for(claim, sweep);
         if (!row.judged) row.judged = sweep.convention;
-        rows.push_back(place_or_added(request.rows, row));
+        rows.push_back(index_or_added(request.rows, row));
     }
     const OwnedSetting setting(sweep.first_rays());
     const ClaimColumns columns(claims_in(claims), request.rows, setting.get());
     request.metrics = columns.metrics();
-    if (place) measure_place({claims, columns, rows}, request, *place);
+    if (position) measure_position({claims, columns, rows}, request, *position);
     else measure_onsets({claims, columns, rows}, std::move(request));
 }
 
@@ -143,38 +145,40 @@ void measure_axes(const SubjectClaims<SweepSubject>& claims, const AxesPosition&
 
 void measure(const SubjectClaims<SweepSubject>& claims, const ClaimRequest& run) {
     const Claim& first = claims.front().claim;
-    const std::string& called = first.subject_name();
-    const auto path = find_for_claim(first, [&] { return scene::sweep::find_sweep(called, run.data_dir); });
+    const std::string& subject_name = first.subject_name();
+    const auto path = find_for_claim(first, [&] { return scene::sweep::find_sweep(subject_name, run.data_dir); });
     switch (scene::sweep::sweep_kind(path)) {
         case SweepKind::cases: return measure_cases(claims, path, {.stop = run.stop});
         case SweepKind::search:
         case SweepKind::edge_search:
             scene::toml::fail(first.where,
-                              "sweep \"" + called + "\" is a search; write `search = ` in place of `sweep = `");
+                              "sweep \"" + subject_name + "\" is a search; write `search = ` in place of `sweep = `");
         case SweepKind::every_float: return measure_exhaustive(claims, path, run);
         case SweepKind::axes: break;
     }
-    for (const auto& [claim, on, result] : claims) {
-        if (on.part_if<SweepSubject::EveryFloat>())
+    for (const auto& [claim, subject, result] : claims) {
+        if (subject.part_if<SweepSubject::EveryFloat>())
             scene::toml::fail(claim.where,
                               "`exhaustive = true` belongs to claims about sweeps over every float, and "
                               "sweep \"" +
-                                  called + "\" is of another kind; leave it out");
+                                  subject_name + "\" is of another kind; leave it out");
     }
     const scene::sweep::SweepFile sweep(path, run.data_dir, {}, run.stop);
-    std::map<AxesPosition, SubjectClaims<SweepSubject>> together;
-    for (const auto& asked : claims)
-        together[asked.claim.onset.empty() ? AxesPosition(place_on(asked, sweep)) : std::nullopt].push_back(asked);
-    for (const auto& part : together) {
-        measure_draws(part.second, run, [&](const SubjectClaims<SweepSubject>& some, int draw) {
-            measure_axes(some, part.first, sweep.with_seed_offset(draw), {.stop = run.stop});
+    std::map<AxesPosition, SubjectClaims<SweepSubject>> claims_by_position;
+    for (const auto& subject_claim : claims)
+        claims_by_position[subject_claim.claim.onset.empty() ? AxesPosition(position_on_axes(subject_claim, sweep))
+                                                             : std::nullopt]
+            .push_back(subject_claim);
+    for (const auto& entry : claims_by_position) {
+        measure_draws(entry.second, run, [&](const SubjectClaims<SweepSubject>& draw_claims, int draw) {
+            measure_axes(draw_claims, entry.first, sweep.with_seed_offset(draw), {.stop = run.stop});
         });
     }
 }
 
 namespace {
 
-/// Metrics of a claim about the census of an edge search: the outcome that they count, and at which targets.
+/// Metric of a claim about the census of an edge search: the outcome that the metric counts, and at which targets.
 struct CensusMetric {
     std::string_view name;
     answer::Outcome outcome;
@@ -198,13 +202,13 @@ const CensusMetric& census_metric(const Claim& claim) {
 }
 
 /// Number of rays of the census that the metric counts.
-std::uint64_t count_of(const edges::EdgeFinding& found, const CensusMetric& metric) {
+std::uint64_t count_of(const edges::EdgeFinding& finding, const CensusMetric& metric) {
     const auto outcome = static_cast<std::size_t>(std::ranges::find(edges::searched_outcomes, metric.outcome) -
                                                   edges::searched_outcomes.begin());
     std::uint64_t sum = 0;
-    for (std::size_t k = 0; k < found.census.size(); ++k)
+    for (std::size_t k = 0; k < finding.census.size(); ++k)
         if (!metric.target || static_cast<std::size_t>(*metric.target) == k)
-            sum += found.census.at(k).outcomes.at(outcome);
+            sum += finding.census.at(k).outcomes.at(outcome);
     return sum;
 }
 
@@ -216,17 +220,17 @@ void measure_census(const SubjectClaims<SearchSubject>& claims, const std::files
                                .limit = {.stop = run.stop},
                                .census_alone = true};
     std::vector<std::size_t> rows;
-    for (const auto& [claim, on, result] : claims) {
+    for (const auto& [claim, subject, result] : claims) {
         census_metric(claim);
         const evaluate::TestedForm row = claim_row(claim);
         if (!request.search.meets(row.form->shapes()))
             scene::toml::fail(claim.where, claim.form + " does not take triangles; name a form that does");
-        rows.push_back(place_or_added(request.rows, row));
+        rows.push_back(index_or_added(request.rows, row));
     }
-    const auto found = edges::find_nearest(request);
+    const auto findings = edges::find_nearest(request);
     for (std::size_t k = 0; k < claims.size(); ++k) {
-        const auto& [claim, on, result] = claims[k];
-        result = judge(claim, static_cast<double>(count_of(found[rows[k]], census_metric(claim))), nullptr);
+        const auto& [claim, subject, result] = claims[k];
+        result = judge(claim, static_cast<double>(count_of(findings[rows[k]], census_metric(claim))), nullptr);
     }
 }
 
@@ -234,18 +238,18 @@ void measure_census(const SubjectClaims<SearchSubject>& claims, const std::files
 
 void measure(const SubjectClaims<SearchSubject>& claims, const ClaimRequest& run) {
     const Claim& first = claims.front().claim;
-    const std::string& called = first.subject_name();
-    const auto path = find_for_claim(first, [&] { return scene::sweep::find_sweep(called, run.data_dir); });
+    const std::string& subject_name = first.subject_name();
+    const auto path = find_for_claim(first, [&] { return scene::sweep::find_sweep(subject_name, run.data_dir); });
     const auto kind = scene::sweep::sweep_kind(path);
     if (kind == scene::sweep::SweepKind::edge_search) return measure_census(claims, path, run);
     if (kind != scene::sweep::SweepKind::search)
-        scene::toml::fail(first.where, "\"" + called +
+        scene::toml::fail(first.where, "\"" + subject_name +
                                            "\" has no [search] or [edge_search] table; write `sweep = ` for axes and "
                                            "cases, or name a search (data/sweeps/worst)");
     const scene::sweep::SearchFile file(path);
     const metric::Metric* const searched = metric::find_metric(file.metric);
     if (searched == nullptr)
-        scene::toml::fail(first.where, "search \"" + called + "\" maximises the unknown metric \"" + file.metric +
+        scene::toml::fail(first.where, "search \"" + subject_name + "\" maximises the unknown metric \"" + file.metric +
                                            "\"; `lostbits list metrics` shows the metrics");
     sweep::WorstRequest request{
         .search = file,
@@ -253,36 +257,36 @@ void measure(const SubjectClaims<SearchSubject>& claims, const ClaimRequest& run
         .metrics = {metric::find_metric("lost_bits"), metric::find_metric("ulp_error"), searched},
         .limit = {.stop = run.stop}};
     std::vector<std::size_t> rows;
-    for (const auto& [claim, on, result] : claims) {
+    for (const auto& [claim, subject, result] : claims) {
         if (claim.metric != "worst")
             scene::toml::fail(claim.quantity, "a search measures only `metric = \"worst\"`: the largest " +
                                                   file.metric + " that it finds");
         const evaluate::TestedForm row = claim_row(claim);
         if (row.form->shape != file.shape)
-            scene::toml::fail(claim.where, "search \"" + called + "\" has other primitives than " + claim.form +
+            scene::toml::fail(claim.where, "search \"" + subject_name + "\" has other primitives than " + claim.form +
                                                " takes; name a form of its shape");
-        rows.push_back(place_or_added(request.rows, row));
+        rows.push_back(index_or_added(request.rows, row));
     }
-    const auto found = sweep::find_worst(request);
+    const auto results = sweep::find_worst(request);
     for (std::size_t k = 0; k < claims.size(); ++k) {
-        const auto& [claim, on, result] = claims[k];
-        const auto& worst = found[rows[k]];
+        const auto& [claim, subject, result] = claims[k];
+        const auto& worst = results[rows[k]];
         if (!worst) {
             result.trouble = "no ray of the search's ranges hits";
             continue;
         }
-        const bool decided = worst->outcome == answer::Outcome::agree_hit;
-        result = judge(claim, decided ? worst->value : std::numeric_limits<double>::infinity(), nullptr);
+        const bool is_right = worst->outcome == answer::Outcome::agree_hit;
+        result = judge(claim, is_right ? worst->value : std::numeric_limits<double>::infinity(), nullptr);
         result.evaluations = worst->evaluations;
-        scene::rays::RayGroup one = scene::rays::group_of(worst->ray);
-        one.primitives = {worst->primitive};
+        scene::rays::RayGroup group = scene::rays::group_of(worst->ray);
+        group.primitives = {worst->primitive};
         result.witness = {.x = 0,
                           .y = 0,
                           .ray = worst->ray,
                           .primitive = worst->primitive,
                           .t = worst->t,
                           .outcome = worst->outcome,
-                          .given = std::make_shared<const scene::rays::RayGroup>(std::move(one))};
+                          .given = std::make_shared<const scene::rays::RayGroup>(std::move(group))};
     }
 }
 

@@ -1,6 +1,6 @@
 // Measures claims about speed: quotients of rates within one run. Also measures claims about a choice for a scene:
-// which forms meet a requirement, which of them is the cheapest, and ratios of times on the scene's own rays. Each time
-// is that of a claim's form in its format, in the widest registers in use.
+// which forms meet a requirement, which of them is the cheapest, and ratios of times on the scene's own rays. All times
+// are those of a claim's form in its format, in the widest registers in use.
 #include <algorithm>
 
 #include "measure/choice/candidates.hpp"
@@ -24,35 +24,35 @@ using scene::claim::TimingSubject;
 using Works = std::vector<std::optional<TimedWork>>;
 
 template <class Work>
-Works on_all(std::span<const TimedKernel> kernels, std::size_t bytes) {
+Works works_of(std::span<const TimedKernel> kernels, std::size_t bytes) {
     Work work(bytes);
-    Works all;
-    for (const TimedKernel& k : kernels) all.push_back(work.on(k));
-    return all;
+    Works result;
+    for (const TimedKernel& k : kernels) result.push_back(work.on(k));
+    return result;
 }
 
 constexpr std::pair<std::string_view, Works (*)(std::span<const TimedKernel>, std::size_t)> works[] = {
-    {"one_ray_many_boxes", on_all<speed::BoxWork>}, {"many_rays_one_primitive", on_all<speed::RayWork>}};
+    {"one_ray_many_boxes", works_of<speed::BoxWork>}, {"many_rays_one_primitive", works_of<speed::RayWork>}};
 
-/// Makes a work for each kernel, on the same data.
+/// Makes the timed work of each kernel, on the same data.
 std::vector<TimedWork> make_work(const Claim& claim, const std::vector<TimedKernel>& kernels, std::size_t bytes) {
-    const std::string& called = claim.subject_name();
-    const auto named = std::ranges::find(works, called, [](const auto& each) { return each.first; });
-    if (named == std::end(works))
+    const std::string& subject_name = claim.subject_name();
+    const auto found = std::ranges::find(works, subject_name, [](const auto& entry) { return entry.first; });
+    if (found == std::end(works))
         scene::toml::fail(claim.where,
-                          "unknown work \"" + called + "\"; write one_ray_many_boxes or many_rays_one_primitive");
-    std::vector<TimedWork> all;
-    auto made = named->second(kernels, bytes);
-    for (std::size_t i = 0; i < made.size(); ++i) {
-        if (!made[i])
+                          "unknown work \"" + subject_name + "\"; write one_ray_many_boxes or many_rays_one_primitive");
+    std::vector<TimedWork> result;
+    auto optional_works = found->second(kernels, bytes);
+    for (std::size_t i = 0; i < optional_works.size(); ++i) {
+        if (!optional_works[i])
             scene::toml::fail(claim.where,
                               "no form \"" + std::string(kernels[i].form) + "\" in the kernel \"" +
-                                  std::string(kernels[i].kernel) + "\" for " + called + " in " + claim.format +
+                                  std::string(kernels[i].kernel) + "\" for " + subject_name + " in " + claim.format +
                                   "; kernels are scalar, 128, 256 and 512, and plain-256 and plain-structs-256 for "
                                   "boxes in f32; `lostbits list forms` has the forms");
-        all.push_back(std::move(*made[i]));
+        result.push_back(std::move(*optional_works[i]));
     }
-    return all;
+    return result;
 }
 
 /// Median over interleaved repetitions of (seconds for one item of `over`)/(seconds for one item of the kernel).
@@ -109,13 +109,13 @@ TestedForm timed_row(const Claim& claim, const Scene& scene) {
 std::vector<TestedForm> candidates_of(const Claim& claim, const Others& others, const Scene& scene) {
     std::vector<TestedForm> rows{timed_row(claim, scene)};
     for (const std::string& name : others.formats) {
-        Claim in_format = claim;
-        in_format.format = name;
-        const Format format = claim_format(in_format);
+        Claim candidate = claim;
+        candidate.format = name;
+        const Format format = claim_format(candidate);
         for (const intersect::table::Intersector& form : intersect::table::intersectors(rows.front().form->shape)) {
             if (!form.exists_in(format)) continue;
-            in_format.form = form.info->name;
-            place_or_added(rows, timed_row(in_format, scene));
+            candidate.form = form.info->name;
+            index_or_added(rows, timed_row(candidate, scene));
         }
     }
     return rows;
@@ -134,13 +134,13 @@ ChoiceRequest request_for(const Claim& claim, const Others& others, const Scene&
 /// primitive.
 double time_ratio(const Claim& claim, const ChoiceSubject::RelativeTime& over, const Scene& scene,
                   intersect::process::StopToken stop) {
-    Claim other = claim;
-    other.form = over.form;
-    other.format = over.format;
-    speed::SceneWork on_scene(scene, {.stop = stop});
+    Claim over_claim = claim;
+    over_claim.form = over.form;
+    over_claim.format = over.format;
+    speed::SceneWork scene_work(scene, {.stop = stop});
     std::vector<speed::TimedWork> work;
-    for (const TestedForm& row : {timed_row(claim, scene), timed_row(other, scene)})
-        work.push_back(on_scene.on(row, intersect::simd::packed_kernels(*row.form)));
+    for (const TestedForm& row : {timed_row(claim, scene), timed_row(over_claim, scene)})
+        work.push_back(scene_work.on(row, intersect::simd::packed_kernels(*row.form)));
     const auto samples = speed::sample_interleaved(work, {.repetitions = 101, .least_seconds = 1e-3, .stop = stop});
     return speed::ratio_of(samples[0], samples[1]).median;
 }
@@ -159,9 +159,9 @@ double others_that_meet(const Claim& claim, const Others& others, const Scene& s
     request.rows = candidates_of(claim, others, scene);
     std::erase_if(request.rows, [&claim](const TestedForm& row) { return row.form->info->name == claim.form; });
     if (request.rows.empty()) return 0;
-    const auto all = quality_of(request);
+    const auto qualities = quality_of(request);
     return static_cast<double>(std::ranges::count_if(
-        all, [&request](const choice::RowQuality& quality) { return quality.meets(request.requirement); }));
+        qualities, [&request](const choice::RowQuality& quality) { return quality.meets(request.requirement); }));
 }
 
 /// 1 if the row is the cheapest that meets the requirement, else 0.
@@ -176,23 +176,24 @@ constexpr std::pair<std::string_view,
                     double (*)(const Claim&, const Others&, const Scene&, intersect::process::StopToken)>
     of_requirements[] = {{"meets", meets}, {"others_that_meet", others_that_meet}, {"chosen", chosen}};
 
-double chosen_value(const Claim& claim, const ChoiceSubject& on, const ClaimRequest& run) {
+double chosen_value(const Claim& claim, const ChoiceSubject& subject, const ClaimRequest& run) {
     const Scene scene = one_scene(claim, run);
-    if (const auto* const over = std::get_if<ChoiceSubject::RelativeTime>(&on.against)) {
+    if (const auto* const over = std::get_if<ChoiceSubject::RelativeTime>(&subject.against)) {
         if (claim.metric == "time_ratio") return time_ratio(claim, *over, scene, run.stop);
         scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; with `over`, write time_ratio");
     }
-    const auto named = std::ranges::find(of_requirements, claim.metric, [](const auto& each) { return each.first; });
-    if (named == std::end(of_requirements))
+    const auto found = std::ranges::find(of_requirements, claim.metric, [](const auto& entry) { return entry.first; });
+    if (found == std::end(of_requirements))
         scene::toml::fail(claim.where, "unknown metric \"" + claim.metric +
                                            "\"; with a requirement, write meets, others_that_meet or chosen");
-    return named->second(claim, std::get<Others>(on.against), scene, run.stop);
+    return found->second(claim, std::get<Others>(subject.against), scene, run.stop);
 }
 
 }  // namespace
 
 void measure(const SubjectClaims<ChoiceSubject>& claims, const ClaimRequest& run) {
-    for (const auto& [claim, on, result] : claims) result = judge(claim, chosen_value(claim, on, run), nullptr);
+    for (const auto& [claim, subject, result] : claims)
+        result = judge(claim, chosen_value(claim, subject, run), nullptr);
 }
 
 }  // namespace lostbits::measure::claim

@@ -26,15 +26,17 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
 
 /// True for equal numbers, and for two NaN.
-bool same(const Reply& a, const Reply& b) {
+bool are_same(const Reply& a, const Reply& b) {
     const auto equal = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
     return a.hit == b.hit && equal(a.near, b.near) && equal(a.far, b.far);
 }
 
-bool all_same(const std::vector<Reply>& a, const std::vector<Reply>& b) { return std::ranges::equal(a, b, same); }
+bool are_all_same(const std::vector<Reply>& a, const std::vector<Reply>& b) {
+    return std::ranges::equal(a, b, are_same);
+}
 
-/// Many rays from all directions that meet the primitive or miss it.
-std::vector<Question> many(Shape shape) {
+/// Many rays from all directions, some of which meet the primitive.
+std::vector<Question> many_questions(Shape shape) {
     std::vector<Question> questions;
     std::uint32_t state = 1;
     const auto random = [&state] {
@@ -42,7 +44,7 @@ std::vector<Question> many(Shape shape) {
         return static_cast<double>(state >> 16) / 32768 - 1;
     };
     for (int i = 0; i < 501; ++i) {
-        Question q = along(shape, 0, 1);
+        Question q = question_along_z(shape, 0, 1);
         for (int k = 0; k < 3; ++k) q.ray[static_cast<std::size_t>(k)] = 8 * random();
         double length = 0;
         for (int k = 0; k < 3; ++k) {
@@ -57,72 +59,72 @@ std::vector<Question> many(Shape shape) {
 
 std::string plainest_primitive_text(Shape shape) { return std::string(row_of(shape).texts.plainest); }
 
-/// The plainest ray and its primitive in words.
+/// Text of the plainest ray and its primitive.
 std::string plainest_ray_text(Shape shape, const char* joint) {
-    const Question q = entering(shape);
+    const Question q = plainest_question(shape);
     return fmt::format("origin (0, 0, {:g}), direction (0, 0, {:g}){}{}", q.ray[2], q.ray[5], joint,
                        plainest_primitive_text(shape));
 }
 
-/// The t at which the plainest ray leaves a shape for good: as far from the origin as it enters, seen from the other
-/// side. Infinite for solids without end.
+/// The t at which the plainest ray leaves a shape for good: as far from the origin as the opposite ray enters. Infinite
+/// for solids without end.
 double last_root(Shape shape) {
-    const Question q = entering(shape);
-    const auto back = ends_of(along(shape, -q.ray[2], -q.ray[5]), shape);
-    return back ? 2 * std::fabs(q.ray[2]) - back->near : std::numeric_limits<double>::infinity();
+    const Question q = plainest_question(shape);
+    const auto opposite_ends = ends_of(question_along_z(shape, -q.ray[2], -q.ray[5]), shape);
+    return opposite_ends ? 2 * std::fabs(q.ray[2]) - opposite_ends->near : std::numeric_limits<double>::infinity();
 }
 
 void try_hit_is_written(Trial& trial) {
-    const auto all = ask(trial.form, many(trial.shape));
-    const auto unwritten = std::ranges::find_if(all, [](const Reply& r) { return r.hit > 1; });
-    if (unwritten != all.end())
-        trial.broken("`hit` is " + std::to_string(unwritten->hit) +
-                     " for a ray of a batch; write 1 or 0 for every ray");
+    const auto replies = ask(trial.form, many_questions(trial.shape));
+    const auto unwritten = std::ranges::find_if(replies, [](const Reply& r) { return r.hit > 1; });
+    if (unwritten != replies.end())
+        trial.report_broken("`hit` is " + std::to_string(unwritten->hit) +
+                            " for a ray of a batch; write 1 or 0 for every ray");
 }
 
 void try_again(Trial& trial) {
-    const auto questions = many(trial.shape);
-    const auto all = ask(trial.form, questions);
-    trial.check(all_same(all, ask(trial.form, questions)), "the same batch gets the same answers again",
+    const auto questions = many_questions(trial.shape);
+    const auto replies = ask(trial.form, questions);
+    trial.check(are_all_same(replies, ask(trial.form, questions)), "the same batch gets the same answers again",
                 "the same batch gets other answers the second time: the function keeps state from the first call, or "
                 "reads memory that was never written");
 }
 
 void try_batches(Trial& trial) {
-    const auto questions = many(trial.shape);
-    std::vector<Reply> single;
-    for (const Question& q : questions) single.push_back(trial.ask(q));
-    trial.check(all_same(ask(trial.form, questions), single), "a ray gets the same answer in a batch and alone",
-                "a ray gets another answer in a batch than alone");
+    const auto questions = many_questions(trial.shape);
+    std::vector<Reply> single_replies;
+    for (const Question& q : questions) single_replies.push_back(trial.ask(q));
+    trial.check(are_all_same(ask(trial.form, questions), single_replies),
+                "a ray gets the same answer in a batch and alone", "a ray gets another answer in a batch than alone");
 }
 
 void try_primitives(Trial& trial) {
-    const auto questions = many(trial.shape);
-    trial.check(all_same(ask(trial.form, questions), ask(trial.form, questions, true)),
+    const auto questions = many_questions(trial.shape);
+    trial.check(are_all_same(ask(trial.form, questions), ask(trial.form, questions, true)),
                 "one primitive for all rays, or one for each: the same answers",
                 "the primitives of each ray (primitive_stride) are ignored; step by primitive_stride from ray to ray");
 }
 
 void try_threads(Trial& trial) {
-    const auto questions = many(trial.shape);
-    const auto alone = ask(trial.form, questions);
+    const auto questions = many_questions(trial.shape);
+    const auto expected = ask(trial.form, questions);
     std::vector<std::thread> threads;
-    std::atomic<bool> good = true;
-    std::exception_ptr failed;
+    std::atomic<bool> is_same = true;
+    std::exception_ptr error;
     std::mutex lock;
     for (int t = 0; t < 4; ++t) {
         threads.emplace_back([&] {
             try {
-                for (int k = 0; k < 20; ++k) good = good && all_same(alone, ask(trial.form, questions));
+                for (int k = 0; k < 20; ++k) is_same = is_same && are_all_same(expected, ask(trial.form, questions));
             } catch (...) {
-                const std::scoped_lock hold_it(lock);
-                failed = std::current_exception();
+                const std::scoped_lock guard(lock);
+                error = std::current_exception();
             }
         });
     }
     for (std::thread& t : threads) t.join();
-    if (failed) std::rethrow_exception(failed);
-    trial.check(good, "four threads at once get the same answers",
+    if (error) std::rethrow_exception(error);
+    trial.check(is_same, "four threads at once get the same answers",
                 "four threads at once get other answers; say LB_ONE_THREAD (one_thread)");
 }
 
@@ -138,39 +140,39 @@ constexpr LengthMisuse length_misuses[]{
      "; hand over {0}, not 2 * {0}"},
     {[](double x) { return x / 2; }, "the form expects a diameter instead of the {0}", "; hand over 2 * {0}"}};
 
-/// Rays whose answers tell mistakes about a length apart: the plainest ray and some beside it, at two lengths. One
-/// length is not enough, since twice 2 is its square. A length of a flat shape only decides how far from the middle it
-/// is hit.
-std::vector<Question> rays_at_lengths(Shape shape, std::size_t number) {
-    std::vector<Question> all{entering(shape), entering(shape, 8)};
-    all[1].ray[0] = 0.5, all[1].ray[1] = 0.25;
+/// Rays whose answers distinguish mistakes about a length: the plainest ray and some rays beside it, at two lengths.
+/// One length is not enough, since 2 doubled is 2 squared. A length of a flat shape only decides how far from the
+/// middle the shape is hit.
+std::vector<Question> questions_at_lengths(Shape shape, std::size_t index) {
+    std::vector<Question> questions{plainest_question(shape), plainest_question(shape, 8)};
+    questions[1].ray[0] = 0.5, questions[1].ray[1] = 0.25;
     for (const double x : {0.9, 1.25, 1.75, 2.5, 3.5}) {
         if (!is_flat(shape)) continue;
-        all.push_back(entering(shape));
-        all.back().ray[0] = x;
+        questions.push_back(plainest_question(shape));
+        questions.back().ray[0] = x;
     }
-    for (std::size_t i = 0, count = all.size(); i < count; ++i) {
-        Question q = all[i];
-        q.primitive[number] *= 0.75;
-        all.push_back(q);
+    for (std::size_t i = 0, count = questions.size(); i < count; ++i) {
+        Question q = questions[i];
+        q.primitive[index] *= 0.75;
+        questions.push_back(q);
     }
-    return all;
+    return questions;
 }
 
-/// A mistake about the length of a shape, in words, and what to write in place of it.
-struct TakenLength {
+/// Text about a mistake about the length of a shape, and what to write instead.
+struct LengthMistake {
     std::string mistake, remedy;
 };
 
 /// The mistake about a length that explains all answers of a form.
-std::optional<TakenLength> find_taken_length(const Trial& trial) {
+std::optional<LengthMistake> find_length_mistake(const Trial& trial) {
     const auto length = length_key(trial.shape);
     if (!length) return std::nullopt;
-    std::vector<std::pair<Question, Reply>> asked;
-    for (const Question& q : rays_at_lengths(trial.shape, length->number)) asked.emplace_back(q, trial.ask(q));
+    std::vector<std::pair<Question, Reply>> answered;
+    for (const Question& q : questions_at_lengths(trial.shape, length->number)) answered.emplace_back(q, trial.ask(q));
     const auto explains = [&](const LengthMisuse& mistake) {
-        return std::ranges::all_of(asked, [&](const auto& one) {
-            auto [q, r] = one;
+        return std::ranges::all_of(answered, [&](const auto& pair) {
+            auto [q, r] = pair;
             q.primitive[length->number] = mistake.change(q.primitive[length->number]);
             const auto ends = ends_of(q, trial.shape);
             if (!ends) return r.hit == 0;
@@ -179,82 +181,88 @@ std::optional<TakenLength> find_taken_length(const Trial& trial) {
     };
     const auto found = std::ranges::find_if(length_misuses, explains);
     if (found == std::end(length_misuses)) return std::nullopt;
-    const auto text = [&](const char* words) { return fmt::format(fmt::runtime(words), length->key->name); };
-    return TakenLength{text(found->mistake), text(found->remedy)};
+    const auto text = [&](const char* pattern) { return fmt::format(fmt::runtime(pattern), length->key->name); };
+    return LengthMistake{text(found->mistake), text(found->remedy)};
 }
 
-/// Tests if a flat shape is hit as far from its middle as its length says.
+/// Tests that a flat shape is hit as far from its middle as its length says, and no farther.
 void try_size(Trial& trial) {
-    const auto taken = is_flat(trial.shape) ? find_taken_length(trial) : std::nullopt;
-    if (taken) trial.broken(taken->mistake + ", which decides where it is hit" + taken->remedy);
+    const auto length_mistake = is_flat(trial.shape) ? find_length_mistake(trial) : std::nullopt;
+    if (length_mistake)
+        trial.report_broken(length_mistake->mistake + ", which decides where it is hit" + length_mistake->remedy);
 }
 
-/// Tests near, as answered to a ray from outside.
+/// Tests the near root that the form answers for a ray from outside.
 void try_t(Trial& trial) {
-    const Question q = entering(trial.shape);
+    const Question q = plainest_question(trial.shape);
     const Reply plain = trial.ask(q);
     const double right = ends_of(q, trial.shape)->near, far = ends_of(q, trial.shape)->far,
                  last = last_root(trial.shape);
     const auto is_far = [&](double t) { return is_answer(t, far) || is_answer(t, last); };
     if (is_answer(plain.near, right))
-        return trial.kept("the plainest ray gets t = " + text_of(right) + ", which is right");
+        return trial.report_kept("the plainest ray gets t = " + text_of(right) + ", which is right");
     const auto where = " (" + plainest_ray_text(trial.shape, ", ") + ": " + text_of(right) + " is right, it answers " +
                        text_of(plain.near) + ")";
-    if (const auto taken = find_taken_length(trial)) return trial.broken(taken->mistake + where + taken->remedy);
-    if (is_far(plain.near)) return trial.broken("the far root comes first" + where + "; write near before far");
+    if (const auto length_mistake = find_length_mistake(trial))
+        return trial.report_broken(length_mistake->mistake + where + length_mistake->remedy);
+    if (is_far(plain.near)) return trial.report_broken("the far root comes first" + where + "; write near before far");
     if (is_answer(plain.near, -right) || is_far(-plain.near))
-        return trial.broken("t has the wrong sign" + where + "; is the direction reversed?");
+        return trial.report_broken("t has the wrong sign" + where + "; is the direction reversed?");
     if (std::isnan(plain.near))
-        return trial.broken("t is not a number" + where + "; compute a t for every hit, and set hit to 0 for a miss");
-    trial.broken("t is wrong" + where);
+        return trial.report_broken("t is not a number" + where +
+                                   "; compute a t for every hit, and set hit to 0 for a miss");
+    trial.report_broken("t is wrong" + where);
 }
 
 /// Compares t with the form's own t for length 1: a wrong t may still halve as it should, or be a distance.
 void try_direction(Trial& trial) {
-    if (trial.contract.direction == Direction::unit) return trial.kept("takes unit directions; others are not tried");
+    if (trial.contract.direction == Direction::unit)
+        return trial.report_kept("takes unit directions; others are not tried");
     const std::string say_unit = "say LB_UNIT (unit_direction, direction=unit)";
-    const Question q = entering(trial.shape);
-    const Reply plain = trial.ask(q), twice = trial.ask(entering(trial.shape, 5, 2));
-    if (twice.hit != 1)
-        return trial.broken("a direction twice as long misses; it should hit" +
-                            std::string(trial.tells_t ? " at half the t" : "") +
-                            ". The formula may assume length 1; if so, " + say_unit);
-    if (!trial.tells_t) return trial.kept("takes directions of any length: one twice as long hits too");
-    if (is_answer(twice.near, plain.near / 2))
-        return trial.kept("takes directions of any length: one twice as long gets half the t");
-    const Reply further = trial.ask(entering(trial.shape, 8));
-    const bool is_unchanged = is_answer(twice.near, plain.near),
-               is_distance = is_unchanged && further.hit == 1 && is_answer(further.near, plain.near + 3);
+    const Question q = plainest_question(trial.shape);
+    const Reply plain = trial.ask(q), double_reply = trial.ask(plainest_question(trial.shape, 5, 2));
+    if (double_reply.hit != 1)
+        return trial.report_broken("a direction twice as long misses; it should hit" +
+                                   std::string(trial.tells_t ? " at half the t" : "") +
+                                   ". The formula may assume length 1; if so, " + say_unit);
+    if (!trial.tells_t) return trial.report_kept("takes directions of any length: one twice as long hits too");
+    if (is_answer(double_reply.near, plain.near / 2))
+        return trial.report_kept("takes directions of any length: one twice as long gets half the t");
+    const Reply farther = trial.ask(plainest_question(trial.shape, 8));
+    const bool is_unchanged = is_answer(double_reply.near, plain.near),
+               is_distance = is_unchanged && farther.hit == 1 && is_answer(farther.near, plain.near + 3);
     if (is_distance)
-        return trial.broken("t is a distance: a direction twice as long changes nothing. Divide t by its length, or " +
-                            say_unit);
-    const std::string gives = "a direction twice as long gives t = " + text_of(twice.near);
+        return trial.report_broken(
+            "t is a distance: a direction twice as long changes nothing. Divide t by its length, or " + say_unit);
+    const std::string result_text = "a direction twice as long gives t = " + text_of(double_reply.near);
     const double right = ends_of(q, trial.shape)->near;
-    if (!is_answer(plain.near, right)) return trial.noted(gives + "; the t for length 1 is wrong already");
-    trial.broken(gives + " where " + text_of(right / 2) + " is right" +
-                 (is_unchanged ? ""
-                               : ": its length changes t, but not as a divisor; the formula may assume length 1; "
-                                 "if so, " +
-                                     say_unit));
+    if (!is_answer(plain.near, right)) return trial.report_note(result_text + "; the t for length 1 is wrong already");
+    trial.report_broken(result_text + " where " + text_of(right / 2) + " is right" +
+                        (is_unchanged
+                             ? ""
+                             : ": its length changes t, but not as a divisor; the formula may assume length 1; "
+                               "if so, " +
+                                   say_unit));
 }
 
 void try_far(Trial& trial) {
-    const Question q = entering(trial.shape);
+    const Question q = plainest_question(trial.shape);
     const Reply outside = trial.ask(q);
     const double right = ends_of(q, trial.shape)->far;
-    if (is_answer(outside.far, right)) return trial.kept("near and far, from outside");
+    if (is_answer(outside.far, right)) return trial.report_kept("near and far, from outside");
     if (is_answer(outside.near + outside.far, right))
-        return trial.broken("far is " + text_of(outside.far) + ", the thickness; hand over near + thickness");
-    trial.broken("far is " + text_of(outside.far) + " where " + text_of(right) +
-                 " is right; say LB_NEAR (near_root, roots=near) or LB_FIRST (first_root, roots=first) if it answers "
-                 "only one root");
+        return trial.report_broken("far is " + text_of(outside.far) + ", the thickness; hand over near + thickness");
+    trial.report_broken(
+        "far is " + text_of(outside.far) + " where " + text_of(right) +
+        " is right; say LB_NEAR (near_root, roots=near) or LB_FIRST (first_root, roots=first) if it answers "
+        "only one root");
 }
 
-/// A ray that has its primitive behind it: from above, or from below if the primitive fills all that is above. Nothing
-/// if it fills both.
+/// A ray that has its primitive behind it: from above, or from below if the primitive fills all that is above. Empty if
+/// the primitive fills both sides.
 std::optional<Question> away_from(Shape shape) {
-    for (const double way : {1.0, -1.0}) {
-        const Question q = along(shape, 5 * way, way);
+    for (const double sign : {1.0, -1.0}) {
+        const Question q = question_along_z(shape, 5 * sign, sign);
         if (const auto ends = ends_of(q, shape); ends && ends->far < 0) return q;
     }
     return std::nullopt;
@@ -262,31 +270,32 @@ std::optional<Question> away_from(Shape shape) {
 
 void try_behind(Trial& trial) {
     const std::optional<Question> q = away_from(trial.shape);
-    if (!q) return trial.noted("no ray along the z axis has " + with_article(trial.shape) + " behind it");
-    const Reply behind = trial.ask(*q);
-    if (trial.contract.roots == Roots::near_only && behind.hit == 1 && behind.near < 0)
-        return trial.kept("a primitive behind the ray gets t = " + text_of(behind.near) + ", which counts as a miss");
+    if (!q) return trial.report_note("no ray along the z axis has " + with_article(trial.shape) + " behind it");
+    const Reply reply = trial.ask(*q);
+    if (trial.contract.roots == Roots::near_only && reply.hit == 1 && reply.near < 0)
+        return trial.report_kept("a primitive behind the ray gets t = " + text_of(reply.near) +
+                                 ", which counts as a miss");
     if (trial.contract.roots == Roots::both && trial.has_flag(LB_LINE))
-        return trial.check(behind.hit == 1, "the answer is for the whole line", "a primitive behind the ray is missed");
+        return trial.check(reply.hit == 1, "the answer is for the whole line", "a primitive behind the ray is missed");
     const std::string hit = "a primitive behind the ray is hit";
-    trial.check(behind.hit == 0, "a primitive behind the ray is missed",
+    trial.check(reply.hit == 0, "a primitive behind the ray is missed",
                 !trial.tells_t ? hit +
                                      "; answer a miss there: only a form that answers t may answer for the whole "
                                      "line"
                 : trial.contract.roots == Roots::both
-                    ? hit + " (t = " + text_of(behind.near) +
+                    ? hit + " (t = " + text_of(reply.near) +
                           "); say LB_LINE (whole_line, flags=line) if it answers for the whole line"
-                    : hit + " (t = " + text_of(behind.near) + "); answer a miss where t < 0" +
-                          (behind.near < 0 ? ", or say LB_NEAR (near_root, roots=near): t < 0 is then a miss" : ""));
+                    : hit + " (t = " + text_of(reply.near) + "); answer a miss where t < 0" +
+                          (reply.near < 0 ? ", or say LB_NEAR (near_root, roots=near): t < 0 is then a miss" : ""));
 }
 
 void try_passing_ray(Trial& trial) {
-    Question q = along(trial.shape, -5, 1);
+    Question q = question_along_z(trial.shape, -5, 1);
     q.ray = {0, 0, -10, 0.6, 0, 0.8};  // through the planes of a box, beside it
-    if (ends_of(q, trial.shape)) return trial.noted("no ray passes by " + with_article(trial.shape));
-    const Reply by = trial.ask(q);
-    const bool is_nan = trial.tells_t && by.hit == 1 && std::isnan(by.near);
-    trial.check(by.hit == 0, "a ray that passes by misses",
+    if (ends_of(q, trial.shape)) return trial.report_note("no ray passes by " + with_article(trial.shape));
+    const Reply reply = trial.ask(q);
+    const bool is_nan = trial.tells_t && reply.hit == 1 && std::isnan(reply.near);
+    trial.check(reply.hit == 0, "a ray that passes by misses",
                 is_nan
                     ? "a ray that passes by hits with a t that is not a number; set hit to 0 there (`return miss`; for "
                       "a shader: miss=)"
@@ -294,19 +303,19 @@ void try_passing_ray(Trial& trial) {
 }
 
 void try_end(Trial& trial) {
-    Question q = entering(trial.shape);
+    Question q = plainest_question(trial.shape);
     q.end = 2;
-    const bool before = trial.ask(q).hit == 1;
+    const bool is_hit = trial.ask(q).hit == 1;
     const ShapeRow& row = row_of(trial.shape);
     const std::string ends = "a ray that ends before the " + std::string(row.name);
     if (!row.takes_tmax && !trial.has_flag(LB_RANGE)) {
-        if (!before) trial.noted(ends + " misses; maps and sweeps give " + std::string(row.plural) + " no ends");
+        if (!is_hit) trial.report_note(ends + " misses; maps and sweeps give " + std::string(row.plural) + " no ends");
         return;
     }
     if (trial.has_flag(LB_NO_END))
-        return trial.kept(trial.tells_t ? "the table checks the ends of rays, not the form"
-                                        : "the rays that it gets have no ends");
-    trial.check(!before, ends + " misses",
+        return trial.report_kept(trial.tells_t ? "the table checks the ends of rays, not the form"
+                                               : "the rays that it gets have no ends");
+    trial.check(!is_hit, ends + " misses",
                 ends +
                     " hits; say LB_NO_END (ignores_end, flags=no_end) if it ignores the ends of rays (for a shader: "
                     "float tmax)");
@@ -314,50 +323,50 @@ void try_end(Trial& trial) {
 
 /// Tests a form that declares to respect the begin and end of rays.
 void try_range(Trial& trial) {
-    const auto within = [](Shape shape, double start, double end) {
-        Question q = entering(shape);
+    const auto with_range = [](Shape shape, double start, double end) {
+        Question q = plainest_question(shape);
         q.start = start, q.end = end;
         return q;
     };
-    const auto hold = [&trial](const Question& q, const std::string& range, const std::string& why) {
+    const auto check_range = [&trial](const Question& q, const std::string& range, const std::string& why) {
         const HitOrMiss right = trial.truth(q);
         const Reply r = trial.ask(q);
-        const std::string right_words = !right.hit ? "miss" : trial.tells_t ? "answer " + text_of(right.t) : "hit";
-        const std::string words = r.hit != 1                   ? "misses"
-                                  : trial.tells_t && right.hit ? "answers " + text_of(r.near)
-                                                               : "hits";
-        trial.check(trial.is_right(q, r, trial.contract), range + words,
-                    range + words + "; it should " + right_words + ": " + why);
+        const std::string right_text = !right.hit ? "miss" : trial.tells_t ? "answer " + text_of(right.t) : "hit";
+        const std::string reply_text = r.hit != 1                   ? "misses"
+                                       : trial.tells_t && right.hit ? "answers " + text_of(r.near)
+                                                                    : "hits";
+        trial.check(trial.is_right(q, r, trial.contract), range + reply_text,
+                    range + reply_text + "; it should " + right_text + ": " + why);
     };
     const Shape shape = trial.shape;
-    const Ends<double> ends = *ends_of(entering(shape), shape);
+    const Ends<double> ends = *ends_of(plainest_question(shape), shape);
     const std::string first = "the first root, t = " + text_of(ends.near) + ", ";
     const std::string both = "both ends of a range belong to it, start <= t <= end";
-    hold(within(shape, ends.near, infinity), "a range that begins at " + first, both);
+    check_range(with_range(shape, ends.near, infinity), "a range that begins at " + first, both);
     const bool open = trial.contract.touching == intersect::Touching::miss && has_inside(shape);
-    hold(within(shape, 0, ends.near), "a range that ends at " + first,
-         open ? "if touching is a miss, only the inside counts, and this ray does not reach it" : both);
+    check_range(with_range(shape, 0, ends.near), "a range that ends at " + first,
+                open ? "if touching is a miss, only the inside counts, and this ray does not reach it" : both);
     if (ends.far < 8)
-        hold(within(shape, 8, infinity), "a range that begins behind the primitive, at t = 8, ",
-             "`starts` says where each ray begins");
+        check_range(with_range(shape, 8, infinity), "a range that begins behind the primitive, at t = 8, ",
+                    "`starts` says where each ray begins");
     if (is_crossed_twice(shape))
-        hold(within(shape, 4, infinity), "a range that begins inside, at t = 4, ",
-             "otherwise say what it answers from inside");
+        check_range(with_range(shape, 4, infinity), "a range that begins inside, at t = 4, ",
+                    "otherwise say what it answers from inside");
 }
 
 /// A probe that the form only has to survive.
-void try_odd(Trial& trial, const char* name, const std::string& what, const Question& q) {
+void try_odd(Trial& trial, const char* name, const std::string& description, const Question& q) {
     trial.probe(name, [&](Trial&) {
         Reply r;
         try {
             r = trial.ask(q);
         } catch (const EnvironmentError& refused) {
-            return trial.noted(what + ": refused: " + refused.what());
+            return trial.report_note(description + ": refused: " + refused.what());
         }
-        std::string says = r.hit == 1 ? "hit" : r.hit == 0 ? "miss" : "nothing";
-        if (r.hit == 1 && trial.tells_t) says += " at t = " + text_of(r.near);
-        if (r.hit > 1) trial.broken(what + ": `hit` is not written");
-        else trial.noted(what + ": " + says);
+        std::string reply_text = r.hit == 1 ? "hit" : r.hit == 0 ? "miss" : "nothing";
+        if (r.hit == 1 && trial.tells_t) reply_text += " at t = " + text_of(r.near);
+        if (r.hit > 1) trial.report_broken(description + ": `hit` is not written");
+        else trial.report_note(description + ": " + reply_text);
     });
 }
 
@@ -365,28 +374,30 @@ void try_odd_numbers(Trial& trial) {
     const Shape shape = trial.shape;
     const bool unit = trial.contract.direction == Direction::unit;
     if (!unit) {  // a form that takes unit directions may insist on them
-        try_odd(trial, "zero-direction", "a direction of length 0", along(shape, -5, 0));
-        try_odd(trial, "nan-direction", "a direction of NaN", along(shape, -5, nan));
+        try_odd(trial, "zero-direction", "a direction of length 0", question_along_z(shape, -5, 0));
+        try_odd(trial, "nan-direction", "a direction of NaN", question_along_z(shape, -5, nan));
     }
-    try_odd(trial, "nan-origin", "an origin of NaN", along(shape, nan, 1));
-    try_odd(trial, "infinite-origin", "an origin at infinity", along(shape, -infinity, 1));
-    try_odd(trial, "point", std::string(row_of(shape).texts.point), along(shape, -5, 1, 0, 0));
+    try_odd(trial, "nan-origin", "an origin of NaN", question_along_z(shape, nan, 1));
+    try_odd(trial, "infinite-origin", "an origin at infinity", question_along_z(shape, -infinity, 1));
+    try_odd(trial, "point", std::string(row_of(shape).texts.point), question_along_z(shape, -5, 1, 0, 0));
     const int scale = trial.contract.bits == 32 ? 100 : 600;
     const std::string format = "binary" + std::to_string(trial.contract.bits), power = std::to_string(scale);
-    try_odd(trial, "huge", "numbers of 2^" + power + ", whose squares overflow in " + format,
-            along(shape, -std::ldexp(1, scale), unit ? 1 : std::ldexp(1, scale), 0, std::ldexp(1, scale - 20)));
+    try_odd(
+        trial, "huge", "numbers of 2^" + power + ", whose squares overflow in " + format,
+        question_along_z(shape, -std::ldexp(1, scale), unit ? 1 : std::ldexp(1, scale), 0, std::ldexp(1, scale - 20)));
     try_odd(trial, "tiny", "numbers of 2^-" + power + ", whose squares are 0 in " + format,
-            along(shape, -std::ldexp(1, -scale), unit ? 1 : std::ldexp(1, -scale), 0, std::ldexp(1, -scale - 1)));
+            question_along_z(shape, -std::ldexp(1, -scale), unit ? 1 : std::ldexp(1, -scale), 0,
+                             std::ldexp(1, -scale - 1)));
 }
 
 /// Runs every probe on one form.
 std::vector<Observation> try_all(const ForeignForm& form) {
     Trial trial(form);
-    const bool both = trial.contract.roots == Roots::both;
+    const bool has_both_roots = trial.contract.roots == Roots::both;
     trial.probe("answers", try_hit_is_written);
     trial.probe("again", try_again);
     if (trial.breaks("again")) {
-        trial.noted("the probes batches, primitives and threads compare repeated answers, so they are left out");
+        trial.report_note("the probes batches, primitives and threads compare repeated answers, so they are left out");
     } else {
         trial.probe("batches", try_batches);
         trial.probe("primitives", try_primitives);
@@ -394,22 +405,22 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     }
     bool hits = false;
     trial.probe("hit", [&hits](Trial& t) {
-        hits = t.ask(entering(t.shape)).hit == 1;
+        hits = t.ask(plainest_question(t.shape)).hit == 1;
         if (!hits && !try_other_side(t))
-            t.broken("misses the plainest ray: " + plainest_ray_text(t.shape, ", against "));
+            t.report_broken("misses the plainest ray: " + plainest_ray_text(t.shape, ", against "));
     });
     if (!hits) return std::move(trial.findings);
     if (trial.tells_t) trial.probe("t", try_t);
     if (!trial.breaks("t")) trial.probe(trial.tells_t ? "t" : "hit", try_size);
     const bool t_is_right = !trial.breaks("t") && !trial.breaks("hit");
-    std::string held_back;
-    const auto probe_of_t = [&](const char* name, const auto& probe, bool asked = true) {
-        if (!asked) return;
+    std::string skipped_probes;
+    const auto probe_of_t = [&](const char* name, const auto& probe, bool applies = true) {
+        if (!applies) return;
         if (t_is_right) trial.probe(name, probe);
-        else held_back += (held_back.empty() ? "" : ", ") + std::string(name);
+        else skipped_probes += (skipped_probes.empty() ? "" : ", ") + std::string(name);
     };
     trial.probe("direction", try_direction);
-    probe_of_t("far", try_far, both);
+    probe_of_t("far", try_far, has_both_roots);
     probe_of_t("inside", try_inside, is_crossed_twice(trial.shape));
     if (trial.contract.roots == Roots::near_only) probe_of_t("behind", try_behind);
     else trial.probe("behind", try_behind);
@@ -423,12 +434,12 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     probe_of_t("range", try_range, trial.has_flag(LB_RANGE));
     probe_of_t("scale", try_scale);
     if (!trial.has_broken_promise()) trial.probe("rays", try_rays);  // otherwise the mistake is known already
-    // Half of its rays come from behind.
+    // Half of the rays of this probe come from behind.
     probe_of_t("edges", try_edges, !trial.breaks("facing") && !trial.breaks("rays"));
-    if (!held_back.empty())
+    if (!skipped_probes.empty())
         trial.probe("t", [&](Trial& t) {
-            t.noted(std::string(t.breaks("t") ? "what follows from a wrong t" : "what follows from wrong hits") +
-                    " is not judged: " + held_back);
+            t.report_note(std::string(t.breaks("t") ? "what follows from a wrong t" : "what follows from wrong hits") +
+                          " is not judged: " + skipped_probes);
         });
     try_odd_numbers(trial);
     return std::move(trial.findings);
@@ -440,15 +451,17 @@ std::vector<Observation> try_contract(const ForeignForm& form, const ForeignForm
     using enum Observation::Verdict;
     std::vector<Observation> findings = try_all(form);
     if (first == nullptr) return findings;
-    bool good = true;
-    for (const Observation& of_t : try_all(*first)) {
-        if (of_t.verdict != broken) continue;
-        good = false;
-        if (std::ranges::none_of(
-                findings, [&of_t](const Observation& f) { return f.verdict == broken && f.subject == of_t.subject; }))
-            findings.push_back({of_t.subject, broken, "the t beside near and far: " + of_t.text});
+    bool is_kept = true;
+    for (const Observation& t_observation : try_all(*first)) {
+        if (t_observation.verdict != broken) continue;
+        is_kept = false;
+        if (std::ranges::none_of(findings, [&t_observation](const Observation& f) {
+                return f.verdict == broken && f.subject == t_observation.subject;
+            }))
+            findings.push_back({t_observation.subject, broken, "the t beside near and far: " + t_observation.text});
     }
-    if (good) findings.push_back({"first", kept, "the t beside near and far is the root that counts, in every probe"});
+    if (is_kept)
+        findings.push_back({"first", kept, "the t beside near and far is the root that counts, in every probe"});
     return findings;
 }
 

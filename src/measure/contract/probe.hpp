@@ -11,14 +11,14 @@ namespace lostbits::measure::contract {
 /// Result about one promise of a contract.
 struct Observation {
     enum class Verdict {
-        kept,    ///< it keeps the promise
-        broken,  ///< it does something else
+        kept,    ///< the form keeps the promise
+        broken,  ///< the form does something else
         warned,  ///< nothing was promised, but answers are wrong
-        noted    ///< nothing was promised; what it does is worth knowing
+        noted    ///< nothing was promised; the behaviour is worth knowing
     };
     std::string subject;  ///< `direction`, `roots`, `touching`, …
     Verdict verdict;
-    std::string text;  ///< what it does and, if that breaks a promise, what to write
+    std::string text;  ///< what the form does and, if that breaks a promise, what to write
 };
 
 /// Probes a form. Repeats rays alone, in batches, with one primitive for each ray, and from several threads. Tests its
@@ -26,13 +26,13 @@ struct Observation {
 /// beyond. Tests all sizes, many rays at primitives in random positions, and huge, zero and NaN numbers.
 ///
 /// The right answer is the truth by the form's own properties, to within 2^-10 of itself or of 1, whichever is larger.
-/// If a form cannot answer at all, its exception is passed on. A formula of both roots has a t of its own: `first`
-/// answers that one (`external::first_of`), and every probe tests it too.
+/// If a form cannot answer at all, its exception is passed on. A formula of both roots also has a t of its own: `first`
+/// is the form that answers this t (`external::first_of`), and every probe tests that form too.
 std::vector<Observation> try_contract(const intersect::external::ForeignForm& form,
                                       const intersect::external::ForeignForm* first = nullptr);
 
-/// Tests if the processor's floating-point state is the same after the form's calls so far as before, and reports the
-/// state in them.
+/// Tests that the calls of the form so far left the processor's floating-point state unchanged, and reports the state
+/// in which they ran.
 Observation observe_state(const intersect::external::ForeignForm& form);
 
 }  // namespace lostbits::measure::contract

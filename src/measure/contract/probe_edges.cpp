@@ -29,37 +29,37 @@ bool is_off_surface(const Primitive<double>& primitive, const Vec<double>& p) {
 }
 
 /// Sets lengths that may be 0 to 0: such a cone has an apex.
-Primitive<double> pointed(Primitive<double> primitive) {
+Primitive<double> with_apex(Primitive<double> primitive) {
     for_each_key(primitive.shape, [&primitive](const Key& key, std::size_t k) {
         if (key.limit == Key::Limit::not_negative) primitive.numbers[k] = 0;
     });
     return primitive;
 }
 
-/// Rays at one kind of place of random primitives. Half of them are aimed at the place itself, the others up to 2^-10
-/// of the primitive beside it. All are benign. A ray that misses counts only if the place is not of the surface: one
-/// that touches an edge from outside would pass for benign, as few rays near it hit.
+/// Rays at one kind of place of random primitives. Half of the rays are aimed at the place itself, the others miss it
+/// by up to 2^-10 of the size of the primitive. All rays are benign. A ray that misses counts only if the place is not
+/// on the surface: a ray that touches an edge from outside would pass for benign, because few rays near it hit.
 std::vector<AnsweredQuestion> rays_at(const Trial& trial, const scene::sweep::DistributionRow& distribution, int aim,
                                       bool upright) {
     constexpr int attempts = 320, changes = 32;
-    constexpr std::size_t most = 64;
+    constexpr std::size_t max_questions = 64;
     RandomNumbers random;
-    rays::Random places(1);
-    std::vector<Question> all;
-    for (int i = 0; i < attempts && all.size() < most; ++i) {
+    rays::Random place_random(1);
+    std::vector<Question> questions;
+    for (int i = 0; i < attempts && questions.size() < max_questions; ++i) {
         const Primitive<double> any_primitive = random_primitive(trial.shape, upright, random);
-        const Primitive<double> primitive = i % 4 < 2 ? any_primitive : pointed(any_primitive);
-        const rays::AimedPlace target = distribution.aimed_at(places, primitive, aim);
-        const Vec<double> any = random.unit(), d = target.along.value_or(any);
-        const double half = half_extent_of(primitive), aside = i % 2 == 0 ? 0 : half * std::ldexp(1, -10 - i % 16);
-        const Vec<double> origin = target.point + aside * random.unit() - 4 * half * d;
+        const Primitive<double> primitive = i % 4 < 2 ? any_primitive : with_apex(any_primitive);
+        const rays::AimedPlace target = distribution.aimed_at(place_random, primitive, aim);
+        const Vec<double> random_direction = random.unit(), d = target.along.value_or(random_direction);
+        const double half = half_extent_of(primitive), offset = i % 2 == 0 ? 0 : half * std::ldexp(1, -10 - i % 16);
+        const Vec<double> origin = target.point + offset * random.unit() - 4 * half * d;
         Question q = question_of(origin, d, primitive);
         for (int k = 0; k < 3 && trial.contract.bits == 64; ++k)  // nearer to the place than floats are
             q.ray[static_cast<std::size_t>(k)] = origin[k], q.ray[static_cast<std::size_t>(k) + 3] = d[k];
         if ((trial.truth(q).hit || is_off_surface(primitive, target.point)) && is_benign(trial, q, random, changes))
-            all.push_back(q);
+            questions.push_back(q);
     }
-    return with_truth(trial, all);
+    return with_truth(trial, questions);
 }
 
 /// Rays at all places of a shape, by the name of the place.
@@ -72,14 +72,14 @@ Places places_of(const Trial& trial, const scene::sweep::DistributionRow& distri
     return places;
 }
 
-WrongCount wrong_at_scale(const Trial& trial, const Places& places, int power) {
-    WrongCount found;
-    for (const auto& [name, known] : places) {
-        WrongCount there(trial, known, power);
-        if (!there.first.empty()) there.first = fmt::format("aimed at its {}, {}", name, there.first);
-        found.add(there);
+WrongCount count_wrong_at_scale(const Trial& trial, const Places& places, int power) {
+    WrongCount total;
+    for (const auto& [name, answered] : places) {
+        WrongCount count(trial, answered, power);
+        if (!count.first.empty()) count.first = fmt::format("aimed at its {}, {}", name, count.first);
+        total.add(count);
     }
-    return found;
+    return total;
 }
 
 /// For example "383 of 2200 (17 %)".
@@ -90,41 +90,43 @@ std::string share_text(std::size_t part, std::size_t whole) {
 
 std::string power_text(int power) { return "2^" + std::to_string(power); }
 
-/// Words about the first scale at which far more is wrong than at 2^0.
-std::string scale_text(int power, std::size_t wrong, std::size_t asked) {
+/// Text about the first scale at which far more answers are wrong than at 2^0.
+std::string scale_text(int power, std::size_t wrong, std::size_t tested) {
     return fmt::format(
         "; the first of nine scales that fails is {}, where {} of {} are answered wrongly: it compares with a fixed "
         "number, or its products leave the range of the format",
-        power_text(power), wrong, asked);
+        power_text(power), wrong, tested);
 }
 constexpr const char* all_scales = ", at nine scales from 2^-60 to 2^60";
 
-/// Axes along x, y and z come first: a form may know no others.
+/// Tests rays at all places of random primitives. Axes along x, y and z come first: a form may support no others.
 void try_places(Trial& trial, const scene::sweep::DistributionRow& distribution) {
-    std::size_t asked = 0;
-    std::string names, beyond;
+    std::size_t tested = 0;
+    std::string names, scale_limit;
     for (const auto& [name, aim] : distribution.aims) names += (names.empty() ? "" : ", ") + std::string(name);
     for (const bool upright : {true, false}) {
         if (upright && !has_axis(trial.shape)) continue;
         const Places places = places_of(trial, distribution, upright);
-        const WrongCount plain = wrong_at_scale(trial, places, 0);
-        asked += plain.asked;
-        if (plain.wrong > 0) {
-            const bool oblique = !upright && has_axis(trial.shape);
-            const std::string words = fmt::format(
+        const WrongCount unscaled = count_wrong_at_scale(trial, places, 0);
+        tested += unscaled.tested;
+        if (unscaled.wrong > 0) {
+            const bool is_oblique = !upright && has_axis(trial.shape);
+            const std::string text = fmt::format(
                 "{} of {} rays are answered wrongly that cross the surface near a place where its parts meet; the "
                 "first is {}{}",
-                plain.wrong, plain.asked, plain.first, oblique ? "; where axes lie along x, y or z it is right" : "");
-            return plain.is_many() && !oblique ? trial.broken(words) : trial.warned(words);
+                unscaled.wrong, unscaled.tested, unscaled.first,
+                is_oblique ? "; where axes lie along x, y or z it is right" : "");
+            return unscaled.is_many() && !is_oblique ? trial.report_broken(text) : trial.report_warning(text);
         }
         for (const int power : scale_powers)
-            if (const WrongCount found = wrong_at_scale(trial, places, power); found.is_many() && beyond.empty())
-                beyond = scale_text(power, found.wrong, found.asked);
+            if (const WrongCount count = count_wrong_at_scale(trial, places, power);
+                count.is_many() && scale_limit.empty())
+                scale_limit = scale_text(power, count.wrong, count.tested);
     }
-    const std::string words =
-        fmt::format("{} rays at places of {} ({}) get the right answer", asked, row_of(trial.shape).plural, names);
-    if (beyond.empty()) trial.kept(words + all_scales);
-    else trial.noted(words + beyond);
+    const std::string text =
+        fmt::format("{} rays at places of {} ({}) get the right answer", tested, row_of(trial.shape).plural, names);
+    if (scale_limit.empty()) trial.report_kept(text + all_scales);
+    else trial.report_note(text + scale_limit);
 }
 
 Vec<double> in_format(const Vec<double>& v, int bits) { return bits == 32 ? rays::stored(v) : v; }
@@ -144,13 +146,13 @@ Mesh random_mesh(int bits, rays::Random& random) {
 struct RayAtMeshEdge {
     Ray<double> ray{};
     bool at_vertex = false;
-    double distance = 0;                            ///< from the origin to the point, in lengths of the edge
-    std::vector<Primitive<double>> around = {};     ///< those at the edge or the vertex first
-    std::vector<Primitive<double>> elsewhere = {};  ///< the others that face the ray
+    double distance = 0;                           ///< from the origin to the point, in lengths of the edge
+    std::vector<Primitive<double>> adjacent = {};  ///< triangles around it; those at the edge or the vertex first
+    std::vector<Primitive<double>> others = {};    ///< all other triangles that face the ray
 };
 
-/// Moves a number by up to two places of the format.
-double moved(double x, int bits, rays::Random& random) {
+/// Moves a number by up to two ulps of the format, at random.
+double moved_number(double x, int bits, rays::Random& random) {
     for (int k = random.below(3); k > 0; --k) {
         const double towards = random.sign() * std::numeric_limits<float>::max();
         x = bits == 32 ? std::nextafter(static_cast<float>(x), static_cast<float>(towards))
@@ -160,39 +162,42 @@ double moved(double x, int bits, rays::Random& random) {
 }
 
 /// Draws a ray from 2^-10 to 2^20 lengths of an edge away. It meets all triangles at the edge or the vertex from the
-/// front, at an angle of 7° or more, so that no light should pass. Nothing if that is not so for the rounded ray.
+/// front, at an angle of 7° or more, so that no light should pass. Empty if the rounded ray does not.
 std::optional<RayAtMeshEdge> draw_ray(const Mesh& mesh, const intersect::external::Contract& contract,
                                       rays::Random& random) {
     const Face& face = mesh.faces[static_cast<std::size_t>(random.below(static_cast<int>(mesh.faces.size())))];
     const auto k = static_cast<std::size_t>(random.below(3));
     const std::array<std::uint32_t, 2> ends{face[k], face[(k + 1) % 3]};
-    RayAtMeshEdge drawn;
-    drawn.at_vertex = random.below(3) == 0;
+    RayAtMeshEdge edge_ray;
+    edge_ray.at_vertex = random.below(3) == 0;
     const Vec<double> a = mesh.vertices[ends[0]], b = mesh.vertices[ends[1]];
-    const Vec<double> at = drawn.at_vertex ? a : a + random.unit() * (b - a), any = rays::draw_direction(random);
-    const Vec<double> d = dot(any, at) < 0 ? any : -1.0 * any;  // the mesh is around the origin
+    const Vec<double> target = edge_ray.at_vertex ? a : a + random.unit() * (b - a),
+                      random_direction = rays::draw_direction(random);
+    const Vec<double> d = dot(random_direction, target) < 0 ? random_direction
+                                                            : -1.0 * random_direction;  // the mesh is around the origin
     const int octave = random.below(30);
-    drawn.distance = std::ldexp(1 + random.unit(), octave - 10);
-    const Vec<double> origin = in_format(at - (drawn.distance * length(b - a)) * d, contract.bits), to = at - origin;
-    Vec<double> direction = in_format((1 / length(to)) * to, contract.bits);
+    edge_ray.distance = std::ldexp(1 + random.unit(), octave - 10);
+    const Vec<double> origin = in_format(target - (edge_ray.distance * length(b - a)) * d, contract.bits),
+                      towards = target - origin;
+    Vec<double> direction = in_format((1 / length(towards)) * towards, contract.bits);
     if (contract.direction == intersect::Direction::any && random.below(4) != 0)
-        for (int i = 0; i < 3; ++i) direction[i] = moved(direction[i], contract.bits, random);
-    drawn.ray = {origin, direction};
+        for (int i = 0; i < 3; ++i) direction[i] = moved_number(direction[i], contract.bits, random);
+    edge_ray.ray = {origin, direction};
     bool is_met = false;
     for (const Face& f : mesh.faces) {
-        const auto has = [&](std::uint32_t v) { return std::ranges::count(f, v) != 0; };
-        const bool is_at = has(ends[0]) && (drawn.at_vertex || has(ends[1]));
+        const auto has_vertex = [&](std::uint32_t v) { return std::ranges::count(f, v) != 0; };
+        const bool is_adjacent = has_vertex(ends[0]) && (edge_ray.at_vertex || has_vertex(ends[1]));
         const auto triangle = scene::triangle::corners_of(f, mesh.vertices);
         const Vec<double> n = cross(triangle.b - triangle.a, triangle.c - triangle.a);
-        if (!has(ends[0]) && (drawn.at_vertex || !has(ends[1]))) {
-            if (dot(n, direction) < 0) drawn.elsewhere.emplace_back(triangle);
+        if (!has_vertex(ends[0]) && (edge_ray.at_vertex || !has_vertex(ends[1]))) {
+            if (dot(n, direction) < 0) edge_ray.others.emplace_back(triangle);
             continue;
         }
-        if (is_at && !(-dot(n, direction) > 0.125 * length(n))) return std::nullopt;
-        if (is_at) is_met = is_met || truth::find_truth(drawn.ray, Primitive<double>(triangle)).is_hit();
-        drawn.around.insert(is_at ? drawn.around.begin() : drawn.around.end(), triangle);
+        if (is_adjacent && !(-dot(n, direction) > 0.125 * length(n))) return std::nullopt;
+        if (is_adjacent) is_met = is_met || truth::find_truth(edge_ray.ray, Primitive<double>(triangle)).is_hit();
+        edge_ray.adjacent.insert(is_adjacent ? edge_ray.adjacent.begin() : edge_ray.adjacent.end(), triangle);
     }
-    return is_met ? std::optional(drawn) : std::nullopt;
+    return is_met ? std::optional(edge_ray) : std::nullopt;
 }
 
 Question question_at(const Ray<double>& ray, const Primitive<double>& primitive) {
@@ -202,16 +207,16 @@ Question question_at(const Ray<double>& ray, const Primitive<double>& primitive)
     return q;
 }
 
-/// Rays at edges and vertices of meshes, and what passes.
+/// Number of rays at edges and vertices of meshes, and of those that pass.
 struct EdgeRayCounts {
-    std::array<std::size_t, 2> asked{}, passed{};  ///< at edges, at vertices
+    std::array<std::size_t, 2> tested{}, passed{};  ///< at edges, at vertices
     std::string first;
 
-    void add(const EdgeRayCounts& more) {
-        for (std::size_t k = 0; k < 2; ++k) asked[k] += more.asked[k], passed[k] += more.passed[k];
-        if (first.empty()) first = more.first;
+    void add(const EdgeRayCounts& other) {
+        for (std::size_t k = 0; k < 2; ++k) tested[k] += other.tested[k], passed[k] += other.passed[k];
+        if (first.empty()) first = other.first;
     }
-    [[nodiscard]] std::size_t all_asked() const { return asked[0] + asked[1]; }
+    [[nodiscard]] std::size_t all_tested() const { return tested[0] + tested[1]; }
     [[nodiscard]] std::size_t all_passed() const { return passed[0] + passed[1]; }
 };
 
@@ -220,7 +225,7 @@ std::vector<Question> questions_at(const Trial& trial, const Ray<double>& ray,
                                    const std::vector<Primitive<double>>& triangles, int power) {
     std::vector<Question> questions;
     for (Primitive<double> primitive : triangles) {
-        // Forms for one side see the mesh from inside: `ask` mirrors what only sees fronts.
+        // Forms for one side see the mesh from inside: `ask` mirrors questions for forms that only see fronts.
         if (trial.contract.facing != intersect::Facing::both)
             std::swap_ranges(primitive.numbers.begin(), primitive.numbers.begin() + 3, primitive.numbers.begin() + 3);
         questions.push_back(scaled_by(question_at(ray, primitive), trial.shape, power));
@@ -234,69 +239,70 @@ bool any_hit(const Trial& trial, std::span<const Question> questions, std::span<
     return false;
 }
 
-/// Light passes if the form claims no triangle that faces the ray. Those around the edge or vertex are asked in
-/// one batch, the others only if it claims none of these. Each scale has rays of its own.
+/// Counts the rays of a scale that pass: light passes if the form claims no triangle that faces the ray. The triangles
+/// around the edge or vertex are tested in one batch, the others only if the form claims none of these. Each scale has
+/// rays of its own.
 EdgeRayCounts light_at_scale(const Trial& trial, std::size_t scale) {
     constexpr int attempts = 768, rays_of_mesh = 16;
     rays::Random random(scale + 1);
-    std::vector<RayAtMeshEdge> all;
+    std::vector<RayAtMeshEdge> rays_at_edges;
     std::vector<Question> questions;
     Mesh mesh;
     for (int i = 0; i < attempts; ++i) {
         if (i % rays_of_mesh == 0) mesh = random_mesh(trial.contract.bits, random);
-        const auto drawn = draw_ray(mesh, trial.contract, random);
-        if (!drawn) continue;
-        all.push_back(*drawn);
-        const auto around = questions_at(trial, drawn->ray, drawn->around, scale_powers[scale]);
-        questions.insert(questions.end(), around.begin(), around.end());
+        const auto edge_ray = draw_ray(mesh, trial.contract, random);
+        if (!edge_ray) continue;
+        rays_at_edges.push_back(*edge_ray);
+        const auto adjacent = questions_at(trial, edge_ray->ray, edge_ray->adjacent, scale_powers[scale]);
+        questions.insert(questions.end(), adjacent.begin(), adjacent.end());
     }
     const std::vector<Reply> replies = ask(trial.form, questions);
     EdgeRayCounts light;
     std::size_t first = 0;
-    for (const RayAtMeshEdge& drawn : all) {
-        const auto around = std::span(questions).subspan(first, drawn.around.size());
-        bool is_stopped = any_hit(trial, around, std::span(replies).subspan(first, drawn.around.size()));
-        first += drawn.around.size();
+    for (const RayAtMeshEdge& edge_ray : rays_at_edges) {
+        const auto adjacent = std::span(questions).subspan(first, edge_ray.adjacent.size());
+        bool is_stopped = any_hit(trial, adjacent, std::span(replies).subspan(first, edge_ray.adjacent.size()));
+        first += edge_ray.adjacent.size();
         if (!is_stopped) {
-            const auto others = questions_at(trial, drawn.ray, drawn.elsewhere, scale_powers[scale]);
-            is_stopped = any_hit(trial, others, ask(trial.form, others));
+            const auto further_triangles = questions_at(trial, edge_ray.ray, edge_ray.others, scale_powers[scale]);
+            is_stopped = any_hit(trial, further_triangles, ask(trial.form, further_triangles));
         }
-        ++light.asked[drawn.at_vertex];
-        light.passed[drawn.at_vertex] += !is_stopped;
+        ++light.tested[edge_ray.at_vertex];
+        light.passed[edge_ray.at_vertex] += !is_stopped;
         if (!is_stopped && light.first.empty())
             light.first = fmt::format("ray {} at {} of triangles {} and {}, {:.3g} edge lengths away",
-                                      numbers_text(around[0].ray), drawn.at_vertex ? "a vertex" : "the edge",
-                                      numbers_text(std::span(around[0].primitive).first(9)),
-                                      numbers_text(std::span(around[1].primitive).first(9)), drawn.distance);
+                                      numbers_text(adjacent[0].ray), edge_ray.at_vertex ? "a vertex" : "the edge",
+                                      numbers_text(std::span(adjacent[0].primitive).first(9)),
+                                      numbers_text(std::span(adjacent[1].primitive).first(9)), edge_ray.distance);
     }
     return light;
 }
 
 void try_mesh(Trial& trial) {
-    const EdgeRayCounts plain = light_at_scale(trial, 0);
-    EdgeRayCounts all = plain;
-    std::string beyond = all_scales;
+    const EdgeRayCounts unscaled = light_at_scale(trial, 0);
+    EdgeRayCounts total = unscaled;
+    std::string scale_limit = all_scales;
     for (std::size_t scale = 1; scale < scale_powers.size(); ++scale) {
-        const EdgeRayCounts found = light_at_scale(trial, scale);
-        if (20 * found.all_passed() > found.all_asked() + 60 * plain.all_passed()) {
-            beyond = scale_text(scale_powers[scale], found.all_passed(), found.all_asked());
+        const EdgeRayCounts counts = light_at_scale(trial, scale);
+        if (20 * counts.all_passed() > counts.all_tested() + 60 * unscaled.all_passed()) {
+            scale_limit = scale_text(scale_powers[scale], counts.all_passed(), counts.all_tested());
             break;
         }
-        all.add(found);
+        total.add(counts);
     }
-    const bool everywhere = beyond == all_scales;
-    if (all.all_passed() > 0)
-        return trial.warned(fmt::format(
+    const bool holds_at_all_scales = scale_limit == all_scales;
+    if (total.all_passed() > 0)
+        return trial.report_warning(fmt::format(
             "{} rays at edges and {} at vertices of closed meshes pass between the triangles: it claims none of them; "
             "the first is {}{}",
-            share_text(all.passed[0], all.asked[0]), share_text(all.passed[1], all.asked[1]), all.first,
-            everywhere ? "" : beyond));
-    const std::string words = fmt::format(
+            share_text(total.passed[0], total.tested[0]), share_text(total.passed[1], total.tested[1]), total.first,
+            holds_at_all_scales ? "" : scale_limit));
+    const std::string text = fmt::format(
         "no ray passes between triangles, of {} at edges and {} at vertices of "
         "closed meshes{}",
-        all.asked[0], all.asked[1], beyond);
-    if (everywhere) trial.kept(words);
-    else trial.noted(words);
+        total.tested[0], total.tested[1], scale_limit);
+    if (holds_at_all_scales) trial.report_kept(text);
+    else trial.report_note(text);
 }
 
 }  // namespace

@@ -24,17 +24,17 @@ RightAnswer answer_of(const Reply& r, double near, double far) {
     return is_answer(r.near, -near) ? RightAnswer::unsigned_near : RightAnswer::other;
 }
 
-/// A ray from inside along z, with the points next to its origin at which the line enters and leaves.
+/// A ray from inside along z, with its reply and the t at which the line enters and leaves.
 struct RayFromInside {
-    RayFromInside(const Trial& trial, double z) : from(z), reply(trial.ask(along(trial.shape, z, 1))) {
+    RayFromInside(const Trial& trial, double z) : from(z), reply(trial.ask(question_along_z(trial.shape, z, 1))) {
         intersect::external::Contract exits = trial.contract;
         exits.inside = Inside::exit, exits.roots = Roots::first_only, exits.facing = Facing::both;
-        far = truth_by(exits, along(trial.shape, z, 1)).t;
-        near = -truth_by(exits, along(trial.shape, z, -1)).t;
+        far = truth_by(exits, question_along_z(trial.shape, z, 1)).t;
+        near = -truth_by(exits, question_along_z(trial.shape, z, -1)).t;
     }
     [[nodiscard]] RightAnswer answer() const { return answer_of(reply, near, far); }
     [[nodiscard]] bool far_is_right() const { return is_answer(reply.far, far); }
-    [[nodiscard]] std::string told(bool both) const {
+    [[nodiscard]] std::string reply_text(bool both) const {
         if (reply.hit != 1) return "a miss";
         return text_of(reply.near) + (both ? " and " + text_of(reply.far) : "");
     }
@@ -45,21 +45,21 @@ struct RayFromInside {
     double near = 0, far = 0;
 };
 
-/// Two rays off the centre, so that no root has the magnitude of the other.
-struct FromInside {
-    explicit FromInside(const Trial& trial) : up(trial, 1), down(trial, -1) {}
+/// Two rays off the centre, so that the two roots of a ray have different magnitudes.
+struct RaysFromInside {
+    explicit RaysFromInside(const Trial& trial) : up(trial, 1), down(trial, -1) {}
     RayFromInside up, down;
 
     [[nodiscard]] RightAnswer answer() const { return up.answer() == down.answer() ? up.answer() : RightAnswer::other; }
     [[nodiscard]] bool far_is_right() const { return up.far_is_right() && down.far_is_right(); }
-    [[nodiscard]] std::string words(bool both) const {
-        return "from (0, 0, 1) and (0, 0, -1), inside, along (0, 0, 1) it answers " + up.told(both) + ", and " +
-               down.told(both);
+    [[nodiscard]] std::string text(bool both) const {
+        return "from (0, 0, 1) and (0, 0, -1), inside, along (0, 0, 1) it answers " + up.reply_text(both) + ", and " +
+               down.reply_text(both);
     }
     [[nodiscard]] std::string roots() const { return up.roots() + ", and " + down.roots(); }
 };
 
-void try_interval(Trial& trial, const FromInside& inside) {
+void try_interval(Trial& trial, const RaysFromInside& inside) {
     const RightAnswer answer = inside.answer();
     const bool clipped = trial.has_flag(LB_CLIPPED), right = inside.far_is_right();
     const bool zero_is_right = inside_returns_zero(trial.shape) && trial.contract.inside != Inside::exit;
@@ -67,21 +67,21 @@ void try_interval(Trial& trial, const FromInside& inside) {
         trial.check(trial.contract.inside == Inside::miss, "a ray from inside misses",
                     "a ray from inside misses; say LB_INSIDE_MISS (inside_misses, inside=miss)");
     } else if (answer == RightAnswer::near && right) {
-        if (clipped) trial.noted("from inside, near is behind: it is not clipped to the ray");
-        else trial.kept("from inside, near is behind and far ahead");
+        if (clipped) trial.report_note("from inside, near is behind: it is not clipped to the ray");
+        else trial.report_kept("from inside, near is behind and far ahead");
     } else if (answer == RightAnswer::zero && right) {
-        if (clipped || zero_is_right) trial.kept("from inside, near is 0 and far ahead: clipped to the ray");
+        if (clipped || zero_is_right) trial.report_kept("from inside, near is 0 and far ahead: clipped to the ray");
         else
-            trial.broken(
+            trial.report_broken(
                 "from inside, near is clipped to 0; say LB_CLIPPED and LB_EXIT (clipped; flags=clipped, "
                 "at_origin=exit)");
     } else {
-        trial.broken(inside.words(true) + "; " + inside.roots() + " are right");
+        trial.report_broken(inside.text(true) + "; " + inside.roots() + " are right");
     }
 }
 
 /// Property to write for this answer; empty if no property describes it.
-std::string word_for(RightAnswer answer, Roots roots) {
+std::string property_for_answer(RightAnswer answer, Roots roots) {
     const bool near = roots == Roots::near_only;
     switch (answer) {
         case RightAnswer::miss: return "LB_INSIDE_MISS (inside_misses, inside=miss)";
@@ -114,7 +114,7 @@ constexpr std::array<const char*, 6> answer_words{"misses",
                                                   "is answered with the near root without its sign",
                                                   "is answered with something else"};
 
-std::string word_for(Facing facing) {
+std::string property_for_facing(Facing facing) {
     return facing == Facing::front ? "LB_FACING_FRONT (facing_front, facing=front)"
                                    : "LB_FACING_BACK (facing_back, facing=back)";
 }
@@ -127,123 +127,127 @@ constexpr std::array<const char*, 3> at_origin_words{
 }  // namespace
 
 void try_inside(Trial& trial) {
-    const FromInside inside(trial);
+    const RaysFromInside inside(trial);
     const intersect::external::Contract& c = trial.contract;
     if (c.roots == Roots::both) return try_interval(trial, inside);
-    const RightAnswer answer = inside.answer(), promised = promised_inside(c);
+    const RightAnswer answer = inside.answer(), promised_answer = promised_inside(c);
     if (!trial.tells_t) {
-        const bool hits = promised != RightAnswer::miss;
+        const bool hits = promised_answer != RightAnswer::miss;
         return trial.check((inside.up.reply.hit == 1) == hits && (inside.down.reply.hit == 1) == hits,
                            hits ? "a ray from inside hits" : "a ray from inside misses",
                            hits ? "a ray from inside misses; say LB_INSIDE_MISS (inside_misses, inside=miss)"
                                 : "a ray from inside hits; leave out inside=miss");
     }
-    const std::string what = std::string("a ray from inside ") + answer_words[static_cast<std::size_t>(answer)];
-    const bool behind = c.roots == Roots::near_only && (answer == RightAnswer::near || answer == RightAnswer::miss) &&
-                        (promised == RightAnswer::near || promised == RightAnswer::miss);
-    if (answer == promised || behind) return trial.kept(what);
-    const std::string word = word_for(answer, c.roots);
-    trial.broken(what +
-                 (word.empty() ? ": " + inside.words(false) + "; the roots are " + inside.roots() : "; say " + word));
+    const std::string text = std::string("a ray from inside ") + answer_words[static_cast<std::size_t>(answer)];
+    const bool are_both_misses = c.roots == Roots::near_only &&
+                                 (answer == RightAnswer::near || answer == RightAnswer::miss) &&
+                                 (promised_answer == RightAnswer::near || promised_answer == RightAnswer::miss);
+    if (answer == promised_answer || are_both_misses) return trial.report_kept(text);
+    const std::string property = property_for_answer(answer, c.roots);
+    trial.report_broken(text + (property.empty() ? ": " + inside.text(false) + "; the roots are " + inside.roots()
+                                                 : "; say " + property));
 }
 
 void try_facing(Trial& trial) {
-    const bool met = trial.ask(along(trial.shape, 5, -1)).hit == 1;
+    const bool is_met = trial.ask(question_along_z(trial.shape, 5, -1)).hit == 1;
     const Facing facing = trial.contract.facing;
     if (facing == Facing::both)
-        return trial.check(met, "both sides are met", "the front is not met; say " + word_for(Facing::back));
-    trial.check(!met, "the other side is not met", "the other side is met as well; leave facing out");
+        return trial.check(is_met, "both sides are met",
+                           "the front is not met; say " + property_for_facing(Facing::back));
+    trial.check(!is_met, "the other side is not met", "the other side is met as well; leave facing out");
 }
 
 bool try_other_side(Trial& trial) {
-    if (!is_flat(trial.shape) || trial.ask(along(trial.shape, 5, -1)).hit != 1) return false;
-    const Facing stated = trial.contract.facing, met = stated == Facing::front ? Facing::back : Facing::front;
-    trial.broken((stated == Facing::front  ? "the back is met, not the front as stated"
-                  : stated == Facing::back ? "the front is met, not the back as stated"
-                                           : "only the front is met, not the back") +
-                 ("; say " + word_for(met)));
+    if (!is_flat(trial.shape) || trial.ask(question_along_z(trial.shape, 5, -1)).hit != 1) return false;
+    const Facing stated = trial.contract.facing, facing_met = stated == Facing::front ? Facing::back : Facing::front;
+    trial.report_broken((stated == Facing::front  ? "the back is met, not the front as stated"
+                         : stated == Facing::back ? "the front is met, not the back as stated"
+                                                  : "only the front is met, not the back") +
+                        ("; say " + property_for_facing(facing_met)));
     return true;
 }
 
 void try_touching(Trial& trial) {
-    // A tangent, a ray in the plane of a face, or one through a rim: the closed primitive is hit and the open one
-    // missed.
+    // The ray is a tangent, or runs in the plane of a face or through a rim: it hits the closed primitive and misses
+    // the open one.
     intersect::external::Contract closed = trial.contract, open = trial.contract;
     closed.touching = Touching::hit, open.touching = Touching::miss;
-    Question q = along(trial.shape, -5, 1);
+    Question q = question_along_z(trial.shape, -5, 1);
     const auto touches = [&](double x) {
         q.ray[0] = x;
         return trial.truth(q, closed).hit && !trial.truth(q, open).hit;
     };
     if (!touches(2) && !touches(1)) return;  // a plane has no rim
-    const std::string what(row_of(trial.shape).texts.touching);
-    int hits = 0, asked = 0;
-    for (const double from : {-5.0, -4.0, -7.0}) {
+    const std::string ray_text(row_of(trial.shape).texts.touching);
+    int hits = 0, tested = 0;
+    for (const double start_z : {-5.0, -4.0, -7.0}) {
         for (const double side : {1.0, -1.0}) {
-            Question one = q;
-            one.ray[0] *= side, one.ray[2] = from;
-            const double right = trial.truth(one, closed).t;
-            const HitOrMiss taken = read_reply(closed, trial.ask(one), one);
+            Question question = q;
+            question.ray[0] *= side, question.ray[2] = start_z;
+            const double right = trial.truth(question, closed).t;
+            const HitOrMiss answer = read_reply(closed, trial.ask(question), question);
             // A march stops short of a tangent by the square root of its epsilon.
-            if (trial.tells_t && taken.hit && !(std::fabs(taken.t - right) <= 0.5))
-                return trial.broken(what + " is answered with t = " + text_of(taken.t) + "; " + text_of(right) +
-                                    " is right");
-            ++asked, hits += taken.hit;
+            if (trial.tells_t && answer.hit && !(std::fabs(answer.t - right) <= 0.5))
+                return trial.report_broken(ray_text + " is answered with t = " + text_of(answer.t) + "; " +
+                                           text_of(right) + " is right");
+            ++tested, hits += answer.hit;
         }
     }
-    if (hits > 0 && hits < asked)
-        return trial.noted(what + " hits in " + std::to_string(hits) + " of " + std::to_string(asked) +
-                           " places: rounding decides, or the side that it is on");
-    const bool promised = trial.contract.touching == Touching::hit, hit = hits > 0;
-    const double beside = trial.contract.bits == 32 ? 0x1p-20 : 0x1p-49;  // eight numbers of the format
-    Question next = q;
-    next.ray[0] += hit ? beside : -beside;
-    if (hit != promised && (trial.ask(next).hit == 1) == hit)
-        return trial.noted(what + (hit ? " hits, and so does one " : " misses, and so does one ") + text_of(beside) +
-                           (hit ? " outside" : " inside") + ": rounding decides");
-    trial.check(
-        hit == promised, what + (hit ? " hits" : " misses"),
-        what + (hit ? " hits; say LB_HIT (touching=hit)" : " misses; say LB_MISS (touching_misses, touching=miss)"));
+    if (hits > 0 && hits < tested)
+        return trial.report_note(ray_text + " hits in " + std::to_string(hits) + " of " + std::to_string(tested) +
+                                 " places: rounding decides, or the side that it is on");
+    const bool should_hit = trial.contract.touching == Touching::hit, is_hit = hits > 0;
+    const double offset = trial.contract.bits == 32 ? 0x1p-20 : 0x1p-49;  // eight numbers of the format
+    Question neighbour = q;
+    neighbour.ray[0] += is_hit ? offset : -offset;
+    if (is_hit != should_hit && (trial.ask(neighbour).hit == 1) == is_hit)
+        return trial.report_note(ray_text + (is_hit ? " hits, and so does one " : " misses, and so does one ") +
+                                 text_of(offset) + (is_hit ? " outside" : " inside") + ": rounding decides");
+    trial.check(is_hit == should_hit, ray_text + (is_hit ? " hits" : " misses"),
+                ray_text + (is_hit ? " hits; say LB_HIT (touching=hit)"
+                                   : " misses; say LB_MISS (touching_misses, touching=miss)"));
 }
 
 void try_within(Trial& trial) {
-    // Rays through its centre from either side, off the centre, from within it, beside it, and beside the plane.
+    // Rays in the plane of the primitive: through its centre from either side, off the centre, from inside it and
+    // beside it. Two further rays run beside the plane.
     constexpr double rays[][4]{{-5, 0, -2, 1}, {5, 0, -2, -1}, {-5, 0.5, -2, 1}, {-5, -1, -2, 1},
                                {0, 0, -2, 1},  {5, 9, -2, -1}, {-5, 0, -1, 1},   {0.25, 0, -3, -1}};
     for (const auto& [x, y, z, dx] : rays) {
-        Question q = along(trial.shape, z, 0);
+        Question q = question_along_z(trial.shape, z, 0);
         q.ray = {x, y, z, dx, 0, 0};
         const Reply r = trial.ask(q);
         if (!read_reply(trial.contract, r, q).hit || trial.truth(q).hit) continue;
-        return trial.broken((z == -2 ? "a ray in its plane" : "a ray beside its plane") + std::string(" hits") +
-                            (trial.tells_t ? " at t = " + text_of(r.near) : "") +
-                            "; it should miss, since it does not cross it");
+        return trial.report_broken((z == -2 ? "a ray in its plane" : "a ray beside its plane") + std::string(" hits") +
+                                   (trial.tells_t ? " at t = " + text_of(r.near) : "") +
+                                   "; it should miss, since it does not cross it");
     }
-    trial.kept("rays in its plane and beside it miss");
+    trial.report_kept("rays in its plane and beside it miss");
 }
 
 namespace {
 
 /// A ray from a point of the surface, along z, with a description of the answer.
-struct FromSurface {
+struct RayFromSurface {
     Question q;
     Reply reply;
     bool goes_in;
 
-    [[nodiscard]] std::string words(const Trial& trial) const {
-        const HitOrMiss taken = read_reply(trial.contract, reply, q);
-        return !taken.hit ? "misses" : trial.tells_t ? "is answered with t = " + text_of(taken.t) : "hits";
+    [[nodiscard]] std::string text(const Trial& trial) const {
+        const HitOrMiss answer = read_reply(trial.contract, reply, q);
+        return !answer.hit ? "misses" : trial.tells_t ? "is answered with t = " + text_of(answer.t) : "hits";
     }
 };
 
-/// Rays in both directions from the surface at z = -2, and from the surface at z = 2 if there is one. A side that is
-/// not met from afar is not met from the surface either. That is a matter of `facing`, not of at-origin.
-std::vector<FromSurface> from_surface(const Trial& trial) {
-    std::vector<FromSurface> rays;
+/// Rays in both directions from the surface at z = -2, and from the surface at z = 2 if there is one. Leaves out a side
+/// that the form does not meet from afar: missing this side from the surface too is a matter of `facing`, not of
+/// `at_origin`.
+std::vector<RayFromSurface> rays_from_surface(const Trial& trial) {
+    std::vector<RayFromSurface> rays;
     const bool one_sided = is_flat(trial.shape) && trial.contract.facing == Facing::both;
     const auto add = [&](double z, double direction, bool goes_in) {
-        if (one_sided && trial.ask(along(trial.shape, -5 * direction, direction)).hit != 1) return;
-        const Question q = along(trial.shape, z, direction);
+        if (one_sided && trial.ask(question_along_z(trial.shape, -5 * direction, direction)).hit != 1) return;
+        const Question q = question_along_z(trial.shape, z, direction);
         rays.push_back({q, trial.ask(q), goes_in});
     };
     const double in = entry_sign(trial.shape);
@@ -252,60 +256,63 @@ std::vector<FromSurface> from_surface(const Trial& trial) {
     return rays;
 }
 
-/// If a form answers near and far, the table picks the one that counts, whatever the contract says about the origin.
-/// The form only has to answer them.
-bool is_right_from_surface(const Trial& trial, const FromSurface& r, const intersect::external::Contract& by) {
-    if (by.roots == Roots::both) return r.reply.hit == 1 || !trial.truth(r.q, by).hit;
-    return trial.is_right(r.q, r.reply, by);
+/// If a form answers near and far, the table picks the root that counts, whatever the contract says about the origin.
+/// The form only has to answer both roots.
+bool is_right_from_surface(const Trial& trial, const RayFromSurface& r,
+                           const intersect::external::Contract& other_contract) {
+    if (other_contract.roots == Roots::both) return r.reply.hit == 1 || !trial.truth(r.q, other_contract).hit;
+    return trial.is_right(r.q, r.reply, other_contract);
 }
 
-bool all_right(const Trial& trial, const std::vector<FromSurface>& rays, const intersect::external::Contract& by) {
-    return std::ranges::all_of(rays, [&](const FromSurface& r) { return is_right_from_surface(trial, r, by); });
+bool all_right(const Trial& trial, const std::vector<RayFromSurface>& rays,
+               const intersect::external::Contract& other_contract) {
+    return std::ranges::all_of(
+        rays, [&](const RayFromSurface& r) { return is_right_from_surface(trial, r, other_contract); });
 }
 
 }  // namespace
 
 void try_at_origin(Trial& trial) {
-    const std::vector<FromSurface> rays = from_surface(trial);
+    const std::vector<RayFromSurface> rays = rays_from_surface(trial);
     const bool flat = is_flat(trial.shape);
     const std::string surface = "a surface at the origin ";
     const std::string in = "a ray that starts on the surface and goes in ", out = ", one that goes out ";
-    const bool hits = std::ranges::any_of(rays, [](const FromSurface& r) { return r.reply.hit == 1; });
-    // If a form answers only the near root, the table drops a t of 0. A form that answers the first root has to drop it
-    // itself.
+    const bool hits = std::ranges::any_of(rays, [](const RayFromSurface& r) { return r.reply.hit == 1; });
+    // If a form answers only the near root, the table drops a t of 0. A form that answers the first root has to drop a
+    // t of 0 itself.
     const bool counts = hits && trial.contract.roots != Roots::near_only, is_dropped = hits && !counts;
-    const std::string does = flat && is_dropped && trial.contract.at_origin == AtOrigin::miss
-                                 ? surface + "gets t = 0, which counts as a miss"
-                             : flat ? surface + (hits ? "counts" : "is passed over")
-                                    : in + rays[0].words(trial) + out + rays[1].words(trial);
+    const std::string behaviour = flat && is_dropped && trial.contract.at_origin == AtOrigin::miss
+                                      ? surface + "gets t = 0, which counts as a miss"
+                                  : flat ? surface + (hits ? "counts" : "is passed over")
+                                         : in + rays[0].text(trial) + out + rays[1].text(trial);
     const bool is_denied = flat && counts && trial.contract.at_origin == AtOrigin::miss;
-    if (!is_denied && all_right(trial, rays, trial.contract)) return trial.kept(does);
-    for (const AtOrigin at : all_at_origin) {
+    if (!is_denied && all_right(trial, rays, trial.contract)) return trial.report_kept(behaviour);
+    for (const AtOrigin property : all_at_origin) {
         intersect::external::Contract other = trial.contract;
-        other.at_origin = at;
+        other.at_origin = property;
         if (is_consistent(other) && all_right(trial, rays, other))
-            return trial.broken(does + "; say " + at_origin_words[static_cast<std::size_t>(at)]);
+            return trial.report_broken(behaviour + "; say " + at_origin_words[static_cast<std::size_t>(property)]);
     }
-    for (const FromSurface& r : rays) {
+    for (const RayFromSurface& r : rays) {
         if (is_right_from_surface(trial, r, trial.contract)) continue;
         const HitOrMiss right = trial.truth(r.q);
-        return trial.broken((flat        ? surface
-                             : r.goes_in ? in
-                                         : "a ray that starts on the surface and goes out ") +
-                            r.words(trial) + "; " +
-                            (!right.hit      ? "a miss is right"
-                             : trial.tells_t ? text_of(right.t) + " is right"
-                                             : "it should hit"));
+        return trial.report_broken((flat        ? surface
+                                    : r.goes_in ? in
+                                                : "a ray that starts on the surface and goes out ") +
+                                   r.text(trial) + "; " +
+                                   (!right.hit      ? "a miss is right"
+                                    : trial.tells_t ? text_of(right.t) + " is right"
+                                                    : "it should hit"));
     }
 }
 
 void try_close(Trial& trial) {
     const double ahead = trial.contract.bits == 32 ? 0x1p-15 : 0x1p-30;
     const double in = entry_sign(trial.shape);
-    const Reply r = trial.ask(along(trial.shape, -2 - in * ahead, in));
+    const Reply r = trial.ask(question_along_z(trial.shape, -2 - in * ahead, in));
     const std::string surface = "a surface " + text_of(ahead) + " ahead ";
-    if (r.hit == 1 && std::fabs(r.near) <= 4 * ahead) return trial.kept(surface + "is met");
-    trial.broken(
+    if (r.hit == 1 && std::fabs(r.near) <= 4 * ahead) return trial.report_kept(surface + "is met");
+    trial.report_broken(
         surface + (r.hit == 1 ? "is answered with t = " + text_of(r.near) : std::string("is a miss")) +
         ": it seems to have a least t, such as a tmin or an epsilon. No property declares that; leave it to the "
         "caller");
@@ -315,8 +322,8 @@ Observation observe_state(const intersect::external::ForeignForm& form) {
     const std::string& loaded = form.contract.state;
     const std::string where =
         loaded.empty() ? "" : "loading its library leaves the processor with " + loaded + ", and it runs in that state";
-    const std::string noted = intersect::external::change_noted(intersect::external::name_in_messages(form));
-    if (!noted.empty()) return {"state", Observation::Verdict::broken, noted + (where.empty() ? "" : "; " + where)};
+    const std::string note = intersect::external::change_noted(intersect::external::name_in_messages(form));
+    if (!note.empty()) return {"state", Observation::Verdict::broken, note + (where.empty() ? "" : "; " + where)};
     if (!where.empty()) return {"state", Observation::Verdict::noted, where + ", as for its users; nothing else does"};
     return {"state", Observation::Verdict::kept, "it computes with rounding to nearest and with subnormal numbers"};
 }

@@ -18,24 +18,25 @@ using intersect::Direction;
 /// either.
 int greatest_power(const intersect::external::Contract& contract) {
     const ShapeRow& row = row_of(contract.shape);
-    const auto ends = ends_of(entering(contract.shape), contract.shape);
+    const auto ends = ends_of(plainest_question(contract.shape), contract.shape);
     if (has_inside(contract.shape) && ends && ends->far < 7) return 12;
     return (contract.bits == 32 ? 112 : 960) / (row.round || row.flat || row.edges ? 4 : 10);
 }
 
 /// Plain rays at a primitive of half-width 2·size: straight, off its centre, from inside, past it.
-std::vector<Question> of_size(Shape shape, double size) {
-    std::vector<Question> all{along(shape, -5 * size, 1, 0, 2 * size), along(shape, -8 * size, 1, 0, 2 * size),
-                              along(shape, size, 1, 0, 2 * size), along(shape, -5 * size, 1, 0, 2 * size)};
-    all[1].ray[0] = size / 2, all[1].ray[1] = size / 4;
-    all[3].ray[0] = 16 * size;
-    if (!has_inside(shape)) all.erase(all.begin() + 2);
-    return all;
+std::vector<Question> questions_of_size(Shape shape, double size) {
+    std::vector<Question> questions{
+        question_along_z(shape, -5 * size, 1, 0, 2 * size), question_along_z(shape, -8 * size, 1, 0, 2 * size),
+        question_along_z(shape, size, 1, 0, 2 * size), question_along_z(shape, -5 * size, 1, 0, 2 * size)};
+    questions[1].ray[0] = size / 2, questions[1].ray[1] = size / 4;
+    questions[3].ray[0] = 16 * size;
+    if (!has_inside(shape)) questions.erase(questions.begin() + 2);
+    return questions;
 }
 
-/// A method of aiming rays.
+/// A method of aiming rays, with its text in reports.
 struct Aim {
-    const char* words;
+    const char* text;
     Question (*make)(const Primitive<double>& primitive, RandomNumbers& random);
 };
 
@@ -67,8 +68,8 @@ constexpr Aim aims[]{
     {"past it",
      [](const Primitive<double>& primitive, RandomNumbers& random) {
          const Vec<double> m = middle_of(primitive), d = random.unit(), p = point_of(primitive, random);
-         const Vec<double> at = m + random.between(1, 2.5) * (p - m);
-         return question_of(at - 4 * half_extent_of(primitive) * d, d, primitive);
+         const Vec<double> target = m + random.between(1, 2.5) * (p - m);
+         return question_of(target - 4 * half_extent_of(primitive) * d, d, primitive);
      }},
     {"away from it",
      [](const Primitive<double>& primitive, RandomNumbers& random) {
@@ -78,48 +79,48 @@ constexpr Aim aims[]{
     {"along an axis",
      [](const Primitive<double>& primitive, RandomNumbers& random) {
          const double half = half_extent_of(primitive);
-         Vec<double> d{0, 0, 0}, from = middle_of(primitive) + 1.5 * half * random.vector();
+         Vec<double> d{0, 0, 0}, origin = middle_of(primitive) + 1.5 * half * random.vector();
          const int axis = static_cast<int>(random.between(0, 2.999));
          d[axis] = random() < 0 ? -1 : 1;
-         from[axis] -= 4 * half * d[axis];
-         return question_of(from, d, primitive);
+         origin[axis] -= 4 * half * d[axis];
+         return question_of(origin, d, primitive);
      }},
 };
 
-/// Rays of one method of aiming, at primitives as in scenes, and at the one with numbers 0 and 2.
-std::vector<Question> aimed(const Trial& trial, const Aim& aim, bool upright) {
+/// Rays of one method of aiming, at primitives as in scenes, and at the primitive around the origin with half-width 2.
+std::vector<Question> aimed_questions(const Trial& trial, const Aim& aim, bool upright) {
     RandomNumbers random;
-    std::vector<Question> all;
-    for (int i = 0; i < 320 && all.size() < 96; ++i) {
+    std::vector<Question> questions;
+    for (int i = 0; i < 320 && questions.size() < 96; ++i) {
         const Primitive<double> primitive = i % 4 == 0 ? primitive_around<double>(trial.shape, {0, 0, 0}, 2)
                                                        : random_primitive(trial.shape, upright, random);
         Question q = aim.make(primitive, random);
         if (trial.contract.direction == Direction::any && i % 2 == 1)
             for (std::size_t k = 3; k < 6; ++k) q.ray[k] = static_cast<float>(1.5 * q.ray[k]);
-        if (is_benign(trial, q, random)) all.push_back(q);
+        if (is_benign(trial, q, random)) questions.push_back(q);
     }
-    return all;
+    return questions;
 }
 
 /// Names an optional length, such as an inner radius, if all answers are right for primitives without it.
 std::string ignored_length(const Trial& trial, const std::vector<Question>& questions) {
-    std::string words;
+    std::string text;
     for_each_key(trial.shape, [&](const Key& key, std::size_t k) {
-        if (!key.optional || !words.empty()) return;
-        std::vector<AnsweredQuestion> without = with_truth(trial, questions);
-        for (AnsweredQuestion& one : without) {
-            Question q = one.question;
+        if (!key.optional || !text.empty()) return;
+        std::vector<AnsweredQuestion> without_length = with_truth(trial, questions);
+        for (AnsweredQuestion& answered : without_length) {
+            Question q = answered.question;
             q.primitive[k] = 0;
-            one.right = trial.truth(q);
+            answered.right = trial.truth(q);
         }
-        if (WrongCount(trial, without).wrong == 0) words = fmt::format("; it seems to ignore the {}", key.name);
+        if (WrongCount(trial, without_length).wrong == 0) text = fmt::format("; it seems to ignore the {}", key.name);
     });
-    return words;
+    return text;
 }
 
-std::string wrong_count_text(const WrongCount& found, const Aim& aim) {
-    return std::to_string(found.wrong) + " of " + std::to_string(found.asked) + " rays " + aim.words +
-           " are answered wrongly, none of them near an edge; the first: " + found.first;
+std::string wrong_count_text(const WrongCount& count, const Aim& aim) {
+    return std::to_string(count.wrong) + " of " + std::to_string(count.tested) + " rays " + aim.text +
+           " are answered wrongly, none of them near an edge; the first: " + count.first;
 }
 
 }  // namespace
@@ -134,17 +135,17 @@ Primitive<double> random_primitive(Shape shape, bool upright, RandomNumbers& ran
     for (;;) {
         const double half = random.between(0.5, 2), stretch = random.between(0.5, 1.5);
         const Vec<double> centre = 4.0 * random.vector();
-        const int turn = static_cast<int>(random.between(0, 2.999));
-        const auto turned = [&turn](const Vec<double>& v) {
-            return Vec<double>(v[turn], v[(turn + 1) % 3], v[(turn + 2) % 3]);
+        const int first_axis = static_cast<int>(random.between(0, 2.999));
+        const auto permuted = [&first_axis](const Vec<double>& v) {
+            return Vec<double>(v[first_axis], v[(first_axis + 1) % 3], v[(first_axis + 2) % 3]);
         };
         Primitive<double> primitive = primitive_around<double>(shape, {0, 0, 0}, half);
         for_each_key(shape, [&](const Key& key, std::size_t k) {
             const bool is_length = key.is_length(), is_point = key.kind == Key::Kind::point;
-            const Vec<double> now = is_length ? Vec<double>(0, 0, 0) : primitive.point(k);
+            const Vec<double> point = is_length ? Vec<double>(0, 0, 0) : primitive.point(k);
             if (!is_length && upright)
-                primitive.set_point(k, stretch * turned(now) + (is_point ? centre : Vec<double>(0, 0, 0)));
-            else if (is_point) primitive.set_point(k, now + centre + (0.5 * half) * random.vector());
+                primitive.set_point(k, stretch * permuted(point) + (is_point ? centre : Vec<double>(0, 0, 0)));
+            else if (is_point) primitive.set_point(k, point + centre + (0.5 * half) * random.vector());
             else if (!is_length) primitive.set_point(k, 2.0 * random.vector());
             for (const std::size_t end = k + key.count(); k < end; ++k) {
                 double& x = primitive.numbers[k];
@@ -176,22 +177,22 @@ bool is_benign(const Trial& trial, const Question& q, RandomNumbers& random, int
     const double size = half_extent_of(primitive_of(q, trial.shape)), length = std::hypot(q.ray[3], q.ray[4], q.ray[5]);
     if (right.hit && right.t != 0 && right.t * length < size / 16) return false;
     for (int i = 0; i < changes; ++i) {
-        Question near = q;
-        for (std::size_t k = 0; k < 3; ++k) near.ray[k] += 0x1p-5 * size * random();
-        for (std::size_t k = 3; k < 6; ++k) near.ray[k] += 0x1p-6 * length * random();
-        const HitOrMiss there = trial.truth(near);
-        if (there.hit != right.hit || std::fabs(there.t - right.t) * length > size / 4) return false;
+        Question changed = q;
+        for (std::size_t k = 0; k < 3; ++k) changed.ray[k] += 0x1p-5 * size * random();
+        for (std::size_t k = 3; k < 6; ++k) changed.ray[k] += 0x1p-6 * length * random();
+        const HitOrMiss changed_answer = trial.truth(changed);
+        if (changed_answer.hit != right.hit || std::fabs(changed_answer.t - right.t) * length > size / 4) return false;
     }
     return true;
 }
 
 std::string numbers_text(std::span<const double> numbers) {
-    std::string words;
+    std::string text;
     for (const double x : numbers) {
         const bool is_float = static_cast<double>(static_cast<float>(x)) == x;
-        words += (words.empty() ? "" : ",") + (is_float ? fmt::format("{:.9g}", x) : fmt::format("{}", x));
+        text += (text.empty() ? "" : ",") + (is_float ? fmt::format("{:.9g}", x) : fmt::format("{}", x));
     }
-    return words;
+    return text;
 }
 
 std::string answer_text(const Trial& trial, const HitOrMiss& d) {
@@ -199,10 +200,10 @@ std::string answer_text(const Trial& trial, const HitOrMiss& d) {
 }
 
 Question scaled_by(const Question& q, Shape shape, int power) {
-    Question to = q;
-    for (std::size_t k = 0; k < 3; ++k) to.ray[k] = std::ldexp(q.ray[k], power);
-    std::ranges::copy(scaled(primitive_of(q, shape), std::ldexp(1.0, power)).used(), to.primitive.begin());
-    return to;
+    Question result = q;
+    for (std::size_t k = 0; k < 3; ++k) result.ray[k] = std::ldexp(q.ray[k], power);
+    std::ranges::copy(scaled(primitive_of(q, shape), std::ldexp(1.0, power)).used(), result.primitive.begin());
+    return result;
 }
 
 std::vector<AnsweredQuestion> with_truth(const Trial& trial, const std::vector<Question>& questions) {
@@ -211,77 +212,81 @@ std::vector<AnsweredQuestion> with_truth(const Trial& trial, const std::vector<Q
     return rays;
 }
 
-WrongCount::WrongCount(const Trial& trial, const std::vector<AnsweredQuestion>& rays, int power) : asked(rays.size()) {
+WrongCount::WrongCount(const Trial& trial, const std::vector<AnsweredQuestion>& rays, int power) : tested(rays.size()) {
     std::vector<Question> questions;
-    for (const AnsweredQuestion& one : rays) questions.push_back(scaled_by(one.question, trial.shape, power));
+    for (const AnsweredQuestion& answered : rays) questions.push_back(scaled_by(answered.question, trial.shape, power));
     const std::vector<Reply> replies = ask(trial.form, questions);
-    for (std::size_t i = 0; i < asked; ++i) {
+    for (std::size_t i = 0; i < tested; ++i) {
         const auto& [plain, right] = rays[i];
-        HitOrMiss taken = read_reply(trial.contract, replies[i], questions[i]);
-        taken.t = std::ldexp(taken.t, -power);
+        HitOrMiss answer = read_reply(trial.contract, replies[i], questions[i]);
+        answer.t = std::ldexp(answer.t, -power);
         const double tolerance =
             0x1p-5 * half_extent_of(primitive_of(plain, trial.shape)) / length(ray_of(plain).direction);
-        if (right.hit == taken.hit && (!right.hit || !trial.tells_t || std::fabs(taken.t - right.t) <= tolerance))
+        if (right.hit == answer.hit && (!right.hit || !trial.tells_t || std::fabs(answer.t - right.t) <= tolerance))
             continue;
         if (wrong++ > 0) continue;
         const Question q = from_its_side(questions[i], trial.contract);
-        const auto words = [&](const HitOrMiss& of) { return answer_text(trial, {of.hit, std::ldexp(of.t, power)}); };
+        const auto text_of_answer = [&](const HitOrMiss& d) {
+            return answer_text(trial, {d.hit, std::ldexp(d.t, power)});
+        };
         first = "ray " + numbers_text(q.ray) + " at " + std::string(row_of(trial.shape).name) + " " +
-                numbers_text(std::span(q.primitive).first(row_of(trial.shape).numbers)) + ": " + words(right) +
-                " is right, it answers " + words(taken);
+                numbers_text(std::span(q.primitive).first(row_of(trial.shape).numbers)) + ": " + text_of_answer(right) +
+                " is right, it answers " + text_of_answer(answer);
     }
 }
 
 void try_scale(Trial& trial) {
     const auto answer_at = [&trial](std::size_t i, double size) {
-        const Question q = of_size(trial.shape, size)[i];
-        const HitOrMiss right = trial.truth(q), taken = read_reply(trial.contract, trial.ask(q), q);
+        const Question q = questions_of_size(trial.shape, size)[i];
+        const HitOrMiss right = trial.truth(q), answer = read_reply(trial.contract, trial.ask(q), q);
         const bool is_right =
-            right.hit == taken.hit && (!right.hit || !trial.tells_t || std::fabs(taken.t - right.t) <= 0x1p-8 * size);
-        return std::tuple(is_right, right, taken);
+            right.hit == answer.hit && (!right.hit || !trial.tells_t || std::fabs(answer.t - right.t) <= 0x1p-8 * size);
+        return std::tuple(is_right, right, answer);
     };
-    const int most = greatest_power(trial.contract);
-    for (std::size_t i = 0; i < of_size(trial.shape, 1).size(); ++i) {
+    const int max_power = greatest_power(trial.contract);
+    for (std::size_t i = 0; i < questions_of_size(trial.shape, 1).size(); ++i) {
         if (!std::get<bool>(answer_at(i, 1))) continue;  // wrong at any size
-        for (int k = 1; k <= most; ++k) {
-            const auto [is_right, right, taken] = answer_at(i, std::ldexp(1, -k));
+        for (int k = 1; k <= max_power; ++k) {
+            const auto [is_right, right, answer] = answer_at(i, std::ldexp(1, -k));
             if (!is_right)
-                return trial.broken("where all lengths are 2^-" + std::to_string(k) + " times as large, it answers " +
-                                    answer_text(trial, taken) + " where " + answer_text(trial, right) +
-                                    " is right: it seems to compare with a fixed number, an epsilon, that does not "
-                                    "scale with its inputs; no property declares that");
+                return trial.report_broken(
+                    "where all lengths are 2^-" + std::to_string(k) + " times as large, it answers " +
+                    answer_text(trial, answer) + " where " + answer_text(trial, right) +
+                    " is right: it seems to compare with a fixed number, an epsilon, that does not "
+                    "scale with its inputs; no property declares that");
         }
-        for (int k = 1; k <= most; ++k) {
-            const auto [is_right, right, taken] = answer_at(i, std::ldexp(1, k));
+        for (int k = 1; k <= max_power; ++k) {
+            const auto [is_right, right, answer] = answer_at(i, std::ldexp(1, k));
             if (!is_right)
-                return trial.noted("where all lengths are 2^" + std::to_string(k) + " times as large, it answers " +
-                                   answer_text(trial, taken) + " where " + answer_text(trial, right) +
-                                   " is right: it seems to have a greatest t or size");
+                return trial.report_note("where all lengths are 2^" + std::to_string(k) +
+                                         " times as large, it answers " + answer_text(trial, answer) + " where " +
+                                         answer_text(trial, right) +
+                                         " is right: it seems to have a greatest t or size");
         }
     }
-    trial.kept("right where all lengths are 2^-" + std::to_string(most) + " to 2^" + std::to_string(most) +
-               " times as large");
+    trial.report_kept("right where all lengths are 2^-" + std::to_string(max_power) + " to 2^" +
+                      std::to_string(max_power) + " times as large");
 }
 
 void try_rays(Trial& trial) {
     const std::string plural(row_of(trial.shape).plural);
-    std::size_t asked = 0;
+    std::size_t tested = 0;
     for (const bool upright : {true, false}) {
         if (upright && !has_axis(trial.shape)) continue;
         for (const Aim& aim : aims) {
-            const std::vector<Question> questions = aimed(trial, aim, upright);
+            const std::vector<Question> questions = aimed_questions(trial, aim, upright);
             if (questions.size() < 24) continue;  // rays from within a flat shape
-            const WrongCount found(trial, with_truth(trial, questions));
-            asked += found.asked;
-            if (found.wrong == 0) continue;
-            const bool oblique = !upright && has_axis(trial.shape);
-            const std::string words = wrong_count_text(found, aim) + ignored_length(trial, questions);
-            if (found.is_many() && !oblique) return trial.broken(words);
-            trial.noted(words + (oblique ? "; where axes lie along x, y or z it is right" : ""));
-            if (oblique) return;
+            const WrongCount count(trial, with_truth(trial, questions));
+            tested += count.tested;
+            if (count.wrong == 0) continue;
+            const bool is_oblique = !upright && has_axis(trial.shape);
+            const std::string text = wrong_count_text(count, aim) + ignored_length(trial, questions);
+            if (count.is_many() && !is_oblique) return trial.report_broken(text);
+            trial.report_note(text + (is_oblique ? "; where axes lie along x, y or z it is right" : ""));
+            if (is_oblique) return;
         }
     }
-    trial.kept(std::to_string(asked) + " rays at " + plural + " in random positions get the right answer");
+    trial.report_kept(std::to_string(tested) + " rays at " + plural + " in random positions get the right answer");
 }
 
 }  // namespace lostbits::measure::contract

@@ -43,7 +43,7 @@ Primitive<double> random_primitive(Shape shape, bool upright, RandomNumbers& ran
 /// The ray and the primitive, in numbers that floats can represent.
 Question question_of(const Vec<double>& origin, const Vec<double>& direction, const Primitive<double>& primitive);
 
-/// Half of the primitive's extent, clamped to 4, since a plane is infinite.
+/// Half of the primitive's extent, at most 4, since a plane is infinite.
 double half_extent_of(const Primitive<double>& primitive);
 
 /// Multiplies the lengths of a question by 2^power, exactly. Directions keep their length, so t is multiplied, too.
@@ -65,18 +65,18 @@ std::vector<AnsweredQuestion> with_truth(const Trial& trial, const std::vector<Q
 
 /// Number of wrong answers among some rays, and a description of the first.
 struct WrongCount {
-    std::size_t asked = 0, wrong = 0;
+    std::size_t tested = 0, wrong = 0;
     std::string first = {};
 
     WrongCount() = default;
-    /// All lengths are multiplied by 2^power.
+    /// Tests the form on these rays, with all lengths multiplied by 2^power.
     WrongCount(const Trial& trial, const std::vector<AnsweredQuestion>& rays, int power = 0);
-    /// True if more than one answer in twenty is wrong. Fewer wrong answers may be due to rounding in the format and
-    /// are not held against the form.
-    [[nodiscard]] bool is_many() const { return 20 * wrong > asked; }
-    void add(const WrongCount& more) {
-        asked += more.asked, wrong += more.wrong;
-        if (first.empty()) first = more.first;
+    /// True if more than one answer in twenty is wrong. Fewer wrong answers may be due to rounding in the format, and
+    /// do not count as a mistake of the form.
+    [[nodiscard]] bool is_many() const { return 20 * wrong > tested; }
+    void add(const WrongCount& other) {
+        tested += other.tested, wrong += other.wrong;
+        if (first.empty()) first = other.first;
     }
 };
 

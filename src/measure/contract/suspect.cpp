@@ -13,15 +13,15 @@
 namespace lostbits::measure::contract {
 namespace {
 
-using Explains = std::function<bool(const AnswerSample&)>;
+using AnswerTest = std::function<bool(const AnswerSample&)>;
 
-std::size_t count_unexplained(const std::vector<AnswerSample>& some, const Explains& explains) {
-    return some.size() - static_cast<std::size_t>(std::ranges::count_if(some, explains));
+std::size_t count_unexplained(const std::vector<AnswerSample>& answers, const AnswerTest& explains) {
+    return answers.size() - static_cast<std::size_t>(std::ranges::count_if(answers, explains));
 }
 
-/// True if nine in ten of the answers are explained; there must be at least one.
-bool explains_most(const std::vector<AnswerSample>& some, const Explains& explains) {
-    return !some.empty() && 10 * count_unexplained(some, explains) <= some.size();
+/// True if at least nine in ten of the answers are explained, and there is at least one answer.
+bool explains_most(const std::vector<AnswerSample>& answers, const AnswerTest& explains) {
+    return !answers.empty() && 10 * count_unexplained(answers, explains) <= answers.size();
 }
 
 /// Text of a factor. Factors are known to a relative 2^-8, so 1000.02 is written as 1000. If the factor is the ratio of
@@ -34,7 +34,7 @@ std::string factor_text(double factor) {
     return fmt::format("{:.3g} times what is right", factor);
 }
 
-/// True for a factor between known units, and for a large power of two or ten: factors that are written on purpose.
+/// True for a factor between known units, and for a large power of two or ten: such factors are written on purpose.
 bool is_round(double factor) {
     const auto is_power = [factor](double base) {
         return is_about(factor, std::pow(base, std::round(std::log(factor) / std::log(base))));
@@ -44,20 +44,21 @@ bool is_round(double factor) {
                                [factor](const KnownUnits& units) { return is_about(factor, units.factor); });
 }
 
-/// Counts of wrong answers by kind, or what is wrong with a single one, if no known mistake explains them.
+/// Text for wrong answers that no known mistake explains: their counts by kind, or what is wrong with a single wrong
+/// answer.
 std::string error_counts_text(const std::vector<AnswerSample>& wrong) {
     const bool is_single = wrong.size() == 1;
     std::size_t missed = 0, hit = 0, no_number = 0;
-    for (const AnswerSample& j : wrong) {
-        missed += !j.hit;
-        hit += j.hit && !j.truly_hits;
-        no_number += j.hit && j.truly_hits && !std::isfinite(j.t);
+    for (const AnswerSample& sample : wrong) {
+        missed += !sample.hit;
+        hit += sample.hit && !sample.truly_hits;
+        no_number += sample.hit && sample.truly_hits && !std::isfinite(sample.t);
     }
-    std::string words;
-    const auto add = [&](std::size_t n, const char* alone, const char* one, const char* more) {
+    std::string text;
+    const auto add = [&](std::size_t n, const char* single_text, const char* one_text, const char* many_text) {
         if (n == 0) return;
-        if (is_single) words = alone;
-        else words += fmt::format("{}{} {}", words.empty() ? "" : ", ", n, n == 1 ? one : more);
+        if (is_single) text = single_text;
+        else text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, n == 1 ? one_text : many_text);
     };
     add(hit, "it hits what it should miss", "hits what it should miss", "hit what they should miss");
     add(missed, "it misses what it should hit", "misses what it should hit", "miss what they should hit");
@@ -65,7 +66,7 @@ std::string error_counts_text(const std::vector<AnswerSample>& wrong) {
         "have a t that is not a finite number");
     add(wrong.size() - hit - missed - no_number, "its t is off by more than 0.4%",
         "has a t that is off by more than 0.4%", "have a t that is off by more than 0.4%");
-    return fmt::format("{}; no known mistake explains {}", words, is_single ? "it" : "nine in ten of them");
+    return fmt::format("{}; no known mistake explains {}", text, is_single ? "it" : "nine in ten of them");
 }
 
 /// Answers to analyse: of the rays that hit or should hit, or of a part of these rays.
@@ -76,36 +77,38 @@ struct SuspectAnswers {
     SuspectAnswers() = default;
     template <class Belongs>
     SuspectAnswers(const std::vector<AnswerSample>& rays, const Belongs& belongs) {
-        for (const AnswerSample& j : rays) add(j, belongs(j));
+        for (const AnswerSample& sample : rays) add(sample, belongs(sample));
     }
     explicit SuspectAnswers(const std::vector<AnswerSample>& rays)
-        : SuspectAnswers(rays, [](const AnswerSample& j) { return j.hit || j.truly_hits; }) {}
+        : SuspectAnswers(rays, [](const AnswerSample& sample) { return sample.hit || sample.truly_hits; }) {}
 
-    void add(const AnswerSample& j, bool belongs = true) {
-        if (!j.hit && !j.truly_hits) return right_misses.push_back(j);
+    void add(const AnswerSample& sample, bool belongs = true) {
+        if (!sample.hit && !sample.truly_hits) return right_misses.push_back(sample);
         if (!belongs) return;
-        all.push_back(j);
-        if (!is_right(j)) wrong.push_back(j);
+        all.push_back(sample);
+        if (!is_right(sample)) wrong.push_back(sample);
     }
 
     /// Divides every kind of answer into two halves: a guess made from one half is tested on the other.
     [[nodiscard]] std::array<SuspectAnswers, 2> halves() const {
-        std::array<SuspectAnswers, 2> two;
-        std::array<std::size_t, 8> seen{};
-        const auto divide = [&](const std::vector<AnswerSample>& some) {
-            for (const AnswerSample& j : some) {
-                const std::size_t kind = (j.hit ? 1U : 0U) + (j.truly_hits ? 2U : 0U) + (is_right(j) ? 4U : 0U);
-                two[seen[kind]++ % 2].add(j);
+        std::array<SuspectAnswers, 2> parts;
+        std::array<std::size_t, 8> counts{};
+        const auto divide = [&](const std::vector<AnswerSample>& answers) {
+            for (const AnswerSample& sample : answers) {
+                const std::size_t kind =
+                    (sample.hit ? 1U : 0U) + (sample.truly_hits ? 2U : 0U) + (is_right(sample) ? 4U : 0U);
+                parts[counts[kind]++ % 2].add(sample);
             }
         };
         divide(all), divide(right_misses);
-        for (SuspectAnswers& half : two) half.more_right_misses = more_right_misses / 2;
-        return two;
+        for (SuspectAnswers& half : parts) half.more_right_misses = more_right_misses / 2;
+        return parts;
     }
 
     [[nodiscard]] bool is_mostly_wrong() const { return !wrong.empty() && 2 * wrong.size() >= all.size(); }
-    /// Number of wrong answers, among rays that hit `joined` should hit: "and" or "or".
-    [[nodiscard]] std::string count(const char* joined) const {
+    /// Text with the number of wrong answers among the rays that hit `joined` should hit, where `joined` is "and" or
+    /// "or".
+    [[nodiscard]] std::string count_text(const char* joined) const {
         if (all.size() == 1) return fmt::format("wrong on the only ray that hits {} should hit: ", joined);
         return fmt::format("wrong on {} of the {} rays that hit {} should hit: ", wrong.size(), all.size(), joined);
     }
@@ -116,7 +119,7 @@ struct SuspectAnswers {
         if (!explains_most(wrong, reason.explains)) return false;
         if (reason.scope == Scope::t || reason.scope == Scope::wrong) return true;
         std::vector<AnswerSample> hits;
-        std::ranges::copy_if(all, std::back_inserter(hits), [](const AnswerSample& j) { return j.hit; });
+        std::ranges::copy_if(all, std::back_inserter(hits), [](const AnswerSample& sample) { return sample.hit; });
         const bool decides = reason.scope == Scope::decisions;
         const std::size_t unexplained = count_unexplained(all, reason.explains) +
                                         count_unexplained(right_misses, reason.explains) +
@@ -130,14 +133,14 @@ private:
     /// it truly does". A guess that does no better explains nothing.
     [[nodiscard]] std::size_t unexplained_by_constants(const std::vector<AnswerSample>& hits, bool decides) const {
         const std::size_t misses = all.size() - hits.size() + right_misses.size() + more_right_misses;
-        const auto is_no_more_than_a_hit = [decides](const AnswerSample& j) {
-            return decides || std::isnan(j.t) || is_right(j);
+        const auto is_no_more_than_a_hit = [decides](const AnswerSample& sample) {
+            return decides || std::isnan(sample.t) || is_right(sample);
         };
         return std::min(hits.size(), misses + count_unexplained(hits, is_no_more_than_a_hit));
     }
 };
 
-double middle_of(std::vector<double> numbers) {
+double median_of(std::vector<double> numbers) {
     const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
     std::ranges::nth_element(numbers, middle);
     return *middle;
@@ -148,63 +151,65 @@ double middle_of(std::vector<double> numbers) {
 /// accepted if all answers have the same t. A factor that is not round is accepted only if the true t differ by more
 /// than a twentieth, and if adding a constant to the true t does not explain nine in ten as well. Near 1, and where all
 /// t are about the same, a factor and a constant cannot be told apart.
-std::string other_units(const std::array<SuspectAnswers, 2>& halves) {
+std::string units_text(const std::array<SuspectAnswers, 2>& halves) {
     std::vector<double> factors, offsets;
-    for (const AnswerSample& j : halves[0].wrong) {
-        if (!j.hit || !j.truly_hits || !(j.true_t > 0) || !std::isfinite(j.t) || j.t == 0) continue;
-        factors.push_back(j.t / j.true_t);
-        offsets.push_back(j.t - j.true_t);
+    for (const AnswerSample& sample : halves[0].wrong) {
+        if (!sample.hit || !sample.truly_hits || !(sample.true_t > 0) || !std::isfinite(sample.t) || sample.t == 0)
+            continue;
+        factors.push_back(sample.t / sample.true_t);
+        offsets.push_back(sample.t - sample.true_t);
     }
     if (factors.empty()) return "";
-    const double factor = middle_of(factors), offset = middle_of(offsets);
-    const auto in_both = [&halves](const Explains& fits) {
+    const double factor = median_of(factors), offset = median_of(offsets);
+    const auto holds_in_both = [&halves](const AnswerTest& test) {
         return std::ranges::all_of(halves,
-                                   [&fits](const SuspectAnswers& half) { return explains_most(half.wrong, fits); });
+                                   [&test](const SuspectAnswers& half) { return explains_most(half.wrong, test); });
     };
-    const auto scales = [factor](const AnswerSample& j) {
-        return j.hit && j.truly_hits && is_about(j.t, factor * j.true_t);
+    const auto scales = [factor](const AnswerSample& sample) {
+        return sample.hit && sample.truly_hits && is_about(sample.t, factor * sample.true_t);
     };
-    const auto adds = [offset](const AnswerSample& j) {
-        return j.hit && j.truly_hits && is_about(j.t, j.true_t + offset);
+    const auto adds = [offset](const AnswerSample& sample) {
+        return sample.hit && sample.truly_hits && is_about(sample.t, sample.true_t + offset);
     };
-    if (!in_both(scales)) return "";
+    if (!holds_in_both(scales)) return "";
     std::vector<double> truths, answers;
     for (const SuspectAnswers& half : halves) {
-        for (const AnswerSample& j : half.wrong) {
-            if (!scales(j)) continue;
-            truths.push_back(j.true_t);
-            answers.push_back(j.t);
+        for (const AnswerSample& sample : half.wrong) {
+            if (!scales(sample)) continue;
+            truths.push_back(sample.true_t);
+            answers.push_back(sample.t);
         }
     }
-    const auto [least, most] = std::ranges::minmax(truths);
+    const auto [smallest, largest] = std::ranges::minmax(truths);
     const auto [lowest, highest] = std::ranges::minmax(answers);
-    const bool is_told_apart = most > 1.05 * least && !in_both(adds);
-    if (lowest == highest || !(is_round(factor) || is_told_apart)) return "";
+    const bool is_not_offset = largest > 1.05 * smallest && !holds_in_both(adds);
+    if (lowest == highest || !(is_round(factor) || is_not_offset)) return "";
     return "t is in other units: it is " + factor_text(factor);
 }
 
 }  // namespace
 
 std::string suspicion(const std::vector<AnswerSample>& rays, AnswerSource source, std::uint64_t more_misses) {
-    SuspectAnswers asked(rays);
-    asked.more_right_misses = more_misses;
-    // If enough rays both hit and should hit, mistakes about t are tested on those only.
-    const SuspectAnswers both(rays, [](const AnswerSample& j) { return j.hit && j.truly_hits; });
-    const SuspectAnswers hits(rays, [](const AnswerSample& j) { return j.hit; });
-    const bool most_hit = 2 * both.all.size() >= asked.all.size();
-    if (!asked.is_mostly_wrong()) return "";
-    const std::array<SuspectAnswers, 2> halves = asked.halves(), halves_of_both = both.halves();
+    SuspectAnswers suspects(rays);
+    suspects.more_right_misses = more_misses;
+    // If enough rays both hit and should hit, mistakes about t are tested on those rays only.
+    const SuspectAnswers both_hit(rays, [](const AnswerSample& sample) { return sample.hit && sample.truly_hits; });
+    const SuspectAnswers hits(rays, [](const AnswerSample& sample) { return sample.hit; });
+    const bool mostly_both_hit = 2 * both_hit.all.size() >= suspects.all.size();
+    if (!suspects.is_mostly_wrong()) return "";
+    const std::array<SuspectAnswers, 2> halves = suspects.halves(), halves_of_both = both_hit.halves();
     for (const Reason& reason : reasons()) {
         const bool about_t = reason.scope == Reason::Scope::t;
-        if (about_t && !(most_hit && both.is_mostly_wrong())) continue;
+        if (about_t && !(mostly_both_hit && both_hit.is_mostly_wrong())) continue;
         const auto explained = [&reason](const SuspectAnswers& half) { return half.is_explained_by(reason); };
         if (!std::ranges::all_of(about_t ? halves_of_both : halves, explained)) continue;
-        return fmt::format("{}{}; {}", about_t ? both.count("and") : asked.count("or"), reason.mistake,
+        return fmt::format("{}{}; {}", about_t ? both_hit.count_text("and") : suspects.count_text("or"), reason.mistake,
                            source == AnswerSource::file ? reason.file_remedy : reason.library_remedy);
     }
-    if (const std::string units = most_hit && both.is_mostly_wrong() ? other_units(hits.halves()) : ""; !units.empty())
-        return both.count("and") + units;
-    return asked.count("or") + error_counts_text(asked.wrong);
+    if (const std::string units = mostly_both_hit && both_hit.is_mostly_wrong() ? units_text(hits.halves()) : "";
+        !units.empty())
+        return both_hit.count_text("and") + units;
+    return suspects.count_text("or") + error_counts_text(suspects.wrong);
 }
 
 }  // namespace lostbits::measure::contract

@@ -30,15 +30,15 @@ AnswerSample judged(const Ray<double>& ray, const Primitive<double>& primitive, 
 /// Source of the answers. The advice about a file does not mention the contract of a library.
 enum class AnswerSource : std::uint8_t { intersector, file };
 
-/// Describes what is wrong with answers if most are wrong; empty if fewer are. Wrong are decisions, and t that are off
-/// by more than 2^-8. Most means at least half of the answers that are not right misses. The text names the mistake
-/// that explains nine in ten of them and says what to write. If no known mistake does, it says how many are wrong, and
-/// in what way.
+/// Describes what is wrong with answers if most are wrong; empty if fewer are. An answer is wrong if its decision is,
+/// or if its t is off by more than 2^-8 of itself. "Most" means at least half of the answers that are not right misses.
+/// The text names the mistake that explains nine in ten of the wrong answers and says what to write. If no known
+/// mistake does, the text says how many answers are wrong, and in what way.
 ///
 /// A mistake about t only is tested on the rays that hit and should hit. A guess that would change right answers too
-/// has to explain nine in ten of all hits and of all answers, and has to leave less than half of what "always a miss"
-/// and "always a hit" leave. Every guess must hold on each of two halves of the rays: it is made from one half and
-/// tested on the other. Known mistakes:
+/// has to explain nine in ten of all hits and of all answers, and has to leave less than half as many answers
+/// unexplained as the better of the guesses "always a miss" and "always a hit". Every guess must hold on each of two
+/// halves of the rays. Known mistakes:
 ///
 /// a distance for t · the parameter for a distance · the radius's square, root, half or double · 0, the exit or the
 /// near root, with its sign or without, from inside · the far root · the wrong sign · the direction reversed, or
@@ -54,9 +54,9 @@ std::string suspicion(const std::vector<AnswerSample>& rays, AnswerSource source
 std::string suspicion(const scene::file::Scene& scene, const evaluate::TestedForm& row);
 std::string suspicion(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& row,
                       const std::string& where);
-/// Puts that beginning in front of a suspicion, unless the suspicion is empty. `counted` of `all` rays were counted:
-/// the first `which`.
-std::string on_rays_of(const std::string& where, std::uint64_t counted, std::uint64_t all, const std::string& which,
+/// Puts the text about the counted rays in front of a suspicion, unless the suspicion is empty. `sampled` of `total`
+/// rays were counted; `which` follows their number in the text, such as `of its rays`.
+std::string on_rays_of(const std::string& where, std::uint64_t sampled, std::uint64_t total, const std::string& which,
                        const std::string& suspicion);
 
 }  // namespace lostbits::measure::contract

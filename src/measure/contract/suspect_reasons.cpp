@@ -11,53 +11,57 @@ namespace {
 
 using Line = Ends<double>;
 
-/// Computes in double, which is accurate to many more bits than the comparison needs.
+/// The t at which the line of a ray enters and leaves; empty if it misses. Computed in double, which is accurate to
+/// many more bits than the comparison needs.
 std::optional<Line> line_through(const Ray<double>& ray, const Primitive<double>& primitive) {
     const auto line = with_span(ray, primitive, [](const auto& span) { return ends_of(span); });
     return line && line->near <= line->far ? line : std::nullopt;
 }
 
-bool is_answer_of(const AnswerSample& j, const Ray<double>& ray, const Primitive<double>& primitive) {
+bool is_answer_of(const AnswerSample& sample, const Ray<double>& ray, const Primitive<double>& primitive) {
     const auto line = line_through(ray, primitive);
     const bool ahead = line && line->far >= 0;
-    if (!ahead || !j.hit || std::isnan(j.t)) return ahead == j.hit;
-    return is_about(j.t, line->near >= 0 ? line->near : line->far);
+    if (!ahead || !sample.hit || std::isnan(sample.t)) return ahead == sample.hit;
+    return is_about(sample.t, line->near >= 0 ? line->near : line->far);
 }
 
 /// True if the answer is that for another ray or another primitive. A wrong answer that fits the ray's own line does
-/// not count: it is about an end, a touch or a side. If the two rays are alike, it would fit any exchange.
-bool fits(const AnswerSample& j, const Ray<double>& ray, const Primitive<double>& primitive) {
-    return is_answer_of(j, ray, primitive) && (is_right(j) || !is_answer_of(j, j.ray, j.primitive));
+/// not count: its error concerns the end of the ray, a touch or a side. If the two rays are nearly the same, such an
+/// answer would fit any exchange.
+bool fits(const AnswerSample& sample, const Ray<double>& ray, const Primitive<double>& primitive) {
+    return is_answer_of(sample, ray, primitive) &&
+           (is_right(sample) || !is_answer_of(sample, sample.ray, sample.primitive));
 }
 
 /// True if the answer is that for a primitive with another length. If the length does not change, only right answers
 /// fit.
-bool fits_length(const AnswerSample& j, const ShapeRow& row, double (*change)(double)) {
-    if (j.primitive.shape != row.shape) return false;
-    Primitive<double> other = j.primitive;
+bool fits_length(const AnswerSample& sample, const ShapeRow& row, double (*change)(double)) {
+    if (sample.primitive.shape != row.shape) return false;
+    Primitive<double> other = sample.primitive;
     double& length = other.numbers[length_key(row.shape)->number];
-    const double is = length;
-    length = change(is);
-    return is_about(length, is) ? is_right(j) : fits(j, j.ray, other);
+    const double old_length = length;
+    length = change(old_length);
+    return is_about(length, old_length) ? is_right(sample) : fits(sample, sample.ray, other);
 }
 
 /// True if the answer is that for a primitive whose numbers are `factor` times as large.
-bool fits_scaled(const AnswerSample& j, double factor) {
-    Primitive<double> other = j.primitive;
+bool fits_scaled(const AnswerSample& sample, double factor) {
+    Primitive<double> other = sample.primitive;
     for (std::size_t k = 0; k < other.used().size(); ++k) other.numbers[k] *= factor;
-    return fits(j, j.ray, other);
+    return fits(sample, sample.ray, other);
 }
 
 Vec<double> y_for_z(const Vec<double>& v) { return {v.x, v.z, v.y}; }
 
-bool is_in_other_measure(const AnswerSample& j) {
-    return j.hit && j.truly_hits && !is_about(j.other_measure, j.true_t) && is_about(j.t, j.other_measure);
+bool is_in_other_measure(const AnswerSample& sample) {
+    return sample.hit && sample.truly_hits && !is_about(sample.other_measure, sample.true_t) &&
+           is_about(sample.t, sample.other_measure);
 }
 
-/// The points at which the line enters and leaves, for a ray that starts between them.
-std::optional<Line> line_from_inside(const AnswerSample& j) {
-    const auto line = line_through(j.ray, j.primitive);
-    return j.hit && line && line->near < 0 && line->far > 0 ? line : std::nullopt;
+/// The t at which the line enters and leaves, for a hit of a ray that starts in between; otherwise empty.
+std::optional<Line> line_from_inside(const AnswerSample& sample) {
+    const auto line = line_through(sample.ray, sample.primitive);
+    return sample.hit && line && line->near < 0 && line->far > 0 ? line : std::nullopt;
 }
 
 /// Mistake about a length of a shape, such as a radius: {0} is the key, {1} its letter, {2} the shape, {3} its plural.
@@ -75,108 +79,115 @@ constexpr LengthErrorCase length_error_cases[] = {
     {"the intersector seems to get a diameter instead of the {0}", "hand over {0}",
      "the answers are for {3} of twice the {0}; write that {0} (--{2})", [](double x) { return x * 2; }}};
 
-void add_lengths(const ShapeRow& row, std::vector<Reason>& all) {
+void add_length_reasons(const ShapeRow& row, std::vector<Reason>& list) {
     const auto length = length_key(row.shape);
     if (!length) return;
-    const auto text = [&](const char* words) {
-        return fmt::format(fmt::runtime(words), length->key->name, length->key->letter, row.name, row.plural);
+    const auto text = [&](const char* pattern) {
+        return fmt::format(fmt::runtime(pattern), length->key->name, length->key->letter, row.name, row.plural);
     };
     for (const LengthErrorCase& m : length_error_cases)
-        all.push_back({text(m.mistake), text(m.library_remedy), text(m.file_remedy),
-                       [&row, change = m.change](const AnswerSample& j) { return fits_length(j, row, change); },
-                       Reason::Scope::all});
+        list.push_back(
+            {text(m.mistake), text(m.library_remedy), text(m.file_remedy),
+             [&row, change = m.change](const AnswerSample& sample) { return fits_length(sample, row, change); },
+             Reason::Scope::all});
 }
 
 std::vector<Reason> all_reasons() {
     using Scope = Reason::Scope;
-    std::vector<Reason> all{
+    std::vector<Reason> list{
         {"t is a distance, not the ray's parameter: it seems to take directions of unit length",
          "say so (unit_direction, direction=unit)", "say --direction unit",
-         [](const AnswerSample& j) { return !j.unit && is_in_other_measure(j); }},
+         [](const AnswerSample& sample) { return !sample.unit && is_in_other_measure(sample); }},
         {"t is the ray's parameter, not a distance", "leave out the property unit_direction (direction=unit)",
-         "leave --direction unit out", [](const AnswerSample& j) { return j.unit && is_in_other_measure(j); }},
+         "leave --direction unit out",
+         [](const AnswerSample& sample) { return sample.unit && is_in_other_measure(sample); }},
     };
-    for (const ShapeRow& row : shape_rows) add_lengths(row, all);
-    const Reason more[] = {
+    for (const ShapeRow& row : shape_rows) add_length_reasons(row, list);
+    const Reason other_reasons[] = {
         {"it answers 0 from inside, where another t is right", "say so (inside_zero, inside=zero)", "say --inside zero",
-         [](const AnswerSample& j) { return j.t == 0 && line_from_inside(j) && !is_about(0, j.true_t); }},
+         [](const AnswerSample& sample) {
+             return sample.t == 0 && line_from_inside(sample) && !is_about(0, sample.true_t);
+         }},
         {"from inside it answers with the exit, where 0 is right", "say so (inside_exit, inside=exit)",
          "say --inside exit",
-         [](const AnswerSample& j) {
-             const auto line = line_from_inside(j);
-             return line && j.truly_hits && j.true_t == 0 && is_about(j.t, line->far);
+         [](const AnswerSample& sample) {
+             const auto line = line_from_inside(sample);
+             return line && sample.truly_hits && sample.true_t == 0 && is_about(sample.t, line->far);
          }},
         {"from inside it answers with the near root, behind the ray",
          "say so (near_root, roots=near): t < 0 is then a miss", "say --inside near: t < 0 is then a miss",
-         [](const AnswerSample& j) {
-             const auto line = line_from_inside(j);
-             return line && is_about(j.t, line->near);
+         [](const AnswerSample& sample) {
+             const auto line = line_from_inside(sample);
+             return line && is_about(sample.t, line->near);
          }},
         {"from inside it answers with the near root without its sign",
          "the root is behind the ray; answer the first with t >= 0",
          "the root is behind the ray; the first with t >= 0 is right",
-         [](const AnswerSample& j) {
-             const auto line = line_from_inside(j);
-             return line && !is_about(-line->near, j.true_t) && is_about(j.t, -line->near);
+         [](const AnswerSample& sample) {
+             const auto line = line_from_inside(sample);
+             return line && !is_about(-line->near, sample.true_t) && is_about(sample.t, -line->near);
          }},
         {"it answers with the far root, the exit in place of the entry",
          "answer the first with t >= 0, or near before far (roots)", "the first with t >= 0 is right",
-         [](const AnswerSample& j) {
-             const auto line = line_through(j.ray, j.primitive);
-             return j.hit && line && !is_about(line->far, j.true_t) && is_about(j.t, line->far);
+         [](const AnswerSample& sample) {
+             const auto line = line_through(sample.ray, sample.primitive);
+             return sample.hit && line && !is_about(line->far, sample.true_t) && is_about(sample.t, line->far);
          }},
         {"t has the wrong sign", "is the direction reversed?", "is the direction reversed?",
-         [](const AnswerSample& j) { return j.hit && j.truly_hits && is_about(j.t, -j.true_t); }},
+         [](const AnswerSample& sample) {
+             return sample.hit && sample.truly_hits && is_about(sample.t, -sample.true_t);
+         }},
         {"the direction seems to be reversed: the answers are those for -d", "hand over the direction of the ray",
          "write -dx, -dy, -dz",
-         [](const AnswerSample& j) {
-             return !std::isnan(j.t) && fits(j, {j.ray.origin, -j.ray.direction}, j.primitive);
+         [](const AnswerSample& sample) {
+             return !std::isnan(sample.t) && fits(sample, {sample.ray.origin, -sample.ray.direction}, sample.primitive);
          },
          Scope::all},
         {"it hits what lies behind the ray", "say that it answers for the whole line (whole_line, flags=line)",
          "write hit = 0 where t < 0, or leave out hit and say --miss negative",
-         [](const AnswerSample& j) {
-             const auto line = line_through(j.ray, j.primitive);
-             return j.hit && !j.truly_hits && line && line->far < 0 && !(j.t > 0);
+         [](const AnswerSample& sample) {
+             const auto line = line_through(sample.ray, sample.primitive);
+             return sample.hit && !sample.truly_hits && line && line->far < 0 && !(sample.t > 0);
          },
          Scope::wrong},
         {"the origin and the direction seem to be exchanged", "a ray comes as ox, oy, oz, dx, dy, dz",
          "look at the names of the columns: ox, oy, oz are the origin",
-         [](const AnswerSample& j) {
-             return fits(j, {j.ray.direction, j.ray.origin}, j.primitive);
+         [](const AnswerSample& sample) {
+             return fits(sample, {sample.ray.direction, sample.ray.origin}, sample.primitive);
          },
          Scope::all},
         {"the direction seems to be the point where the ray ends: the answers are those for d - o",
          "hand over the direction, end - origin", "write dx - ox, dy - oy, dz - oz as the direction",
-         [](const AnswerSample& j) {
-             return fits(j, {j.ray.origin, j.ray.direction - j.ray.origin}, j.primitive);
+         [](const AnswerSample& sample) {
+             return fits(sample, {sample.ray.origin, sample.ray.direction - sample.ray.origin}, sample.primitive);
          },
          Scope::all},
         {"y and z of the rays seem to be exchanged, compared with those of the primitive",
          "hand over both with the same axis upwards", "write oy and oz, and dy and dz, the other way round",
-         [](const AnswerSample& j) {
-             return fits(j, {y_for_z(j.ray.origin), y_for_z(j.ray.direction)}, j.primitive);
+         [](const AnswerSample& sample) {
+             return fits(sample, {y_for_z(sample.ray.origin), y_for_z(sample.ray.direction)}, sample.primitive);
          },
          Scope::all},
     };
-    all.insert(all.end(), std::begin(more), std::end(more));
+    list.insert(list.end(), std::begin(other_reasons), std::end(other_reasons));
     for (const KnownUnits& units : known_units)
-        all.push_back(
+        list.push_back(
             {fmt::format("the primitive seems to be in other units than the rays, {:.4g} times as large ({}?)",
                          units.factor, units.text),
              "hand over both in the same units", "write both in the same units",
-             [factor = units.factor](const AnswerSample& j) { return fits_scaled(j, 1 / factor); }, Scope::all});
-    all.push_back({"hit seems to be inverted, 1 where the ray misses", "hit is 1 where the ray hits",
-                   "write 1 for a hit and 0 for a miss", [](const AnswerSample& j) { return j.hit != j.truly_hits; },
-                   Scope::decisions});
-    return all;
+             [factor = units.factor](const AnswerSample& sample) { return fits_scaled(sample, 1 / factor); },
+             Scope::all});
+    list.push_back({"hit seems to be inverted, 1 where the ray misses", "hit is 1 where the ray hits",
+                    "write 1 for a hit and 0 for a miss",
+                    [](const AnswerSample& sample) { return sample.hit != sample.truly_hits; }, Scope::decisions});
+    return list;
 }
 
 }  // namespace
 
 const std::vector<Reason>& reasons() {
-    static const std::vector<Reason> all = all_reasons();
-    return all;
+    static const std::vector<Reason> list = all_reasons();
+    return list;
 }
 
 }  // namespace lostbits::measure::contract

@@ -14,12 +14,12 @@ namespace lostbits::measure::contract {
 inline bool is_about(double x, double y) { return std::fabs(x - y) <= 0x1p-8 * std::fabs(y); }
 
 /// True if an answer has the right decision, and t to 2^-8 of itself.
-inline bool is_right(const AnswerSample& j) {
-    if (j.hit != j.truly_hits) return false;
-    return !j.hit || std::isnan(j.t) || j.t == j.true_t || is_about(j.t, j.true_t);
+inline bool is_right(const AnswerSample& sample) {
+    if (sample.hit != sample.truly_hits) return false;
+    return !sample.hit || std::isnan(sample.t) || sample.t == sample.true_t || is_about(sample.t, sample.true_t);
 }
 
-/// A mistake that a contract may contain, with a test if it explains an answer.
+/// A mistake that a contract may contain, with a test whether it explains an answer.
 struct Reason {
     /// Answers that the mistake affects and has to explain.
     enum class Scope : std::uint8_t {
@@ -27,7 +27,7 @@ struct Reason {
         wrong,     ///< every wrong answer
         all,       ///< every answer, right ones too: a march that ends early misses near the rim, as a smaller sphere
                    ///< would, but is right in the middle, where a smaller sphere would not be
-        decisions  ///< only hits and misses; all of them, in both directions
+        decisions  ///< all decisions, hits and misses, but no t
     };
     std::string mistake;         ///< the suspected mistake
     std::string library_remedy;  ///< what to write if an intersector answered

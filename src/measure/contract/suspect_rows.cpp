@@ -13,16 +13,17 @@
 namespace lostbits::measure::contract {
 namespace {
 
-constexpr std::size_t most_rays = 4096;
+constexpr std::size_t max_rays = 4096;
 
-/// Judges a row on the rays of a band.
-void judge(const truth::Band& band, const evaluate::TestedForm& row, std::vector<AnswerSample>& rays) {
+/// Appends the answers of a row on the rays of a band to `rays`.
+void collect_samples(const truth::Band& band, const evaluate::TestedForm& row, std::vector<AnswerSample>& rays) {
     const truth::FormatInputs in = band.inputs_for(row.format, *row.form->info);
     const answer::Answers answers = answer::evaluate(*row.form, in);
-    for (std::size_t i = 0; i < band.pixels() && rays.size() < most_rays; ++i) {
+    for (std::size_t i = 0; i < band.pixels() && rays.size() < max_rays; ++i) {
         const truth::Truth& truth = band.truth(i, row.convention());
         if (truth.decision == truth::Truth::Decision::unresolved) continue;
-        const std::size_t primitive = answer::measured_at(in, i, truth.is_hit() ? truth.object : answers.object[i]);
+        const std::size_t primitive =
+            answer::measured_primitive(in, i, truth.is_hit() ? truth.object : answers.object[i]);
         rays.push_back(judged(in.rays_for(*row.form->info)[i], in.primitives[primitive], truth, row,
                               answers.hit[i] != 0, answers.t[i]));
     }
@@ -35,23 +36,25 @@ AnswerSample judged(const Ray<double>& ray, const Primitive<double>& primitive, 
     const bool unit = row.form->info->direction == intersect::Direction::unit;
     const FloatFormat& format = row.format.parameters;
     if (row.form->info->roots == intersect::Roots::none) t = std::nan("");
-    AnswerSample j{.ray = ray, .primitive = primitive, .truly_hits = truth.is_hit(), .unit = unit, .hit = hit, .t = t};
-    const auto number = [](const truth::Certified& x) { return std::ldexp(x.hi, static_cast<int>(x.exponent)); };
+    AnswerSample sample{
+        .ray = ray, .primitive = primitive, .truly_hits = truth.is_hit(), .unit = unit, .hit = hit, .t = t};
+    const auto to_double = [](const truth::Certified& x) { return std::ldexp(x.hi, static_cast<int>(x.exponent)); };
     if (truth.is_hit()) {
-        j.true_t = number(unit ? truth.distance : truth.t);
-        j.other_measure = number(unit ? truth.t : truth.distance);
-        // The format has no better answer.
-        if (hit && std::isinf(t) && truth::ulp_error(t, unit ? truth.distance : truth.t, format) == 0) j.true_t = t;
+        sample.true_t = to_double(unit ? truth.distance : truth.t);
+        sample.other_measure = to_double(unit ? truth.t : truth.distance);
+        // The format has no better answer than infinity.
+        if (hit && std::isinf(t) && truth::ulp_error(t, unit ? truth.distance : truth.t, format) == 0)
+            sample.true_t = t;
     }
-    return j;
+    return sample;
 }
 
-std::string on_rays_of(const std::string& where, std::uint64_t counted, std::uint64_t all, const std::string& which,
+std::string on_rays_of(const std::string& where, std::uint64_t sampled, std::uint64_t total, const std::string& which,
                        const std::string& suspicion) {
     if (suspicion.empty()) return "";
-    const std::string rays = counted >= all
-                                 ? fmt::format("on all {} of {}: ", scene::toml::counted(all, "ray"), where)
-                                 : fmt::format("on a sample of {}, the first {} {}: ", where, counted, which);
+    const std::string rays = sampled >= total
+                                 ? fmt::format("on all {} of {}: ", scene::toml::counted(total, "ray"), where)
+                                 : fmt::format("on a sample of {}, the first {} {}: ", where, sampled, which);
     return rays + suspicion;
 }
 
@@ -59,25 +62,25 @@ std::string suspicion(const scene::file::Scene& scene, const evaluate::TestedFor
     const scene::file::Scene small = evaluate::small_picture_of(scene, 64);
     culling::Culler culler(small);
     std::vector<AnswerSample> rays;
-    judge(truth::Band(small, 0, small.height, {}, &culler), row, rays);
-    const std::string words = suspicion(rays);
-    if (words.empty() || small.pixels() == scene.pixels())
-        return on_rays_of(scene.id, small.pixels(), small.pixels(), "", words);
+    collect_samples(truth::Band(small, 0, small.height, {}, &culler), row, rays);
+    const std::string text = suspicion(rays);
+    if (text.empty() || small.pixels() == scene.pixels())
+        return on_rays_of(scene.id, small.pixels(), small.pixels(), "", text);
     return fmt::format("on a sample of {}, a picture of {}x{} with {} rays: {}", scene.id, small.width, small.height,
-                       small.pixels(), words);
+                       small.pixels(), text);
 }
 
 std::string suspicion(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& row,
                       const std::string& where) {
     std::vector<AnswerSample> rays;
-    std::uint64_t all = 0, counted = 0;
+    std::uint64_t total = 0, sampled = 0;
     for (scene::rays::RayGroup& group : groups) {
-        all += group.rays.size();
-        if (rays.size() >= most_rays) continue;
-        counted += std::min(group.rays.size(), most_rays - rays.size());
-        judge(truth::Band(std::move(group)), row, rays);
+        total += group.rays.size();
+        if (rays.size() >= max_rays) continue;
+        sampled += std::min(group.rays.size(), max_rays - rays.size());
+        collect_samples(truth::Band(std::move(group)), row, rays);
     }
-    return on_rays_of(where, counted, all, "of its rays", suspicion(rays));
+    return on_rays_of(where, sampled, total, "of its rays", suspicion(rays));
 }
 
 }  // namespace lostbits::measure::contract

@@ -37,8 +37,8 @@ struct Reply {
     friend bool operator==(const Reply&, const Reply&) = default;
 };
 
-/// A flat primitive around a point shows its back to rays that go up. For a form that only sees fronts, the question is
-/// mirrored, z → −z, so that the ray meets the front.
+/// Returns the question for the side that the form sees. A flat primitive around a point shows its back to rays that go
+/// up. For a form that only sees fronts, the question is mirrored, z → −z, so that the ray meets the front.
 inline Question from_its_side(Question q, const intersect::external::Contract& contract) {
     if (contract.facing != intersect::Facing::front) return q;
     for (const std::size_t z : {2, 5}) q.ray[z] = -q.ray[z];
@@ -50,8 +50,8 @@ inline Question from_its_side(Question q, const intersect::external::Contract& c
     return q;
 }
 
-/// Answers of a form to the questions in one batch. Each ray has its own primitive, unless `one_primitive`: then all
-/// have the first.
+/// Answers of a form to the questions in one batch. Each ray has its own primitive, unless `one_primitive` is set: then
+/// all rays have the first primitive.
 template <class S>
 std::vector<Reply> ask_in(const intersect::external::ForeignForm& form, std::span<const Question> questions,
                           bool one_primitive) {
@@ -59,8 +59,8 @@ std::vector<Reply> ask_in(const intersect::external::ForeignForm& form, std::spa
     const bool ranged = (form.contract.flags & LB_RANGE) != 0;
     std::vector<S> rays, starts, ends, primitives, near_far(2 * n);
     std::vector<std::uint8_t> hit(n);
-    for (const Question& asked : questions) {
-        const Question q = from_its_side(asked, form.contract);
+    for (const Question& question : questions) {
+        const Question q = from_its_side(question, form.contract);
         for (const double x : q.ray) rays.push_back(static_cast<S>(x));
         starts.push_back(static_cast<S>(q.start));
         ends.push_back(static_cast<S>(q.end));
@@ -78,10 +78,10 @@ std::vector<Reply> ask_in(const intersect::external::ForeignForm& form, std::spa
                  .starts = ranged ? starts.data() : nullptr});
     std::vector<Reply> replies;
     for (std::size_t i = 0; i < n; ++i) {
-        const bool told = hit[i] == 1 && form.contract.roots != intersect::Roots::none;
-        const bool both = told && form.contract.roots == intersect::Roots::both;
-        replies.push_back({hit[i], told ? static_cast<double>(near_far[2 * i]) : 0,
-                           both ? static_cast<double>(near_far[2 * i + 1]) : 0});
+        const bool has_t = hit[i] == 1 && form.contract.roots != intersect::Roots::none;
+        const bool has_both_roots = has_t && form.contract.roots == intersect::Roots::both;
+        replies.push_back({hit[i], has_t ? static_cast<double>(near_far[2 * i]) : 0,
+                           has_both_roots ? static_cast<double>(near_far[2 * i + 1]) : 0});
     }
     return replies;
 }
@@ -113,19 +113,19 @@ struct HitOrMiss {
 };
 
 /// Truth of a question by a contract. Directions have unit length if the contract says so.
-inline HitOrMiss truth_by(const intersect::external::Contract& contract, const Question& asked) {
-    const truth::Truth truth = truth::find_truth(ray_of(asked), primitive_of(asked, contract.shape), {},
+inline HitOrMiss truth_by(const intersect::external::Contract& contract, const Question& question) {
+    const truth::Truth truth = truth::find_truth(ray_of(question), primitive_of(question, contract.shape), {},
                                                  intersect::external::info_of(contract).convention(),
-                                                 {.tmin = asked.start, .tmax = asked.end});
+                                                 {.tmin = question.start, .tmax = question.end});
     if (!truth.is_hit()) return {};
     const truth::Certified& t = contract.direction == intersect::Direction::unit ? truth.distance : truth.t;
     return {true, std::ldexp(t.hi, static_cast<int>(t.exponent))};
 }
 
-/// The table's reading of a reply by a contract.
-inline HitOrMiss read_reply(const intersect::external::Contract& contract, const Reply& r, const Question& asked) {
+/// Reads a reply as the table does, by a contract.
+inline HitOrMiss read_reply(const intersect::external::Contract& contract, const Reply& r, const Question& question) {
     const std::array<double, 2> near_far{r.near, r.far};
-    const double end = takes_tmax(contract.shape) ? asked.end : std::numeric_limits<double>::infinity();
+    const double end = takes_tmax(contract.shape) ? question.end : std::numeric_limits<double>::infinity();
     const Hit<double> hit = intersect::external::hit_of(contract, r.hit == 1 ? 1 : 0, near_far.data(), end);
     return {hit.hit, hit.t};
 }
@@ -151,44 +151,44 @@ inline std::string text_of(double x) {
 
 /// A primitive of half-width `half` around (0, 0, z), and a ray along the z axis. A ray from (0, 0, -5) enters at 3 and
 /// leaves at 7 if the half-width is 2 and z is 0.
-inline Question along(Shape shape, double from, double direction, double z = 0, double half = 2) {
+inline Question question_along_z(Shape shape, double from, double direction, double z = 0, double half = 2) {
     Question q{.ray = {0, 0, from, 0, 0, direction}, .primitive = {}};
     std::ranges::copy(primitive_around<double>(shape, {0, 0, z}, half).used(), q.primitive.begin());
     return q;
 }
 
-/// The points at which the line of a ray enters and leaves its primitive; nothing if it does not meet it.
+/// The t at which the line of a ray enters and leaves its primitive; empty if the line misses the primitive.
 inline std::optional<Ends<double>> ends_of(const Question& q, Shape shape) {
     const auto ends =
         with_span(ray_of(q), primitive_of(q, shape), [](const auto& span) { return lostbits::ends_of(span); });
     return ends && ends->near <= ends->far ? ends : std::nullopt;
 }
 
-/// True for shapes that a line enters and leaves. That includes a tube, although it has no inside, and excludes flat
+/// True for shapes that a line enters and leaves. These include a tube, although it has no inside, and excludes flat
 /// shapes and solids without end, such as a half space.
 inline bool is_crossed_twice(Shape shape) {
-    const auto ends = ends_of(along(shape, 1, 1), shape);
+    const auto ends = ends_of(question_along_z(shape, 1, 1), shape);
     return ends && std::isfinite(ends->near) && std::isfinite(ends->far) && ends->near < ends->far;
 }
 
-/// Sign of the z direction in which a ray from afar enters a shape around the origin: 1, unless (0, 0, -5) lies in it,
-/// which happens only if the shape has no end.
+/// Sign of the z direction in which a ray from afar enters a shape around the origin: 1, unless (0, 0, -5) lies in the
+/// shape, which happens only if the shape has no end.
 inline double entry_sign(Shape shape) {
-    const auto ends = ends_of(along(shape, -5, 1), shape);
+    const auto ends = ends_of(question_along_z(shape, -5, 1), shape);
     return ends && ends->near < 0 && ends->far >= 0 ? -1 : 1;
 }
 
 /// The plainest ray at a shape: it starts outside, `distance` from the origin, and enters along the z axis.
-inline Question entering(Shape shape, double distance = 5, double direction = 1, double half = 2) {
-    const double way = entry_sign(shape);
-    return along(shape, -way * distance, way * direction, 0, half);
+inline Question plainest_question(Shape shape, double distance = 5, double direction = 1, double half = 2) {
+    const double sign = entry_sign(shape);
+    return question_along_z(shape, -sign * distance, sign * direction, 0, half);
 }
 
 /// Probes of one form, with their findings.
 class Trial {
 public:
-    explicit Trial(const intersect::external::ForeignForm& tried)
-        : form(tried),
+    explicit Trial(const intersect::external::ForeignForm& tested_form)
+        : form(tested_form),
           contract(form.contract),
           shape(contract.shape),
           tells_t(contract.roots != intersect::Roots::none) {}
@@ -197,7 +197,7 @@ public:
     template <class Probe>
     void probe(const char* name, const Probe& run) {
         name_ = name;
-        const intersect::external::ProbeScope here(name);
+        const intersect::external::ProbeScope scope(name);
         try {
             run(*this);
         } catch (const EnvironmentError& error) {
@@ -205,12 +205,12 @@ public:
         }
     }
 
-    void kept(std::string words) { add(Observation::Verdict::kept, std::move(words)); }
-    void broken(std::string words) { add(Observation::Verdict::broken, std::move(words)); }
-    void warned(std::string words) { add(Observation::Verdict::warned, std::move(words)); }
-    void noted(std::string words) { add(Observation::Verdict::noted, std::move(words)); }
-    void check(bool good, const std::string& yes, const std::string& no) {
-        add(good ? Observation::Verdict::kept : Observation::Verdict::broken, good ? yes : no);
+    void report_kept(std::string text) { add(Observation::Verdict::kept, std::move(text)); }
+    void report_broken(std::string text) { add(Observation::Verdict::broken, std::move(text)); }
+    void report_warning(std::string text) { add(Observation::Verdict::warned, std::move(text)); }
+    void report_note(std::string text) { add(Observation::Verdict::noted, std::move(text)); }
+    void check(bool is_kept, const std::string& kept_text, const std::string& broken_text) {
+        add(is_kept ? Observation::Verdict::kept : Observation::Verdict::broken, is_kept ? kept_text : broken_text);
     }
     [[nodiscard]] Reply ask(const Question& q) const { return contract::ask(form, q); }
     [[nodiscard]] bool has_flag(unsigned flag) const { return (contract.flags & flag) != 0; }
@@ -226,13 +226,14 @@ public:
     }
     /// Truth by the trial's contract, or by another contract for the same question.
     [[nodiscard]] HitOrMiss truth(const Question& q) const { return truth(q, contract); }
-    [[nodiscard]] HitOrMiss truth(const Question& q, const intersect::external::Contract& by) const {
-        return truth_by(by, from_its_side(q, contract));
+    [[nodiscard]] HitOrMiss truth(const Question& q, const intersect::external::Contract& other_contract) const {
+        return truth_by(other_contract, from_its_side(q, contract));
     }
     /// True if a reply is the true answer by a contract.
-    [[nodiscard]] bool is_right(const Question& q, const Reply& r, const intersect::external::Contract& by) const {
-        const HitOrMiss right = truth(q, by), taken = read_reply(by, r, q);
-        return right.hit == taken.hit && (!right.hit || !tells_t || is_answer(taken.t, right.t));
+    [[nodiscard]] bool is_right(const Question& q, const Reply& r,
+                                const intersect::external::Contract& other_contract) const {
+        const HitOrMiss right = truth(q, other_contract), answer = read_reply(other_contract, r, q);
+        return right.hit == answer.hit && (!right.hit || !tells_t || is_answer(answer.t, right.t));
     }
 
     const intersect::external::ForeignForm& form;
@@ -242,16 +243,15 @@ public:
     std::vector<Observation> findings;
 
 private:
-    void add(Observation::Verdict verdict, std::string words) {
-        findings.push_back({name_, verdict, std::move(words)});
-    }
+    void add(Observation::Verdict verdict, std::string text) { findings.push_back({name_, verdict, std::move(text)}); }
     const char* name_ = "";
 };
 
 /// Probes of one promise each (probe_surface.cpp).
 void try_inside(Trial& trial);
 void try_facing(Trial& trial);
-/// For a form that misses the plainest ray: true if it hits from the other side; then reports that.
+/// For a form that misses the plainest ray: true if the form hits the primitive from the other side. Then reports which
+/// side the form hits.
 bool try_other_side(Trial& trial);
 void try_touching(Trial& trial);
 /// Probes with rays in the plane of a flat primitive, which they do not cross.

@@ -9,12 +9,12 @@ namespace lostbits::measure::evaluate {
 using metric::Metric;
 using scene::file::Scene;
 
-Scene small_picture_of(const Scene& scene, int most_across) {
+Scene small_picture_of(const Scene& scene, int max_across) {
     Scene small = scene;
     const int across = std::max(scene.width, scene.height);
-    if (across <= most_across) return small;
-    small.width = std::max(1, scene.width * most_across / across);
-    small.height = std::max(1, scene.height * most_across / across);
+    if (across <= max_across) return small;
+    small.width = std::max(1, scene.width * max_across / across);
+    small.height = std::max(1, scene.height * max_across / across);
     return small;
 }
 
@@ -32,7 +32,7 @@ std::vector<const Metric*> order_culprits(const MapStudy& request, metric::Metri
     std::iota(order.begin(), order.end(), std::size_t{1});
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return total[a] > total[b]; });
     std::vector<std::string> operations;
-    for (const std::size_t place : order) operations.emplace_back(categories[place]);
+    for (const std::size_t category : order) operations.emplace_back(categories[category]);
     std::vector<const Metric*> metrics = request.metrics;
     std::ranges::replace(metrics, *culprit, metric_set.culprit_of(operations));
     return metrics;

@@ -6,8 +6,8 @@
 
 namespace lostbits::measure::evaluate {
 
-/// The same view with fewer rays: at most `most_across` in the longer direction.
-scene::file::Scene small_picture_of(const scene::file::Scene& scene, int most_across);
+/// The same view with fewer rays: at most `max_across` in the longer direction.
+scene::file::Scene small_picture_of(const scene::file::Scene& scene, int max_across);
 
 /// The request's metrics, with the categories of `culprit` sorted by how often they are to blame. The counts are over
 /// all rows of a small picture of the scene (at most 96 rays across). Categories that do not occur there come last, in

@@ -19,22 +19,22 @@ using truth::BandNeeds;
 SharedBandTruth::SharedBandTruth(Band& band, const std::vector<TestedForm>& rows,
                                  const std::vector<const Metric*>& metrics)
     : band_(band), columns_(band) {
-    const unsigned asked = needs_of(metrics);
-    if (asked & metric::needs_condition) band.find_condition();
-    std::map<std::string, BandNeeds> formats;
+    const unsigned metric_needs = needs_of(metrics);
+    if (metric_needs & metric::needs_condition) band.find_condition();
+    std::map<std::string, BandNeeds> needs_by_format;
     for (const TestedForm& row : rows) {
-        BandNeeds& needs = formats.try_emplace(row.format.name, BandNeeds{.no_forms = true}).first->second;
+        BandNeeds& needs = needs_by_format.try_emplace(row.format.name, BandNeeds{.no_forms = true}).first->second;
         for (const intersect::table::Intersector* form : {row.form, row.against}) {
             if (form == nullptr) continue;
             needs.unit_rays |= form->info->direction == intersect::Direction::unit;
             needs.no_forms &= !form->exists_in(row.format);  // a row of a file's answers exists in no format
         }
-        needs.stored_truth = (asked & metric::needs_stored_truth) != 0;
+        needs.stored_truth = (metric_needs & metric::needs_stored_truth) != 0;
         const truth::Length length = truth::length_of(row.form->info->direction);
-        if (asked & metric::needs_reach) needs.add_reach(truth::Perturbed::componentwise, length);
-        if (asked & metric::needs_reach_normwise) needs.add_reach(truth::Perturbed::normwise, length);
+        if (metric_needs & metric::needs_reach) needs.add_reach(truth::Perturbed::componentwise, length);
+        if (metric_needs & metric::needs_reach_normwise) needs.add_reach(truth::Perturbed::normwise, length);
     }
-    for (const auto& [name, needs] : formats) inputs_.emplace(name, band.inputs(*find_format(name), needs));
+    for (const auto& [name, needs] : needs_by_format) inputs_.emplace(name, band.inputs(*find_format(name), needs));
     for (const TestedForm& row : rows) columns_.find(row.convention(), row.form->info->direction);
 }
 
@@ -57,17 +57,17 @@ void FormSummary::add(std::size_t m, const Metric& metric, std::span<const doubl
     }
 }
 
-void FormSummary::append(FormSummary&& after) {
-    rays += after.rays;
-    true_hits += after.true_hits;
-    for (std::size_t o = 0; o < outcomes.size(); ++o) outcomes[o] += after.outcomes[o];
-    for (std::size_t m = 0; m < metrics.size(); ++m) metrics[m].add(after.metrics.at(m));
+void FormSummary::append(FormSummary&& next_rays) {
+    rays += next_rays.rays;
+    true_hits += next_rays.true_hits;
+    for (std::size_t o = 0; o < outcomes.size(); ++o) outcomes[o] += next_rays.outcomes[o];
+    for (std::size_t m = 0; m < metrics.size(); ++m) metrics[m].add(next_rays.metrics.at(m));
     for (std::size_t m = 0; m < categories.size(); ++m) {
-        for (std::size_t c = 0; c < categories[m].size(); ++c) categories[m][c] += after.categories.at(m).at(c);
+        for (std::size_t c = 0; c < categories[m].size(); ++c) categories[m][c] += next_rays.categories.at(m).at(c);
     }
-    if (after.worst.size > worst.size) worst = std::move(after.worst);
+    if (next_rays.worst.size > worst.size) worst = std::move(next_rays.worst);
     for (std::size_t kind = 0; kind < faults.size(); ++kind) {
-        if (!faults[kind]) faults[kind] = std::move(after.faults[kind]);
+        if (!faults[kind]) faults[kind] = std::move(next_rays.faults[kind]);
     }
 }
 
@@ -76,14 +76,14 @@ void FormSummary::seal() {
 }
 
 std::uint64_t FormSummary::wrong_count() const {
-    std::uint64_t all = 0;
-    for (const Outcome o : wrong_decisions) all += count(o);
-    return all;
+    std::uint64_t sum = 0;
+    for (const Outcome o : wrong_decisions) sum += count(o);
+    return sum;
 }
 
 std::optional<Outcome> FormSummary::wrong() const {
-    const auto most = std::ranges::max_element(wrong_decisions, {}, [this](Outcome o) { return count(o); });
-    return count(*most) > 0 ? std::optional(*most) : std::nullopt;
+    const auto most_frequent = std::ranges::max_element(wrong_decisions, {}, [this](Outcome o) { return count(o); });
+    return count(*most_frequent) > 0 ? std::optional(*most_frequent) : std::nullopt;
 }
 
 const WorstRay* FormSummary::first_of(Outcome wrong) const {
@@ -91,8 +91,8 @@ const WorstRay* FormSummary::first_of(Outcome wrong) const {
 }
 
 const WorstRay* FormSummary::fault() const {
-    const auto most = wrong();
-    return most ? first_of(*most) : nullptr;
+    const auto most_frequent = wrong();
+    return most_frequent ? first_of(*most_frequent) : nullptr;
 }
 
 const WorstRay* FormSummary::worst_ray() const {
@@ -119,41 +119,44 @@ namespace {
 /// Groups of rays with one primitive each, joined into one group whose rays are paired with their primitives.
 struct JoinedRays {
     scene::rays::RayGroup rays = {.rays = {}, .primitives = {}, .paired = true};
-    std::vector<std::size_t> first = {};  ///< index of the first ray of each group
+    std::vector<std::size_t> first_rays = {};  ///< index of the first ray of each group
 
-    /// Converts the position of a ray in the joined group to one in its own group.
-    void name(WorstRay& w, const std::vector<scene::rays::RayGroup>& groups) const {
-        if (w.x < 0) return;
-        const auto i = static_cast<std::size_t>(w.x);
-        const std::size_t g = static_cast<std::size_t>(std::ranges::upper_bound(first, i) - first.begin()) - 1;
+    /// Converts the position of a ray in the joined group to its position in its own group.
+    void to_group_position(WorstRay& worst, const std::vector<scene::rays::RayGroup>& groups) const {
+        if (worst.x < 0) return;
+        const auto i = static_cast<std::size_t>(worst.x);
+        const std::size_t g =
+            static_cast<std::size_t>(std::ranges::upper_bound(first_rays, i) - first_rays.begin()) - 1;
         const auto width = static_cast<std::size_t>(groups[g].rays.width);
-        w.group = static_cast<int>(g);
-        w.x = static_cast<std::int64_t>((i - first[g]) % width);
-        w.y = groups[g].rays.y0 + static_cast<int>((i - first[g]) / width);
-        w.object = std::min<std::int64_t>(w.object, 0);
+        worst.group = static_cast<int>(g);
+        worst.x = static_cast<std::int64_t>((i - first_rays[g]) % width);
+        worst.y = groups[g].rays.y0 + static_cast<int>((i - first_rays[g]) / width);
+        worst.object = std::min<std::int64_t>(worst.object, 0);
     }
 };
 
-/// Joins the groups; nothing if there is only one, or if one of them has several primitives. Joining pays: the fixed
-/// cost of a band is a hundred times the cost of a ray, and ray distributions have a group for each ray.
+/// Joins the groups; empty if there is only one, if one of them has several primitives, or if they differ in shape or
+/// in the kind of range. Joining pays: the fixed cost of a band is a hundred times the cost of a ray, and ray
+/// distributions have a group for each ray.
 std::optional<JoinedRays> join(const std::vector<scene::rays::RayGroup>& groups) {
-    const auto fits = [&](const scene::rays::RayGroup& g) {
+    const auto can_be_joined = [&](const scene::rays::RayGroup& g) {
         return g.primitives.size() == 1 && !g.paired && g.rays.size() > 0 && g.rays.width > 0 &&
                g.primitives[0].shape == groups[0].primitives[0].shape &&
                g.rays.tmin.empty() == groups[0].rays.tmin.empty() &&
                g.rays.tmax.empty() == groups[0].rays.tmax.empty() && g.rays.open.tmin == groups[0].rays.open.tmin &&
                g.rays.open.tmax == groups[0].rays.open.tmax;
     };
-    if (groups.size() < 2 || groups[0].primitives.empty() || !std::ranges::all_of(groups, fits)) return std::nullopt;
-    JoinedRays all;
-    scene::rays::RayBlock& rays = all.rays.rays;
+    if (groups.size() < 2 || groups[0].primitives.empty() || !std::ranges::all_of(groups, can_be_joined))
+        return std::nullopt;
+    JoinedRays joined;
+    scene::rays::RayBlock& rays = joined.rays.rays;
     for (const scene::rays::RayGroup& g : groups) {
-        all.first.push_back(rays.size());
+        joined.first_rays.push_back(rays.size());
         for (std::size_t i = 0; i < g.rays.size(); ++i) rays.push(g.rays[i]), rays.push_range(g.rays, i);
-        all.rays.primitives.insert(all.rays.primitives.end(), g.rays.size(), g.primitives[0]);
+        joined.rays.primitives.insert(joined.rays.primitives.end(), g.rays.size(), g.primitives[0]);
     }
     rays.set_as_list();
-    return all;
+    return joined;
 }
 
 /// Measures rows on one band, into the summaries with the same indices.
@@ -168,24 +171,25 @@ void measure_band(Band& band, int group, const std::vector<TestedForm>& rows, co
 void measure_group(scene::rays::RayGroup rays, int group, const std::vector<TestedForm>& rows,
                    const std::vector<const Metric*>& metrics, truth::TruthLimit limit,
                    const std::vector<FormSummary*>& summaries) {
-    for (const FormsOfGenerator& some : by_generator(rows)) {
-        std::vector<TestedForm> its_rows;
-        std::vector<FormSummary*> into;
-        for (const std::size_t r : some.rows) its_rows.push_back(rows[r]), into.push_back(summaries[r]);
-        if (some.generator == nullptr && !(rays.scene && rays.scene->camera.rays)) {
+    for (const FormsOfGenerator& forms : by_generator(rows)) {
+        std::vector<TestedForm> generator_rows;
+        std::vector<FormSummary*> row_summaries;
+        for (const std::size_t r : forms.rows) generator_rows.push_back(rows[r]), row_summaries.push_back(summaries[r]);
+        if (forms.generator == nullptr && !(rays.scene && rays.scene->camera.rays)) {
             std::optional<culling::Culler> culler;
             if (rays.mesh) culler.emplace(scene::rays::primitive_list_of(rays), rays.rays);
             Band band(rays, limit, culler ? &*culler : nullptr);
-            measure_band(band, group, its_rows, metrics, into);
+            measure_band(band, group, generator_rows, metrics, row_summaries);
             continue;
         }
         if (!rays.scene)
-            throw InputError(std::string(its_rows.front().form->info->name) +
+            throw InputError(std::string(generator_rows.front().form->info->name) +
                              ": it makes camera rays, and the rays of this sweep do not come from a camera with a "
                              "projection; name a sweep over a scene that has [camera.projection]");
-        const scene::file::Scene made = some.generator ? with_rays(*rays.scene, *some.generator) : *rays.scene;
-        Band band(made, 0, made.height, limit);
-        measure_band(band, group, its_rows, metrics, into);
+        const scene::file::Scene generated_scene =
+            forms.generator ? with_rays(*rays.scene, *forms.generator) : *rays.scene;
+        Band band(generated_scene, 0, generated_scene.height, limit);
+        measure_band(band, group, generator_rows, metrics, row_summaries);
     }
 }
 
@@ -195,25 +199,25 @@ std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> group
                                         const std::vector<const Metric*>& metrics, truth::TruthLimit limit) {
     std::vector<FormSummary> summaries;
     for (std::size_t r = 0; r < rows.size(); ++r) summaries.emplace_back(metrics);
-    // Forms that march are not joined: a field of distances contains all primitives of a group, for every ray.
+    // Forms that march are not joined: a distance field contains all primitives of a group, for every ray.
     std::optional<JoinedRays> joined = join(groups);
-    std::vector<TestedForm> at_once, one_by_one;
-    std::vector<FormSummary*> of_once, of_each;
+    std::vector<TestedForm> joined_rows, separate_rows;
+    std::vector<FormSummary*> joined_summaries, separate_summaries;
     for (std::size_t r = 0; r < rows.size(); ++r) {
-        const bool once = joined && is_primitive(rows[r].form->shape);
-        (once ? at_once : one_by_one).push_back(rows[r]);
-        (once ? of_once : of_each).push_back(&summaries[r]);
+        const bool is_joined = joined && is_primitive(rows[r].form->shape);
+        (is_joined ? joined_rows : separate_rows).push_back(rows[r]);
+        (is_joined ? joined_summaries : separate_summaries).push_back(&summaries[r]);
     }
-    if (!at_once.empty()) {
-        measure_group(std::move(joined->rays), 0, at_once, metrics, limit, of_once);
-        for (FormSummary* const s : of_once) {
-            joined->name(s->worst, groups);
+    if (!joined_rows.empty()) {
+        measure_group(std::move(joined->rays), 0, joined_rows, metrics, limit, joined_summaries);
+        for (FormSummary* const s : joined_summaries) {
+            joined->to_group_position(s->worst, groups);
             for (const auto& fault : s->faults)
-                if (fault) joined->name(*fault, groups);
+                if (fault) joined->to_group_position(*fault, groups);
         }
     }
-    for (std::size_t g = 0; !one_by_one.empty() && g < groups.size(); ++g)
-        measure_group(std::move(groups[g]), static_cast<int>(g), one_by_one, metrics, limit, of_each);
+    for (std::size_t g = 0; !separate_rows.empty() && g < groups.size(); ++g)
+        measure_group(std::move(groups[g]), static_cast<int>(g), separate_rows, metrics, limit, separate_summaries);
     for (FormSummary& s : summaries) {
         s.views = groups.size();
         s.seal();

@@ -22,10 +22,10 @@ namespace lostbits::measure::evaluate {
 struct TestedForm {
     const intersect::table::Intersector* form;
     Format format;
-    /// Touching convention that it is judged by; absent: the form's own.
+    /// Touching convention that the form is judged by; absent: its own.
     std::optional<intersect::Touching> judged = {};
 
-    /// Form to compare it with, which exists in the format; may be null.
+    /// Form to compare the answers with, which exists in the format; may be null.
     const intersect::table::Intersector* against = nullptr;
 
     [[nodiscard]] intersect::Convention convention() const { return form->info->convention(judged); }
@@ -49,8 +49,8 @@ struct WorstRay {
     double ulps = truth::missing;   ///< (t − t*)/ulp(t*), signed; NaN unless both hit
     double truth = truth::missing;  ///< t*, correctly rounded to binary64; NaN if the ray truly misses
     std::optional<intersect::Touching> judged = {};
-    /// The ray before rounding to the format, with the primitives that decide. Null for a pixel of a scene, and if
-    /// there are too many primitives.
+    /// The ray before rounding to the format, with the primitives that decide its outcome. Null for a pixel of a scene,
+    /// and if there are too many primitives.
     std::shared_ptr<const scene::rays::RayGroup> given = {};
 };
 
@@ -66,18 +66,18 @@ struct FormSummary {
     std::vector<metric::Distribution> metrics;  ///< in the order of the request's metrics
     /// For each metric with categories, the number of rays in each category; empty for other metrics.
     std::vector<std::vector<std::uint64_t>> categories;
-    WorstRay worst;
-    /// The first ray of each of the `wrong_decisions`; null if there is none.
+    WorstRay worst;  ///< correct hit with the largest |ulp_error|, the first if several are equal; x < 0: there is none
+    /// The first ray with each of the `wrong_decisions`, in their order; null if there is none.
     std::array<std::unique_ptr<WorstRay>, wrong_decisions.size()> faults;
 
     FormSummary() = default;
     explicit FormSummary(const std::vector<const metric::Metric*>& measured);
     /// Adds values to the distribution of metric m, or to the counts of its categories. Skips NaN.
     void add(std::size_t m, const metric::Metric& metric, std::span<const double> values);
-    /// Adds the summary of further rays. All of them come after the rays in this summary.
-    void append(FormSummary&& after);
+    /// Adds the summary of further rays, which all come after the rays in this summary.
+    void append(FormSummary&& next_rays);
     [[nodiscard]] std::uint64_t count(answer::Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
-    /// Number of all `wrong_decisions`.
+    /// Number of rays with any of the `wrong_decisions`.
     [[nodiscard]] std::uint64_t wrong_count() const;
     /// The most frequent of the `wrong_decisions`; nothing if every decision is right.
     [[nodiscard]] std::optional<answer::Outcome> wrong() const;
@@ -113,7 +113,7 @@ struct BandResult {
 /// Receives a row's results (for files, plots, tests); may be empty. Called for each band from top to bottom, never
 /// concurrently for one row; different rows may be shown at the same time.
 using Show = std::function<void(const BandResult&)>;
-/// The same for all rows.
+/// Receives the results of all rows, each with the index of its row.
 using ShowRows = std::function<void(std::size_t row, const BandResult&)>;
 /// Passes the bands of row i to the function `band` of readers[i]. The readers must outlive the result.
 template <class Readers>

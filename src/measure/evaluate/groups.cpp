@@ -12,21 +12,21 @@ namespace lostbits::measure::evaluate {
 
 namespace {
 
-/// Order of values: numbers by size, then words. Equal numbers and words are ordered by their text.
+/// Order of values: numbers by size, then all other text. Equal numbers are ordered by their text.
 struct Rank {
-    bool is_word;
+    bool is_text;
     double number;
     const std::string& text;
 
-    explicit Rank(const std::string& value) : is_word(true), number(0), text(value) {
+    explicit Rank(const std::string& value) : is_text(true), number(0), text(value) {
         double x = 0;
         const char* const end = value.data() + value.size();
         if (value.empty() || std::from_chars(value.data(), end, x).ptr != end || std::isnan(x)) return;
-        is_word = false;
+        is_text = false;
         number = x;
     }
     friend bool operator<(const Rank& a, const Rank& b) {
-        return std::tie(a.is_word, a.number, a.text) < std::tie(b.is_word, b.number, b.text);
+        return std::tie(a.is_text, a.number, a.text) < std::tie(b.is_text, b.number, b.text);
     }
 };
 
@@ -37,43 +37,44 @@ std::size_t Groups::index_of(const std::string& value) const {
     return static_cast<std::size_t>(std::lower_bound(all_.begin(), all_.end(), value, is_before) - all_.begin());
 }
 
-void Groups::insert(std::size_t at, Group&& group) {
-    if (all_.size() == most)
-        throw InputError("more than " + std::to_string(most) + " values, such as " + all_.front().value + " and " +
-                         group.value + "; group by a column that many rays share, such as depth, material or instance");
-    all_.insert(all_.begin() + static_cast<std::ptrdiff_t>(at), std::move(group));
+void Groups::insert(std::size_t index, Group&& group) {
+    if (all_.size() == max_values)
+        throw InputError("more than " + std::to_string(max_values) + " values, such as " + all_.front().value +
+                         " and " + group.value +
+                         "; group by a column that many rays share, such as depth, material or instance");
+    all_.insert(all_.begin() + static_cast<std::ptrdiff_t>(index), std::move(group));
 }
 
 void Groups::add(const std::string& value, std::size_t rows, const std::vector<const metric::Metric*>& metrics) {
-    const std::size_t at = index_of(value);
-    if (has(value, at)) return;
-    Group made{value, {}};
-    for (std::size_t r = 0; r < rows; ++r) made.summaries.emplace_back(metrics);
-    insert(at, std::move(made));
+    const std::size_t index = index_of(value);
+    if (has(value, index)) return;
+    Group group{value, {}};
+    for (std::size_t r = 0; r < rows; ++r) group.summaries.emplace_back(metrics);
+    insert(index, std::move(group));
 }
 
-void Groups::append(Groups&& after) {
-    for (Group& group : after.all_) {
-        const std::size_t at = index_of(group.value);
-        if (!has(group.value, at)) {
-            insert(at, std::move(group));
+void Groups::append(Groups&& next_rays) {
+    for (Group& group : next_rays.all_) {
+        const std::size_t index = index_of(group.value);
+        if (!has(group.value, index)) {
+            insert(index, std::move(group));
             continue;
         }
         for (std::size_t r = 0; r < group.summaries.size(); ++r)
-            all_[at].summaries.at(r).append(std::move(group.summaries[r]));
+            all_[index].summaries.at(r).append(std::move(group.summaries[r]));
     }
 }
 
 std::vector<RaysOfValue> by_value(std::span<const std::string> values, std::size_t step) {
-    std::vector<RaysOfValue> all;
-    std::unordered_map<std::string, std::size_t> places;
+    std::vector<RaysOfValue> groups;
+    std::unordered_map<std::string, std::size_t> indices;
     for (std::size_t i = 0; i * step < values.size(); ++i) {
         const std::string& value = values[i * step];
-        const auto [place, is_new] = places.try_emplace(value, all.size());
-        if (is_new) all.push_back({value, {}});
-        all[place->second].rays.push_back(static_cast<std::uint32_t>(i));
+        const auto [entry, is_new] = indices.try_emplace(value, groups.size());
+        if (is_new) groups.push_back({value, {}});
+        groups[entry->second].rays.push_back(static_cast<std::uint32_t>(i));
     }
-    return all;
+    return groups;
 }
 
 }  // namespace lostbits::measure::evaluate

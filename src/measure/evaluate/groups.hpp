@@ -17,19 +17,19 @@ struct Group {
     std::vector<FormSummary> summaries;
 };
 
-/// Groups of a run, in order: numbers by size, then words.
+/// Groups of a run, in order: numbers by size, then all other text.
 class Groups {
 public:
-    /// Limit on the number of values. A column with more identifies rays instead of grouping them.
-    static constexpr std::size_t most = 4096;
+    /// Limit on the number of values. A column with more values identifies rays instead of grouping them.
+    static constexpr std::size_t max_values = 4096;
 
     /// Makes the group of a new value, with an empty summary of these metrics for each row. Throws InputError for more
-    /// than `most` values.
+    /// than `max_values` values.
     void add(const std::string& value, std::size_t rows, const std::vector<const metric::Metric*>& metrics);
     /// Group of a value that was added. May be called by several threads at once.
     [[nodiscard]] Group& at(const std::string& value) { return all_[index_of(value)]; }
     /// Adds the groups of the rays that come next.
-    void append(Groups&& after);
+    void append(Groups&& next_rays);
     [[nodiscard]] const std::vector<Group>& all() const { return all_; }
 
     /// Serialises the groups, for `output::shard`.
@@ -40,10 +40,10 @@ public:
 
 private:
     [[nodiscard]] std::size_t index_of(const std::string& value) const;
-    [[nodiscard]] bool has(const std::string& value, std::size_t at) const {
-        return at < all_.size() && all_[at].value == value;
+    [[nodiscard]] bool has(const std::string& value, std::size_t index) const {
+        return index < all_.size() && all_[index].value == value;
     }
-    void insert(std::size_t at, Group&& group);
+    void insert(std::size_t index, Group&& group);
     std::vector<Group> all_;
 };
 

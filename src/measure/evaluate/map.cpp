@@ -9,30 +9,31 @@
 namespace lostbits::measure::evaluate {
 
 std::vector<FormsOfGenerator> by_generator(const std::vector<TestedForm>& rows) {
-    std::vector<FormsOfGenerator> all;
+    std::vector<FormsOfGenerator> groups;
     for (std::size_t r = 0; r < rows.size(); ++r) {
         const auto* const generator = scene::rays::generator_of(*rows[r].form);
-        auto found = std::ranges::find(all, generator, &FormsOfGenerator::generator);
-        if (found == all.end()) found = all.insert(found, {generator, {}});
-        found->rows.push_back(r);
+        auto group = std::ranges::find(groups, generator, &FormsOfGenerator::generator);
+        if (group == groups.end()) group = groups.insert(group, {generator, {}});
+        group->rows.push_back(r);
     }
-    return all;
+    return groups;
 }
 
 std::vector<study::RowsOfScene> MapStudy::scenes() const {
-    std::vector<study::RowsOfScene> all;
-    for (FormsOfGenerator& some : by_generator(rows)) {
-        auto made = some.generator ? std::make_shared<const scene::file::Scene>(with_rays(*scene, *some.generator))
-                                   : study::not_owned(*scene);
-        all.push_back({std::move(made), std::move(some.rows)});
+    std::vector<study::RowsOfScene> scenes_of_rows;
+    for (FormsOfGenerator& group : by_generator(rows)) {
+        auto row_scene = group.generator
+                             ? std::make_shared<const scene::file::Scene>(with_rays(*scene, *group.generator))
+                             : study::not_owned(*scene);
+        scenes_of_rows.push_back({std::move(row_scene), std::move(group.rows)});
     }
-    return all;
+    return scenes_of_rows;
 }
 
 SharedBandTruth MapStudy::prepare(truth::Band& band, const std::vector<std::size_t>& row_indices) const {
-    std::vector<TestedForm> its_rows;
-    for (const std::size_t r : row_indices) its_rows.push_back(rows[r]);
-    return {band, its_rows, metrics};
+    std::vector<TestedForm> band_rows;
+    for (const std::size_t r : row_indices) band_rows.push_back(rows[r]);
+    return {band, band_rows, metrics};
 }
 
 void MapStudy::measure(const SharedBandTruth& shared, std::size_t row, FormSummary& summary, const Show& show) const {

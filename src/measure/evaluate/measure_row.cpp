@@ -69,8 +69,8 @@ private:
     }
 
     /// Column of a metric; null if it is not requested.
-    [[nodiscard]] double* column_of(InColumns what) const {
-        const auto found = std::ranges::find(metrics_, what, &Metric::in_columns);
+    [[nodiscard]] double* column_of(InColumns kind) const {
+        const auto found = std::ranges::find(metrics_, kind, &Metric::in_columns);
         return found == metrics_.end() ? nullptr
                                        : result_.metrics[static_cast<std::size_t>(found - metrics_.begin())].data();
     }
@@ -81,15 +81,15 @@ private:
             own_ulps_.resize(measured_.size());
             ulps_ = own_ulps_.data();
         }
-        std::vector<std::uint32_t> left;
+        std::vector<std::uint32_t> remaining;
         largest_ = columns::find_errors(measured_, truth_, row_.format.parameters,
                                         {.ulp = ulps_,
                                          .lost = column_of(InColumns::lost_bits),
                                          .correct = column_of(InColumns::correct_bits),
                                          .relative = column_of(InColumns::relative_error),
                                          .absolute = column_of(InColumns::absolute_error)},
-                                        left);
-        for (const std::uint32_t i : left) {
+                                        remaining);
+        for (const std::uint32_t i : remaining) {
             const Truth truth = result_.truth(i);
             ulps_[i] = truth::ulp_error(measured_[i], *in_unit_of(truth, *row_.form->info), row_.format.parameters);
             if (std::fabs(ulps_[i]) > largest_) largest_ = std::fabs(ulps_[i]);
@@ -98,92 +98,95 @@ private:
             const FormatInputs& in = *result_.inputs;
             columns::find_residuals(
                 measured_, {in.rays_for(*row_.form->info), in.primitives, result_.answers->object, row_.format.engine},
-                residuals, left);
+                residuals, remaining);
         }
-        for (const std::uint32_t i : left) {
+        for (const std::uint32_t i : remaining) {
             const Ray<double> ray = ray_of(i);
             const Primitive<double> primitive = primitive_of(i);
             const Truth truth = result_.truth(i);
-            take(i, sample_of(i, ray, primitive, truth), [](const Metric& m) { return m.in_columns != InColumns::no; });
+            fill(i, sample_of(i, ray, primitive, truth), [](const Metric& m) { return m.in_columns != InColumns::no; });
         }
     }
 
-    /// Compares with the row's other form, if it has one.
+    /// Compares the answers with those of `row_.against`, if there is one.
     void measure_pairs() {
         if (row_.against == nullptr) return;
         const auto column = [this](std::string_view name) {
             const std::size_t m = metric::index_of(metrics_, name);
             return m == metrics_.size() ? std::span<double>() : std::span<double>(result_.metrics[m]);
         };
-        const std::span<double> which = column("against"), apart = column("apart");
-        if (which.empty() && apart.empty()) return;
+        const std::span<double> against_column = column("against"), apart_column = column("apart");
+        if (against_column.empty() && apart_column.empty()) return;
         answer::compare_against(*result_.answers, answer::evaluate(*row_.against, *result_.inputs),
                                 answer::are_comparable(*row_.form->info, *row_.against->info), row_.format.parameters,
-                                which, apart);
+                                against_column, apart_column);
     }
 
-    /// Computes all metrics that columns cannot, for each ray whose outcome they are about.
+    /// Computes the metrics that cannot be computed in columns, for each ray with an outcome that they are about.
     void measure_others() {
-        const auto any = [this](const auto& which) {
-            return std::ranges::any_of(metrics_, [&](const Metric* m) { return which(*m); });
+        const auto has_metric = [this](const auto& applies) {
+            return std::ranges::any_of(metrics_, [&](const Metric* m) { return applies(*m); });
         };
-        const auto of_marches = [](const Metric& m) { return m.domain == MetricDomain::marches; };
-        const auto of_hits = [](const Metric& m) {
+        const auto is_of_marches = [](const Metric& m) { return m.domain == MetricDomain::marches; };
+        const auto is_of_hits = [](const Metric& m) {
             return (m.domain == MetricDomain::agreed_hits || m.domain == MetricDomain::blamed) &&
                    m.in_columns == InColumns::no;
         };
-        const auto of_every = [](const Metric& m) { return m.domain == MetricDomain::every; };
-        const auto of_blamed = [](const Metric& m) { return m.domain == MetricDomain::blamed; };
-        const bool marches = any(of_marches) && !result_.answers->march.empty(), hits = any(of_hits);
-        const bool every = any(of_every);
-        const bool faults = (needs_ & metric::needs_attribution) != 0;
-        if (!marches && !every && !hits && !faults) return;
+        const auto is_of_every = [](const Metric& m) { return m.domain == MetricDomain::every; };
+        const auto is_of_blamed = [](const Metric& m) { return m.domain == MetricDomain::blamed; };
+        const bool measures_marches = has_metric(is_of_marches) && !result_.answers->march.empty(),
+                   measures_hits = has_metric(is_of_hits);
+        const bool measures_every = has_metric(is_of_every);
+        const bool measures_faults = (needs_ & metric::needs_attribution) != 0;
+        if (!measures_marches && !measures_every && !measures_hits && !measures_faults) return;
         for (std::size_t i = 0; i < measured_.size(); ++i) {
             result_.inputs->stop.check();  // attributing the errors of a band takes seconds
             const Outcome outcome = result_.outcomes[i];
-            const bool fault = outcome != Outcome::not_a_number && is_wrong(outcome);
+            const bool is_fault = outcome != Outcome::not_a_number && is_wrong(outcome);
             const Ray<double> ray = ray_of(i);
-            if (marches) take(i, plain_sample_of(i, ray), of_marches);
-            if (every) measure_statements(i, ray, of_every);
-            if (faults && fault) {
+            if (measures_marches) fill(i, plain_sample_of(i, ray), is_of_marches);
+            if (measures_every) measure_statements(i, ray, is_of_every);
+            if (measures_faults && is_fault) {
                 const RayAttribution attribution = attribute_ray(i);
                 Sample sample = plain_sample_of(i, ray);
                 sample.attribution = &attribution;
-                take(i, sample, of_blamed);
+                fill(i, sample, is_of_blamed);
             }
-            if (hits && outcome == Outcome::agree_hit && tells_t()) measure_hit(i, ray, of_hits);
+            if (measures_hits && outcome == Outcome::agree_hit && tells_t()) measure_hit(i, ray, is_of_hits);
         }
     }
 
     /// Measures a form's statements about its own answer, whether or not that answer is right.
     template <class Which>
-    void measure_statements(std::size_t i, const Ray<double>& ray, const Which& which) {
+    void measure_statements(std::size_t i, const Ray<double>& ray, const Which& applies) {
         const Truth truth = result_.truth(i);
         const FormStatements statements(row_, needs_ & ~unsigned{metric::needs_end_margin}, *result_.inputs, ray, i,
-                                        asked_of(i), truth.is_hit() ? truth_.object[i] : -1);
-        const Primitive<double> primitive = result_.inputs->primitives[asked_of(i)];
+                                        measured_index(i), truth.is_hit() ? truth_.object[i] : -1);
+        const Primitive<double> primitive = result_.inputs->primitives[measured_index(i)];
         Sample sample = sample_of(i, ray, primitive, truth);
         statements.fill(sample);
-        const bool rays = (needs_ & metric::needs_true_ray) != 0;
-        const std::optional<Ray<Real>> true_ray = rays ? std::optional(result_.band->true_ray(i)) : std::nullopt;
-        if (rays) sample.true_ray = &*true_ray, sample.frame = result_.band->frame();
+        const bool has_true_ray = (needs_ & metric::needs_true_ray) != 0;
+        const std::optional<Ray<Real>> true_ray =
+            has_true_ray ? std::optional(result_.band->true_ray(i)) : std::nullopt;
+        if (has_true_ray) sample.true_ray = &*true_ray, sample.frame = result_.band->frame();
         const auto is_margin = [](const Metric& m) { return m.name == "decision_margin"; };
         const bool misses_several = result_.outcomes[i] == Outcome::agree_miss && !result_.inputs->paired &&
                                     result_.inputs->primitives.size() > 1;
-        take(i, sample, [&](const Metric& m) { return which(m) && !(misses_several && is_margin(m)); });
+        fill(i, sample, [&](const Metric& m) { return applies(m) && !(misses_several && is_margin(m)); });
         if (!misses_several || std::ranges::none_of(metrics_, [&](const Metric* m) { return is_margin(*m); })) return;
         const std::optional<Primitive<double>> nearest = narrowly_missed(sample);
         sample.primitive = nearest ? &*nearest : nullptr;
-        take(i, sample, is_margin);
+        fill(i, sample, is_margin);
     }
 
-    /// The primitive that the form hits, otherwise the one that is truly hit; for a miss, that of `measured_at`.
-    [[nodiscard]] std::size_t asked_of(std::size_t i) const {
+    /// Index of the primitive that the form hits, otherwise of the one that is truly hit; for a miss, see
+    /// `measured_primitive`.
+    [[nodiscard]] std::size_t measured_index(std::size_t i) const {
         const bool hit = result_.answers->hit[i] != 0;
-        return answer::measured_at(*result_.inputs, i, hit ? result_.answers->object[i] : truth_.object[i]);
+        return answer::measured_primitive(*result_.inputs, i, hit ? result_.answers->object[i] : truth_.object[i]);
     }
 
-    /// The primitive that a ray misses most narrowly; nothing if there are too many to compare.
+    /// The primitive that a ray misses most narrowly; empty if there are too many to compare.
     [[nodiscard]] std::optional<Primitive<double>> narrowly_missed(const Sample& sample) const {
         constexpr std::size_t most_compared = 4096;
         const auto& primitives = result_.inputs->primitives;
@@ -192,7 +195,7 @@ private:
     }
 
     template <class Which>
-    void measure_hit(std::size_t i, const Ray<double>& ray, const Which& which) {
+    void measure_hit(std::size_t i, const Ray<double>& ray, const Which& applies) {
         const FormatInputs& in = *result_.inputs;
         const intersect::Info& info = *row_.form->info;
         const Primitive<double> primitive = primitive_of(i);
@@ -213,14 +216,14 @@ private:
         if (needs_ & metric::needs_reach_normwise) sample.reach_normwise = reach(truth::Perturbed::normwise);
         std::optional<truth::Certified> unrounded;
         if (needs_ & metric::needs_unrounded)
-            unrounded = answer::without_rounding(*row_.form, ray, in.target_for(*row_.form, asked_of(i)));
+            unrounded = answer::without_rounding(*row_.form, ray, in.target_for(*row_.form, measured_index(i)));
         if (unrounded) sample.unrounded = &*unrounded;
         const RayAttribution attribution = attribute_ray(i);
         if (needs_ & metric::needs_attribution) sample.attribution = &attribution;
-        const unsigned others = needs_ & ~unsigned{metric::needs_filter_arithmetic | metric::needs_levels};
-        const FormStatements statements(row_, others, in, ray, i, asked_of(i), -1);
+        const unsigned statement_needs = needs_ & ~unsigned{metric::needs_filter_arithmetic | metric::needs_levels};
+        const FormStatements statements(row_, statement_needs, in, ray, i, measured_index(i), -1);
         statements.fill(sample);
-        take(i, sample, which);
+        fill(i, sample, applies);
     }
 
     /// Attribution to the operations on the primitive that the ray is measured at.
@@ -228,13 +231,13 @@ private:
         if (!(needs_ & metric::needs_attribution)) return {};
         const FormatInputs& in = *result_.inputs;
         const auto& rays = in.rays_for(*row_.form->info);
-        return attributor_.of(rays[i], in.target_for(*row_.form, asked_of(i)), rays.range(i),
+        return attributor_.of(rays[i], in.target_for(*row_.form, measured_index(i)), rays.range(i),
                               result_.band->recorded_ray(i, row_.format));
     }
 
     [[nodiscard]] Ray<double> ray_of(std::size_t i) const { return result_.inputs->rays_for(*row_.form->info)[i]; }
 
-    /// Sample of any ray.
+    /// Sample of any ray, with the members that do not need the truth.
     [[nodiscard]] Sample plain_sample_of(std::size_t i, const Ray<double>& ray) const {
         const auto& march = result_.answers->march;
         return {.t = result_.answers->t[i],
@@ -247,7 +250,7 @@ private:
                 .outcome = result_.outcomes[i]};
     }
 
-    /// Sample of a correct hit, without further work.
+    /// Sample of a correct hit, with the members that need no further computation.
     [[nodiscard]] Sample sample_of(std::size_t i, const Ray<double>& ray, const Primitive<double>& primitive,
                                    const Truth& truth) const {
         Sample sample = plain_sample_of(i, ray);
@@ -263,9 +266,9 @@ private:
     }
 
     template <class Which>
-    void take(std::size_t i, Sample sample, const Which& which) {
+    void fill(std::size_t i, Sample sample, const Which& applies) {
         for (std::size_t m = 0; m < metrics_.size(); ++m) {
-            if (!which(*metrics_[m])) continue;
+            if (!applies(*metrics_[m])) continue;
             sample.label = metrics_[m]->label;
             result_.metrics[m][i] = metrics_[m]->value(sample);
         }
@@ -289,11 +292,12 @@ private:
 void measure_row(const RowRequest& request, const RowInputs& row_inputs, FormSummary& summary,
                  std::span<const RaySubset> parts) {
     const TestedForm& row = request.row;
-    const answer::Answers asked = request.answers ? answer::Answers{} : answer::evaluate(*row.form, row_inputs.inputs);
-    const answer::Answers& answers = request.answers ? *request.answers : asked;
-    // The columns are taken out of `kept`: a thread that waits in here may start another row.
-    thread_local std::optional<RowColumns> kept;
-    RowColumns columns_of_thread = std::exchange(kept, std::nullopt).value_or(RowColumns{});
+    const answer::Answers evaluated =
+        request.answers ? answer::Answers{} : answer::evaluate(*row.form, row_inputs.inputs);
+    const answer::Answers& answers = request.answers ? *request.answers : evaluated;
+    // The columns are taken out of `idle_columns`: a thread that waits in here may start another row.
+    thread_local std::optional<RowColumns> idle_columns;
+    RowColumns columns_of_thread = std::exchange(idle_columns, std::nullopt).value_or(RowColumns{});
     columns_of_thread.make(row_inputs.band.pixels(), request.metrics);
     BandResult result{.y0 = row_inputs.band.y0(),
                       .rows = row_inputs.band.rows(),
@@ -309,7 +313,7 @@ void measure_row(const RowRequest& request, const RowInputs& row_inputs, FormSum
     if (request.show) request.show(result);
     columns_of_thread.outcomes = std::move(result.outcomes);
     columns_of_thread.metrics = std::move(result.metrics);
-    kept = std::move(columns_of_thread);
+    idle_columns = std::move(columns_of_thread);
 }
 
 void measure_row(const RowRequest& request, const truth::Band& band, const truth::FormatInputs& inputs,

@@ -21,17 +21,18 @@ using truth::Truth;
 namespace {
 
 /// The rays `pixels` of the inputs that a form receives.
-FormatInputs only(const FormatInputs& all, const intersect::Info& info, const std::vector<std::uint32_t>& pixels) {
-    FormatInputs some{.format = all.format, .primitives = all.primitives, .march = all.march, .stop = all.stop};
-    const scene::rays::RayBlock& from = all.rays_for(info);
-    scene::rays::RayBlock& to = info.direction == Direction::unit ? some.unit_rays : some.rays;
-    for (std::size_t c = 0; c < to.numbers().size(); ++c) {
-        to.numbers()[c]->resize(pixels.size());
-        std::ranges::transform(pixels, to.numbers()[c]->begin(),
-                               [&x = *from.numbers()[c]](std::uint32_t i) { return x[i]; });
+FormatInputs select_pixels(const FormatInputs& all, const intersect::Info& info,
+                           const std::vector<std::uint32_t>& pixels) {
+    FormatInputs selected{.format = all.format, .primitives = all.primitives, .march = all.march, .stop = all.stop};
+    const scene::rays::RayBlock& source = all.rays_for(info);
+    scene::rays::RayBlock& destination = info.direction == Direction::unit ? selected.unit_rays : selected.rays;
+    for (std::size_t c = 0; c < destination.numbers().size(); ++c) {
+        destination.numbers()[c]->resize(pixels.size());
+        std::ranges::transform(pixels, destination.numbers()[c]->begin(),
+                               [&x = *source.numbers()[c]](std::uint32_t i) { return x[i]; });
     }
-    if (all.candidates) some.candidates = std::make_shared<culling::CandidateLists>(*all.candidates, pixels);
-    return some;
+    if (all.candidates) selected.candidates = std::make_shared<culling::CandidateLists>(*all.candidates, pixels);
+    return selected;
 }
 
 /// Scan of one form over a part of a band; `pixels` are those on which every width so far has sufficed.
@@ -40,35 +41,35 @@ struct Scan {
     std::vector<std::uint32_t> pixels;
 };
 
-/// Tests the next smaller width. Pixels on which it fails get their value and leave the scan.
-void step(Scan& scan, const intersect::table::Intersector& form, const FormatInputs& inputs, int bits,
-          NeededBand& result) {
+/// Tests the next smaller width. Pixels on which this width fails get their value and leave the scan.
+void test_width(Scan& scan, const intersect::table::Intersector& form, const FormatInputs& inputs, int bits,
+                NeededBand& result) {
     if (scan.pixels.empty()) return;
     const int width = inputs.format.parameters.precision;
-    const answer::Answers answers = answer::evaluate(form, only(inputs, *form.info, scan.pixels));
-    const bool tells = form.info->roots != intersect::Roots::none;
-    std::size_t kept = 0;
+    const answer::Answers answers = answer::evaluate(form, select_pixels(inputs, *form.info, scan.pixels));
+    const bool tells_t = form.info->roots != intersect::Roots::none;
+    std::size_t kept_count = 0;
     for (std::size_t k = 0; k < scan.pixels.size(); ++k) {
         const std::uint32_t i = scan.pixels[k];
-        const bool elsewhere =
-            tells && !answer::meets_first(*result.band, i, answers.object[k], form.info->convention());
+        const bool is_wrong_primitive =
+            tells_t && !answer::meets_first(*result.band, i, answers.object[k], form.info->convention());
         if (suffices(result.truth(i), *form.info, width,
-                     {answers.hit[k] != 0, answers.t[k], elsewhere ? answers.object[k] : -1}, bits))
-            scan.pixels[kept++] = i;
+                     {answers.hit[k] != 0, answers.t[k], is_wrong_primitive ? answers.object[k] : -1}, bits))
+            scan.pixels[kept_count++] = i;
         else result.needed[i] = width == most_width ? needed_beyond : width + 1;
     }
-    scan.pixels.resize(kept);
+    scan.pixels.resize(kept_count);
 }
 
-/// Scans of every form over every part of the band. The picture alone decides the parts.
+/// Scans of every form over every part of the band. The parts depend on the picture alone.
 std::vector<Scan> scans_of(const std::vector<NeededBand>& results) {
-    constexpr std::size_t part = 2048;  // small enough to share among threads, large enough for a batch to pay
+    constexpr std::size_t part_size = 2048;  // small enough to share among threads, large enough for a batch to pay
     std::vector<Scan> scans;
     for (std::size_t f = 0; f < results.size(); ++f) {
         const std::size_t n = results[f].needed.size();
-        for (std::size_t begin = 0; begin < n; begin += part) {
+        for (std::size_t begin = 0; begin < n; begin += part_size) {
             Scan scan{f, {}};
-            for (std::size_t i = begin; i < std::min(n, begin + part); ++i) {
+            for (std::size_t i = begin; i < std::min(n, begin + part_size); ++i) {
                 if (results[f].truth(i).decision != Truth::Decision::unresolved)
                     scan.pixels.push_back(static_cast<std::uint32_t>(i));
             }
@@ -86,12 +87,12 @@ bool keeps_bits(double t, const truth::Certified& truth, int bits) {
     return std::fabs(truth::scaled_difference(truth::exactly(t), truth, ulp)) <= 0.5;
 }
 
-bool suffices(const Truth& truth, const intersect::Info& form, int width, Answer given, int bits) {
-    switch (answer::classify(truth.decision, given.hit, given.t)) {
+bool suffices(const Truth& truth, const intersect::Info& form, int width, Answer form_answer, int bits) {
+    switch (answer::classify(truth.decision, form_answer.hit, form_answer.t)) {
         case answer::Outcome::agree_miss: return true;
         case answer::Outcome::agree_hit:
-            return width >= bits && (given.object < 0 || given.object == truth.object) &&
-                   keeps_bits(given.t, form.direction == Direction::unit ? truth.distance : truth.t, bits);
+            return width >= bits && (form_answer.object < 0 || form_answer.object == truth.object) &&
+                   keeps_bits(form_answer.t, form.direction == Direction::unit ? truth.distance : truth.t, bits);
         default: return false;
     }
 }
@@ -106,14 +107,14 @@ void NeededSummary::add(const Truth& truth, double needed) {
     }
 }
 
-void NeededSummary::append(const NeededSummary& after) {
+void NeededSummary::append(const NeededSummary& other) {
     for (std::size_t w = 0; w < hits.size(); ++w) {
-        hits[w] += after.hits[w];
-        misses[w] += after.misses[w];
+        hits[w] += other.hits[w];
+        misses[w] += other.misses[w];
     }
-    hits_beyond += after.hits_beyond;
-    misses_beyond += after.misses_beyond;
-    unresolved += after.unresolved;
+    hits_beyond += other.hits_beyond;
+    misses_beyond += other.misses_beyond;
+    unresolved += other.unresolved;
 }
 
 WidthCounts NeededSummary::all() const {
@@ -162,14 +163,14 @@ std::vector<NeededBand> NeededStudy::prepare(const truth::Band& band) const {
     }
     std::vector<Scan> scans = scans_of(results);
     for (int width = most_width; width >= least_width; --width) {
-        const auto unit = [&](const Scan& s) {
+        const auto needs_unit_rays = [&](const Scan& s) {
             return !s.pixels.empty() && results[s.form].form->direction == Direction::unit;
         };
         if (!std::ranges::all_of(scans, [](const Scan& s) { return s.pixels.empty(); })) {
-            const FormatInputs inputs =
-                band.inputs(*find_format("p" + std::to_string(width)), {.unit_rays = std::ranges::any_of(scans, unit)});
+            const FormatInputs inputs = band.inputs(*find_format("p" + std::to_string(width)),
+                                                    {.unit_rays = std::ranges::any_of(scans, needs_unit_rays)});
             intersect::process::in_parallel(std::size_t{0}, scans.size(), [&](std::size_t s) {
-                step(scans[s], *rows[scans[s].form], inputs, bits, results[scans[s].form]);
+                test_width(scans[s], *rows[scans[s].form], inputs, bits, results[scans[s].form]);
             });
         }
         if (width > least_width) progress(band.pixels() * rows.size());  // the driver counts the last width
@@ -180,11 +181,11 @@ std::vector<NeededBand> NeededStudy::prepare(const truth::Band& band) const {
     return results;
 }
 
-void NeededStudy::measure(const std::vector<NeededBand>& found, std::size_t row, NeededSummary& summary,
+void NeededStudy::measure(const std::vector<NeededBand>& bands, std::size_t row, NeededSummary& summary,
                           const std::function<void(const NeededBand&)>& show) {
-    const NeededBand& its = found[row];
-    for (std::size_t i = 0; i < its.needed.size(); ++i) summary.add(its.truth(i), its.needed[i]);
-    show(its);
+    const NeededBand& band = bands[row];
+    for (std::size_t i = 0; i < band.needed.size(); ++i) summary.add(band.truth(i), band.needed[i]);
+    show(band);
 }
 
 }  // namespace lostbits::measure::evaluate

@@ -26,13 +26,13 @@ bool keeps_bits(double t, const truth::Certified& truth, int bits);
 struct Answer {
     bool hit;
     double t;
-    std::int32_t object = -1;  ///< the primitive that it hits; −1 if unknown
+    std::int32_t object = -1;  ///< the primitive that the form hits; −1 if unknown
 };
 
-/// True if a width P suffices on one ray. It must decide as the truth does (by the form's own convention on touching).
-/// On a hit it must also hit the right primitive, keep B bits, and have them: correct_bits = P − lost_bits(P) ≥ B. So P
-/// ≥ B on a hit: a narrower number that is near t* by luck does not have B bits.
-bool suffices(const truth::Truth& truth, const intersect::Info& form, int width, Answer given, int bits);
+/// True if a width P suffices on one ray. The form must decide as the truth does (by the form's own convention on
+/// touching). On a hit it must also hit the right primitive, keep B bits, and have them: correct_bits = P −
+/// lost_bits(P) ≥ B. So P ≥ B on a hit: a narrower number that is near t* by luck does not have B bits.
+bool suffices(const truth::Truth& truth, const intersect::Info& form, int width, Answer form_answer, int bits);
 
 /// [w]: number of pixels that need w bits. Statistics of whole numbers are exact.
 struct WidthCounts : std::array<std::uint64_t, most_width + 1> {
@@ -51,7 +51,7 @@ struct NeededSummary {
 
     void add(const truth::Truth& truth, double needed);
     /// Adds the summary of other pixels.
-    void append(const NeededSummary& after);
+    void append(const NeededSummary& other);
     /// Hits and misses together.
     [[nodiscard]] WidthCounts all() const;
     [[nodiscard]] std::uint64_t pixels() const;
@@ -97,7 +97,7 @@ struct NeededStudy {
     [[nodiscard]] static NeededSummary begin(std::size_t) { return {}; }
     /// All rows of a band. They are scanned together, since a width's inputs serve every form.
     [[nodiscard]] std::vector<NeededBand> prepare(const truth::Band& band) const;
-    static void measure(const std::vector<NeededBand>& found, std::size_t row, NeededSummary& summary,
+    static void measure(const std::vector<NeededBand>& bands, std::size_t row, NeededSummary& summary,
                         const std::function<void(const NeededBand&)>& show);
 };
 

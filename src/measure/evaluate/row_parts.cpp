@@ -23,11 +23,12 @@ void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueL
     Outcome* const outcomes = out.outcomes.data();
     double* const measured = out.measured.data();
     for (std::size_t i = 0; i < n; ++i)
-        outcomes[i] =
-            table[answer::OutcomeTable::place(truth.decision[i], answers.hit[i] != 0, answers.t[i] != answers.t[i])];
+        outcomes[i] = table[answer::OutcomeTable::case_index(truth.decision[i], answers.hit[i] != 0,
+                                                             answers.t[i] != answers.t[i])];
     for (std::size_t i = 0; i < n; ++i) {
-        const bool other = tells_t & (outcomes[i] == Outcome::agree_hit) & (answers.object[i] != truth.object[i]);
-        outcomes[i] = other ? Outcome::wrong_primitive : outcomes[i];
+        const bool is_wrong_primitive =
+            tells_t & (outcomes[i] == Outcome::agree_hit) & (answers.object[i] != truth.object[i]);
+        outcomes[i] = is_wrong_primitive ? Outcome::wrong_primitive : outcomes[i];
     }
     if (tells_t) refine_outcomes(band_answers, truth, out.outcomes);
     for (std::size_t i = 0; i < n; ++i) {
@@ -42,7 +43,8 @@ void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueL
 }
 
 FormStatements::FormStatements(const TestedForm& row, unsigned needs, const truth::FormatInputs& inputs,
-                               const Ray<double>& ray, std::size_t i, std::size_t primitive, std::int32_t truly) {
+                               const Ray<double>& ray, std::size_t i, std::size_t primitive,
+                               std::int32_t true_primitive) {
     const intersect::table::Intersector& form = *row.form;
     const auto& rays = inputs.rays_for(*form.info);
     const double tmax = rays.tmax.empty() ? HUGE_VAL : rays.tmax[i];
@@ -50,22 +52,22 @@ FormStatements::FormStatements(const TestedForm& row, unsigned needs, const trut
         bounded_ = form.bounded(row.format, ray, inputs.target_for(form, primitive), tmax);
     if ((needs & metric::needs_filter_arithmetic) && form.filter_arithmetic)
         filter_arithmetic_ = form.filter_arithmetic(row.format, ray, inputs.target_for(form, primitive), tmax);
-    if ((needs & metric::needs_levels) && truly >= 0) {
-        const Primitive<double> met = inputs.primitives[static_cast<std::size_t>(truly)];
-        const intersect::table::Intersector& part = form.of(met.shape);
-        if (intersect::bounding_box::has_box(part))
-            levels_ = answer::levels_of(part, row.format, ray, met, rays.range(i));
+    if ((needs & metric::needs_levels) && true_primitive >= 0) {
+        const Primitive<double> hit_primitive = inputs.primitives[static_cast<std::size_t>(true_primitive)];
+        const intersect::table::Intersector& part_form = form.of(hit_primitive.shape);
+        if (intersect::bounding_box::has_box(part_form))
+            levels_ = answer::levels_of(part_form, row.format, ray, hit_primitive, rays.range(i));
     }
     if (!(needs & (metric::needs_steps | metric::needs_end_margin))) return;
-    const Primitive<double> asked = inputs.primitives[primitive];
-    const intersect::table::Intersector& part = form.of(asked.shape);
-    if ((needs & metric::needs_end_margin) && intersect::bounding_box::has_box(part))
-        end_margin_ = answer::end_margin(part, row.format, ray, asked, rays.range(i));
+    const Primitive<double> tested_primitive = inputs.primitives[primitive];
+    const intersect::table::Intersector& part_form = form.of(tested_primitive.shape);
+    if ((needs & metric::needs_end_margin) && intersect::bounding_box::has_box(part_form))
+        end_margin_ = answer::end_margin(part_form, row.format, ray, tested_primitive, rays.range(i));
     if (!(needs & metric::needs_steps)) return;
-    if (!asked.placed || !part.is_placed) return;
-    // A box in the world is not a step of the way.
-    steps_ =
-        answer::steps_of(intersect::bounding_box::without_world_boxes(part), row.format, ray, asked, rays.range(i));
+    if (!tested_primitive.placed || !part_form.is_placed) return;
+    // A box in the world is not a transform step.
+    steps_ = answer::steps_of(intersect::bounding_box::without_world_boxes(part_form), row.format, ray,
+                              tested_primitive, rays.range(i));
 }
 
 void FormStatements::fill(metric::Sample& sample) const {
@@ -77,7 +79,7 @@ void FormStatements::fill(metric::Sample& sample) const {
 }
 
 WorstRay RowSums::worst(std::size_t i) const {
-    WorstRay w = named(i, Outcome::agree_hit);
+    WorstRay w = ray_with_inputs(i, Outcome::agree_hit);
     w.ulps = ulps_[i];
     w.size = std::fabs(ulps_[i]);
     return w;
@@ -85,10 +87,11 @@ WorstRay RowSums::worst(std::size_t i) const {
 
 void RowSums::keep_worst(FormSummary& summary, double largest) const {
     if (!(largest > summary.worst.size)) return;
-    const auto is_it = [largest](double ulps) { return std::fabs(ulps) == largest; };
+    const auto is_worst = [largest](double ulps) { return std::fabs(ulps) == largest; };
     const double* const end = ulps_ + result_.outcomes.size();
-    const double* const found = std::find_if(ulps_, end, is_it);
-    if (found != end) summary.worst = worst(static_cast<std::size_t>(found - ulps_));  // otherwise no ray is measured
+    const double* const found = std::find_if(ulps_, end, is_worst);
+    if (found != end)
+        summary.worst = worst_hit(static_cast<std::size_t>(found - ulps_));  // otherwise no ray is measured
 }
 
 void RowSums::keep_faults(FormSummary& summary) const {
@@ -96,23 +99,23 @@ void RowSums::keep_faults(FormSummary& summary) const {
         auto& fault = summary.faults.at(kind);
         if (fault || summary.count(wrong_decisions[kind]) == 0) continue;
         const auto i = std::ranges::find(result_.outcomes, wrong_decisions[kind]) - result_.outcomes.begin();
-        fault = std::make_unique<WorstRay>(named(static_cast<std::size_t>(i), wrong_decisions[kind]));
+        fault = std::make_unique<WorstRay>(ray_with_inputs(static_cast<std::size_t>(i), wrong_decisions[kind]));
     }
 }
 
 void RowSums::add(const RaySubset& part) const {
     FormSummary& summary = *part.summary;
-    std::optional<std::size_t> farthest;
+    std::optional<std::size_t> worst_index;
     double largest = summary.worst.size;
     summary.rays += part.rays.size();
     for (const std::uint32_t i : part.rays) {
         ++summary.outcomes[static_cast<std::size_t>(result_.outcomes[i])];
         summary.true_hits += static_cast<std::uint64_t>(truth_.decision[i] == Truth::Decision::hit);
         if (!(std::fabs(ulps_[i]) > largest)) continue;
-        farthest = i;
+        worst_index = i;
         largest = std::fabs(ulps_[i]);
     }
-    if (farthest) summary.worst = worst(*farthest);
+    if (worst_index) summary.worst = worst_hit(*worst_index);
     std::vector<double> values(part.rays.size());
     for (std::size_t m = 0; m < request_.metrics.size(); ++m) {
         std::ranges::transform(part.rays, values.begin(), [&](std::uint32_t i) { return result_.metrics[m][i]; });
@@ -120,17 +123,17 @@ void RowSums::add(const RaySubset& part) const {
     }
     for (std::size_t kind = 0; kind < wrong_decisions.size(); ++kind) {
         if (summary.faults.at(kind) || summary.count(wrong_decisions[kind]) == 0) continue;
-        const auto is_it = [&](std::uint32_t i) { return result_.outcomes[i] == wrong_decisions[kind]; };
-        const auto i = *std::ranges::find_if(part.rays, is_it);
-        summary.faults[kind] = std::make_unique<WorstRay>(named(i, wrong_decisions[kind]));
+        const auto has_decision = [&](std::uint32_t i) { return result_.outcomes[i] == wrong_decisions[kind]; };
+        const auto i = *std::ranges::find_if(part.rays, has_decision);
+        summary.faults[kind] = std::make_unique<WorstRay>(ray_with_inputs(i, wrong_decisions[kind]));
     }
 }
 
-WorstRay RowSums::named(std::size_t i, Outcome outcome) const {
+WorstRay RowSums::ray_with_inputs(std::size_t i, Outcome outcome) const {
     const bool hit = result_.answers->hit[i] != 0, tells_t = row_.form->info->roots != intersect::Roots::none;
     const Truth truth = result_.truth(i);
     const int object = hit ? result_.answers->object[i] : truth.object;
-    const std::size_t primitive = answer::measured_at(*result_.inputs, i, object);
+    const std::size_t primitive = answer::measured_primitive(*result_.inputs, i, object);
     // Index of the band's first ray among all rays.
     const std::int64_t first = request_.first + std::int64_t{result_.y0} * result_.width;
     WorstRay w{.x = request_.first + static_cast<std::int64_t>(i % static_cast<std::size_t>(result_.width)),
@@ -145,7 +148,8 @@ WorstRay RowSums::named(std::size_t i, Outcome outcome) const {
                .judged = row_.judged};
     if (truth.is_hit())
         w.truth = result_.band->rounded_truth(i, binary64, row_.form->info->direction, row_.convention());
-    // Two primitives decide which hit is nearest: the form's and the true one. A field of distances depends on all.
+    // Two primitives decide which hit is nearest: the form's and the true one. A distance field depends on all
+    // primitives.
     std::set<int> deciding;
     if (is_primitive(row_.form->shape)) {
         if (hit) deciding.insert(object);

@@ -45,12 +45,13 @@ void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueL
                    const OutcomeColumns& out, FormSummary& summary);
 
 /// A form's statements about its own answer to ray i at one primitive: its error bound, the arithmetic of its filter,
-/// its steps, the levels of its boxes. The levels are those for the primitive `truly`, which the ray truly meets; there
-/// are none if `truly` is below 0. Statements that `needs` does not name, or that the form cannot make, are empty.
+/// its steps, the levels of its boxes. The levels are those for the primitive `true_primitive`, which the ray truly
+/// meets; there are none if it is negative. Statements that `needs` does not name, or that the form cannot make, are
+/// empty.
 class FormStatements {
 public:
     FormStatements(const TestedForm& row, unsigned needs, const truth::FormatInputs& inputs, const Ray<double>& ray,
-                   std::size_t i, std::size_t primitive, std::int32_t truly);
+                   std::size_t i, std::size_t primitive, std::int32_t true_primitive);
     /// Sets pointers in the sample to this object, which must outlive the sample.
     void fill(metric::Sample& sample) const;
 
@@ -62,7 +63,7 @@ private:
     double end_margin_ = truth::missing;
 };
 
-/// Sums up what is measured. The request, result and columns must outlive the RowSums.
+/// Adds the results of a row on a band to summaries. The request, result and columns must outlive the RowSums.
 class RowSums {
 public:
     /// `ulps`: the ulp_error of each ray, NaN for all but correct hits.
@@ -73,13 +74,13 @@ public:
     void keep_worst(FormSummary& summary, double largest) const;
     /// Keeps the first ray of each wrong decision.
     void keep_faults(FormSummary& summary) const;
-    /// Adds some rays to a summary of their own.
+    /// Adds the rays of a subset to the summary of the subset.
     void add(const RaySubset& part) const;
 
 private:
     /// Ray i with all its inputs, for a summary.
-    [[nodiscard]] WorstRay named(std::size_t i, answer::Outcome outcome) const;
-    [[nodiscard]] WorstRay worst(std::size_t i) const;
+    [[nodiscard]] WorstRay ray_with_inputs(std::size_t i, answer::Outcome outcome) const;
+    [[nodiscard]] WorstRay worst_hit(std::size_t i) const;
 
     const RowRequest& request_;
     const TestedForm& row_;

@@ -21,10 +21,10 @@ using Columns = std::vector<SummaryColumn>;
 using Kind = SummaryColumn::Kind;
 using S = FormSummary;
 
-double number(std::uint64_t n) { return static_cast<double>(n); }
+double to_double(std::uint64_t n) { return static_cast<double>(n); }
 
 template <Outcome o>
-double of_hits(const S& s) {
+double fraction_of_hits(const S& s) {
     return fraction(s.count(o), s.true_hits);
 }
 
@@ -34,13 +34,13 @@ enum class Shown { always, of_meshes, to_claims };
 /// Columns of every summary, whatever is measured. An answer at NaN is counted neither as a false hit nor as a false
 /// miss, although its ray truly hits or misses.
 Columns outcome_columns() {
-    Columns columns{{"rays", Kind::count, "", "rays, one per pixel", [](const S& s) { return number(s.rays); }}};
+    Columns columns{{"rays", Kind::count, "", "rays, one per pixel", [](const S& s) { return to_double(s.rays); }}};
     const auto count = [&columns](Outcome o, const char* meaning, Shown shown = Shown::always) {
         columns.push_back({.name = std::string(answer::outcome_names[static_cast<std::size_t>(o)]),
                            .kind = Kind::count,
                            .unit = "",
                            .meaning = meaning,
-                           .value = [o](const S& s) { return number(s.count(o)); },
+                           .value = [o](const S& s) { return to_double(s.count(o)); },
                            .of_meshes = shown == Shown::of_meshes});
     };
     const auto share = [&columns](const char* name, const char* meaning, double (*value)(const S&), Shown shown) {
@@ -62,14 +62,14 @@ Columns outcome_columns() {
     share(
         "false_hit_fraction", "false_hit among the rays that truly miss",
         [](const S& s) { return fraction(s.count(Outcome::false_hit), s.true_misses()); }, Shown::always);
-    share("false_miss_fraction", "false_miss among the rays that truly hit", of_hits<Outcome::false_miss>,
+    share("false_miss_fraction", "false_miss among the rays that truly hit", fraction_of_hits<Outcome::false_miss>,
           Shown::always);
     share(
         "not_a_number_fraction", "not_a_number among all rays",
         [](const S& s) { return fraction(s.count(Outcome::not_a_number), s.rays); }, Shown::to_claims);
     count(Outcome::wrong_primitive, "wrong primitives: form and truth hit, but the form hits another primitive first");
     share("wrong_primitive_fraction", "wrong_primitive among the rays that truly hit",
-          of_hits<Outcome::wrong_primitive>, Shown::to_claims);
+          fraction_of_hits<Outcome::wrong_primitive>, Shown::to_claims);
     share(
         "wrong_fraction",
         "not_a_number, false_hit, false_miss, wrong_primitive, crack, double_hit and out_of_order among all rays whose "
@@ -84,11 +84,11 @@ Columns outcome_columns() {
     count(Outcome::out_of_order,
           "rays on which the form claims a triangle and answers one that is truly behind it and not its neighbour",
           Shown::of_meshes);
-    share("crack_fraction", "crack among the rays that truly hit", of_hits<Outcome::crack>, Shown::of_meshes);
-    share("double_hit_fraction", "double_hit among the rays that truly hit", of_hits<Outcome::double_hit>,
+    share("crack_fraction", "crack among the rays that truly hit", fraction_of_hits<Outcome::crack>, Shown::of_meshes);
+    share("double_hit_fraction", "double_hit among the rays that truly hit", fraction_of_hits<Outcome::double_hit>,
           Shown::of_meshes);
-    share("out_of_order_fraction", "out_of_order among the rays that truly hit", of_hits<Outcome::out_of_order>,
-          Shown::of_meshes);
+    share("out_of_order_fraction", "out_of_order among the rays that truly hit",
+          fraction_of_hits<Outcome::out_of_order>, Shown::of_meshes);
     return columns;
 }
 
@@ -96,10 +96,11 @@ std::uint64_t sum(const std::vector<std::uint64_t>& counts) {
     return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
 }
 
-/// Index of the most frequent culprit; missing if no ray has one.
+/// Index of the most frequent culprit; NaN if no ray has a culprit.
 double most_frequent(const std::vector<std::uint64_t>& counts) {
-    const auto most = std::max_element(counts.begin() + 1, counts.end());
-    return most == counts.end() || *most == 0 ? missing : number(static_cast<std::uint64_t>(most - counts.begin()));
+    const auto largest = std::max_element(counts.begin() + 1, counts.end());
+    return largest == counts.end() || *largest == 0 ? missing
+                                                    : to_double(static_cast<std::uint64_t>(largest - counts.begin()));
 }
 
 void add_culprit(const Metric& metric, std::size_t m, Columns& columns) {
@@ -111,14 +112,15 @@ void add_culprit(const Metric& metric, std::size_t m, Columns& columns) {
                        .categories = metric.categories});
     columns.push_back({column_name(metric) + "_fraction", Kind::number, "1",
                        "its share of the rays that have a culprit", [m](const S& s) {
-                           const double most = most_frequent(s.categories[m]);
-                           if (std::isnan(most)) return missing;
+                           const double culprit = most_frequent(s.categories[m]);
+                           if (std::isnan(culprit)) return missing;
                            return attribution::culprit_share(s.categories[m],
-                                                             std::array{static_cast<std::size_t>(most)});
+                                                             std::array{static_cast<std::size_t>(culprit)});
                        }});
 }
 
-/// A form that does not march has no such categories: they are missing, not zero.
+/// Adds the counts of a metric's categories. If no ray has a category, as for a form that does not march, they are
+/// missing, not zero.
 void add_categories(const Metric& metric, std::size_t m, Columns& columns) {
     const std::string name = column_name(metric);
     for (std::size_t c = 0; c < metric.categories.size(); ++c) {
@@ -127,7 +129,7 @@ void add_categories(const Metric& metric, std::size_t m, Columns& columns) {
                            "rays whose " + name + " is " + category + ": " + std::string(metric.meaning),
                            [m, c](const S& s) {
                                const auto& counts = s.categories[m];
-                               return sum(counts) == 0 ? missing : number(counts[c]);
+                               return sum(counts) == 0 ? missing : to_double(counts[c]);
                            }});
         columns.push_back({.name = name + "_" + category + "_fraction",
                            .kind = Kind::number,
@@ -138,7 +140,7 @@ void add_categories(const Metric& metric, std::size_t m, Columns& columns) {
     }
 }
 
-/// Adds the number of hits in common for `against`, whatever their t.
+/// Adds the number of rays that both forms of `against` hit, whatever their t.
 void add_both_hit(std::size_t m, Columns& columns) {
     using answer::AgainstOutcome;
     columns.push_back({"against_both_hit", Kind::count, "",
@@ -146,31 +148,31 @@ void add_both_hit(std::size_t m, Columns& columns) {
                        [m](const S& s) {
                            const auto& counts = s.categories[m];
                            if (sum(counts) == 0) return missing;
-                           std::uint64_t both = 0;
+                           std::uint64_t both_hit = 0;
                            for (const AgainstOutcome a :
                                 {AgainstOutcome::same_t, AgainstOutcome::other_t, AgainstOutcome::incomparable_t})
-                               both += counts[static_cast<std::size_t>(a)];
-                           return number(both);
+                               both_hit += counts[static_cast<std::size_t>(a)];
+                           return to_double(both_hit);
                        }});
 }
 
 void add_statistics(const Metric& metric, std::size_t m, Columns& columns) {
-    const std::string name = column_name(metric), over = metric.domain == metric::MetricDomain::marches ||
-                                                                 metric.domain == metric::MetricDomain::every
-                                                             ? " over all rays"
-                                                         : metric.domain == metric::MetricDomain::pairs
-                                                             ? " over the rays that both hit"
-                                                             : " over agree_hit";
+    const std::string name = column_name(metric), population = metric.domain == metric::MetricDomain::marches ||
+                                                                       metric.domain == metric::MetricDomain::every
+                                                                   ? " over all rays"
+                                                               : metric.domain == metric::MetricDomain::pairs
+                                                                   ? " over the rays that both hit"
+                                                                   : " over agree_hit";
     for (const metric::Statistic& statistic : metric::statistics) {
-        const bool bucketed = statistic.q > 0 && statistic.q < 1;
-        columns.push_back(
-            {column_name(metric, statistic), Kind::number, std::string(metric.unit),
-             std::string(statistic.meaning) + (bucketed ? " (to 2^-11 of itself)" : "") + " of |" + name + "|" + over,
-             [m, statistic](const S& s) { return statistic.of(s.metrics[m]); }});
+        const bool is_bucketed = statistic.q > 0 && statistic.q < 1;
+        columns.push_back({column_name(metric, statistic), Kind::number, std::string(metric.unit),
+                           std::string(statistic.meaning) + (is_bucketed ? " (to 2^-11 of itself)" : "") + " of |" +
+                               name + "|" + population,
+                           [m, statistic](const S& s) { return statistic.of(s.metrics[m]); }});
     }
-    // Valid only for random rays: those of a picture are not independent.
-    const auto add_bound = [&](const char* end, double metric::Bounds::*bound) {
-        columns.push_back({.name = name + "_p99" + end,
+    // These bounds are valid only for random rays: the rays of a picture are not independent.
+    const auto add_bound = [&](const char* suffix, double metric::Bounds::*bound) {
+        columns.push_back({.name = name + "_p99" + suffix,
                            .kind = Kind::number,
                            .unit = std::string(metric.unit),
                            .meaning = "end of the interval that holds the 99th percentile of all such rays with 95 % "
@@ -182,20 +184,20 @@ void add_statistics(const Metric& metric, std::size_t m, Columns& columns) {
     add_bound("_high", &metric::Bounds::high);
 }
 
-/// A number of the worst ray; missing if there is none.
+/// Returns `part` of the worst ray; NaN if there is none.
 template <class Part>
 std::function<double(const S&)> of_worst(const Part& part) {
     return [part](const S& s) { return s.worst.x < 0 ? missing : part(s.worst); };
 }
-/// A number of the first wrong decision; missing if there is none.
+/// Returns `part` of the first ray with the most frequent wrong decision; NaN if there is none.
 template <class Part>
 std::function<double(const S&)> of_fault(const Part& part) {
     return [part](const S& s) { return s.fault() == nullptr ? missing : part(*s.fault()); };
 }
 
-/// Adds a number as a decimal and exactly.
-void add_both(Columns& columns, const std::string& name, const std::string& meaning,
-              const std::function<double(const S&)>& value) {
+/// Adds a number twice: as a decimal, and exactly as a hexadecimal float.
+void add_decimal_and_hex(Columns& columns, const std::string& name, const std::string& meaning,
+                         const std::function<double(const S&)>& value) {
     columns.push_back({name, Kind::number, "t", meaning, value});
     columns.push_back({name + "_hex", Kind::hex, "t", "the same, exactly, as a C hexadecimal float", value});
 }
@@ -233,9 +235,10 @@ Columns worst_columns(const std::vector<Shape>& shapes) {
          of_worst([](const W& w) { return static_cast<double>(w.object); })},
         {"worst_ulp_error", Kind::number, "ulp", "(t - t*)/ulp(t*) there, with its sign",
          of_worst([](const W& w) { return w.ulps; })}};
-    add_both(columns, "worst_t", "the form's answer there, in its own unit", of_worst([](const W& w) { return w.t; }));
-    add_both(columns, "worst_truth", "t* there, correctly rounded to binary64, in the same unit",
-             of_worst([](const W& w) { return w.truth; }));
+    add_decimal_and_hex(columns, "worst_t", "the form's answer there, in its own unit",
+                        of_worst([](const W& w) { return w.t; }));
+    add_decimal_and_hex(columns, "worst_truth", "t* there, correctly rounded to binary64, in the same unit",
+                        of_worst([](const W& w) { return w.truth; }));
     const auto add_hex = [&columns](const std::string& name, std::function<double(const S&)> value) {
         columns.push_back({"worst_" + name + "_hex", Kind::hex, "",
                            "the worst ray as the format holds it (before any normalisation), or the primitive that the "
@@ -254,9 +257,11 @@ Columns worst_columns(const std::vector<Shape>& shapes) {
             if (std::ranges::find(names, name) == names.end()) names.push_back(name);
     for (const std::string& name : names) {
         add_hex(name, of_worst([name](const W& w) {
-                    const auto own = number_names(w.primitive.shape);
-                    const auto at = std::ranges::find(own, name);
-                    return at == own.end() ? missing : w.primitive.numbers[static_cast<std::size_t>(at - own.begin())];
+                    const auto own_names = number_names(w.primitive.shape);
+                    const auto name_position = std::ranges::find(own_names, name);
+                    return name_position == own_names.end()
+                               ? missing
+                               : w.primitive.numbers[static_cast<std::size_t>(name_position - own_names.begin())];
                 }));
     }
     return columns;
@@ -272,10 +277,12 @@ Columns wrong_decision_columns() {
                     "meshes, crack, double_hit or out_of_order; the other columns of a fault are about its first ray",
          .value = of_fault([](const W& w) { return static_cast<double>(w.outcome); }),
          .categories = answer::outcome_names}};
-    add_both(columns, "fault_t", "the form's answer there, in its own unit; missing where it misses or is not a number",
-             of_fault([](const W& w) { return w.t; }));
-    add_both(columns, "fault_truth", "t* there, correctly rounded to binary64; missing where the ray truly misses",
-             of_fault([](const W& w) { return w.truth; }));
+    add_decimal_and_hex(columns, "fault_t",
+                        "the form's answer there, in its own unit; missing where it misses or is not a number",
+                        of_fault([](const W& w) { return w.t; }));
+    add_decimal_and_hex(columns, "fault_truth",
+                        "t* there, correctly rounded to binary64; missing where the ray truly misses",
+                        of_fault([](const W& w) { return w.truth; }));
     return columns;
 }
 

@@ -1,4 +1,4 @@
-// A table of the numbers of a summary. Each row of the table is a column of summary.csv, samples.csv and cases.csv, a
+// Table of the numbers of a summary. Each row of the table is a column of summary.csv, samples.csv and cases.csv, a
 // quantity that claims can name, and an entry of the page.
 #pragma once
 
@@ -19,7 +19,7 @@ struct SummaryColumn {
     std::string name;
     Kind kind;
     std::string unit, meaning;
-    std::function<double(const FormSummary&)> value;  ///< NaN if it is missing
+    std::function<double(const FormSummary&)> value;  ///< NaN if there is no value
     std::span<const std::string_view> categories = {};
     bool tabled = true;      ///< false: only for claims
     bool of_meshes = false;  ///< tabled only if there are meshes

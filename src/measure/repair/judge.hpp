@@ -1,5 +1,6 @@
-// Requirement of a repair, and the worth of tapes to it on all rays of a scene, or on those kept of files. Also what a
-// repaired form is compared with: the catalogue's forms for the same primitives, and the range in which it holds.
+// Request of a repair, and the quality of tapes on all rays of a scene, or on a sample of the rays of files. Also finds
+// the catalogue's forms for the same primitives, to compare a repaired form with, and the ranges in which a repaired
+// form holds.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,7 @@ using choice::RowQuality;
 
 struct RepairRequest {
     const scene::file::Scene* scene = nullptr;
-    const choice::FileRays* rays = nullptr;  ///< in place of a scene; their sample is searched on
+    const choice::FileRays* rays = nullptr;  ///< in place of a scene; the search uses their sample
     evaluate::TestedForm row;                ///< in f32 or f64
     Requirement requirement{};
     bool two_words = false;  ///< two floats in place of a double; for double always
@@ -27,7 +28,7 @@ struct RepairRequest {
     /// Receives the number of candidates tried so far; may throw to stop.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
-    /// Worth of tapes on all rays of the files; used with files alone, since their rays exist in no other pixels.
+    /// Quality of tapes on all rays of the files. Set for files only: they have no other pixels that could be held out.
     std::function<std::vector<RowQuality>(const std::vector<Tape>&)> on_all = nullptr;
 
     /// Name of the results: the id of the scene, or of the files.
@@ -37,51 +38,51 @@ struct RepairRequest {
 /// Rays in place of those of a request: stored numbers, or ideal ones that each format rounds.
 using MovedRays = std::variant<scene::rays::RayGroup, choice::IdealRays>;
 
-/// Measures the worth of tapes on the rays of a request. The truth of at most `most_kept` rays is found once and kept;
-/// for more rays it is found again in every call.
+/// Measures the quality of tapes on the rays of a request. The truth of at most `max_kept_rays` rays is found once and
+/// kept; for more rays it is found again in every call.
 class Judge {
 public:
     explicit Judge(const RepairRequest& request) : Judge(request, request.scene) {}
     /// Uses the request's row and requirement, but the rays of this scene.
     Judge(const RepairRequest& request, const scene::file::Scene& scene) : Judge(request, &scene) {}
-    /// The same with these rays.
+    /// Uses the request's row and requirement, but these rays.
     Judge(const RepairRequest& request, const MovedRays& rays);
     ~Judge();
     Judge(const Judge&) = delete;
     Judge& operator=(const Judge&) = delete;
 
-    /// Worth of each tape, in the order of the tapes.
+    /// Quality of each tape, in the order of the tapes.
     std::vector<RowQuality> quality_of(const std::vector<Tape>& tapes);
-    /// Worth of rows that have the contract and format of the request's row. `show` receives their answers; it may be
+    /// Quality of rows that have the contract and format of the request's row. `show` receives their answers; it may be
     /// empty.
     std::vector<RowQuality> quality_of(const std::vector<evaluate::TestedForm>& rows,
                                        const evaluate::ShowRows& show = {});
     [[nodiscard]] std::uint64_t rays() const;
     [[nodiscard]] std::uint64_t tried() const { return tried_; }
 
-    static constexpr std::uint64_t most_kept = 1U << 19;
+    static constexpr std::uint64_t max_kept_rays = 1U << 19;
 
 private:
     class Part;
     Judge(const RepairRequest& request, const scene::file::Scene* scene);
     std::vector<RowQuality> quality_of(const std::vector<evaluate::TestedForm>& rows, const evaluate::ShowRows& show,
                                        const std::vector<std::unique_ptr<tape::TapeForm>>& tapes);
-    void each_part(const std::function<void(const Part&)>& act);
+    void for_each_part(const std::function<void(const Part&)>& action);
 
     const RepairRequest& request_;
     const scene::file::Scene* scene_;
     std::unique_ptr<culling::Culler> culler_;
-    std::vector<std::unique_ptr<Part>> kept_;
+    std::vector<std::unique_ptr<Part>> parts_;
     std::uint64_t tried_ = 0;
 };
 
-/// Compares two worths: fewer wrong decisions count before more bits.
+/// True if `a` has fewer wrong decisions than `b`, or as many and more bits.
 bool is_more_accurate(const RowQuality& a, const RowQuality& b);
 
-/// Worth of the form itself. InputError where its tape answers differently on some ray.
+/// Quality of the form itself. Throws InputError if its tape answers differently on some ray.
 RowQuality own_quality(const RepairRequest& request, const Tape& tape, Judge& judge);
 
-/// Tells if a form with the contract of the request's form answers on all its rays as a tape does, to the bit.
+/// True if a form with the contract of the request's form answers like a tape, to the bit, on all rays of the request.
 bool answers_as(const evaluate::TestedForm& form, const Tape& tape, const RepairRequest& request, Judge& judge);
 
 /// All forms of the catalogue for the same primitives and format. Under matrices, every form is taken through the
@@ -92,13 +93,14 @@ struct Ranked {
     evaluate::TestedForm row;
     RowQuality quality;
 };
-/// The forms of `catalogue_beside` with their worth on the request's rays, the most accurate first.
+/// The forms of `catalogue_beside` with their quality on the request's rays, the most accurate first.
 std::vector<Ranked> ranked_catalogue(const RepairRequest& request);
 
 /// Number of rays on which `margins_of_tape` and probes measure, at most.
 inline constexpr int few_rays = 4096;
 
-/// Ranges in which a form holds that has the contract of the request's form and does what the tape does.
+/// Ranges in which the requirement holds for a form that has the contract of the request's form and the operations of
+/// the tape.
 std::vector<choice::GrowthMargin> margins_of_tape(const RepairRequest& request, const Tape& tape);
 
 }  // namespace lostbits::measure::repair

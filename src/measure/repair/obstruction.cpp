@@ -1,4 +1,4 @@
-// Answers of a form's operations without any rounding, compared with the truth.
+// Compares the answers of a form's operations without any rounding with the truth.
 #include <algorithm>
 #include <cmath>
 
@@ -29,14 +29,14 @@ RowQuality RaySample::exact_quality(const Tape& tape, const std::vector<std::vec
     std::uint64_t false_hits = 0;
     const FloatFormat& format = row_.format.parameters;
     for (std::size_t i = 0; i < inputs.size(); ++i) {
-        const auto& [decision, right, range] = right_[i];
+        const auto& [decision, correct_t, range] = correct_answers_[i];
         if (decision == truth::Truth::Decision::unresolved) continue;
         limit_.stop.check();
-        const Tape exact = filled(tape, inputs[i], false);
+        const Tape exact = with_inputs(tape, inputs[i], false);
         if (divides_by_zero(exact)) continue;
         const double t = exact[exact.outputs.t].value;
         const bool hit = exact[exact.outputs.hit].value != 0 && !range.is_before(t) && !range.is_after(t);
-        const bool should_hit = !std::isnan(right);
+        const bool should_hit = !std::isnan(correct_t);
         ++quality.rays;
         quality.hits += should_hit ? 1 : 0;
         if (hit != should_hit) {
@@ -44,9 +44,9 @@ RowQuality RaySample::exact_quality(const Tape& tape, const std::vector<std::vec
             false_hits += hit ? 1 : 0;
         } else if (hit) {
             const double ulps =
-                right == 0
-                    ? (t == 0 ? 0 : HUGE_VAL)
-                    : std::ldexp(t - right, -static_cast<int>(ulp_exponent(format, std::ilogb(std::fabs(right)))));
+                correct_t == 0 ? (t == 0 ? 0 : HUGE_VAL)
+                               : std::ldexp(t - correct_t,
+                                            -static_cast<int>(ulp_exponent(format, std::ilogb(std::fabs(correct_t)))));
             lost.add(truth::lost_bits(ulps, format.precision));
         }
     }
@@ -58,11 +58,12 @@ RowQuality RaySample::exact_quality(const Tape& tape, const std::vector<std::vec
 }
 
 Obstruction RaySample::without_rounding(const Tape& tape) const {
-    Obstruction found{.exact = exact_quality(tape, inputs_)};
-    if (row_.form->info->direction != intersect::Direction::unit) return found;
-    for (const auto& inputs : inputs_) found.off_unit = std::max(found.off_unit, std::fabs(length_of(inputs) - 1));
-    found.with_unit = exact_quality(tape, with_unit_directions(inputs_));
-    return found;
+    Obstruction obstruction{.exact = exact_quality(tape, inputs_)};
+    if (row_.form->info->direction != intersect::Direction::unit) return obstruction;
+    for (const auto& inputs : inputs_)
+        obstruction.off_unit = std::max(obstruction.off_unit, std::fabs(length_of(inputs) - 1));
+    obstruction.with_unit = exact_quality(tape, with_unit_directions(inputs_));
+    return obstruction;
 }
 
 }  // namespace lostbits::measure::repair

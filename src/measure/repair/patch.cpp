@@ -33,114 +33,116 @@ using intersect::source_text::TextSpan;
 
 namespace {
 
-/// A change that cannot be written. The text ends a sentence.
+/// Thrown for a change that cannot be written. Its text ends a sentence.
 struct NotWritten : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// Finds which nodes of one tape compute another value in a second tape of the same form: replacing them makes the
-/// first tape the second. Takes nodes as far from the answer as possible, of those that can be replaced.
+/// Finds nodes of an old tape whose replacement turns it into a new tape of the same form. Of the nodes that can be
+/// replaced, takes those as far from the answer as possible.
 class Matcher {
 public:
-    Matcher(const Tape& own, const Tape& now, const std::function<bool(NodeId)>& can_replace)
-        : own_(own),
-          now_(now),
+    Matcher(const Tape& old_tape, const Tape& new_tape, const std::function<bool(NodeId)>& can_replace)
+        : old_tape_(old_tape),
+          new_tape_(new_tape),
           can_replace_(can_replace),
-          values_(shared_.values_of(own)),
-          new_(shared_.values_of(now)) {}
+          old_values_(shared_.values_of(old_tape)),
+          new_values_(shared_.values_of(new_tape)) {}
 
-    /// The node of the second tape for each node to replace; nothing if there is no such set.
-    std::optional<std::map<NodeId, NodeId>> replaced() {
+    /// The node of the new tape for each node of the old tape to replace; empty if no such set of nodes is found.
+    std::optional<std::map<NodeId, NodeId>> find_replacements() {
         for (int round = 0; round < 12; ++round) {
-            replaced_.clear(), failed_.clear(), kept_.clear(), steps_ = 0;
-            const auto &a = own_.outputs, &b = now_.outputs;
+            replacements_.clear(), failed_pairs_.clear(), matched_pairs_.clear(), step_count_ = 0;
+            const auto &a = old_tape_.outputs, &b = new_tape_.outputs;
             if (!match(a.t, b.t) || !match(a.hit, b.hit) || !match(a.near, b.near) || !match(a.far, b.far)) return {};
-            const std::vector<int> changed = values_with(replaced_);
-            const NodeId wrong = first_wrong(changed);
-            if (wrong == no_node) return replaced_;
+            const std::vector<int> changed_values = values_with(replacements_);
+            const NodeId wrong = first_wrong(changed_values);
+            if (wrong == no_node) return replacements_;
             forbid_below(wrong);
         }
         return {};
     }
-    /// The values of the first tape's nodes after the change.
-    [[nodiscard]] std::vector<int> values_with(const std::map<NodeId, NodeId>& replaced) {
+    /// The values of the old tape's nodes after the change.
+    [[nodiscard]] std::vector<int> values_with(const std::map<NodeId, NodeId>& replacements) {
         std::map<NodeId, int> values;
-        for (const auto& [o, n] : replaced) values[o] = value_of_new(n);
-        return shared_.values_of(own_, values);
+        for (const auto& [o, n] : replacements) values[o] = value_of_new(n);
+        return shared_.values_of(old_tape_, values);
     }
-    [[nodiscard]] int value_of_new(NodeId n) const { return new_[static_cast<std::size_t>(n)]; }
+    [[nodiscard]] int value_of_new(NodeId n) const { return new_values_[static_cast<std::size_t>(n)]; }
     [[nodiscard]] SharedNodes& shared() { return shared_; }
 
 private:
     bool match(NodeId o, NodeId n) {
-        if (++steps_ > 200'000 || failed_.contains({o, n})) return false;
-        kept_.emplace_back(o, n);
-        if (values_[static_cast<std::size_t>(o)] == value_of_new(n)) return true;
-        if (const auto known = replaced_.find(o); known != replaced_.end())
-            return value_of_new(known->second) == value_of_new(n);
-        const TapeNode &a = own_[o], &b = now_[n];
-        const bool same_format =
-            is_decision(a.op) ? is_decision(b.op) : !is_decision(b.op) && own_.format_of(o) == now_.format_of(n);
+        if (++step_count_ > 200'000 || failed_pairs_.contains({o, n})) return false;
+        matched_pairs_.emplace_back(o, n);
+        if (old_values_[static_cast<std::size_t>(o)] == value_of_new(n)) return true;
+        if (const auto found = replacements_.find(o); found != replacements_.end())
+            return value_of_new(found->second) == value_of_new(n);
+        const TapeNode &a = old_tape_[o], &b = new_tape_[n];
+        const bool same_format = is_decision(a.op)
+                                     ? is_decision(b.op)
+                                     : !is_decision(b.op) && old_tape_.format_of(o) == new_tape_.format_of(n);
         if (a.op == b.op && !is_given(a.op) && same_format) {
-            const auto before = replaced_;
-            const std::size_t kept = kept_.size();
+            const auto saved_replacements = replacements_;
+            const std::size_t matched_count = matched_pairs_.size();
             const bool commutes = a.op == TapeOp::add || a.op == TapeOp::mul;
-            for (const bool swapped : {false, true}) {
-                if (swapped && !commutes) break;
-                bool all = true;
-                for (std::size_t k = 0; all && k < row_of(a.op).operands; ++k)
-                    all = match(a.operands[k], b.operands[swapped ? 1 - k : k]);
-                if (all) return true;
-                replaced_ = before;
-                kept_.resize(kept);
+            for (const bool is_swapped : {false, true}) {
+                if (is_swapped && !commutes) break;
+                bool all_match = true;
+                for (std::size_t k = 0; all_match && k < row_of(a.op).operands; ++k)
+                    all_match = match(a.operands[k], b.operands[is_swapped ? 1 - k : k]);
+                if (all_match) return true;
+                replacements_ = saved_replacements;
+                matched_pairs_.resize(matched_count);
             }
         }
         if (same_format && !forbidden_.contains(o) && can_replace_(o)) {
-            replaced_[o] = n;
+            replacements_[o] = n;
             return true;
         }
-        failed_.emplace(o, n);
+        failed_pairs_.emplace(o, n);
         return false;
     }
-    /// A node that should have the value of another one, and does not: part of it was replaced for another's sake.
-    [[nodiscard]] NodeId first_wrong(const std::vector<int>& changed) const {
-        for (const auto& [o, n] : kept_)
-            if (changed[static_cast<std::size_t>(o)] != value_of_new(n)) return o;
+    /// A node that should have the value of its counterpart in the new tape, and does not: an operation that it uses
+    /// was replaced for the sake of another node.
+    [[nodiscard]] NodeId first_wrong(const std::vector<int>& changed_values) const {
+        for (const auto& [o, n] : matched_pairs_)
+            if (changed_values[static_cast<std::size_t>(o)] != value_of_new(n)) return o;
         return no_node;
     }
     void forbid_below(NodeId wrong) {
-        std::vector<NodeId> todo{wrong};
-        std::set<NodeId> seen;
-        while (!todo.empty()) {
-            const NodeId i = todo.back();
-            todo.pop_back();
-            if (!seen.insert(i).second) continue;
-            if (i != wrong && replaced_.contains(i)) forbidden_.insert(i);
-            for (const NodeId k : own_.operands_of(i)) todo.push_back(k);
+        std::vector<NodeId> pending{wrong};
+        std::set<NodeId> visited;
+        while (!pending.empty()) {
+            const NodeId i = pending.back();
+            pending.pop_back();
+            if (!visited.insert(i).second) continue;
+            if (i != wrong && replacements_.contains(i)) forbidden_.insert(i);
+            for (const NodeId k : old_tape_.operands_of(i)) pending.push_back(k);
         }
-        if (replaced_.contains(wrong)) forbidden_.insert(wrong);
+        if (replacements_.contains(wrong)) forbidden_.insert(wrong);
     }
 
     SharedNodes shared_;
-    const Tape &own_, &now_;
+    const Tape &old_tape_, &new_tape_;
     const std::function<bool(NodeId)>& can_replace_;
-    std::vector<int> values_, new_;
-    std::map<NodeId, NodeId> replaced_;
-    std::set<std::pair<NodeId, NodeId>> failed_;
-    std::vector<std::pair<NodeId, NodeId>> kept_;
+    std::vector<int> old_values_, new_values_;
+    std::map<NodeId, NodeId> replacements_;
+    std::set<std::pair<NodeId, NodeId>> failed_pairs_;
+    std::vector<std::pair<NodeId, NodeId>> matched_pairs_;
     std::set<NodeId> forbidden_;
-    std::size_t steps_ = 0;
+    std::size_t step_count_ = 0;
 };
 
-/// A value that stands under a name from a place of the text on.
-struct Visible {
+/// A name that has a value from an offset of the text on.
+struct VisibleName {
     std::size_t from;
     std::string text;
     int value;
 };
 
-/// The part of the text that computes a node, and how tightly its operator binds.
-struct Computed {
+/// The part of the text that computes a node.
+struct ComputedText {
     TextSpan span;
     bool is_statement = false;  ///< the whole value of a variable
 };
@@ -154,21 +156,21 @@ bool is_identifier(const std::string& text) {
 
 class Patcher::Writer {
 public:
-    Writer(const RepairRequest& request, const Tape& own, const UserFunction& function)
-        : request_(request), own_(own), function_(function), text_(function.source), tokens_(text_) {
-        for (std::size_t at = 0; at != std::string::npos && at < text_.size();) {
-            lines_.push_back(at);
-            at = text_.find('\n', at);
-            if (at != std::string::npos) ++at;
+    Writer(const RepairRequest& request, const Tape& old_tape, const UserFunction& function)
+        : request_(request), old_tape_(old_tape), function_(function), text_(function.source), tokens_(text_) {
+        for (std::size_t position = 0; position != std::string::npos && position < text_.size();) {
+            lines_.push_back(position);
+            position = text_.find('\n', position);
+            if (position != std::string::npos) ++position;
         }
-        if (request.scene) thin_ = choice::with_smaller_picture(*request.scene, few_rays);
-        if (thin_) judge_.emplace(request, *thin_);
+        if (request.scene) smaller_scene_ = choice::with_smaller_picture(*request.scene, few_rays);
+        if (smaller_scene_) judge_.emplace(request, *smaller_scene_);
         else judge_.emplace(request);
-        locate();
+        locate_nodes();
     }
 
-    Patch patch_of(const Tape& now) {
-        Patch made{.diff = {}, .why_not = {}, .file = function_.path};
+    Patch patch_of(const Tape& new_tape) {
+        Patch patch{.diff = {}, .why_not = {}, .file = function_.path};
         try {
             if (function_.language == WrittenIn::other)
                 throw NotWritten("it is not a file of C, C++, Rust, GLSL or HLSL");
@@ -176,90 +178,91 @@ public:
             if (is_double != (function_.bits == 64))
                 throw NotWritten(fmt::format("the function computes in {}, and this is a change in {}",
                                              is_double ? "float" : "double", request_.row.format.name));
-            for (const bool shares : {true, false}) {
-                made.diff = diff_of(now, shares);
-                if (!made.diff.empty()) return made;
+            for (const bool shares_values : {true, false}) {
+                patch.diff = diff_of(new_tape, shares_values);
+                if (!patch.diff.empty()) return patch;
             }
             throw NotWritten("the changed file does not compute these operations where the old one did");
         } catch (const NotWritten& reason) {
-            made.why_not = reason.what();
+            patch.why_not = reason.what();
         }
-        return made;
+        return patch;
     }
 
 private:
-    [[nodiscard]] bool is_in_file(int place) const {
-        if (place < 0) return false;
-        const SourcePlace& p = function_.places[static_cast<std::size_t>(place)];
+    [[nodiscard]] bool is_in_file(int place_index) const {
+        if (place_index < 0) return false;
+        const SourcePlace& p = function_.places[static_cast<std::size_t>(place_index)];
         return p.file == function_.path && p.line > 0 && static_cast<std::size_t>(p.line) <= lines_.size();
     }
-    /// The place in the function itself from which this one was called.
-    [[nodiscard]] int outermost(int place) const {
-        while (place >= 0 && is_in_file(function_.places[static_cast<std::size_t>(place)].caller))
-            place = function_.places[static_cast<std::size_t>(place)].caller;
-        return is_in_file(place) ? place : -1;
+    /// The place in the function itself from which the code at this place was called; −1 if there is none in the file.
+    [[nodiscard]] int outermost(int place_index) const {
+        while (place_index >= 0 && is_in_file(function_.places[static_cast<std::size_t>(place_index)].caller))
+            place_index = function_.places[static_cast<std::size_t>(place_index)].caller;
+        return is_in_file(place_index) ? place_index : -1;
     }
     [[nodiscard]] std::size_t line_begin(int line) const {
         return line < 1 || static_cast<std::size_t>(line) > lines_.size() ? text_.size()
                                                                           : lines_[static_cast<std::size_t>(line - 1)];
     }
 
-    /// Finds where each node of the tape is computed, and from where on each variable has which node.
-    void locate() {
-        const std::vector<NodeId> nodes = function_.written->nodes_on_tape(request_.row.format);
+    /// Finds where the text computes each node of the tape, and from which offset on a variable holds a node.
+    void locate_nodes() {
+        const std::vector<NodeId> tape_nodes = function_.written->nodes_on_tape(request_.row.format);
         std::map<std::pair<int, int>, std::vector<NodeId>> by_place;
-        for (std::size_t k = 0; k < nodes.size(); ++k) {
-            const int place = function_.place_of_operation[k];
-            if (!is_in_file(place) || outermost(place) != place || nodes[k] >= own_.size() ||
-                is_given(own_[nodes[k]].op))
+        for (std::size_t k = 0; k < tape_nodes.size(); ++k) {
+            const int place_index = function_.place_of_operation[k];
+            if (!is_in_file(place_index) || outermost(place_index) != place_index ||
+                tape_nodes[k] >= old_tape_.size() || is_given(old_tape_[tape_nodes[k]].op))
                 continue;
-            const SourcePlace& p = function_.places[static_cast<std::size_t>(place)];
-            if (p.column > 0) by_place[{p.line, p.column}].push_back(nodes[k]);
+            const SourcePlace& p = function_.places[static_cast<std::size_t>(place_index)];
+            if (p.column > 0) by_place[{p.line, p.column}].push_back(tape_nodes[k]);
         }
-        // rustc names the begin of an expression, and so several of them by one place: the last one is the whole.
+        // rustc names the begin of an expression, so several expressions can have one place: the last one is the whole
+        // expression.
         const bool is_begin = function_.language == WrittenIn::rust;
-        for (const auto& [at, all] : by_place) {
-            if (all.size() > 1 && !is_begin) continue;
-            const std::size_t offset = line_begin(at.first) + static_cast<std::size_t>(at.second - 1);
-            computed_[*std::ranges::max_element(all)] = {
+        for (const auto& [position, nodes] : by_place) {
+            if (nodes.size() > 1 && !is_begin) continue;
+            const std::size_t offset = line_begin(position.first) + static_cast<std::size_t>(position.second - 1);
+            computed_[*std::ranges::max_element(nodes)] = {
                 is_begin ? tokens_.expression_from(offset) : tokens_.expression_at(offset), false};
         }
-        for (const NamedNumber& named : function_.names) {
-            if (named.operation == no_node) continue;
-            const NodeId node = nodes[static_cast<std::size_t>(named.operation)];
-            const int place = outermost(named.place);
-            if (place < 0 || node >= own_.size()) continue;
-            const int line = function_.places[static_cast<std::size_t>(place)].line;
+        for (const NamedNumber& named_number : function_.names) {
+            if (named_number.operation == no_node) continue;
+            const NodeId node = tape_nodes[static_cast<std::size_t>(named_number.operation)];
+            const int place_index = outermost(named_number.place);
+            if (place_index < 0 || node >= old_tape_.size()) continue;
+            const int line = function_.places[static_cast<std::size_t>(place_index)].line;
             std::optional<TextSpan> value;
-            for (const int at : {line, named.declared})
-                if (!value && at > 0 && is_identifier(named.text))
-                    value = tokens_.value_of(named.text, line_begin(at), line_begin(at + 1));
-            if (value && !is_given(own_[node].op)) computed_[node] = {*value, true};
-            stored_.push_back({value ? value->end : line_begin(line + 1), named.text, node});
+            for (const int first_line : {line, named_number.declared})
+                if (!value && first_line > 0 && is_identifier(named_number.text))
+                    value = tokens_.value_of(named_number.text, line_begin(first_line), line_begin(first_line + 1));
+            if (value && !is_given(old_tape_[node].op)) computed_[node] = {*value, true};
+            stored_.push_back({value ? value->end : line_begin(line + 1), named_number.text, node});
         }
     }
 
-    std::string diff_of(const Tape& now, bool shares);
-    void write_one(NodeId o, NodeId n, bool shares);
-    void count_uses(const std::map<NodeId, NodeId>& replaced);
+    std::string diff_of(const Tape& new_tape, bool shares_values);
+    void write_expression(NodeId o, NodeId n, bool shares_values);
+    void count_uses(const std::map<NodeId, NodeId>& replacements);
     std::vector<NodeId> needed_by(NodeId n) const;
     std::string operand(NodeId n, int binds) const;
     std::string expression(NodeId n, int& binds) const;
     [[nodiscard]] const std::string* name_of(NodeId n) const;
-    void see(std::size_t from);
+    void collect_visible_names(std::size_t from);
     std::string new_name(NodeId n);
-    bool computes(const std::string& text, const Tape& now);
+    bool has_answers_of(const std::string& text, const Tape& new_tape);
     [[nodiscard]] bool is_double(const Tape& tape, NodeId i) const { return tape.format_of(i) == binary64; }
 
     const RepairRequest& request_;
-    const Tape& own_;
+    const Tape& old_tape_;
     const UserFunction& function_;
     const std::string& text_;
     SourceTokens tokens_;
     std::vector<std::size_t> lines_;
-    std::optional<scene::file::Scene> thin_;
+    std::optional<scene::file::Scene> smaller_scene_;
     std::optional<Judge> judge_;
-    std::map<NodeId, Computed> computed_;
+    std::map<NodeId, ComputedText> computed_;
     struct StoredNode {
         std::size_t from;
         std::string text;
@@ -269,180 +272,185 @@ private:
 
     // State of one patch
     Matcher* matcher_ = nullptr;
-    const Tape* now_ = nullptr;
-    std::vector<Visible> visible_;
-    std::map<int, std::string> seen_;  ///< names by their values where the text is written
+    const Tape* new_tape_ = nullptr;
+    std::vector<VisibleName> visible_;
+    std::map<int, std::string> names_by_value_;  ///< names, by their values, that can be read where the text is written
     std::map<NodeId, int> uses_;
     std::set<std::string> taken_;
     std::vector<TextChange> changes_;
 };
 
-/// Collects the names that can be read at an offset: of each name the last value before it.
-void Patcher::Writer::see(std::size_t from) {
-    std::map<std::string, int> last;
-    for (const Visible& v : visible_)
-        if (v.from <= from) last[v.text] = v.value;
-    seen_.clear();
-    for (const auto& [text, value] : last) {
-        std::string& known = seen_[value];
-        if (known.empty() || text.size() < known.size()) known = text;
+/// Collects the names that can be read at an offset, each with its last value before the offset.
+void Patcher::Writer::collect_visible_names(std::size_t from) {
+    std::map<std::string, int> last_values;
+    for (const VisibleName& v : visible_)
+        if (v.from <= from) last_values[v.text] = v.value;
+    names_by_value_.clear();
+    for (const auto& [text, value] : last_values) {
+        std::string& name = names_by_value_[value];
+        if (name.empty() || text.size() < name.size()) name = text;
     }
 }
 
 const std::string* Patcher::Writer::name_of(NodeId n) const {
-    const auto found = seen_.find(matcher_->value_of_new(n));
-    return found == seen_.end() ? nullptr : &found->second;
+    const auto found = names_by_value_.find(matcher_->value_of_new(n));
+    return found == names_by_value_.end() ? nullptr : &found->second;
 }
 
-/// The nodes that an expression for this one has to compute, in order.
+/// The nodes that an expression for node n has to compute, in order.
 std::vector<NodeId> Patcher::Writer::needed_by(NodeId n) const {
-    std::vector<NodeId> todo{n};
-    std::set<NodeId> found;
-    while (!todo.empty()) {
-        const NodeId i = todo.back();
-        todo.pop_back();
-        const bool is_known = is_given((*now_)[i].op) || (i != n && name_of(i) != nullptr) ||
+    std::vector<NodeId> pending{n};
+    std::set<NodeId> needed;
+    while (!pending.empty()) {
+        const NodeId i = pending.back();
+        pending.pop_back();
+        const bool is_known = is_given((*new_tape_)[i].op) || (i != n && name_of(i) != nullptr) ||
                               matcher_->shared().number_of(matcher_->value_of_new(i)) != nullptr;
-        if (is_known || !found.insert(i).second) continue;
-        for (const NodeId k : now_->operands_of(i)) todo.push_back(k);
+        if (is_known || !needed.insert(i).second) continue;
+        for (const NodeId k : new_tape_->operands_of(i)) pending.push_back(k);
     }
-    return {found.begin(), found.end()};
+    return {needed.begin(), needed.end()};
 }
 
 std::string Patcher::Writer::operand(NodeId n, int binds) const {
     if (const std::string* const name = name_of(n)) return *name;
-    int own = 4;
-    const std::string text = expression(n, own);
-    return own < binds ? "(" + text + ")" : text;
+    int own_binding = 4;
+    const std::string text = expression(n, own_binding);
+    return own_binding < binds ? "(" + text + ")" : text;
 }
 
-/// An expression for a node, and how tightly it binds.
+/// Returns an expression for node n; sets `binds` to how tightly it binds.
 std::string Patcher::Writer::expression(NodeId n, int& binds) const {
-    const TapeNode& node = (*now_)[n];
-    const bool wide = is_double(*now_, n);
+    const TapeNode& node = (*new_tape_)[n];
+    const bool is_wide = is_double(*new_tape_, n);
     if (const double* const x = matcher_->shared().number_of(matcher_->value_of_new(n))) {
-        const std::string digits = digits_in(function_.language, *x, wide);
+        const std::string digits = digits_in(function_.language, *x, is_wide);
         if (digits.empty()) throw NotWritten("it has a number that is not finite");
         binds = digits.starts_with('-') ? 3 : 4;
         return digits;
     }
     if (node.op == TapeOp::input) throw NotWritten("it needs a number that has no name in the function");
-    const bool of_double = is_double(*now_, is_comparison(node.op) ? node.operands[0] : n);
-    const SourcePattern written = node.op == TapeOp::convert ? conversion_in(function_.language, wide)
-                                                             : pattern_in(function_.language, node.op, of_double);
-    if (written.pattern.empty())
+    const bool is_of_double = is_double(*new_tape_, is_comparison(node.op) ? node.operands[0] : n);
+    const SourcePattern source_pattern = node.op == TapeOp::convert
+                                             ? conversion_in(function_.language, is_wide)
+                                             : pattern_in(function_.language, node.op, is_of_double);
+    if (source_pattern.pattern.empty())
         throw NotWritten(fmt::format("it needs {}, which the language has not", lostbits::name_of(node.op)));
-    binds = written.binds;
-    return attribution::filled(written.pattern,
+    binds = source_pattern.binds;
+    return attribution::filled(source_pattern.pattern,
                                [&](std::size_t k, int level) { return operand(node.operands[k], level); });
 }
 
 std::string Patcher::Writer::new_name(NodeId n) {
     std::string name;
-    for (const char c : (*now_)[n].label) {
+    for (const char c : (*new_tape_)[n].label) {
         if (std::isalnum(static_cast<unsigned char>(c)) != 0) name += c;
         else if (!name.ends_with('_')) name += '_';
     }
     while (name.ends_with('_')) name.pop_back();
     const bool is_named = !name.empty() && std::isdigit(static_cast<unsigned char>(name[0])) == 0;
     for (int k = 1;; ++k) {
-        const std::string tried = is_named ? (k == 1 ? name : fmt::format("{}_{}", name, k)) : fmt::format("part{}", k);
-        if (!tokens_.has_word(tried) && taken_.insert(tried).second) return tried;
+        const std::string candidate =
+            is_named ? (k == 1 ? name : fmt::format("{}_{}", name, k)) : fmt::format("part{}", k);
+        if (!tokens_.has_word(candidate) && taken_.insert(candidate).second) return candidate;
     }
 }
 
 /// Counts how often the new expressions use each node.
-void Patcher::Writer::count_uses(const std::map<NodeId, NodeId>& replaced) {
+void Patcher::Writer::count_uses(const std::map<NodeId, NodeId>& replacements) {
     uses_.clear();
-    for (const auto& [o, n] : replaced) {
-        see(computed_.at(o).span.begin);
+    for (const auto& [o, n] : replacements) {
+        collect_visible_names(computed_.at(o).span.begin);
         ++uses_[n];
         for (const NodeId i : needed_by(n))
-            for (const NodeId k : now_->operands_of(i)) ++uses_[k];
+            for (const NodeId k : new_tape_->operands_of(i)) ++uses_[k];
     }
 }
 
-/// Writes the expression of node `o` anew, and before its statement the values that it needs more than once.
-void Patcher::Writer::write_one(NodeId o, NodeId n, bool shares) {
-    const Computed& place = computed_.at(o);
-    see(place.span.begin);
-    const SourceTokens::Statement statement = tokens_.statement_around(place.span.begin);
+/// Writes the expression of old node `o` anew as that of new node `n`, and before its statement the values that it
+/// needs more than once.
+void Patcher::Writer::write_expression(NodeId o, NodeId n, bool shares_values) {
+    const ComputedText& computed_text = computed_.at(o);
+    collect_visible_names(computed_text.span.begin);
+    const SourceTokens::Statement statement = tokens_.statement_around(computed_text.span.begin);
     const std::size_t line = *std::prev(std::ranges::upper_bound(lines_, statement.begin));
     const bool begins_line = statement.before <= line;
     const std::string indent = text_.substr(line, text_.find_first_not_of(" \t", line) - line);
-    std::string declared;
+    std::string declarations;
     for (const NodeId i : needed_by(n)) {
-        const TapeOp op = (*now_)[i].op;
+        const TapeOp op = (*new_tape_)[i].op;
         if (i == n || uses_[i] < 2 || op == TapeOp::neg || op == TapeOp::convert || name_of(i) != nullptr) continue;
         int binds = 4;
         const std::string value = expression(i, binds), name = new_name(i);
-        const bool decides = is_decision(op);
-        declared += declared_in(function_.language, name, !decides && is_double(*now_, i), decides) + value + ";" +
-                    (begins_line ? "\n" + indent : " ");
-        const int own = matcher_->value_of_new(i);
-        seen_[own] = name;
-        if (shares) visible_.push_back({statement.begin, name, own});
+        const bool is_boolean = is_decision(op);
+        declarations += declaration_in(function_.language, name, !is_boolean && is_double(*new_tape_, i), is_boolean) +
+                        value + ";" + (begins_line ? "\n" + indent : " ");
+        const int value_index = matcher_->value_of_new(i);
+        names_by_value_[value_index] = name;
+        if (shares_values) visible_.push_back({statement.begin, name, value_index});
     }
     int binds = 4;
     std::string text = name_of(n) != nullptr ? *name_of(n) : expression(n, binds);
-    const int least = place.is_statement ? -2 : pattern_in(function_.language, own_[o].op, false).binds;
-    if (binds < least) text = "(" + text + ")";
-    if (!declared.empty()) changes_.push_back({{statement.begin, statement.begin}, declared});
-    changes_.push_back({place.span, text});
+    const int required_binding =
+        computed_text.is_statement ? -2 : pattern_in(function_.language, old_tape_[o].op, false).binds;
+    if (binds < required_binding) text = "(" + text + ")";
+    if (!declarations.empty()) changes_.push_back({{statement.begin, statement.begin}, declarations});
+    changes_.push_back({computed_text.span, text});
 }
 
-std::string Patcher::Writer::diff_of(const Tape& now, bool shares) {
+std::string Patcher::Writer::diff_of(const Tape& new_tape, bool shares_values) {
     const std::function<bool(NodeId)> can_replace = [this](NodeId o) { return computed_.contains(o); };
-    Matcher matcher(own_, now, can_replace);
-    const auto replaced = matcher.replaced();
-    if (!replaced) throw NotWritten("the operations that change are not whole expressions of the function");
-    matcher_ = &matcher, now_ = &now;
+    Matcher matcher(old_tape_, new_tape, can_replace);
+    const auto replacements = matcher.find_replacements();
+    if (!replacements) throw NotWritten("the operations that change are not whole expressions of the function");
+    matcher_ = &matcher, new_tape_ = &new_tape;
     visible_.clear(), changes_.clear(), taken_.clear();
-    const std::vector<int> values = matcher.values_with(*replaced);
+    const std::vector<int> values = matcher.values_with(*replacements);
     SharedNodes& shared = matcher.shared();
-    const FloatFormat& format = own_.format_of(own_.outputs.t);
-    for (const NamedNumber& named : function_.names) {
-        if (named.input < 0) continue;
-        const int in = shared.input(named.input, format);
-        visible_.push_back(
-            {0, named.text,
-             named.is_inverse ? shared.value_of(TapeOp::div, format, {shared.constant(1, format), in, -1}) : in});
+    const FloatFormat& format = old_tape_.format_of(old_tape_.outputs.t);
+    for (const NamedNumber& named_number : function_.names) {
+        if (named_number.input < 0) continue;
+        const int input_value = shared.input(named_number.input, format);
+        visible_.push_back({0, named_number.text,
+                            named_number.is_inverse
+                                ? shared.value_of(TapeOp::div, format, {shared.constant(1, format), input_value, -1})
+                                : input_value});
     }
     for (const StoredNode& s : stored_) visible_.push_back({s.from, s.text, values[static_cast<std::size_t>(s.node)]});
-    std::vector<std::pair<NodeId, NodeId>> order(replaced->begin(), replaced->end());
+    std::vector<std::pair<NodeId, NodeId>> order(replacements->begin(), replacements->end());
     std::ranges::sort(order, {}, [&](const auto& pair) { return computed_.at(pair.first).span; });
-    count_uses(*replaced);
-    for (const auto& [o, n] : order) write_one(o, n, shares);
-    const std::optional<std::string> changed = changed_text(text_, changes_);
-    if (!changed || !computes(*changed, now)) return "";
-    return unified_diff(function_.path, text_, *changed);
+    count_uses(*replacements);
+    for (const auto& [o, n] : order) write_expression(o, n, shares_values);
+    const std::optional<std::string> changed_file = changed_text(text_, changes_);
+    if (!changed_file || !has_answers_of(*changed_file, new_tape)) return "";
+    return unified_diff(function_.path, text_, *changed_file);
 }
 
-/// Compiles and follows the changed file, and compares it with the tape on the rays.
-bool Patcher::Writer::computes(const std::string& text, const Tape& now) {
+/// True if the changed file, compiled and followed, answers like the tape on the rays.
+bool Patcher::Writer::has_answers_of(const std::string& text, const Tape& new_tape) {
     const intersect::device::TemporaryFolder folder("lostbits-patch");
-    const std::filesystem::path own(function_.path), copy = folder.path / own.filename();
-    std::ofstream(copy, std::ios::binary) << text;
+    const std::filesystem::path original_path(function_.path), copy_path = folder.path / original_path.filename();
+    std::ofstream(copy_path, std::ios::binary) << text;
     try {
         const auto patched = intersect::function::load_function(
-            copy.string() + function_.name,
-            {.stop = request_.limit.stop, .headers = std::filesystem::absolute(own).parent_path()});
+            copy_path.string() + function_.name,
+            {.stop = request_.limit.stop, .headers = std::filesystem::absolute(original_path).parent_path()});
         if (patched->row.shape != request_.row.form->shape) return false;
-        return answers_as({.form = &patched->row, .format = request_.row.format}, now, request_, *judge_);
+        return answers_as({.form = &patched->row, .format = request_.row.format}, new_tape, request_, *judge_);
     } catch (const InputError&) {
         return false;
     }
 }
 
-Patcher::Patcher(const RepairRequest& request, const Tape& own) {
+Patcher::Patcher(const RepairRequest& request, const Tape& old_tape) {
     if (const UserFunction* const f = intersect::function::function_of(*request.row.form->info))
-        writer_ = std::make_unique<Writer>(request, own, *f);
+        writer_ = std::make_unique<Writer>(request, old_tape, *f);
 }
 
 Patcher::~Patcher() = default;
 
 bool Patcher::has_file() const { return writer_ != nullptr; }
 
-Patch Patcher::patch_of(const Tape& now) { return writer_->patch_of(now); }
+Patch Patcher::patch_of(const Tape& new_tape) { return writer_->patch_of(new_tape); }
 
 }  // namespace lostbits::measure::repair

@@ -1,5 +1,5 @@
-// A change of a form as a patch of the user's own file: the expressions of his function that compute something else are
-// written again, in his language and with his names.
+// A change of a form as a patch of the user's own file: the expressions of the user's function that change are written
+// again, in the language and with the names of the file.
 #pragma once
 
 #include <memory>
@@ -18,17 +18,17 @@ struct Patch {
 /// Writes patches of the function behind the request's form.
 class Patcher {
 public:
-    /// `own`: the tape of the form.
-    Patcher(const RepairRequest& request, const Tape& own);
+    /// `old_tape`: the tape of the form.
+    Patcher(const RepairRequest& request, const Tape& old_tape);
     ~Patcher();
     Patcher(const Patcher&) = delete;
     Patcher& operator=(const Patcher&) = delete;
 
     /// True if the form is a function of a file (`--function`).
     [[nodiscard]] bool has_file() const;
-    /// The change that makes the function compute as the tape does. The changed file was compiled and followed, and has
-    /// the bits of the tape on the request's rays (at most `few_rays`).
-    [[nodiscard]] Patch patch_of(const Tape& now);
+    /// Returns the change that makes the function compute as the new tape does. The changed file was compiled and
+    /// followed, and gives the bits of the new tape on the request's rays (at most `few_rays`).
+    [[nodiscard]] Patch patch_of(const Tape& new_tape);
 
 private:
     class Writer;

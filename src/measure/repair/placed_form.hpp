@@ -1,6 +1,6 @@
-// Form that takes the matrix of its primitive as well, compiled outside of the program and run over columns of rays. A
-// form repaired under a matrix is compiled this way. The interface is private to this program and what it compiles
-// itself; the C interface and `LOSTBITS_FORMULAS` pass no matrix.
+// Interface of a form that also takes the matrix of its primitive. Such a form, one repaired under a matrix, is
+// compiled outside of the program and run over columns of rays. The interface is private to this program and the code
+// that it compiles itself; the C interface and `LOSTBITS_FORMULAS` pass no matrix.
 #pragma once
 
 #include <array>
@@ -18,13 +18,13 @@
 
 namespace lostbits::measure::repair {
 
-/// Rays and answers, structure of arrays, of one primitive under its matrix as it is stored.
+/// Rays and answers as a structure of arrays, for one primitive under its matrix as it is stored.
 template <class F>
 struct PlacedColumns {
     const F* ray[6];
     const F* tmax;  ///< null: the rays have no end
     const F *primitive, *matrix;
-    F* told[3];  ///< results: t, near and far
+    F* results[3];  ///< results: t, near and far
     std::uint8_t* hit;
     std::size_t size;  ///< for packs, a multiple of their lanes
 };
@@ -32,36 +32,36 @@ struct PlacedColumns {
 template <class F>
 using PlacedKernel = void (*)(const PlacedColumns<F>*);
 
-/// Runs `Form::intersect` over T, which is F or a pack of it. In an object of a register width T has internal linkage,
-/// and so has everything instantiated here (see `Width`).
+/// Runs `Form::intersect` over T, which is F or a pack of it. In an object file for one register width, T has internal
+/// linkage, and so has everything instantiated here (see `Width`).
 template <class Form, template <class> class S, class T, class F>
 [[gnu::flatten]] void answer_placed(const PlacedColumns<F>* columns) {
-    const PlacedColumns<F> all = *columns;  // a copy: the stores below could reach it
-    const auto load = [](const F* from) {
-        if constexpr (std::same_as<T, F>) return *from;
-        else return T::load(from);
+    const PlacedColumns<F> local = *columns;  // a copy: the stores below could reach it
+    const auto load = [](const F* source) {
+        if constexpr (std::same_as<T, F>) return *source;
+        else return T::load(source);
     };
-    const auto store = [](const auto& value, auto* to) {
-        if constexpr (std::same_as<T, F>) *to = value;
-        else value.store(to);
+    const auto store = [](const auto& value, auto* target) {
+        if constexpr (std::same_as<T, F>) *target = value;
+        else value.store(target);
     };
     std::array<T, Affine<T>::numbers> matrix;
-    for (std::size_t k = 0; k < matrix.size(); ++k) matrix[k] = T(all.matrix[k]);
-    const S<T> primitive = primitive_from<S, T>([&all](std::size_t k) { return T(all.primitive[k]); });
-    for (std::size_t i = 0; i < all.size; i += sizeof(T) / sizeof(F)) {
-        const auto at = [&](std::size_t k) { return load(all.ray[k] + i); };
-        const Ray<T> ray{{at(0), at(1), at(2)}, {at(3), at(4), at(5)}};
+    for (std::size_t k = 0; k < matrix.size(); ++k) matrix[k] = T(local.matrix[k]);
+    const S<T> primitive = primitive_from<S, T>([&local](std::size_t k) { return T(local.primitive[k]); });
+    for (std::size_t i = 0; i < local.size; i += sizeof(T) / sizeof(F)) {
+        const auto component = [&](std::size_t k) { return load(local.ray[k] + i); };
+        const Ray<T> ray{{component(0), component(1), component(2)}, {component(3), component(4), component(5)}};
         const auto answer = [&] {
             if constexpr (!S<T>::takes_tmax) return Form::intersect(ray, primitive, matrix);
             else {
-                const T end = all.tmax ? load(all.tmax + i) : T(std::numeric_limits<F>::infinity());
+                const T end = local.tmax ? load(local.tmax + i) : T(std::numeric_limits<F>::infinity());
                 return Form::intersect(ray, primitive, matrix, end);
             }
         }();
-        store(answer.t, all.told[0] + i);
-        store(answer.near, all.told[1] + i);
-        store(answer.far, all.told[2] + i);
-        store(answer.hit, reinterpret_cast<bool*>(all.hit + i));  // bytes provide storage for bools
+        store(answer.t, local.results[0] + i);
+        store(answer.near, local.results[1] + i);
+        store(answer.far, local.results[2] + i);
+        store(answer.hit, reinterpret_cast<bool*>(local.hit + i));  // bytes provide storage for bools
     }
 }
 

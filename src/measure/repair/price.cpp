@@ -30,69 +30,69 @@ namespace {
 /// ends.
 template <class F>
 struct Kernels {
-    PlacedKernel<F> alone, packs;
+    PlacedKernel<F> single, packs;
     simd::Isa isa;      ///< of the packs
     std::size_t lanes;  ///< in a register
 };
 
-/// Answers whole packs by the packed kernel, where the run has the register width that it was compiled for, and the
-/// remaining rays one by one.
+/// Answers whole packs by the packed kernel, if the run has the register width that the kernel was compiled for, and
+/// the remaining rays one by one.
 template <class F>
 void answer(const Kernels<F>& kernels, PlacedColumns<F> columns, std::size_t size) {
-    const std::size_t whole =
+    const std::size_t packed_size =
         kernels.packs && simd::current_isa() == kernels.isa ? size / kernels.lanes * kernels.lanes : 0;
-    columns.size = whole;
-    if (whole != 0) kernels.packs(&columns);
-    for (const F*& column : columns.ray) column += whole;
-    if (columns.tmax) columns.tmax += whole;
-    for (F*& column : columns.told) column += whole;
-    columns.hit += whole;
-    columns.size = size - whole;
-    kernels.alone(&columns);
+    columns.size = packed_size;
+    if (packed_size != 0) kernels.packs(&columns);
+    for (const F*& column : columns.ray) column += packed_size;
+    if (columns.tmax) columns.tmax += packed_size;
+    for (F*& column : columns.results) column += packed_size;
+    columns.hit += packed_size;
+    columns.size = size - packed_size;
+    kernels.single(&columns);
 }
 
 template <class F>
-void run(void* own, const RayBatch<F>& rays, const Target<F>& target, const HitBatch<F>& hits) {
-    const bool one = target.primitives.size() == 1;
-    const std::size_t each = one ? rays.size() : 1;
-    for (std::size_t i = 0; i < rays.size(); i += each) {
-        const Primitive<F>& primitive = target.primitives[one ? 0 : i];
+void run(void* kernels, const RayBatch<F>& rays, const Target<F>& target, const HitBatch<F>& hits) {
+    const bool has_one_primitive = target.primitives.size() == 1;
+    const std::size_t rays_per_call = has_one_primitive ? rays.size() : 1;
+    for (std::size_t i = 0; i < rays.size(); i += rays_per_call) {
+        const Primitive<F>& primitive = target.primitives[has_one_primitive ? 0 : i];
         if (!primitive.placed) throw std::logic_error("a form that takes a matrix was given a primitive without one");
-        answer(*static_cast<const Kernels<F>*>(own),
+        answer(*static_cast<const Kernels<F>*>(kernels),
                {.ray = {&rays.ox[i], &rays.oy[i], &rays.oz[i], &rays.dx[i], &rays.dy[i], &rays.dz[i]},
                 .tmax = rays.tmax.empty() ? nullptr : &rays.tmax[i],
                 .primitive = primitive.numbers.data(),
                 .matrix = primitive.placed->matrix.data(),
-                .told = {&hits.t[i], &hits.near[i], &hits.far[i]},
+                .results = {&hits.t[i], &hits.near[i], &hits.far[i]},
                 .hit = &hits.hit[i],
-                .size = each},
-               each);
+                .size = rays_per_call},
+               rays_per_call);
     }
 }
 
 template <class F>
 intersect::table::Kernel<F> kernel_of(const external::Library& library, const std::string& name) {
-    static std::deque<Kernels<F>> all;
+    static std::deque<Kernels<F>> all_kernels;
     using Kernel = PlacedKernel<F>;
     using external::entry_of;
     const simd::Isa isa = simd::current_isa();
     const std::size_t bytes = isa == simd::Isa::w512 ? 64 : isa == simd::Isa::w256 ? 32 : 16;
-    all.push_back({entry_of<Kernel>(library, (name + "_alone").c_str()),
-                   entry_of<Kernel>(library, (name + "_packs").c_str()), isa, bytes / sizeof(F)});
-    Kernels<F>& kernels = all.back();
-    if (!kernels.alone) throw std::logic_error(name + ": the compiled library does not export its kernel");
+    all_kernels.push_back({entry_of<Kernel>(library, (name + "_alone").c_str()),
+                           entry_of<Kernel>(library, (name + "_packs").c_str()), isa, bytes / sizeof(F)});
+    Kernels<F>& kernels = all_kernels.back();
+    if (!kernels.single) throw std::logic_error(name + ": the compiled library does not export its kernel");
     return {run<F>, &kernels};
 }
 
 bool is_double(const RepairedSource& form) { return form.from.format.engine == Format::Engine::native64; }
 
-/// True if the forms take the matrix of their primitive. The forms of one list are alike in this, so the first one
+/// True if the forms take the matrix of their primitive. Either all forms of a list do or none does, so the first one
 /// decides.
 bool are_placed(const std::vector<RepairedSource>& forms) {
     return !forms.empty() && forms.front().from.form->is_placed;
 }
 
-/// The source that includes `mended0.hpp`, `mended1.hpp`, … and exports the kernels of each.
+/// Source that includes `mended0.hpp`, `mended1.hpp`, … and exports the kernels of each form.
 std::string placed_source_of(const std::vector<RepairedSource>& forms) {
     std::string text = "#include \"measure/repair/placed_form.hpp\"\n";
     for (std::size_t k = 0; k < forms.size(); ++k) {
@@ -104,19 +104,19 @@ std::string placed_source_of(const std::vector<RepairedSource>& forms) {
     return text;
 }
 
-/// Makes a row for each form, in the format of the form that it was made from. Rows use the register width of the run,
-/// as all rows under a matrix do.
+/// Makes a row for each form, in the format of the form that was repaired. These rows use the register width of the
+/// run, as all rows under a matrix do.
 std::vector<external::Formula> placed_rows(const fs::path& library, const std::vector<RepairedSource>& forms) {
     static std::deque<intersect::Info> infos;
     const external::Library loaded = external::load_library(library);
     std::vector<external::Formula> formulas;
     for (std::size_t k = 0; k < forms.size(); ++k) {
-        const Intersector& like = *forms[k].from.form;
+        const Intersector& original = *forms[k].from.form;
         const std::string name = "mended" + std::to_string(k);
-        intersect::Info& info = infos.emplace_back(*like.info);
+        intersect::Info& info = infos.emplace_back(*original.info);
         info.name = external::lasting_text("mended." + name);
         Intersector row{
-            .info = &info, .shape = like.shape, .native32 = nullptr, .native64 = nullptr, .is_placed = true};
+            .info = &info, .shape = original.shape, .native32 = nullptr, .native64 = nullptr, .is_placed = true};
         if (is_double(forms[k])) row.native64 = kernel_of<double>(loaded, name);
         else row.native32 = kernel_of<float>(loaded, name);
         formulas.push_back({.row = row, .packed = {}, .who = nullptr, .first = {}});
@@ -130,14 +130,14 @@ void write(const fs::path& file, const std::string& text) {
         throw EnvironmentError(file.string() + ": cannot write this file; set TMPDIR to a folder with free space");
 }
 
-/// Runs the compiler. EnvironmentError with its output where it fails.
-void run_compiler(const intersect::process::ProgramArguments& words, const RepairRequest& request) {
+/// Runs the compiler. Throws EnvironmentError with the compiler's output if it fails.
+void run_compiler(const intersect::process::ProgramArguments& arguments, const RepairRequest& request) {
     intersect::process::Child child(
-        words, {.who = words.front(), .timeout_advice = "", .seconds = 600, .stop = request.limit.stop});
-    const auto ended = child.read_to_end();
-    if (ended.status == 0) return;
-    const std::string why = ended.output.empty() ? "failed without any output" : ended.output;
-    throw EnvironmentError(intersect::process::shell_command(words) + ": " + why);
+        arguments, {.who = arguments.front(), .timeout_advice = "", .seconds = 600, .stop = request.limit.stop});
+    const auto result = child.read_to_end();
+    if (result.status == 0) return;
+    const std::string output = result.output.empty() ? "failed without any output" : result.output;
+    throw EnvironmentError(intersect::process::shell_command(arguments) + ": " + output);
 }
 
 /// Loads a library that this program compiled. A failure is an EnvironmentError: its cause is the machine, not the
@@ -146,14 +146,14 @@ template <class Load>
 auto load_compiled(const fs::path& library, const Load& load) {
     try {
         return load(library);
-    } catch (const InputError& refused) {
+    } catch (const InputError& error) {
         throw EnvironmentError(
-            std::string(refused.what()) +
+            std::string(error.what()) +
             "; the folder may not allow programs to run (noexec), or memory may be short; set TMPDIR to another one");
     }
 }
 
-std::string source_of(const std::vector<RepairedSource>& forms) {
+std::string library_source_of(const std::vector<RepairedSource>& forms) {
     if (are_placed(forms)) return placed_source_of(forms);
     std::string text = "#include <lostbits_form.hpp>\n", names;
     for (std::size_t k = 0; k < forms.size(); ++k) {
@@ -163,14 +163,14 @@ std::string source_of(const std::vector<RepairedSource>& forms) {
     return text + "LOSTBITS_FORMULAS(" + names + ")\n";
 }
 
-/// Makes work run in scalar arithmetic. Rows under a matrix use the current register width, so the width is `scalar`
-/// while they run.
-speed::TimedWork alone(speed::TimedWork work) {
+/// Returns the work with scalar arithmetic. Rows under a matrix use the current register width, so the width is
+/// `scalar` while they run.
+speed::TimedWork in_scalar_arithmetic(speed::TimedWork work) {
     work.pass = [pass = std::move(work.pass)] {
-        const simd::Isa before = simd::current_isa();
+        const simd::Isa previous_isa = simd::current_isa();
         set_isa(simd::Isa::scalar);
         pass();
-        set_isa(before);
+        set_isa(previous_isa);
     };
     return work;
 }
@@ -190,7 +190,7 @@ std::vector<intersect::external::Formula> compile_and_load(const RepairRequest& 
     for (std::size_t k = 0; k < forms.size(); ++k) write(path("mended" + std::to_string(k) + ".hpp"), forms[k].header);
     const std::string source = path("mended.cpp"), packs = path("packs.o"), library = path("mended.so"),
                       isa = "form.w" + std::string(name_of(simd::current_isa())) + ".flags";
-    write(source, source_of(forms));
+    write(source, library_source_of(forms));
     intersect::process::ProgramArguments link{setup.compiler, "-shared", source};
     if (fs::exists(setup.flags / isa)) {
         // form.flags names the libraries to link as well; `-c` does not use them.
@@ -200,34 +200,35 @@ std::vector<intersect::external::Formula> compile_and_load(const RepairRequest& 
     link.insert(link.end(), {"-o", library, flags("form.flags")});
     run_compiler(link, request);
     auto formulas = are_placed(forms)
-                        ? load_compiled(library, [&](const fs::path& at) { return placed_rows(at, forms); })
+                        ? load_compiled(library, [&](const fs::path& file) { return placed_rows(file, forms); })
                         : load_compiled(library, external::load_formulas);
     for (std::size_t k = 0; k < forms.size(); ++k) {
-        const evaluate::TestedForm& from = forms[k].from;
-        RepairRequest asked = request;
-        asked.row = from;
-        Judge judge(asked);
-        const evaluate::TestedForm own{.form = &formulas[k].row, .format = from.format, .judged = from.judged};
-        if (!answers_as(own, *forms[k].tape, asked, judge))
+        const evaluate::TestedForm& original = forms[k].from;
+        RepairRequest form_request = request;
+        form_request.row = original;
+        Judge judge(form_request);
+        const evaluate::TestedForm compiled{
+            .form = &formulas[k].row, .format = original.format, .judged = original.judged};
+        if (!answers_as(compiled, *forms[k].tape, form_request, judge))
             throw std::logic_error(forms[k].type + ": the compiled form has other answers than its tape");
-        if (!own.form->is_placed) simd::register_packs({{formulas[k].row.info, formulas[k].packed}});
+        if (!compiled.form->is_placed) simd::register_packs({{formulas[k].row.info, formulas[k].packed}});
     }
     return formulas;
 }
 
 std::vector<Price> prices_of(const RepairRequest& request, const std::vector<evaluate::TestedForm>& rows,
                              const speed::TimingPlan& plan) {
-    auto on_rays = request.scene ? speed::SceneWork(*request.scene, request.limit)
-                                 : speed::SceneWork(request.rays->sample, request.limit);
+    auto work_on_rays = request.scene ? speed::SceneWork(*request.scene, request.limit)
+                                      : speed::SceneWork(request.rays->sample, request.limit);
     const simd::Isa isa = simd::current_isa();
     std::vector<speed::TimedWork> work;
     std::vector<Price> prices;
     for (const evaluate::TestedForm& row : rows) {
-        const bool in_packs = row.form->is_placed || is_packed(*row.form, isa);
-        prices.push_back({.isa = name_of(in_packs ? isa : simd::Isa::scalar)});
-        work.push_back(on_rays.on(row, packed_kernels(*row.form, isa)));
-        work.push_back(on_rays.on(row, packed_kernels(*row.form, simd::Isa::scalar)));
-        if (row.form->is_placed) work.back() = alone(work.back());
+        const bool uses_packs = row.form->is_placed || is_packed(*row.form, isa);
+        prices.push_back({.isa = name_of(uses_packs ? isa : simd::Isa::scalar)});
+        work.push_back(work_on_rays.on(row, packed_kernels(*row.form, isa)));
+        work.push_back(work_on_rays.on(row, packed_kernels(*row.form, simd::Isa::scalar)));
+        if (row.form->is_placed) work.back() = in_scalar_arithmetic(work.back());
     }
     const auto times = time_interleaved(work, plan);
     for (std::size_t k = 0; k < rows.size(); ++k) prices[k].packed = times[2 * k], prices[k].single = times[2 * k + 1];

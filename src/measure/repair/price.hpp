@@ -1,4 +1,4 @@
-// Cost of repaired forms: each is compiled by the user's compiler, compared with its tape, and timed. Nothing is
+// Cost of repaired forms: each form is compiled by the user's compiler, compared with its tape, and timed. No cost is
 // estimated.
 #pragma once
 
@@ -22,7 +22,7 @@ struct RepairedSource {
     const Tape* tape;
     std::string header;         ///< text
     std::string type;           ///< the struct's name, with its namespace
-    evaluate::TestedForm from;  ///< the form that it was made from
+    evaluate::TestedForm from;  ///< the form that was repaired
 };
 
 /// Time in seconds for one ray and one primitive.
@@ -32,8 +32,8 @@ struct Price {
 };
 
 /// Compiles all forms into one library, also in packs of the current width, and loads it. The library stays loaded.
-/// Only the scene and the limit of the request are used. Throws EnvironmentError with the compiler's output if it
-/// fails, and std::logic_error if a compiled form gives other bits than its tape for any ray of the scene.
+/// Only the scene and the limit of the request are used. Throws EnvironmentError with the compiler's output if the
+/// compiler fails, and std::logic_error if a compiled form gives other bits than its tape for any ray of the scene.
 std::vector<intersect::external::Formula> compile_and_load(const RepairRequest& request,
                                                            const std::vector<RepairedSource>& forms,
                                                            const CompilerSetup& setup);

@@ -1,5 +1,5 @@
 // The rays of a request moved together with their primitives, so that the answers stay the same in real arithmetic:
-// axes exchanged, mirrored, rotated. A repair that was fitted to one axis of a scene fails on some of them.
+// axes exchanged, mirrored, rotated. A repair that was fitted to one axis of a scene fails on some of these rays.
 #pragma once
 
 #include <array>
@@ -17,17 +17,17 @@ namespace lostbits::measure::repair {
 /// Linear map that keeps every length: its matrix is `entries` over `divisor`.
 ///
 /// Only the maps that permute the axes, with signs, have entries that are exact in binary. Suppose 2^k is the smallest
-/// common denominator of a row, k ≥ 1. The squares of its three integers sum to 4^k, which 4 divides. A square is 0 or
-/// 1 modulo 4, so all three are even, and 2^k was not the smallest.
+/// common denominator of a row, k ≥ 1. The squares of the row's three integers sum to 4^k, which 4 divides. A square is
+/// 0 or 1 modulo 4, so all three are even, and 2^k was not the smallest.
 struct Isometry {
     std::string_view name;   ///< as in probes.csv
     std::string_view words;  ///< as in the text
     std::array<int, 9> entries;
     int divisor;
 
-    /// True if it permutes the axes, with signs; it then maps stored numbers to stored numbers.
+    /// True if the map permutes the axes, with signs; stored numbers are then mapped to stored numbers.
     [[nodiscard]] constexpr bool is_exact() const { return divisor == 1; }
-    /// True if it mirrors: its determinant is −1.
+    /// True if the map mirrors: its determinant is −1.
     [[nodiscard]] constexpr bool mirrors() const {
         const auto& [a, b, c, d, e, f, g, h, i] = entries;
         return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) < 0;
@@ -45,31 +45,32 @@ inline constexpr std::array isometries{
     Isometry{"rotated", "rotated by 147 degrees about (1, 2, 3)", {13, -26, 26,  34, 19, 2,  -14, 22, 29}, 39}};
 // clang-format on
 
-/// Maps a primitive about the origin. Nothing if the result is not a primitive of its shape: a box or an ellipsoid
+/// Maps a primitive about the origin. Empty if the result is not a primitive of the same shape: a box or an ellipsoid
 /// without a matrix stays along the axes, so it cannot be rotated.
-std::optional<Primitive<Real>> mapped(const Primitive<Real>& primitive, const Isometry& by);
+std::optional<Primitive<Real>> mapped(const Primitive<Real>& primitive, const Isometry& isometry);
 
-/// One of the isometries, and the rays there.
+/// One of the isometries, and the rays and primitives mapped by it.
 class Probe {
 public:
-    Probe(const Isometry& by, const RepairRequest& request, const MovedRays& rays) : by_(&by), judge_(request, rays) {}
-    [[nodiscard]] const Isometry& isometry() const { return *by_; }
+    Probe(const Isometry& isometry, const RepairRequest& request, const MovedRays& rays)
+        : isometry_(&isometry), judge_(request, rays) {}
+    [[nodiscard]] const Isometry& isometry() const { return *isometry_; }
     [[nodiscard]] Judge& judge() { return judge_; }
 
 private:
-    const Isometry* by_;
+    const Isometry* isometry_;
     Judge judge_;
 };
 
-/// Probes of a request that apply: on at most `rays` of its rays, fewer if there are many primitives. None for a flake
-/// or more than 1024 primitives. Forms that count one side of a primitive are not asked in a mirror, where rays meet
-/// the other one.
+/// The probes that apply to a request, on at most `rays` of its rays, fewer if there are many primitives. None for a
+/// flake or more than 1024 primitives. Forms that count one side of a primitive are not tested in a mirror, where rays
+/// meet the other side.
 std::vector<std::unique_ptr<Probe>> probes_of(const RepairRequest& request, int rays = few_rays);
 
 /// Groups of operations that are the same expression up to an exchange of x, y and z; every operation is in one group.
-/// `like`: a primitive of the form, with its way of storing a matrix. A partial sum that no exchange maps to an
+/// `example`: a primitive of the form, with its way of storing a matrix. A partial sum that no exchange maps to an
 /// operation is in the group of the whole sum. The order of operands does not matter, nor the brackets of a sum.
 std::vector<std::vector<NodeId>> exchanged_groups(const Tape& tape, const std::vector<NodeId>& operations,
-                                                  const Primitive<double>& like);
+                                                  const Primitive<double>& example);
 
 }  // namespace lostbits::measure::repair

@@ -16,9 +16,9 @@ struct WiderSet {
     std::vector<NodeId> operations;  ///< of the form's tape
     RowQuality quality{};
     std::vector<RowQuality> without =
-        {};  ///< worth with one operation left as it was and the others wider; none meets the requirement
-    /// No set of this many operations or fewer meets the requirement: all were tried. If it is one less than the size
-    /// of this set, the set is one of the smallest.
+        {};  ///< quality with one operation left as it was and the others wider; none meets the requirement
+    /// No set of this many operations or fewer meets the requirement: all such sets were tried. If `none_of` is one
+    /// less than the size of this set, the set is one of the smallest.
     std::size_t none_of = 0;
 };
 
@@ -45,15 +45,15 @@ struct Rewritten {
     std::vector<const Rule*> rules;    ///< the rules that made it, in order
     RowQuality quality{}, held_out{};  ///< worth on the scene, and on rays that were not searched on
     std::size_t operations = 0;        ///< number of operations that round
-    /// The fewest operations to do wider, where the form meets the requirement only with them; `tape` has them wider.
+    /// The fewest operations to do wider, if the form meets the requirement only with them; they are wider in `tape`.
     std::optional<WiderSet> set = {};
     std::vector<RowQuality> probed = {};  ///< worth on each probe
 };
 
 struct Rewriting {
-    /// Forms that meet the requirement and that nothing tried beats in both accuracy and work (`work_of`), the most
-    /// accurate first. Where none meets it, only the most accurate one, if it is more accurate than the form, or as
-    /// accurate with less work.
+    /// Forms that meet the requirement and that no other candidate beats in both accuracy and work (`work_of`), the
+    /// most accurate first. If no form meets the requirement, only the most accurate one, provided that it is more
+    /// accurate than the original form, or as accurate with less work.
     std::vector<Rewritten> found;
     std::uint64_t tried = 0;    ///< candidates tried, each on all rays
     std::uint64_t refused = 0;  ///< candidates not tried: in real arithmetic they answered differently on some ray
@@ -62,25 +62,25 @@ struct Rewriting {
 struct SearchLimit {
     std::size_t rounds = 8;     ///< in each round the most promising candidates are rewritten once
     std::size_t beam = 4;       ///< candidates kept by accuracy; as many again are kept by work
-    std::size_t places = 24;    ///< candidates from each form; replacements of what loses most bits come first
+    std::size_t places = 24;    ///< candidates from each form; operations that lose most bits come first
     std::size_t proposals = 3;  ///< forms kept in the end
 };
 
 /// Rewrites the form in rounds. Each round applies the rules to the most accurate forms so far and to those that meet
-/// the requirement with least work, and compares the results with the truth on all rays. It ends when nothing new
-/// comes, or after the last round. A candidate that is not the form in real arithmetic (on a sample of the rays, see
-/// `RaySample::agree`) is dropped.
+/// the requirement with least work, and compares the results with the truth on all rays. The search ends when a round
+/// finds no new form, or after the last round. A candidate that is not the form in real arithmetic (on a sample of the
+/// rays, see `RaySample::agree`) is dropped.
 Rewriting rewrite(const RepairRequest& request, const Tape& form, const RowQuality& own, Judge& judge,
                   const SearchLimit& limit = {});
 
-/// Estimate of the time of a tape before it is measured: the operations that round, with each division and root counted
-/// eight times. It orders the search and is not printed.
+/// Estimate of the time of a tape before it is measured: the number of operations that round, with each division and
+/// root counted eight times. The estimate orders the search and is not printed.
 std::size_t work_of(const Tape& tape);
 
-/// Cause of a requirement that the form does not meet with every operation wider: its operations without any rounding.
+/// Why the form does not meet the requirement even with every operation wider: its quality without any rounding.
 struct Obstruction {
     RowQuality exact{};  ///< worth on some of the rays, each with the primitive that it truly hits, or the first one
-    /// For a form that asks for directions of length one: the same with directions of length one to 53 bits, and the
+    /// For a form that asks for directions of length one: the quality with directions of length one to 53 bits, and the
     /// largest difference of the length of a stored direction from one.
     std::optional<RowQuality> with_unit = {};
     double off_unit = 0;
@@ -90,16 +90,16 @@ struct RepairResult {
     Tape tape;                         ///< the tape of the form
     FloatFormat wider;                 ///< the arithmetic of the wider operations
     std::size_t operations = 0;        ///< number of operations that round, and so could be done wider
-    RowQuality own{}, all{};           ///< worth as it is, and with every operation wider
+    RowQuality own{}, all{};           ///< quality of the form as it is, and with every operation wider
     std::optional<WiderSet> set = {};  ///< none: even with every operation wider the requirement is not met; empty
                                        ///< set: it is met as the form is
-    Rewriting rewriting = {};          ///< other ways of writing it; none where the requirement is met as the form is
-    std::uint64_t tried = 0;           ///< candidates tried, each on all rays
+    Rewriting rewriting = {};  ///< other ways of writing the form; none if the form meets the requirement as it is
+    std::uint64_t tried = 0;   ///< candidates tried, each on all rays
     scene::file::Scene held_out_scene = {};  ///< the scene in other pixels: rays that were not searched on
-    /// Worth of the form and of the set on `held_out_scene`; with files, on all their rays.
+    /// Quality of the form and of the set on `held_out_scene`; with files, on all their rays.
     RowQuality own_held_out{}, set_held_out{};
-    /// Probes that apply, and the worth there of the form and of the set (of all operations wider without a set). None
-    /// where nothing meets the requirement.
+    /// Probes that apply, and the quality there of the form and of the set (without a set, of the form with all
+    /// operations wider). Empty if no set and no rewritten form meets the requirement.
     std::vector<const Isometry*> probes = {};
     std::vector<RowQuality> own_probed = {}, set_probed = {};
     std::uint64_t probed_rays = 0;                ///< number of rays of each probe
@@ -107,16 +107,16 @@ struct RepairResult {
     std::optional<Obstruction> obstruction = {};  ///< where the form does not meet the requirement even all wider
 };
 
-/// Repairs the form of a request. `affordable` is that of `smallest_set`. InputError for a form whose operations are
-/// not the same for every ray of the scene: its tape then has other answers than the form.
+/// Repairs the form of a request. `affordable` is that of `smallest_set`. Throws InputError for a form whose operations
+/// are not the same for every ray of the scene: its tape then has other answers than the form.
 RepairResult repair_form(const RepairRequest& request, std::uint64_t affordable = 600);
 
-/// True where the primitives' matrices are stored as inverses (world to object); false without matrices. InputError as
-/// for `recorded`.
+/// True if the primitives' matrices are stored as inverses (world to object); false without matrices. Throws InputError
+/// as `recorded` does.
 bool are_inverses(const RepairRequest& request);
 
 /// Records every operation of the request's form, as its primitives are stored. Each way of storing a matrix has a tape
-/// of its own, and so has a primitive without a matrix: InputError where the primitives are of several kinds.
+/// of its own, and so has a primitive without a matrix. Throws InputError if the primitives are of several kinds.
 Tape recorded(const RepairRequest& request);
 
 /// Tape of the form with a set of operations done wider.
@@ -128,12 +128,12 @@ public:
     /// hits, or with the first one.
     explicit RaySample(const RepairRequest& request, int rays = 64);
 
-    /// Counts how often each operation of a tape loses most.
+    /// Counts, for each operation of a tape, the rays of the sample on which it is the culprit.
     [[nodiscard]] std::vector<int> culprits(Tape tape) const;
 
-    /// True where two tapes of one form have the same answers on these rays in real arithmetic: both miss, or both hit
-    /// at the same t to 45 bits. A ray is not compared where a division by zero leaves either tape undefined. If the
-    /// form asks for directions of length one, directions are turned to an axis, so that their length is exactly one.
+    /// True if two tapes of one form have the same answers on these rays in real arithmetic: both miss, or both hit at
+    /// the same t to 45 bits. A ray is not compared where a division by zero leaves either tape undefined. If the form
+    /// asks for directions of length one, directions are turned to an axis, so that their length is exactly one.
     [[nodiscard]] bool agree(const Tape& a, const Tape& b) const;
 
     /// Compares the tape without any rounding with the truth of these rays.
@@ -153,13 +153,13 @@ private:
     Requirement requirement_;
     truth::TruthLimit limit_;
     std::vector<std::vector<double>> inputs_, exact_inputs_;  ///< inputs of each ray, in the order of the tape's inputs
-    std::vector<CorrectAnswer> right_;
+    std::vector<CorrectAnswer> correct_answers_;
 };
 
 /// Tape with other inputs and all values that follow from them, rounded to the format or not rounded.
-Tape filled(Tape tape, const std::vector<double>& inputs, bool rounds);
+Tape with_inputs(Tape tape, const std::vector<double>& inputs, bool rounds);
 
-/// True where the tape's values come from a division by zero.
+/// True if the tape divides by zero.
 bool divides_by_zero(const Tape& tape);
 
 }  // namespace lostbits::measure::repair

@@ -25,9 +25,9 @@ namespace {
 std::vector<double> along_axis(std::vector<double> numbers) {
     const auto d = numbers.begin() + 3;
     const auto largest = std::max_element(d, d + 3, [](double a, double b) { return std::fabs(a) < std::fabs(b); });
-    const double one = std::copysign(1, *largest);
+    const double unit = std::copysign(1, *largest);
     std::fill(d, d + 3, 0.0);
-    *largest = one;
+    *largest = unit;
     return numbers;
 }
 
@@ -36,7 +36,7 @@ struct Candidate {
     std::vector<const Rule*> rules = {};
     RowQuality quality{};
     std::size_t work = 0;
-    bool expanded = false;
+    bool is_expanded = false;
 };
 
 class RewriteSearch {
@@ -45,110 +45,115 @@ public:
                   const SearchLimit& limit)
         : request_(request), limit_(limit), form_(form), terms_(form), judge_(judge), sample_(request) {
         if (request.row.form->info->direction == intersect::Direction::unit) unit_ = direction_of(terms_);
-        all_.push_back({.outputs = terms_.outputs(), .quality = own, .work = work_of(form)});
+        candidates_.push_back({.outputs = terms_.outputs(), .quality = own, .work = work_of(form)});
         seen_.insert(identity::all_of(terms_.outputs()));
     }
 
-    Rewriting done() {
+    Rewriting run() {
         for (std::size_t round = 0; round < limit_.rounds; ++round)
             if (!next_round()) break;
-        return {.found = front(), .tried = judge_.tried() - before_, .refused = refused_};
+        return {.found = best_candidates(), .tried = judge_.tried() - tried_before_, .refused = refused_};
     }
 
 private:
     bool next_round() {
-        std::vector<Candidate> fresh;
+        std::vector<Candidate> new_candidates;
         for (const std::size_t k : promising()) {
-            all_[k].expanded = true;
-            for (Candidate& one : candidates_from(all_[k])) fresh.push_back(std::move(one));
+            candidates_[k].is_expanded = true;
+            for (Candidate& candidate : candidates_from(candidates_[k])) new_candidates.push_back(std::move(candidate));
         }
         std::vector<Tape> tapes;
-        std::erase_if(fresh, [&](Candidate& one) {
-            const Tape tape = terms_.tape(one.outputs);
-            one.work = work_of(tape);
+        std::erase_if(new_candidates, [&](Candidate& candidate) {
+            const Tape tape = terms_.tape(candidate.outputs);
+            candidate.work = work_of(tape);
             if (!sample_.agree(form_, tape)) return ++refused_, true;
             tapes.push_back(tape);
             return false;
         });
         const auto quality = judge_.quality_of(tapes);
-        for (std::size_t k = 0; k < fresh.size(); ++k) fresh[k].quality = quality[k];
-        std::ranges::move(fresh, std::back_inserter(all_));
-        return !fresh.empty();
+        for (std::size_t k = 0; k < new_candidates.size(); ++k) new_candidates[k].quality = quality[k];
+        std::ranges::move(new_candidates, std::back_inserter(candidates_));
+        return !new_candidates.empty();
     }
 
-    [[nodiscard]] bool meets(const Candidate& one) const { return one.quality.meets(request_.requirement); }
+    [[nodiscard]] bool meets(const Candidate& candidate) const { return candidate.quality.meets(request_.requirement); }
     static bool is_better(const Candidate& a, const Candidate& b) {
         if (is_more_accurate(a.quality, b.quality) || is_more_accurate(b.quality, a.quality))
             return is_more_accurate(a.quality, b.quality);
         return a.work < b.work;
     }
 
-    /// Indices of the candidates to rewrite next: of those not rewritten yet, the most accurate ones, and those that
+    /// Indices of the candidates to rewrite next: among those not rewritten yet, the most accurate ones, and those that
     /// meet the requirement with least work.
     [[nodiscard]] std::vector<std::size_t> promising() const {
-        std::vector<std::size_t> open;
-        for (std::size_t k = 0; k < all_.size(); ++k)
-            if (!all_[k].expanded) open.push_back(k);
-        std::ranges::stable_sort(open, [&](auto a, auto b) { return is_better(all_[a], all_[b]); });
-        std::vector<std::size_t> chosen(open.begin(),
-                                        open.begin() + static_cast<std::ptrdiff_t>(std::min(limit_.beam, open.size())));
-        std::ranges::stable_sort(open, [&](auto a, auto b) {
-            return std::pair(!meets(all_[a]), all_[a].work) < std::pair(!meets(all_[b]), all_[b].work);
+        std::vector<std::size_t> unexpanded;
+        for (std::size_t k = 0; k < candidates_.size(); ++k)
+            if (!candidates_[k].is_expanded) unexpanded.push_back(k);
+        std::ranges::stable_sort(unexpanded, [&](auto a, auto b) { return is_better(candidates_[a], candidates_[b]); });
+        std::vector<std::size_t> selected(
+            unexpanded.begin(),
+            unexpanded.begin() + static_cast<std::ptrdiff_t>(std::min(limit_.beam, unexpanded.size())));
+        std::ranges::stable_sort(unexpanded, [&](auto a, auto b) {
+            return std::pair(!meets(candidates_[a]), candidates_[a].work) <
+                   std::pair(!meets(candidates_[b]), candidates_[b].work);
         });
-        for (std::size_t k = 0; k < std::min(limit_.beam, open.size()); ++k)
-            if (meets(all_[open[k]]) && std::ranges::find(chosen, open[k]) == chosen.end()) chosen.push_back(open[k]);
-        return chosen;
+        for (std::size_t k = 0; k < std::min(limit_.beam, unexpanded.size()); ++k)
+            if (meets(candidates_[unexpanded[k]]) && std::ranges::find(selected, unexpanded[k]) == selected.end())
+                selected.push_back(unexpanded[k]);
+        return selected;
     }
 
-    /// Candidates that are one rewrite away from this one. Rewrites of what loses most bits come first.
-    std::vector<Candidate> candidates_from(const Candidate& from) {
+    /// Candidates that are one rewrite away from this one. Rewrites of the operations that lose most bits come first.
+    std::vector<Candidate> candidates_from(const Candidate& parent) {
         std::vector<NodeId> origins;
-        const Tape tape = terms_.tape(from.outputs, &origins);
+        const Tape tape = terms_.tape(parent.outputs, &origins);
         const std::vector<int> culprits = sample_.culprits(tape);
         std::map<NodeId, int> losses;
         for (std::size_t k = 0; k < origins.size(); ++k) losses[origins[k]] = culprits[k];
-        auto rewrites = rewrites_of(terms_, from.outputs, unit_);
+        auto rewrites = rewrites_of(terms_, parent.outputs, unit_);
         std::vector<std::pair<int, std::size_t>> order;
-        for (std::size_t k = 0; k < rewrites.size(); ++k) order.emplace_back(-lost_in(rewrites[k], losses), k);
+        for (std::size_t k = 0; k < rewrites.size(); ++k) order.emplace_back(-largest_loss_in(rewrites[k], losses), k);
         std::ranges::stable_sort(order, {}, [](const auto& x) { return x.first; });
-        std::vector<Candidate> made;
+        std::vector<Candidate> children;
         for (const auto& [loss, k] : order) {
-            if (made.size() == limit_.places) break;
-            const TapeOutputs outputs = terms_.with_replaced(from.outputs, rewrites[k].replaced);
+            if (children.size() == limit_.places) break;
+            const TapeOutputs outputs = terms_.with_replaced(parent.outputs, rewrites[k].replaced);
             if (!seen_.insert(identity::all_of(outputs)).second) continue;
-            made.push_back({.outputs = outputs, .rules = from.rules});
-            made.back().rules.push_back(rewrites[k].rule);
+            children.push_back({.outputs = outputs, .rules = parent.rules});
+            children.back().rules.push_back(rewrites[k].rule);
         }
-        return made;
+        return children;
     }
-    [[nodiscard]] int lost_in(const Rewrite& rewrite, const std::map<NodeId, int>& losses) const {
-        int lost = 0;
-        for (const auto& [old, now] : rewrite.replaced)
-            for (const NodeId i : terms_.needed({old, old, old, old}))
-                if (const auto found = losses.find(i); found != losses.end()) lost = std::max(lost, found->second);
-        return lost;
+    [[nodiscard]] int largest_loss_in(const Rewrite& rewrite, const std::map<NodeId, int>& losses) const {
+        int largest = 0;
+        for (const auto& [node, replacement] : rewrite.replaced)
+            for (const NodeId i : terms_.needed({node, node, node, node}))
+                if (const auto found = losses.find(i); found != losses.end())
+                    largest = std::max(largest, found->second);
+        return largest;
     }
 
-    /// Candidates that meet the requirement and that no other beats in both accuracy and work; where none meets it, the
-    /// most accurate one.
-    [[nodiscard]] std::vector<Rewritten> front() const {
+    /// Candidates that meet the requirement and that no other candidate beats in both accuracy and work. If no
+    /// candidate meets the requirement, the most accurate one.
+    [[nodiscard]] std::vector<Rewritten> best_candidates() const {
         std::vector<const Candidate*> order;
-        for (const Candidate& one : all_) order.push_back(&one);
+        for (const Candidate& candidate : candidates_) order.push_back(&candidate);
         std::ranges::stable_sort(order, [](auto a, auto b) { return is_better(*a, *b); });
-        std::vector<Rewritten> found;
-        std::size_t least = SIZE_MAX;
-        for (const Candidate* one : order) {
+        std::vector<Rewritten> best;
+        std::size_t least_work = SIZE_MAX;
+        for (const Candidate* candidate : order) {
             // The list is in order: nothing after the form itself is more accurate, or as accurate with less work.
-            if (one->rules.empty() || found.size() == limit_.proposals || (!found.empty() && !meets(*one))) break;
-            if (one->work >= least) continue;
-            least = one->work;
-            const Tape tape = terms_.tape(one->outputs);
-            found.push_back({.tape = tape,
-                             .rules = one->rules,
-                             .quality = one->quality,
-                             .operations = tape::rounded_operations(tape).size()});
+            if (candidate->rules.empty() || best.size() == limit_.proposals || (!best.empty() && !meets(*candidate)))
+                break;
+            if (candidate->work >= least_work) continue;
+            least_work = candidate->work;
+            const Tape tape = terms_.tape(candidate->outputs);
+            best.push_back({.tape = tape,
+                            .rules = candidate->rules,
+                            .quality = candidate->quality,
+                            .operations = tape::rounded_operations(tape).size()});
         }
-        return found;
+        return best;
     }
 
     const RepairRequest& request_;
@@ -156,10 +161,10 @@ private:
     const Tape& form_;
     Terms terms_;
     Judge& judge_;
-    const std::uint64_t before_ = judge_.tried();
+    const std::uint64_t tried_before_ = judge_.tried();
     RaySample sample_;
     std::optional<Triple> unit_;
-    std::vector<Candidate> all_;
+    std::vector<Candidate> candidates_;
     std::set<std::array<NodeId, 4>> seen_;
     std::uint64_t refused_ = 0;
 };
@@ -171,7 +176,7 @@ bool divides_by_zero(const Tape& tape) {
         tape.nodes, [&](const TapeNode& n) { return n.op == TapeOp::div && tape[n.operands[1]].value == 0; });
 }
 
-Tape filled(Tape tape, const std::vector<double>& inputs, bool rounds) {
+Tape with_inputs(Tape tape, const std::vector<double>& inputs, bool rounds) {
     for (TapeNode& n : tape.nodes)
         if (n.op == TapeOp::input) n.value = inputs.at(static_cast<std::size_t>(n.operands[0]));
     const attribution::Rerun run(tape, [rounds](NodeId) { return rounds; });
@@ -182,42 +187,42 @@ Tape filled(Tape tape, const std::vector<double>& inputs, bool rounds) {
 RaySample::RaySample(const RepairRequest& request, int rays)
     : row_(request.row), requirement_(request.requirement), limit_(request.limit) {
     const evaluate::TestedForm& row = request.row;
-    std::optional<scene::file::Scene> thin;
-    if (request.scene) thin = choice::with_smaller_picture(*request.scene, rays);
+    std::optional<scene::file::Scene> smaller_scene;
+    if (request.scene) smaller_scene = choice::with_smaller_picture(*request.scene, rays);
     const truth::Band band =
-        thin ? truth::Band(*thin, 0, thin->height, request.limit)
-             : truth::Band(some_of(request.rays->sample, static_cast<std::size_t>(rays)), request.limit);
+        smaller_scene ? truth::Band(*smaller_scene, 0, smaller_scene->height, request.limit)
+                      : truth::Band(some_of(request.rays->sample, static_cast<std::size_t>(rays)), request.limit);
     const auto inputs = band.inputs_for(row.format, *row.form->info);
-    const auto& own = inputs.rays_for(*row.form->info);
-    const bool unit = row.form->info->direction == intersect::Direction::unit;
+    const auto& form_rays = inputs.rays_for(*row.form->info);
+    const bool takes_unit_directions = row.form->info->direction == intersect::Direction::unit;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
         const auto truth = band.truth(i, row.convention());
-        const std::size_t primitive = answer::measured_at(inputs, i, truth.object);
-        inputs_.push_back(tape::inputs_of(own[i], inputs.primitives[primitive], band.range(i).tmax));
-        exact_inputs_.push_back(unit ? along_axis(inputs_.back()) : inputs_.back());
+        const std::size_t primitive = answer::measured_primitive(inputs, i, truth.object);
+        inputs_.push_back(tape::inputs_of(form_rays[i], inputs.primitives[primitive], band.range(i).tmax));
+        exact_inputs_.push_back(takes_unit_directions ? along_axis(inputs_.back()) : inputs_.back());
         const double t = truth.is_hit() ? band.rounded_truth(i, binary64, row.form->info->direction, row.convention())
                                         : truth::missing;
-        right_.push_back({truth.decision, t, band.range(i)});
+        correct_answers_.push_back({truth.decision, t, band.range(i)});
     }
 }
 
 std::vector<int> RaySample::culprits(Tape tape) const {
     std::vector<int> counts(tape.nodes.size());
     for (const auto& inputs : inputs_) {
-        tape = filled(std::move(tape), inputs, true);
-        const auto found = attribution::attribute(tape);
-        if (found.culprit != no_node) ++counts[static_cast<std::size_t>(found.culprit)];
+        tape = with_inputs(std::move(tape), inputs, true);
+        const auto attributed = attribution::attribute(tape);
+        if (attributed.culprit != no_node) ++counts[static_cast<std::size_t>(attributed.culprit)];
     }
     return counts;
 }
 
 bool RaySample::agree(const Tape& a, const Tape& b) const {
     for (const auto& inputs : exact_inputs_) {
-        const Tape one = filled(a, inputs, false), other = filled(b, inputs, false);
-        if (divides_by_zero(one) || divides_by_zero(other)) continue;
-        const bool hit = one[one.outputs.hit].value != 0;
-        if (hit != (other[other.outputs.hit].value != 0)) return false;
-        const double t = one[one.outputs.t].value, s = other[other.outputs.t].value;
+        const Tape tape_a = with_inputs(a, inputs, false), tape_b = with_inputs(b, inputs, false);
+        if (divides_by_zero(tape_a) || divides_by_zero(tape_b)) continue;
+        const bool hit = tape_a[tape_a.outputs.hit].value != 0;
+        if (hit != (tape_b[tape_b.outputs.hit].value != 0)) return false;
+        const double t = tape_a[tape_a.outputs.t].value, s = tape_b[tape_b.outputs.t].value;
         if (hit && !(std::fabs(t - s) <= 0x1p-45 * std::fabs(t))) return false;
     }
     return true;
@@ -232,7 +237,7 @@ std::size_t work_of(const Tape& tape) {
 
 Rewriting rewrite(const RepairRequest& request, const Tape& form, const RowQuality& own, Judge& judge,
                   const SearchLimit& limit) {
-    return RewriteSearch(request, form, own, judge, limit).done();
+    return RewriteSearch(request, form, own, judge, limit).run();
 }
 
 }  // namespace lostbits::measure::repair

@@ -1,4 +1,4 @@
-// Numbers for the values of several tapes: equal operations on equal values have one number.
+// Numbers the values of several tapes: equal operations on equal values get one number.
 #pragma once
 
 #include <array>
@@ -15,25 +15,28 @@ namespace lostbits::measure::repair {
 
 class SharedNodes {
 public:
-    /// The value of an operation on values. Sums and products do not depend on the order of their two operands.
+    /// Number of the value of an operation on numbered values. Sums and products do not depend on the order of their
+    /// two operands.
     int value_of(TapeOp op, const FloatFormat& format, std::array<int, 3> operands) {
         if ((op == TapeOp::add || op == TapeOp::mul) && operands[0] > operands[1]) std::swap(operands[0], operands[1]);
-        return number({op, is_decision(op) ? -1 : index_of(format), operands, 0});
+        return value_of_key({op, is_decision(op) ? -1 : index_of(format), operands, 0});
     }
     int constant(double x, const FloatFormat& format) {
-        return number({TapeOp::constant, index_of(format), {-1, -1, -1}, std::bit_cast<std::uint64_t>(x)});
+        return value_of_key({TapeOp::constant, index_of(format), {-1, -1, -1}, std::bit_cast<std::uint64_t>(x)});
     }
-    int input(int k, const FloatFormat& format) { return number({TapeOp::input, index_of(format), {k, -1, -1}, 0}); }
+    int input(int k, const FloatFormat& format) {
+        return value_of_key({TapeOp::input, index_of(format), {k, -1, -1}, 0});
+    }
 
-    /// The value of each node. `replaced`: the values that nodes have instead of their own.
+    /// Number of the value of each node. `replaced`: the values that some nodes have instead of their own.
     std::vector<int> values_of(const Tape& tape, const std::map<NodeId, int>& replaced = {}) {
         std::vector<int> values;
         for (NodeId i = 0; i < tape.size(); ++i) {
             const TapeNode& n = tape[i];
             const FloatFormat& format = tape.format_of(i);
-            const auto own = replaced.find(i);
-            if (own != replaced.end()) {
-                values.push_back(own->second);
+            const auto replacement = replaced.find(i);
+            if (replacement != replaced.end()) {
+                values.push_back(replacement->second);
             } else if (n.op == TapeOp::input) {
                 values.push_back(input(n.operands[0], format));
             } else if (n.op == TapeOp::constant) {
@@ -42,12 +45,12 @@ public:
                 std::array<int, 3> operands{-1, -1, -1};
                 for (std::size_t k = 0; k < row_of(n.op).operands; ++k)
                     operands[k] = values[static_cast<std::size_t>(n.operands[k])];
-                values.push_back(folded(n.op, format, operands));
+                values.push_back(folded_value_of(n.op, format, operands));
             }
         }
         return values;
     }
-    /// The number that a value is, if it is a constant.
+    /// Returns the constant that a value is; null if it is not a constant.
     [[nodiscard]] const double* number_of(int value) const {
         const auto found = constants_.find(value);
         return found == constants_.end() ? nullptr : &found->second;
@@ -56,10 +59,10 @@ public:
 private:
     using Key = std::tuple<TapeOp, int, std::array<int, 3>, std::uint64_t>;
 
-    int number(const Key& key) {
-        const int made = known_.try_emplace(key, static_cast<int>(known_.size())).first->second;
-        if (std::get<0>(key) == TapeOp::constant) constants_[made] = std::bit_cast<double>(std::get<3>(key));
-        return made;
+    int value_of_key(const Key& key) {
+        const int value = values_.try_emplace(key, static_cast<int>(values_.size())).first->second;
+        if (std::get<0>(key) == TapeOp::constant) constants_[value] = std::bit_cast<double>(std::get<3>(key));
+        return value;
     }
     int index_of(const FloatFormat& format) {
         for (std::size_t k = 0; k < formats_.size(); ++k)
@@ -67,8 +70,9 @@ private:
         formats_.push_back(format);
         return static_cast<int>(formats_.size() - 1);
     }
-    /// A formula makes its constants from small integers; here they are one number again.
-    int folded(TapeOp op, const FloatFormat& format, const std::array<int, 3>& operands) {
+    /// Folds operations on constants: a formula computes its constants from small integers, and each gets one value
+    /// again.
+    int folded_value_of(TapeOp op, const FloatFormat& format, const std::array<int, 3>& operands) {
         const double* const a = number_of(operands[0]);
         const double* const b = operands[1] < 0 ? nullptr : number_of(operands[1]);
         const auto rounded = [&](double x) {
@@ -86,7 +90,7 @@ private:
         return value_of(op, format, operands);
     }
 
-    std::map<Key, int> known_;
+    std::map<Key, int> values_;
     std::map<int, double> constants_;
     std::vector<FloatFormat> formats_;
 };

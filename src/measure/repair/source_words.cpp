@@ -75,9 +75,9 @@ std::string digits_in(WrittenIn language, double x, bool is_double) {
     return language == WrittenIn::hlsl && is_double ? digits + "L" : digits;
 }
 
-std::string declared_in(WrittenIn language, const std::string& name, bool is_double, bool decides) {
+std::string declaration_in(WrittenIn language, const std::string& name, bool is_double, bool is_boolean) {
     if (language == WrittenIn::rust) return "let " + name + " = ";
-    const char* const type = decides ? (language == WrittenIn::c ? "int" : "bool") : is_double ? "double" : "float";
+    const char* const type = is_boolean ? (language == WrittenIn::c ? "int" : "bool") : is_double ? "double" : "float";
     return std::string(type) + " " + name + " = ";
 }
 

@@ -1,4 +1,4 @@
-// Expressions in the language of a user's function.
+// Writes expressions in the language of a user's function.
 #pragma once
 
 #include <string>
@@ -9,24 +9,25 @@
 
 namespace lostbits::measure::repair {
 
-/// How an operation is written: `$1:2` is the first operand, in brackets if it binds less tightly than 2. Choices bind
-/// with -2, logic with -1, comparisons with 0, sums with 1, products with 2, signs with 3, calls with 4. A pattern
-/// without text: the language has no such operation.
+/// Pattern of an operation: `$1:2` is the first operand, in brackets if it binds less tightly than 2. Choices bind with
+/// -2, logic with -1, comparisons with 0, sums with 1, products with 2, signs with 3, calls with 4. The pattern is
+/// empty if the language has no such operation.
 struct SourcePattern {
     std::string_view pattern;
     int binds;
 };
 
-/// `$f` is the f of `sqrtf`.
+/// Pattern of an operation on floats or doubles.
 SourcePattern pattern_in(intersect::function::WrittenIn language, TapeOp op, bool is_double);
 
-/// A conversion of the operand to float or double.
+/// Pattern of a conversion of the operand to float or double.
 SourcePattern conversion_in(intersect::function::WrittenIn language, bool to_double);
 
 /// The digits of a number of a format; empty if it is not finite.
 std::string digits_in(intersect::function::WrittenIn language, double x, bool is_double);
 
-/// `float name = ` or `let name = `, the begin of a declaration.
-std::string declared_in(intersect::function::WrittenIn language, const std::string& name, bool is_double, bool decides);
+/// Begin of a declaration: `float name = ` or `let name = `.
+std::string declaration_in(intersect::function::WrittenIn language, const std::string& name, bool is_double,
+                           bool is_boolean);
 
 }  // namespace lostbits::measure::repair

@@ -8,7 +8,7 @@
 namespace lostbits::measure::repair {
 namespace {
 
-constexpr std::size_t around = 3;  ///< lines that a diff shows beside each change
+constexpr std::size_t context_lines = 3;  ///< number of lines that a diff shows before and after each change
 
 std::vector<std::string_view> lines_of(std::string_view text) {
     std::vector<std::string_view> lines;
@@ -20,70 +20,73 @@ std::vector<std::string_view> lines_of(std::string_view text) {
     return lines;
 }
 
-/// A line of the difference: kept (' '), of the old text ('-') or of the new one ('+').
+/// A line of the difference: in both texts (' '), only in the old text ('-') or only in the new text ('+').
 struct DiffLine {
     char sign;
     std::string_view text;
 };
 
-std::vector<DiffLine> difference(const std::vector<std::string_view>& old, const std::vector<std::string_view>& now) {
+std::vector<DiffLine> difference(const std::vector<std::string_view>& old_lines,
+                                 const std::vector<std::string_view>& new_lines) {
     std::size_t head = 0, tail = 0;
-    const std::size_t least = std::min(old.size(), now.size());
-    while (head < least && old[head] == now[head]) ++head;
-    while (tail < least - head && old[old.size() - 1 - tail] == now[now.size() - 1 - tail]) ++tail;
-    const std::size_t a = old.size() - tail, b = now.size() - tail;
+    const std::size_t shorter = std::min(old_lines.size(), new_lines.size());
+    while (head < shorter && old_lines[head] == new_lines[head]) ++head;
+    while (tail < shorter - head && old_lines[old_lines.size() - 1 - tail] == new_lines[new_lines.size() - 1 - tail])
+        ++tail;
+    const std::size_t a = old_lines.size() - tail, b = new_lines.size() - tail;
     // common[i][j]: the most lines that old[head + i..] and now[head + j..] share, in order
     std::vector<std::vector<std::size_t>> common(a - head + 1, std::vector<std::size_t>(b - head + 1));
     for (std::size_t i = a; i-- > head;)
         for (std::size_t j = b; j-- > head;)
-            common[i - head][j - head] = old[i] == now[j]
+            common[i - head][j - head] = old_lines[i] == new_lines[j]
                                              ? common[i - head + 1][j - head + 1] + 1
                                              : std::max(common[i - head + 1][j - head], common[i - head][j - head + 1]);
-    std::vector<DiffLine> all;
-    for (std::size_t k = 0; k < head; ++k) all.push_back({' ', old[k]});
+    std::vector<DiffLine> lines;
+    for (std::size_t k = 0; k < head; ++k) lines.push_back({' ', old_lines[k]});
     for (std::size_t i = head, j = head; i < a || j < b;) {
-        if (i < a && j < b && old[i] == now[j]) all.push_back({' ', old[i]}), ++i, ++j;
+        if (i < a && j < b && old_lines[i] == new_lines[j]) lines.push_back({' ', old_lines[i]}), ++i, ++j;
         else if (i < a && (j == b || common[i - head + 1][j - head] >= common[i - head][j - head + 1]))
-            all.push_back({'-', old[i++]});
-        else all.push_back({'+', now[j++]});
+            lines.push_back({'-', old_lines[i++]});
+        else lines.push_back({'+', new_lines[j++]});
     }
-    for (std::size_t k = a; k < old.size(); ++k) all.push_back({' ', old[k]});
-    return all;
+    for (std::size_t k = a; k < old_lines.size(); ++k) lines.push_back({' ', old_lines[k]});
+    return lines;
 }
 
 }  // namespace
 
 std::optional<std::string> changed_text(const std::string& text, std::vector<TextChange> changes) {
     std::ranges::stable_sort(changes, {}, &TextChange::span);
-    std::string made;
-    std::size_t at = 0;
+    std::string changed;
+    std::size_t position = 0;
     for (const TextChange& change : changes) {
-        if (change.span.begin < at) return {};
-        made += text.substr(at, change.span.begin - at) + change.text;
-        at = change.span.end;
+        if (change.span.begin < position) return {};
+        changed += text.substr(position, change.span.begin - position) + change.text;
+        position = change.span.end;
     }
-    return made + text.substr(at);
+    return changed + text.substr(position);
 }
 
-std::string unified_diff(const std::string& path, const std::string& before, const std::string& after) {
-    const std::vector<DiffLine> all = difference(lines_of(before), lines_of(after));
+std::string unified_diff(const std::string& path, const std::string& old_text, const std::string& new_text) {
+    const std::vector<DiffLine> lines = difference(lines_of(old_text), lines_of(new_text));
     std::string text = fmt::format("--- {}\n+++ {}\n", path, path);
     std::size_t old_line = 1, new_line = 1;
     const auto is_near = [&](std::size_t k) {
-        for (std::size_t j = k < around ? 0 : k - around; j < std::min(k + around + 1, all.size()); ++j)
-            if (all[j].sign != ' ') return true;
+        for (std::size_t j = k < context_lines ? 0 : k - context_lines;
+             j < std::min(k + context_lines + 1, lines.size()); ++j)
+            if (lines[j].sign != ' ') return true;
         return false;
     };
-    for (std::size_t k = 0; k < all.size();) {
+    for (std::size_t k = 0; k < lines.size();) {
         if (!is_near(k)) {
             ++k, ++old_line, ++new_line;
             continue;
         }
         std::size_t old_count = 0, new_count = 0;
         std::string hunk;
-        for (; k < all.size() && is_near(k); ++k) {
-            old_count += all[k].sign != '+', new_count += all[k].sign != '-';
-            hunk += all[k].sign + std::string(all[k].text);
+        for (; k < lines.size() && is_near(k); ++k) {
+            old_count += lines[k].sign != '+', new_count += lines[k].sign != '-';
+            hunk += lines[k].sign + std::string(lines[k].text);
             if (!hunk.ends_with('\n')) hunk += "\n\\ No newline at end of file\n";
         }
         text += fmt::format("@@ -{},{} +{},{} @@\n", old_line, old_count, new_line, new_count) + hunk;

@@ -14,10 +14,10 @@ struct TextChange {
     std::string text;
 };
 
-/// The text with the changes; insertions at one place in the order given. Nothing if two changes overlap.
+/// Returns the text with the changes; insertions at the same offset keep their order. Empty if two changes overlap.
 std::optional<std::string> changed_text(const std::string& text, std::vector<TextChange> changes);
 
 /// The difference of two texts with three lines around each change, for `patch -p0`.
-std::string unified_diff(const std::string& path, const std::string& before, const std::string& after);
+std::string unified_diff(const std::string& path, const std::string& old_text, const std::string& new_text);
 
 }  // namespace lostbits::measure::repair

@@ -16,35 +16,36 @@ using scene::sweep::FloatRange;
 std::uint64_t FloatTally::floats() const { return std::accumulate(outcomes.begin(), outcomes.end(), std::uint64_t{0}); }
 
 std::uint64_t FloatTally::wrong() const {
-    std::uint64_t all = 0;
-    for (const answer::Outcome o : answer::wrong_decisions) all += count(o);
-    return all;
+    std::uint64_t sum = 0;
+    for (const answer::Outcome o : answer::wrong_decisions) sum += count(o);
+    return sum;
 }
 
-void FloatTally::add(std::uint32_t place, answer::Outcome outcome, double ulps) {
+void FloatTally::add(std::uint32_t float_index, answer::Outcome outcome, double ulps) {
     const bool is_first = ++outcomes[static_cast<std::size_t>(outcome)] == 1, is_worse = std::fabs(ulps) > at_most;
     if (answer::is_wrong(outcome)) {
-        if (!first_wrong) first_wrong = {place, outcome};
-        last_wrong = {place, outcome};
+        if (!first_wrong) first_wrong = {float_index, outcome};
+        last_wrong = {float_index, outcome};
     }
-    if (is_worse) worst = {place, ulps}, at_most = std::fabs(ulps);
+    if (is_worse) worst = {float_index, ulps}, at_most = std::fabs(ulps);
     if (!is_first && !is_worse) return;
     for (std::size_t e = 0; e < first_events.size(); ++e) {
         const auto& [event, bits] = first_events[e];
-        if (!first[e] && (bits > 0 ? at_most >= std::exp2(bits - 1) : outcome == event)) first[e] = place;
+        if (!first[e] && (bits > 0 ? at_most >= std::exp2(bits - 1) : outcome == event)) first[e] = float_index;
     }
 }
 
-void FloatTally::append(const FloatTally& after) {
-    for (std::size_t o = 0; o < outcomes.size(); ++o) outcomes[o] += after.outcomes[o];
-    if (after.worst && (!worst || std::fabs(after.worst->ulps) > std::fabs(worst->ulps))) worst = after.worst;
-    at_most = std::max(at_most, after.at_most);
-    if (!first_wrong) first_wrong = after.first_wrong;
-    if (after.last_wrong) last_wrong = after.last_wrong;
+void FloatTally::append(const FloatTally& next_part) {
+    for (std::size_t o = 0; o < outcomes.size(); ++o) outcomes[o] += next_part.outcomes[o];
+    if (next_part.worst && (!worst || std::fabs(next_part.worst->ulps) > std::fabs(worst->ulps)))
+        worst = next_part.worst;
+    at_most = std::max(at_most, next_part.at_most);
+    if (!first_wrong) first_wrong = next_part.first_wrong;
+    if (next_part.last_wrong) last_wrong = next_part.last_wrong;
     for (std::size_t e = 0; e < first.size(); ++e) {
-        if (!first[e]) first[e] = after.first[e];
+        if (!first[e]) first[e] = next_part.first[e];
     }
-    if (after.padding && (!padding || after.padding->u > padding->u)) padding = after.padding;
+    if (next_part.padding && (!padding || next_part.padding->u > padding->u)) padding = next_part.padding;
 }
 
 namespace {
@@ -64,13 +65,17 @@ struct Block {
 std::vector<Block> blocks_of(const std::vector<BinadePart>& binades, shard::Share share) {
     std::vector<Block> blocks;
     for (std::size_t b = 0; b < binades.size(); ++b) {
-        const FloatRange& all = binades[b].floats;
-        for (std::uint64_t begin = 0; begin < all.size(); begin += block_size)
-            blocks.push_back({b, {all.at(begin), all.at(std::min(begin + block_size, all.size()) - 1)}});
+        const FloatRange& binade_floats = binades[b].floats;
+        for (std::uint64_t begin = 0; begin < binade_floats.size(); begin += block_size)
+            blocks.push_back(
+                {b,
+                 {binade_floats.at(begin), binade_floats.at(std::min(begin + block_size, binade_floats.size()) - 1)}});
     }
     const auto units = share.of_units(blocks.size());
-    const auto at = [&blocks](std::uint64_t unit) { return blocks.begin() + static_cast<std::ptrdiff_t>(unit); };
-    return {at(units.first), at(units.last)};
+    const auto block_of_unit = [&blocks](std::uint64_t unit) {
+        return blocks.begin() + static_cast<std::ptrdiff_t>(unit);
+    };
+    return {block_of_unit(units.first), block_of_unit(units.last)};
 }
 
 }  // namespace
@@ -79,13 +84,13 @@ std::vector<BinadePart> binades_of(const scene::sweep::ExhaustiveFile& sweep) {
     std::vector<BinadePart> parts;
     for (std::size_t r = 0; r < sweep.ranges().size(); ++r) {
         const FloatRange& range = sweep.ranges()[r];
-        for (std::uint64_t done = 0; done < range.size();) {
-            const std::uint32_t first = range.at(done);
+        for (std::uint64_t floats_done = 0; floats_done < range.size();) {
+            const std::uint32_t first = range.at(floats_done);
             const auto binade = scene::sweep::binade_of(scene::sweep::float_at(first));
             const std::uint32_t last =
                 range.falls() ? std::max(binade.low, range.last) : std::min(binade.high, range.last);
             parts.push_back({r, binade, {first, last}});
-            done += parts.back().floats.size();
+            floats_done += parts.back().floats.size();
         }
     }
     return parts;
@@ -97,69 +102,72 @@ std::uint64_t floats_of(const scene::sweep::ExhaustiveFile& sweep, shard::Share 
     return sum;
 }
 
-void ExhaustiveState::append(const ExhaustiveState& after) {
-    tried += after.tried;
-    stages += after.stages;
-    tallies.resize(std::max(tallies.size(), after.tallies.size()));
-    for (std::size_t i = 0; i < after.tallies.size(); ++i) tallies[i].append(after.tallies[i]);
+void ExhaustiveState::append(const ExhaustiveState& next_share) {
+    tried += next_share.tried;
+    stages += next_share.stages;
+    tallies.resize(std::max(tallies.size(), next_share.tallies.size()));
+    for (std::size_t i = 0; i < next_share.tallies.size(); ++i) tallies[i].append(next_share.tallies[i]);
 }
 
 void ExhaustiveState::require_of(const ExhaustiveRequest& request) const {
-    const std::size_t each = request.sweep.rays.size() * request.rows.size();
+    const std::size_t tallies_per_binade = request.sweep.rays.size() * request.rows.size();
     std::uint64_t counted = 0;
     for (const FloatTally& tally : tallies) counted += tally.floats();
-    if (tallies.size() != binades_of(request.sweep).size() * each || counted != tried * each)
+    if (tallies.size() != binades_of(request.sweep).size() * tallies_per_binade ||
+        counted != tried * tallies_per_binade)
         throw std::out_of_range("the tallies belong to another sweep over every float");
 }
 
 void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state) {
     const auto binades = binades_of(request.sweep);
-    const std::vector<Block> all = blocks_of(binades, request.share);
+    const std::vector<Block> all_blocks = blocks_of(binades, request.share);
     const std::size_t rays = request.sweep.rays.size(), rows = request.rows.size();
     state.tallies.resize(binades.size() * rays * rows);
-    std::size_t next = 0;
-    for (std::uint64_t tried = 0; next < all.size() && tried < state.tried; ++next) tried += all[next].floats.size();
-    while (next < all.size()) {
-        const std::span blocks = std::span(all).subspan(next, std::min(blocks_at_once, all.size() - next));
-        std::vector<std::vector<FloatTally>> found(blocks.size() * rays);
-        std::vector<truth::StageCounts> stages(found.size());
-        intersect::process::in_parallel(std::size_t{0}, found.size(), [&](std::size_t k) {
+    std::size_t next_block = 0;
+    for (std::uint64_t tried = 0; next_block < all_blocks.size() && tried < state.tried; ++next_block)
+        tried += all_blocks[next_block].floats.size();
+    while (next_block < all_blocks.size()) {
+        const std::span blocks =
+            std::span(all_blocks).subspan(next_block, std::min(blocks_at_once, all_blocks.size() - next_block));
+        std::vector<std::vector<FloatTally>> block_tallies(blocks.size() * rays);
+        std::vector<truth::StageCounts> stages(block_tallies.size());
+        intersect::process::in_parallel(std::size_t{0}, block_tallies.size(), [&](std::size_t k) {
             const Block& block = blocks[k / rays];
-            found[k] = try_floats({request, k % rays, block.floats}, stages[k]);
+            block_tallies[k] = try_floats({request, k % rays, block.floats}, stages[k]);
             request.progress(block.floats.size() * rows);
         });
-        for (std::size_t k = 0; k < found.size(); ++k) {
-            const std::size_t place = request.place(blocks[k / rays].binade, k % rays, 0);
-            for (std::size_t row = 0; row < rows; ++row) state.tallies[place + row].append(found[k][row]);
+        for (std::size_t k = 0; k < block_tallies.size(); ++k) {
+            const std::size_t tally_index = request.place(blocks[k / rays].binade, k % rays, 0);
+            for (std::size_t row = 0; row < rows; ++row) state.tallies[tally_index + row].append(block_tallies[k][row]);
             state.stages += stages[k];
         }
         for (const Block& block : blocks) state.tried += block.floats.size();
-        next += blocks.size();
+        next_block += blocks.size();
         request.keep(state);
     }
 }
 
-std::optional<std::uint32_t> RangeFinding::before(std::uint32_t place) const {
-    const std::uint64_t steps = floats.steps_to(place);
+std::optional<std::uint32_t> RangeFinding::before(std::uint32_t float_index) const {
+    const std::uint64_t steps = floats.steps_to(float_index);
     if (steps == 0) return std::nullopt;
     return floats.at(steps - 1);
 }
 
 std::vector<RangeFinding> findings_of(const ExhaustiveRequest& request, const ExhaustiveState& state) {
     const auto binades = binades_of(request.sweep);
-    std::vector<RangeFinding> all;
+    std::vector<RangeFinding> findings;
     for (std::size_t row = 0; row < request.rows.size(); ++row) {
         for (std::size_t ray = 0; ray < request.sweep.rays.size(); ++ray) {
             for (std::size_t range = 0; range < request.sweep.ranges().size(); ++range) {
-                RangeFinding found{range, ray, row, request.sweep.ranges()[range], {}};
+                RangeFinding finding{range, ray, row, request.sweep.ranges()[range], {}};
                 for (std::size_t b = 0; b < binades.size(); ++b) {
-                    if (binades[b].range == range) found.tally.append(state.tallies[request.place(b, ray, row)]);
+                    if (binades[b].range == range) finding.tally.append(state.tallies[request.place(b, ray, row)]);
                 }
-                all.push_back(std::move(found));
+                findings.push_back(std::move(finding));
             }
         }
     }
-    return all;
+    return findings;
 }
 
 }  // namespace lostbits::measure::sweep

@@ -38,7 +38,7 @@ inline constexpr bool is_of_one_primitive(const FirstEvent& event) {
     return static_cast<std::size_t>(event.outcome) < answer::outcomes_of_one_primitive;
 }
 
-/// Counts of a form on one ray over floats in their order. A float is named by its index among all floats
+/// Counts of a form on one ray over floats in their order. A float is identified by its index among all floats
 /// (scene/sweep/float_order).
 struct FloatTally {
     struct Worst {
@@ -52,7 +52,7 @@ struct FloatTally {
         friend bool operator==(const Wrong&, const Wrong&) = default;
     };
 
-    /// A missed hit, and the padding of tmax, in u, with which it would be found.
+    /// A missed hit, and the padding of tmax, in u, with which the form would find it.
     struct Padding {
         std::uint32_t place;
         double u;
@@ -62,7 +62,7 @@ struct FloatTally {
     std::array<std::uint64_t, answer::outcome_names.size()> outcomes{};
     /// First float with the largest |error| among the floats where form and truth hit; see `try_floats`.
     std::optional<Worst> worst;
-    /// Upper bound of |error| over all floats; −1 if form and truth hit together at no float.
+    /// Upper bound of |error| over all floats; −1 if there is no float where form and truth both hit.
     double at_most = -1;
     std::optional<Wrong> first_wrong, last_wrong;
     /// Index of the float where each of `first_events` first happens.
@@ -75,9 +75,9 @@ struct FloatTally {
     [[nodiscard]] std::uint64_t floats() const;
     [[nodiscard]] std::uint64_t wrong() const;
     /// Adds the next float; the error is NaN unless form and truth hit.
-    void add(std::uint32_t place, answer::Outcome outcome, double ulps);
+    void add(std::uint32_t float_index, answer::Outcome outcome, double ulps);
     /// Appends the counts of the floats that come after these.
-    void append(const FloatTally& after);
+    void append(const FloatTally& next_part);
     friend bool operator==(const FloatTally&, const FloatTally&) = default;
 };
 
@@ -98,8 +98,8 @@ struct ExhaustiveState {
     truth::StageCounts stages{};      ///< counts of truths; their sum depends on how often forms shared a truth
 
     /// Appends the results of the next share.
-    void append(const ExhaustiveState& after);
-    /// Throws std::out_of_range if the state cannot be the result of such a request.
+    void append(const ExhaustiveState& next_share);
+    /// Throws std::out_of_range if the state cannot be the result of `request`.
     void require_of(const ExhaustiveRequest& request) const;
 };
 
@@ -127,7 +127,7 @@ struct RangeFinding {
     FloatTally tally;  ///< over the floats that were tried, which may be fewer than the range has
 
     /// Float before another in the order of the range; empty for the first float.
-    [[nodiscard]] std::optional<std::uint32_t> before(std::uint32_t place) const;
+    [[nodiscard]] std::optional<std::uint32_t> before(std::uint32_t float_index) const;
 };
 
 /// Findings by row, ray and range.
@@ -148,25 +148,25 @@ struct FloatsOnRay {
     scene::sweep::FloatRange floats;
 };
 
-/// Most floats that one form refines in one block.
-inline constexpr std::size_t most_refined = 4096;
+/// Largest number of floats that one form refines in one block.
+inline constexpr std::size_t max_refined_floats = 4096;
 
 /// Runs the rows of the request on these floats; one tally per row.
 ///
 /// The worst error is computed from the complete truth (`find_truth`) at its float. Floats that may be worse are
-/// refined, so that none is worse by more than 2^-20 of it or of an ulp. If thousands of neighbouring floats are
-/// equally bad to within 2^-8 ulp, for example because t* hardly depends on the axis, at most `most_refined` are
-/// refined. `at_most` bounds the errors of the others. If the columns leave open whether a loss reaches a number of
-/// bits, the complete truth decides.
-std::vector<FloatTally> try_floats(const FloatsOnRay& of, truth::StageCounts& stages);
+/// refined, so that no error exceeds the worst one by more than 2^-20 of the worst one or 2^-20 ulp, whichever is
+/// larger. If thousands of neighbouring floats are equally bad to within 2^-8 ulp, for example because t* hardly
+/// depends on the axis, at most `max_refined_floats` are refined. `at_most` bounds the errors of the others. If the
+/// columns leave open whether a loss reaches a number of bits, the complete truth decides.
+std::vector<FloatTally> try_floats(const FloatsOnRay& floats_on_ray, truth::StageCounts& stages);
 
 /// Padding of tmax, in u, with which no hit is missed because of a gap between slabs; 0 if no hit is missed for that
-/// reason, missing for a form that tests no box.
+/// reason, NaN for a form that tests no box.
 double padding_max(const evaluate::TestedForm& row, const FloatTally& tally);
 
 /// Like `try_floats`, for a sweep across a mesh. Every float is compared with the complete truth of its ray, and its
 /// error is the metric `ulp_error`: nothing is left open.
-std::vector<FloatTally> try_floats_as_rays(const FloatsOnRay& of, truth::StageCounts& stages);
+std::vector<FloatTally> try_floats_as_rays(const FloatsOnRay& floats_on_ray, truth::StageCounts& stages);
 
 /// Result of one form at one float.
 struct FloatAnswer {
@@ -175,6 +175,6 @@ struct FloatAnswer {
     double truth = truth::missing;  ///< t* in the unit of the answer, correctly rounded to binary64; NaN for a miss
     double ulps = truth::missing;   ///< (t − t*)/ulp(t*); NaN unless both hit
 };
-FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::size_t row, std::uint32_t place);
+FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::size_t row, std::uint32_t float_index);
 
 }  // namespace lostbits::measure::sweep

@@ -16,22 +16,23 @@ namespace {
 
 constexpr std::size_t chunk_size = 4096;  // the columns of a chunk stay in the second-level cache
 
-/// If more floats than this are open, they are first refined together in packs. A few are given to the full truth
-/// directly, one by one.
-constexpr std::size_t few = 8;
+/// Up to this number of undecided floats are given to the complete truth one by one. More are first refined together in
+/// packs.
+constexpr std::size_t max_one_by_one = 8;
 
-/// Adds the results of a form at the floats of a chunk to the tally of the floats before them.
+/// Adds the results of a form at the floats of a chunk to the tally of the floats before the chunk.
 class ChunkTally {
 public:
-    ChunkTally(UlpColumns& ulps, const scene::sweep::FloatRange& floats, FloatTally& onto, std::size_t& left)
-        : ulps_(ulps), floats_(floats), onto_(onto), left_(left) {}
+    ChunkTally(UlpColumns& ulps, const scene::sweep::FloatRange& floats, FloatTally& tally,
+               std::size_t& refinements_left)
+        : ulps_(ulps), floats_(floats), tally_(tally), refinements_left_(refinements_left) {}
 
     void add() {
-        for (std::size_t o = 0; o < ulps_.counts().size(); ++o) onto_.outcomes[o] += ulps_.counts()[o];
+        for (std::size_t o = 0; o < ulps_.counts().size(); ++o) tally_.outcomes[o] += ulps_.counts()[o];
         add_wrong();
         add_worst();
         for (std::size_t e = 0; e < first_events.size(); ++e) {
-            if (first_events[e].lost_bits > 0 && !onto_.first[e]) add_crossing(e);
+            if (first_events[e].lost_bits > 0 && !tally_.first[e]) add_crossing(e);
         }
     }
 
@@ -42,122 +43,125 @@ public:
         for (std::size_t i = 0; i < ulps_.size(); ++i) {
             if (ulps_.outcome(i) != Outcome::false_miss) continue;
             const double u = padding(i);
-            if (u > (onto_.padding ? onto_.padding->u : 0)) onto_.padding = {floats_.at(i), u};
+            if (u > (tally_.padding ? tally_.padding->u : 0)) tally_.padding = {floats_.at(i), u};
         }
     }
 
 private:
     void add_wrong() {
         const auto& counts = ulps_.counts();
-        const auto any = [&](Outcome o) { return counts[static_cast<std::size_t>(o)] > 0; };
-        if (!any(Outcome::false_hit) && !any(Outcome::false_miss) && !any(Outcome::not_a_number)) return;
+        const auto occurs = [&](Outcome o) { return counts[static_cast<std::size_t>(o)] > 0; };
+        if (!occurs(Outcome::false_hit) && !occurs(Outcome::false_miss) && !occurs(Outcome::not_a_number)) return;
         for (std::size_t e = 0; e < first_events.size(); ++e) {
             const Outcome o = first_events[e].outcome;
-            if (first_events[e].lost_bits > 0 || !is_of_one_primitive(first_events[e]) || onto_.first[e] || !any(o))
+            if (first_events[e].lost_bits > 0 || !is_of_one_primitive(first_events[e]) || tally_.first[e] || !occurs(o))
                 continue;
             std::size_t i = 0;
             while (ulps_.outcome(i) != o) ++i;
-            onto_.first[e] = floats_.at(i);
+            tally_.first[e] = floats_.at(i);
         }
         std::size_t first = 0, last = ulps_.size() - 1;
-        if (!onto_.first_wrong) {
+        if (!tally_.first_wrong) {
             while (!answer::is_wrong(ulps_.outcome(first))) ++first;
-            onto_.first_wrong = {floats_.at(first), ulps_.outcome(first)};
+            tally_.first_wrong = {floats_.at(first), ulps_.outcome(first)};
         }
         while (!answer::is_wrong(ulps_.outcome(last))) --last;
-        onto_.last_wrong = {floats_.at(last), ulps_.outcome(last)};
+        tally_.last_wrong = {floats_.at(last), ulps_.outcome(last)};
     }
 
     /// Error above which a float counts as worse than all before it.
-    [[nodiscard]] double worse_from() const {
-        const double beaten = onto_.worst ? std::fabs(onto_.worst->ulps) : -1;
-        return beaten < 0 ? beaten : beaten + 0x1p-20 * std::max(beaten, 1.0);
+    [[nodiscard]] double worse_threshold() const {
+        const double largest_so_far = tally_.worst ? std::fabs(tally_.worst->ulps) : -1;
+        return largest_so_far < 0 ? largest_so_far : largest_so_far + 0x1p-20 * std::max(largest_so_far, 1.0);
     }
 
     /// Floats whose error may exceed every error before them and every lower bound in the chunk.
-    [[nodiscard]] std::vector<std::size_t> rivals() const {
-        std::vector<std::size_t> found;
-        const double floor = worse_from();
-        if (!(ulps_.most_at_most() > floor)) return found;
+    [[nodiscard]] std::vector<std::size_t> worst_candidates() const {
+        std::vector<std::size_t> candidates;
+        const double threshold = worse_threshold();
+        if (!(ulps_.largest_upper_bound() > threshold)) return candidates;
         for (std::size_t i = 0; i < ulps_.size(); ++i) {
-            if (ulps_.at_most(i) > floor && ulps_.at_most(i) >= ulps_.most_at_least()) found.push_back(i);
+            if (ulps_.upper_bound(i) > threshold && ulps_.upper_bound(i) >= ulps_.largest_lower_bound())
+                candidates.push_back(i);
         }
-        return found;
+        return candidates;
     }
 
-    void take_if_worse(std::size_t i) {
+    void replace_worst_if_worse(std::size_t i) {
         const double ulps = ulps_.exact(i);
-        if (!onto_.worst || std::fabs(ulps) > std::fabs(onto_.worst->ulps)) onto_.worst = {floats_.at(i), ulps};
+        if (!tally_.worst || std::fabs(ulps) > std::fabs(tally_.worst->ulps)) tally_.worst = {floats_.at(i), ulps};
     }
 
     void add_worst() {
-        const std::vector<std::size_t> some = rivals();
-        if (some.size() <= few) {
-            for (const std::size_t i : some) take_if_worse(i);
-        } else if (some.size() <= left_) {
-            left_ -= some.size();
-            ulps_.refine(some);
-            // Their errors are known to 2^-48 now. The first float that may have the largest error is so near to it
-            // that it stands for all.
-            take_if_worse(first_largest(some));
-        } else if (ulps_.most_at_least() > worse_from()) {
-            take_if_worse(first_largest(some));
+        const std::vector<std::size_t> candidates = worst_candidates();
+        if (candidates.size() <= max_one_by_one) {
+            for (const std::size_t i : candidates) replace_worst_if_worse(i);
+        } else if (candidates.size() <= refinements_left_) {
+            refinements_left_ -= candidates.size();
+            ulps_.refine(candidates);
+            // Their errors are known to 2^-48 now. The first float that may have the largest error is so near to that
+            // error that it stands for all of them.
+            replace_worst_if_worse(first_largest(candidates));
+        } else if (ulps_.largest_lower_bound() > worse_threshold()) {
+            replace_worst_if_worse(first_largest(candidates));
         }
-        double most = some.empty() ? std::min(ulps_.most_at_most(), worse_from()) : -1;
-        for (const std::size_t i : some) most = std::max(most, ulps_.at_most(i));
-        onto_.at_most = std::max(onto_.at_most, most);
+        double bound = candidates.empty() ? std::min(ulps_.largest_upper_bound(), worse_threshold()) : -1;
+        for (const std::size_t i : candidates) bound = std::max(bound, ulps_.upper_bound(i));
+        tally_.at_most = std::max(tally_.at_most, bound);
     }
 
-    [[nodiscard]] std::size_t first_largest(const std::vector<std::size_t>& some) const {
+    [[nodiscard]] std::size_t first_largest(const std::vector<std::size_t>& candidates) const {
         double largest = -1;
-        for (const std::size_t i : some) largest = std::max(largest, ulps_.at_least(i));
-        return *std::ranges::find_if(some, [&](std::size_t i) { return ulps_.at_most(i) >= largest; });
+        for (const std::size_t i : candidates) largest = std::max(largest, ulps_.lower_bound(i));
+        return *std::ranges::find_if(candidates, [&](std::size_t i) { return ulps_.upper_bound(i) >= largest; });
     }
 
     void add_crossing(std::size_t event) {
         const double bits = first_events[event].lost_bits, crossing = std::exp2(bits - 1);
-        if (ulps_.most_at_most() < crossing) return;
-        std::vector<std::size_t> open;
-        std::size_t sure = 0;
-        for (; sure < ulps_.size() && ulps_.at_least(sure) < crossing; ++sure) {
-            if (ulps_.at_most(sure) >= crossing) open.push_back(sure);
+        if (ulps_.largest_upper_bound() < crossing) return;
+        std::vector<std::size_t> undecided;
+        std::size_t first_certain = 0;
+        for (; first_certain < ulps_.size() && ulps_.lower_bound(first_certain) < crossing; ++first_certain) {
+            if (ulps_.upper_bound(first_certain) >= crossing) undecided.push_back(first_certain);
         }
-        if (open.size() > few) ulps_.refine(open);
-        for (const std::size_t i : open) {
-            const bool crosses = ulps_.at_least(i) >= crossing ||
-                                 (ulps_.at_most(i) >= crossing && std::fabs(ulps_.exact(i)) >= crossing);
+        if (undecided.size() > max_one_by_one) ulps_.refine(undecided);
+        for (const std::size_t i : undecided) {
+            const bool crosses = ulps_.lower_bound(i) >= crossing ||
+                                 (ulps_.upper_bound(i) >= crossing && std::fabs(ulps_.exact(i)) >= crossing);
             if (!crosses) continue;
-            onto_.first[event] = floats_.at(i);
+            tally_.first[event] = floats_.at(i);
             return;
         }
-        if (sure < ulps_.size()) onto_.first[event] = floats_.at(sure);
+        if (first_certain < ulps_.size()) tally_.first[event] = floats_.at(first_certain);
     }
 
     UlpColumns& ulps_;
     const scene::sweep::FloatRange& floats_;
-    FloatTally& onto_;
-    std::size_t& left_;  ///< number of floats that may still be refined in search of the worst
+    FloatTally& tally_;
+    std::size_t& refinements_left_;  ///< number of floats that may still be refined in search of the worst
 };
 
-/// Box that a form tests at the floats of an axis, and the padding that its slabs need there. For a form of boxes this
-/// is the primitive, for a form behind a box its bounding box; other forms have none.
+/// Box that a form tests at the floats of an axis, and the padding that its slabs need there. A form of boxes tests the
+/// primitive; a form behind a box tests the bounding box of the primitive; other forms test no box.
 class BoxOfRow {
 public:
     explicit BoxOfRow(const evaluate::TestedForm& row)
-        : row_(row), behind_(intersect::bounding_box::boxed_parts_of(*row.form)) {}
+        : row_(row), boxed_parts_(intersect::bounding_box::boxed_parts_of(*row.form)) {}
 
-    [[nodiscard]] bool is_asked() const { return row_.form->shape == bounding_box_shape || behind_.form != nullptr; }
+    [[nodiscard]] bool has_box() const {
+        return row_.form->shape == bounding_box_shape || boxed_parts_.form != nullptr;
+    }
     /// Number of u by which tmax must grow for the slabs of `box.signs` to overlap at float i: the metric `padding`.
     [[nodiscard]] double padding(const AxisColumns& columns, std::size_t i) {
-        if (!same_ || columns.primitive_varies()) same_ = box_around(columns.primitive(i));
-        return metric::padding(columns.ray_for(row_, i), *same_);
+        if (!last_box_ || columns.primitive_varies()) last_box_ = box_around(columns.primitive(i));
+        return metric::padding(columns.ray_for(row_, i), *last_box_);
     }
 
 private:
     [[nodiscard]] BoundingBox<float> box_around(const Primitive<float>& primitive) const {
-        if (behind_.form == nullptr) return bounding_box_of(primitive);
-        const auto [lo, hi] =
-            behind_.method->in(row_.format, transformed(primitive, [](float x) { return static_cast<double>(x); }));
+        if (boxed_parts_.form == nullptr) return bounding_box_of(primitive);
+        const auto [lo, hi] = boxed_parts_.method->in(
+            row_.format, transformed(primitive, [](float x) { return static_cast<double>(x); }));
         const auto narrow = [](const Vec<double>& v) {
             return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z));
         };
@@ -165,9 +169,9 @@ private:
     }
 
     const evaluate::TestedForm& row_;
-    intersect::bounding_box::BoxedFormParts behind_;
+    intersect::bounding_box::BoxedFormParts boxed_parts_;
     /// The last box, which stays valid if the axis does not change the primitive.
-    std::optional<BoundingBox<float>> same_;
+    std::optional<BoundingBox<float>> last_box_;
 };
 
 /// Rows that are compared with the same truth.
@@ -180,23 +184,24 @@ std::vector<RowsOfTruth> rows_by_truth(const ExhaustiveRequest& request) {
     std::vector<RowsOfTruth> groups;
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const evaluate::TestedForm& row = request.rows[r];
-        const bool unit = row.form->info->direction == intersect::Direction::unit;
-        const truth::ColumnTerms terms{row.convention(), unit ? truth::Length::distance : truth::Length::parameter,
+        const bool takes_unit_directions = row.form->info->direction == intersect::Direction::unit;
+        const truth::ColumnTerms terms{row.convention(),
+                                       takes_unit_directions ? truth::Length::distance : truth::Length::parameter,
                                        truth::Tightness::ulps_of_binary32, request.limit};
-        auto same = std::ranges::find_if(groups, [&](const RowsOfTruth& g) {
+        auto group = std::ranges::find_if(groups, [&](const RowsOfTruth& g) {
             return g.terms.convention == terms.convention && g.terms.length == terms.length;
         });
-        if (same == groups.end()) same = groups.insert(groups.end(), {terms});
-        same->rows.push_back(r);
+        if (group == groups.end()) group = groups.insert(groups.end(), {terms});
+        group->rows.push_back(r);
     }
     return groups;
 }
 
 }  // namespace
 
-std::vector<FloatTally> try_floats(const FloatsOnRay& of, truth::StageCounts& stages) {
-    const auto& [request, ray, floats] = of;
-    if (request.sweep.mesh) return try_floats_as_rays(of, stages);
+std::vector<FloatTally> try_floats(const FloatsOnRay& floats_on_ray, truth::StageCounts& stages) {
+    const auto& [request, ray, floats] = floats_on_ray;
+    if (request.sweep.mesh) return try_floats_as_rays(floats_on_ray, stages);
     AxisColumns columns(request.sweep, ray, chunk_size);
     std::vector<float> values(chunk_size), t(chunk_size);
     std::vector<std::uint8_t> hit(chunk_size);
@@ -206,7 +211,7 @@ std::vector<FloatTally> try_floats(const FloatsOnRay& of, truth::StageCounts& st
     for (const RowsOfTruth& group : groups) ulps.emplace_back(columns, group.terms);
     std::vector<BoxOfRow> boxes(request.rows.begin(), request.rows.end());
     std::vector<FloatTally> tallies(request.rows.size());
-    std::vector<std::size_t> left(request.rows.size(), most_refined);
+    std::vector<std::size_t> refinements_left(request.rows.size(), max_refined_floats);
     for (std::uint64_t begin = 0; begin < floats.size(); begin += chunk_size) {
         const std::uint64_t n = std::min<std::uint64_t>(chunk_size, floats.size() - begin);
         const scene::sweep::FloatRange chunk{floats.at(begin), floats.at(begin + n - 1)};
@@ -219,9 +224,9 @@ std::vector<FloatTally> try_floats(const FloatsOnRay& of, truth::StageCounts& st
             for (const std::size_t row : groups[g].rows) {
                 columns.answer(request.rows[row], std::span(t).first(n), std::span(hit).first(n));
                 ulps[g].compare(std::span(t).first(n), std::span(hit).first(n), truths);
-                ChunkTally tally(ulps[g], chunk, tallies[row], left[row]);
+                ChunkTally tally(ulps[g], chunk, tallies[row], refinements_left[row]);
                 tally.add();
-                if (boxes[row].is_asked())
+                if (boxes[row].has_box())
                     tally.add_padding([&](std::size_t i) { return boxes[row].padding(columns, i); });
             }
         }
@@ -230,7 +235,7 @@ std::vector<FloatTally> try_floats(const FloatsOnRay& of, truth::StageCounts& st
 }
 
 double padding_max(const evaluate::TestedForm& row, const FloatTally& tally) {
-    if (!BoxOfRow(row).is_asked()) return truth::missing;
+    if (!BoxOfRow(row).has_box()) return truth::missing;
     return tally.padding ? tally.padding->u : 0;
 }
 

@@ -13,7 +13,7 @@ using evaluate::TestedForm;
 
 namespace {
 
-const std::vector<const metric::Metric*>& measured() {
+const std::vector<const metric::Metric*>& measured_metrics() {
     static const std::vector<const metric::Metric*> metrics{metric::find_metric("ulp_error")};
     return metrics;
 }
@@ -21,16 +21,16 @@ const std::vector<const metric::Metric*>& measured() {
 /// Floats on a ray, measured as one band.
 class FloatBand {
 public:
-    explicit FloatBand(const FloatsOnRay& of)
-        : rows_(of.request.rows),
-          group_(of.request.sweep.group_over(of.ray, of.floats)),
+    explicit FloatBand(const FloatsOnRay& floats_on_ray)
+        : rows_(floats_on_ray.request.rows),
+          group_(floats_on_ray.request.sweep.group_over(floats_on_ray.ray, floats_on_ray.floats)),
           culler_(culler_of(group_)),
-          band_(group_, of.request.limit, culler_ ? &*culler_ : nullptr),
-          shared_(band_, rows_, measured()) {}
+          band_(group_, floats_on_ray.request.limit, culler_ ? &*culler_ : nullptr),
+          shared_(band_, rows_, measured_metrics()) {}
 
     void measure(std::size_t row, const evaluate::Show& show) const {
-        evaluate::FormSummary summary(measured());
-        evaluate::measure_row({rows_[row], measured(), show}, shared_.of(rows_[row]), summary);
+        evaluate::FormSummary summary(measured_metrics());
+        evaluate::measure_row({rows_[row], measured_metrics(), show}, shared_.of(rows_[row]), summary);
     }
     [[nodiscard]] const truth::StageCounts& stages() const { return band_.stages(); }
 
@@ -49,33 +49,34 @@ private:
 
 }  // namespace
 
-std::vector<FloatTally> try_floats_as_rays(const FloatsOnRay& of, truth::StageCounts& stages) {
-    const FloatBand band(of);
+std::vector<FloatTally> try_floats_as_rays(const FloatsOnRay& floats_on_ray, truth::StageCounts& stages) {
+    const FloatBand band(floats_on_ray);
     stages += band.stages();
     std::vector<FloatTally> tallies;
-    for (std::size_t row = 0; row < of.request.rows.size(); ++row) {
+    for (std::size_t row = 0; row < floats_on_ray.request.rows.size(); ++row) {
         FloatTally& tally = tallies.emplace_back();
         band.measure(row, [&](const evaluate::BandResult& result) {
             for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
                 const bool both_hit = result.outcomes[i] == Outcome::agree_hit;
-                tally.add(of.floats.at(i), result.outcomes[i], both_hit ? result.metrics.front()[i] : truth::missing);
+                tally.add(floats_on_ray.floats.at(i), result.outcomes[i],
+                          both_hit ? result.metrics.front()[i] : truth::missing);
             }
         });
     }
     return tallies;
 }
 
-FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::size_t row, std::uint32_t place) {
-    FloatAnswer found;
-    FloatBand({request, ray, {place, place}}).measure(row, [&](const evaluate::BandResult& result) {
-        found.outcome = result.outcomes.front();
-        if (result.answers->hit.front() != 0) found.t = result.answers->t.front();
+FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::size_t row, std::uint32_t float_index) {
+    FloatAnswer float_answer;
+    FloatBand({request, ray, {float_index, float_index}}).measure(row, [&](const evaluate::BandResult& result) {
+        float_answer.outcome = result.outcomes.front();
+        if (result.answers->hit.front() != 0) float_answer.t = result.answers->t.front();
         if (result.truth(0).is_hit())
-            found.truth =
+            float_answer.truth =
                 result.band->rounded_truth(0, binary64, request.rows[row].form->info->direction, result.convention);
-        if (found.outcome == Outcome::agree_hit) found.ulps = result.metrics.front().front();
+        if (float_answer.outcome == Outcome::agree_hit) float_answer.ulps = result.metrics.front().front();
     });
-    return found;
+    return float_answer;
 }
 
 }  // namespace lostbits::measure::sweep

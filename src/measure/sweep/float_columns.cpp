@@ -19,44 +19,44 @@ using intersect::table::RayBatch;
 
 namespace {
 
-Vec<float> unit(const Vec<float>& direction) {
+Vec<float> rounded_unit_direction(const Vec<float>& direction) {
     const Vec<double> d = truth::unit_direction(Vec<double>(direction.x, direction.y, direction.z), binary32);
     return {static_cast<float>(d.x), static_cast<float>(d.y), static_cast<float>(d.z)};
 }
 
-std::span<const float> one(const float& x) { return {&x, 1}; }
+std::span<const float> span_of_one(const float& x) { return {&x, 1}; }
 
 }  // namespace
 
-AxisColumns::AxisColumns(const scene::sweep::ExhaustiveFile& file, std::size_t ray, std::size_t most)
-    : file_(file), ray_(ray), near_(most), far_(most) {
+AxisColumns::AxisColumns(const scene::sweep::ExhaustiveFile& file, std::size_t ray, std::size_t capacity)
+    : file_(file), ray_(ray), near_(capacity), far_(capacity) {
     const Ray<float>& r = file.rays[ray].ray;
     ray_numbers_ = {r.origin.x, r.origin.y, r.origin.z, r.direction.x, r.direction.y, r.direction.z};
     primitive_numbers_ = file.primitive.numbers;
-    for (const std::size_t place : file.ray_places) ray_varies_[place] = true;
-    for (const std::size_t place : file.primitive_places) primitive_varies_[place] = true;
+    for (const std::size_t index : file.ray_places) ray_varies_[index] = true;
+    for (const std::size_t index : file.primitive_places) primitive_varies_[index] = true;
     direction_varies_ = ray_varies_[3] || ray_varies_[4] || ray_varies_[5];
     for (std::size_t k = 0; k < ray_columns_.size(); ++k)
-        if (!ray_varies_[k]) ray_columns_[k].assign(most, ray_numbers_[k]);
+        if (!ray_varies_[k]) ray_columns_[k].assign(capacity, ray_numbers_[k]);
     for (std::size_t k = 0; k < primitive_columns_.size() && !file.primitive_places.empty(); ++k)
-        if (!primitive_varies_[k]) primitive_columns_[k].assign(most, primitive_numbers_[k]);
-    if (std::isfinite(file.rays[ray].tmax)) tmax_.assign(most, file.rays[ray].tmax);
+        if (!primitive_varies_[k]) primitive_columns_[k].assign(capacity, primitive_numbers_[k]);
+    if (std::isfinite(file.rays[ray].tmax)) tmax_.assign(capacity, file.rays[ray].tmax);
 }
 
 void AxisColumns::set(std::span<const float> values) {
     values_ = values;
-    if (direction_varies_) units_made_ = false;
-    primitives_made_ = false;
+    if (direction_varies_) has_unit_directions_ = false;
+    has_primitives_ = false;
 }
 
 truth::ProblemColumns<float> AxisColumns::problems() const { return problems(values_); }
 
 truth::ProblemColumns<float> AxisColumns::problems(std::span<const float> values) const {
     truth::ProblemColumns<float> p{.size = values.size(), .ray = {}, .shape = file_.primitive.shape, .primitive = {}};
-    for (std::size_t k = 0; k < 6; ++k) p.ray[k] = ray_varies_[k] ? values : one(ray_numbers_[k]);
+    for (std::size_t k = 0; k < 6; ++k) p.ray[k] = ray_varies_[k] ? values : span_of_one(ray_numbers_[k]);
     for (std::size_t k = 0; k < file_.primitive.used().size(); ++k)
-        p.primitive[k] = primitive_varies_[k] ? values : one(primitive_numbers_[k]);
-    if (!tmax_.empty()) p.tmax = one(tmax_.front());
+        p.primitive[k] = primitive_varies_[k] ? values : span_of_one(primitive_numbers_[k]);
+    if (!tmax_.empty()) p.tmax = span_of_one(tmax_.front());
     return p;
 }
 
@@ -67,13 +67,14 @@ truth::Truth AxisColumns::find_truth(std::size_t i, const truth::ColumnTerms& te
 
 /// Computes the directions for forms of unit directions, in the same way as maps do.
 void AxisColumns::make_unit_directions() {
-    if (units_made_) return;
-    units_made_ = true;
+    if (has_unit_directions_) return;
+    has_unit_directions_ = true;
     const std::size_t capacity = near_.size(), count = direction_varies_ ? values_.size() : capacity;
     for (auto& column : unit_columns_) column.resize(capacity);
     Vec<float> d{};
     for (std::size_t i = 0; i < count; ++i) {
-        if (i == 0 || direction_varies_) d = unit(file_.ray_at(ray_, direction_varies_ ? values_[i] : 0.0F).direction);
+        if (i == 0 || direction_varies_)
+            d = rounded_unit_direction(file_.ray_at(ray_, direction_varies_ ? values_[i] : 0.0F).direction);
         for (int k = 0; k < 3; ++k) unit_columns_[static_cast<std::size_t>(k)][i] = d[k];
     }
 }
@@ -81,16 +82,16 @@ void AxisColumns::make_unit_directions() {
 /// Builds the primitives once for all forms. There are many forms, and building the primitives takes nearly as long as
 /// running one of them.
 void AxisColumns::make_primitives() {
-    if (primitives_made_) return;
-    primitives_made_ = true;
+    if (has_primitives_) return;
+    has_primitives_ = true;
     primitives_.resize(values_.size(), file_.primitive);
     for (std::size_t i = 0; i < values_.size(); ++i)
-        for (const std::size_t place : file_.primitive_places) primitives_[i].numbers[place] = values_[i];
+        for (const std::size_t index : file_.primitive_places) primitives_[i].numbers[index] = values_[i];
 }
 
-std::span<const float> AxisColumns::wide(std::size_t place, bool unit) const {
-    if (unit && place >= 3) return std::span<const float>(unit_columns_[place - 3]).first(values_.size());
-    return ray_varies_[place] ? values_ : std::span<const float>(ray_columns_[place]).first(values_.size());
+std::span<const float> AxisColumns::ray_column(std::size_t component, bool is_unit) const {
+    if (is_unit && component >= 3) return std::span<const float>(unit_columns_[component - 3]).first(values_.size());
+    return ray_varies_[component] ? values_ : std::span<const float>(ray_columns_[component]).first(values_.size());
 }
 
 Ray<float> AxisColumns::ray_for(const TestedForm& row, std::size_t i) const {
@@ -101,16 +102,16 @@ Ray<float> AxisColumns::ray_for(const TestedForm& row, std::size_t i) const {
 }
 
 void AxisColumns::answer(const TestedForm& row, std::span<float> t, std::span<std::uint8_t> hit) {
-    const bool unit = row.form->info->direction == Direction::unit;
-    if (unit) make_unit_directions();
+    const bool is_unit = row.form->info->direction == Direction::unit;
+    if (is_unit) make_unit_directions();
     const std::size_t n = values_.size();
     const std::span<const float> tmax = tmax_.empty() ? tmax_ : std::span<const float>(tmax_).first(n);
-    const RayBatch<float> batch{.ox = wide(0, unit),
-                                .oy = wide(1, unit),
-                                .oz = wide(2, unit),
-                                .dx = wide(3, unit),
-                                .dy = wide(4, unit),
-                                .dz = wide(5, unit),
+    const RayBatch<float> batch{.ox = ray_column(0, is_unit),
+                                .oy = ray_column(1, is_unit),
+                                .oz = ray_column(2, is_unit),
+                                .dx = ray_column(3, is_unit),
+                                .dy = ray_column(4, is_unit),
+                                .dz = ray_column(5, is_unit),
                                 .tmax = tmax};
     const HitBatch<float> hits{t, std::span(near_).first(n), std::span(far_).first(n), hit};
     if (file_.primitive_places.empty())
@@ -122,23 +123,23 @@ void AxisColumns::answer(const TestedForm& row, std::span<float> t, std::span<st
 /// takes tmax is not used, because it cannot tell a miss from a hit at tmax.
 void AxisColumns::answer_primitives(const TestedForm& row, const RayBatch<float>& rays, const HitBatch<float>& hits) {
     const std::size_t n = values_.size();
-    const intersect::simd::ManyRow many = intersect::simd::many_kernels(*row.form);
-    if (!many.f32 || many.takes_tmax || !file_.ray_places.empty()) {
+    const intersect::simd::ManyRow kernels = intersect::simd::many_kernels(*row.form);
+    if (!kernels.f32 || kernels.takes_tmax || !file_.ray_places.empty()) {
         make_primitives();
         return row.form->native32(rays, intersect::Target<float>(std::span<const Primitive<float>>(primitives_)), hits);
     }
     intersect::simd::PrimitiveArrays<float> primitives;
     for (std::size_t k = 0; k < file_.primitive.used().size(); ++k)
         primitives.numbers[k] = primitive_varies_[k] ? values_ : std::span<const float>(primitive_columns_[k]).first(n);
-    many.f32(ray_for(row, 0), primitives, hits.t, hits.hit);
+    kernels.f32(ray_for(row, 0), primitives, hits.t, hits.hit);
 }
 
 namespace {
 
 /// 1/ulp(t*) in binary32 for t* = hi + lo ≥ 0, whose binade is proved: 2^(23 − max(⌊log2 t*⌋, −126)). Where hi is a
-/// power of two and lo < 0, t* lies below hi, and so does the double before hi. Uses only operations that registers of
-/// every width have.
-double per_ulp(double hi, double lo) {
+/// power of two and lo < 0, t* lies below hi, and so does the double before hi. Uses only operations that SIMD
+/// registers of every width support.
+double inverse_ulp(double hi, double lo) {
     constexpr double smallest_normal = 0x1p-126;
     const auto below = std::bit_cast<double>(std::bit_cast<std::uint64_t>(hi) - (lo < 0 ? 1U : 0U));
     const double size = below > smallest_normal ? below : smallest_normal;
@@ -150,45 +151,47 @@ struct ValueRange {
     double low, high;
 };
 
-/// Bounds of |t − t*|/ulp(t*) where |t* − (hi + lo)| ≤ bound. t − hi is rounded once, and so is the difference with lo,
-/// each to 2^-53 of itself; where they cancel, t − hi is exact. 2^-50 covers both, and the product with the bound.
-ValueRange between(float t, double hi, double lo, double bound) {
-    const double scale = per_ulp(hi, lo);
-    const double size = std::fabs((static_cast<double>(t) - hi) - lo) * scale;
-    const double aside = bound * scale;
-    return {size * (1 - 0x1p-50) - aside * (1 + 0x1p-50), (size + aside) * (1 + 0x1p-50)};
+/// Bounds of |t − t*|/ulp(t*) where |t* − (hi + lo)| ≤ bound. The subtractions of hi and of lo are rounded, each with a
+/// relative error of at most 2^-53; where they cancel, t − hi is exact. The factors 1 ± 2^-50 cover both roundings and
+/// that of the product with the bound.
+ValueRange error_bounds(float t, double hi, double lo, double bound) {
+    const double scale = inverse_ulp(hi, lo);
+    const double error = std::fabs((static_cast<double>(t) - hi) - lo) * scale;
+    const double margin = bound * scale;
+    return {error * (1 - 0x1p-50) - margin * (1 + 0x1p-50), (error + margin) * (1 + 0x1p-50)};
 }
 
-/// Largest element; found in eight parts, which registers can hold side by side.
+/// Largest element, or −1 if all are smaller. Eight partial maxima fit into registers.
 double largest(const std::vector<double>& x) {
     constexpr std::size_t parts = 8;
-    std::array<double, parts> most{};
-    most.fill(-1);
+    std::array<double, parts> maxima{};
+    maxima.fill(-1);
     std::size_t i = 0;
     for (; i + parts <= x.size(); i += parts) {
-        for (std::size_t k = 0; k < parts; ++k) most[k] = x[i + k] > most[k] ? x[i + k] : most[k];
+        for (std::size_t k = 0; k < parts; ++k) maxima[k] = x[i + k] > maxima[k] ? x[i + k] : maxima[k];
     }
-    for (; i < x.size(); ++i) most[0] = std::max(most[0], x[i]);
-    return std::ranges::max(most);
+    for (; i < x.size(); ++i) maxima[0] = std::max(maxima[0], x[i]);
+    return std::ranges::max(maxima);
 }
 
 }  // namespace
 
-/// Writes the outcomes into `outcome_` and counts them. Most often all floats of a chunk have the same one.
+/// Writes the outcomes into `outcome_` and counts them. Most often all floats of a chunk have the same outcome.
 void UlpColumns::classify(std::span<const std::uint8_t> hit, const truth::TruthColumns& truth) {
     static const answer::OutcomeTable table;
-    const auto outcome_of = [](std::uint8_t kind) { return static_cast<std::uint8_t>(table[kind]); };
+    const auto outcome_of = [](std::uint8_t case_index) { return static_cast<std::uint8_t>(table[case_index]); };
     const std::size_t n = t_.size();
     // Local pointers, because a store of bytes could change the vectors themselves: the compiler would then handle one
     // float at a time.
     const auto* const decision = truth.decision.data();
     const std::uint8_t* const hits = hit.data();
     const float* const t = t_.data();
-    std::uint8_t* const kind = outcome_.data();
+    std::uint8_t* const case_index = outcome_.data();
     static_assert(sizeof *decision == 1);
     for (std::size_t i = 0; i < n; ++i)
-        kind[i] = static_cast<std::uint8_t>(4 * static_cast<unsigned>(decision[i]) + 2U * (hits[i] != 0));
-    for (std::size_t i = 0; i < n; ++i) kind[i] = static_cast<std::uint8_t>(kind[i] + (t[i] != t[i] ? 1 : 0));
+        case_index[i] = static_cast<std::uint8_t>(4 * static_cast<unsigned>(decision[i]) + 2U * (hits[i] != 0));
+    for (std::size_t i = 0; i < n; ++i)
+        case_index[i] = static_cast<std::uint8_t>(case_index[i] + (t[i] != t[i] ? 1 : 0));
     counts_ = {};
     if (std::memcmp(outcome_.data(), outcome_.data() + 1, n - 1) == 0) {
         counts_[outcome_of(outcome_[0])] = n;
@@ -209,7 +212,7 @@ void UlpColumns::compare(std::span<const float> t, std::span<const std::uint8_t>
     low_.resize(n);
     high_.resize(n);
     classify(hit, truth);
-    most_low_ = most_high_ = -1;
+    largest_low_ = largest_high_ = -1;
     if (counts_[static_cast<std::size_t>(Outcome::agree_hit)] == 0) {
         std::ranges::fill(low_, -1.0);
         std::ranges::fill(high_, -1.0);
@@ -220,7 +223,7 @@ void UlpColumns::compare(std::span<const float> t, std::span<const std::uint8_t>
     const float* const answer = t.data();
     double *const low = low_.data(), *const high = high_.data();
     for (std::size_t i = 0; i < n; ++i) {
-        const ValueRange b = between(answer[i], hi[i], lo[i], bound[i]);
+        const ValueRange b = error_bounds(answer[i], hi[i], lo[i], bound[i]);
         low[i] = b.low;
         high[i] = b.high;
     }
@@ -230,27 +233,28 @@ void UlpColumns::compare(std::span<const float> t, std::span<const std::uint8_t>
         }
     }
     // Columns cannot hold a length beyond 2^±900.
-    for (const auto& [i, alone] : truth.alone) {
+    for (const auto& [i, complete_truth] : truth.alone) {
         if (outcome_[i] != both_hit || !std::isnan(truth.hi[i])) continue;
-        const auto& length = terms_.length == truth::Length::parameter ? alone.t : alone.distance;
-        settle(i, truth::ulp_error(static_cast<double>(t[i]), length, binary32));
+        const auto& length = terms_.length == truth::Length::parameter ? complete_truth.t : complete_truth.distance;
+        set_exact(i, truth::ulp_error(static_cast<double>(t[i]), length, binary32));
     }
-    most_low_ = largest(low_);
-    most_high_ = largest(high_);
+    largest_low_ = largest(low_);
+    largest_high_ = largest(high_);
 }
 
-void UlpColumns::settle(std::size_t i, double ulps) { low_[i] = high_[i] = std::fabs(ulps); }
+void UlpColumns::set_exact(std::size_t i, double ulps) { low_[i] = high_[i] = std::fabs(ulps); }
 
-void UlpColumns::refine(std::span<const std::size_t> places) {
-    std::vector<float> values(places.size());
-    std::ranges::transform(places, values.begin(), [&](std::size_t i) { return columns_.values()[i]; });
+void UlpColumns::refine(std::span<const std::size_t> indices) {
+    std::vector<float> values(indices.size());
+    std::ranges::transform(indices, values.begin(), [&](std::size_t i) { return columns_.values()[i]; });
     truth::ColumnTerms terms = terms_;
     terms.tightness = truth::Tightness::certified;
-    find_truth_columns(columns_.problems(values), terms, closer_);
-    for (std::size_t k = 0; k < places.size(); ++k) {
-        const std::size_t i = places[k];
-        if (std::isnan(closer_.hi[k]) || std::isinf(t_[i])) continue;
-        const ValueRange b = between(t_[i], closer_.hi[k], closer_.lo[k], closer_.bound[k]);
+    find_truth_columns(columns_.problems(values), terms, refined_truths_);
+    for (std::size_t k = 0; k < indices.size(); ++k) {
+        const std::size_t i = indices[k];
+        if (std::isnan(refined_truths_.hi[k]) || std::isinf(t_[i])) continue;
+        const ValueRange b =
+            error_bounds(t_[i], refined_truths_.hi[k], refined_truths_.lo[k], refined_truths_.bound[k]);
         low_[i] = b.low;
         high_[i] = b.high;
     }
@@ -260,7 +264,7 @@ double UlpColumns::exact(std::size_t i) {
     const truth::Truth truth = columns_.find_truth(i, terms_);
     const auto& length = terms_.length == truth::Length::parameter ? truth.t : truth.distance;
     const double ulps = truth::ulp_error(static_cast<double>(t_[i]), length, binary32);
-    settle(i, ulps);
+    set_exact(i, ulps);
     return ulps;
 }
 

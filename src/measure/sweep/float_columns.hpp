@@ -15,10 +15,10 @@ namespace lostbits::measure::sweep {
 
 class AxisColumns {
 public:
-    /// Allocates buffers for `most` floats; `file` must outlive this.
-    AxisColumns(const scene::sweep::ExhaustiveFile& file, std::size_t ray, std::size_t most);
+    /// Allocates buffers for `capacity` floats; `file` must outlive this object.
+    AxisColumns(const scene::sweep::ExhaustiveFile& file, std::size_t ray, std::size_t capacity);
 
-    /// Moves on to other floats, at most `most` of them.
+    /// Replaces the floats by others, at most `capacity` of them.
     void set(std::span<const float> values);
     [[nodiscard]] std::span<const float> values() const { return values_; }
 
@@ -28,7 +28,7 @@ public:
     /// Complete truth of float i.
     [[nodiscard]] truth::Truth find_truth(std::size_t i, const truth::ColumnTerms& terms) const;
 
-    /// Answers of a form at each float: `hit` is 0 or 1.
+    /// Writes the answers of a form at each float; each `hit` is 0 or 1.
     void answer(const evaluate::TestedForm& row, std::span<float> t, std::span<std::uint8_t> hit);
 
     /// Ray that a form is given at float i; valid once the form has answered there.
@@ -40,7 +40,7 @@ public:
 private:
     void make_unit_directions();
     void make_primitives();
-    [[nodiscard]] std::span<const float> wide(std::size_t place, bool unit) const;
+    [[nodiscard]] std::span<const float> ray_column(std::size_t component, bool is_unit) const;
     void answer_primitives(const evaluate::TestedForm& row, const intersect::table::RayBatch<float>& rays,
                            const intersect::table::HitBatch<float>& hits);
 
@@ -55,8 +55,8 @@ private:
     std::array<std::vector<float>, most_numbers> primitive_columns_;
     std::array<std::vector<float>, 3> unit_columns_;  ///< directions of unit length, rounded to binary32
     std::vector<float> tmax_, near_, far_;
-    std::vector<Primitive<float>> primitives_;  ///< one per float, for forms without a kernel over many
-    bool units_made_ = false, primitives_made_ = false, direction_varies_ = false;
+    std::vector<Primitive<float>> primitives_;  ///< one per float, for forms without a kernel for many primitives
+    bool has_unit_directions_ = false, has_primitives_ = false, direction_varies_ = false;
 };
 
 /// Bounds of the errors of one form at the floats of some columns.
@@ -73,20 +73,21 @@ public:
     [[nodiscard]] answer::Outcome outcome(std::size_t i) const { return static_cast<answer::Outcome>(outcome_[i]); }
 
     /// Bounds of |ulp error| at floats where form and truth hit; elsewhere both are −1.
-    [[nodiscard]] double at_least(std::size_t i) const { return low_[i]; }
-    [[nodiscard]] double at_most(std::size_t i) const { return high_[i]; }
+    [[nodiscard]] double lower_bound(std::size_t i) const { return low_[i]; }
+    [[nodiscard]] double upper_bound(std::size_t i) const { return high_[i]; }
     /// Largest value of each bound, −1 for none.
-    [[nodiscard]] double most_at_least() const { return most_low_; }
-    [[nodiscard]] double most_at_most() const { return most_high_; }
+    [[nodiscard]] double largest_lower_bound() const { return largest_low_; }
+    [[nodiscard]] double largest_upper_bound() const { return largest_high_; }
 
-    /// Narrows both bounds to 2^-48 of themselves if truths in packs can; for floats where form and truth hit.
-    void refine(std::span<const std::size_t> places);
+    /// Narrows both bounds to 2^-48 of themselves where packed truths are accurate enough; for floats where form and
+    /// truth hit.
+    void refine(std::span<const std::size_t> indices);
     /// Signed error by the complete truth of float i, as `lostbits explain` reports it.
     [[nodiscard]] double exact(std::size_t i);
 
 private:
     void classify(std::span<const std::uint8_t> hit, const truth::TruthColumns& truth);
-    void settle(std::size_t i, double ulps);
+    void set_exact(std::size_t i, double ulps);
 
     const AxisColumns& columns_;
     truth::ColumnTerms terms_;
@@ -94,8 +95,8 @@ private:
     std::vector<std::uint8_t> outcome_;
     std::vector<double> low_, high_;
     Outcomes counts_{};
-    double most_low_ = -1, most_high_ = -1;
-    truth::TruthColumns closer_;  ///< truths of `refine`
+    double largest_low_ = -1, largest_high_ = -1;
+    truth::TruthColumns refined_truths_;  ///< truths of `refine`
 };
 
 }  // namespace lostbits::measure::sweep

@@ -36,124 +36,134 @@ struct Event {
     [[nodiscard]] bool is_good(const FormSummary& s) const { return value(s) < threshold; }
 };
 
-/// True for a metric of the loss in a step to object space or back, in ulps.
-bool is_step(const Metric& m) { return (m.needs & metric::needs_steps) != 0 && m.ramp == metric::Ramp::magnitude; }
+/// True for a metric of the loss, in ulps, in a transform step: on the way to object space or back.
+bool measures_transform_step(const Metric& m) {
+    return (m.needs & metric::needs_steps) != 0 && m.ramp == metric::Ramp::magnitude;
+}
 
 std::vector<Event> events_of(const TestedForm& row, const std::vector<const Metric*>& metrics) {
-    const std::size_t lost = metric::index_of(metrics, "lost_bits"), stop = metric::index_of(metrics, "stop");
+    const std::size_t lost_bits_index = metric::index_of(metrics, "lost_bits"),
+                      stop_index = metric::index_of(metrics, "stop");
     std::vector<Event> events;
     const double p = row.format.parameters.precision;
     for (const metric::Statistic& s : metric::quantiles) {
         for (const double bits : {1.0, 4.0, 8.0, p / 2, p}) {
             if (bits > p) continue;
-            events.push_back({"lost_bits", std::string(s.name), bits,
-                              [lost, s](const FormSummary& m) { return s.of(m.metrics[lost]); }});
+            events.push_back({"lost_bits", std::string(s.name), bits, [lost_bits_index, s](const FormSummary& summary) {
+                                  return s.of(summary.metrics[lost_bits_index]);
+                              }});
         }
     }
     for (std::size_t m = 0; m < metrics.size(); ++m) {
-        if (!is_step(*metrics[m])) continue;
+        if (!measures_transform_step(*metrics[m])) continue;
         events.push_back({std::string(metrics[m]->name), "p50", 1,
                           [m](const FormSummary& s) { return metric::quantiles.front().of(s.metrics[m]); }});
     }
     for (const Outcome o : evaluate::wrong_decisions) {
         events.push_back({std::string(answer::outcome_names[static_cast<std::size_t>(o)]), "count", 1,
-                          [o](const FormSummary& m) { return static_cast<double>(m.count(o)); }});
+                          [o](const FormSummary& summary) { return static_cast<double>(summary.count(o)); }});
     }
-    if (is_primitive(row.form->shape) || stop == metrics.size()) return events;
-    for (const Stop why : {Stop::max_dist, Stop::max_steps, Stop::stagnated}) {
-        const auto c = static_cast<std::size_t>(why);
-        events.push_back({std::string(intersect::stop_names[c]), "count", 1,
-                          [stop, c](const FormSummary& m) { return static_cast<double>(m.categories[stop][c]); }});
+    if (is_primitive(row.form->shape) || stop_index == metrics.size()) return events;
+    for (const Stop stop_reason : {Stop::max_dist, Stop::max_steps, Stop::stagnated}) {
+        const auto c = static_cast<std::size_t>(stop_reason);
+        events.push_back(
+            {std::string(intersect::stop_names[c]), "count", 1, [stop_index, c](const FormSummary& summary) {
+                 return static_cast<double>(summary.categories[stop_index][c]);
+             }});
     }
     return events;
 }
 
-/// Request that measures only the metrics that events need, because conditioning costs far more. Each keeps its index
-/// among the metrics of the request.
-SweepRequest for_events(SweepRequest request) {
+/// Returns a request that measures only the metrics that events need, because conditioning costs far more. Each of
+/// these metrics keeps its index among the metrics of the request.
+SweepRequest request_for_events(SweepRequest request) {
     std::ranges::replace_if(
         request.metrics,
         [](const Metric* m) {
             return m->domain != metric::MetricDomain::marches && m->domain != metric::MetricDomain::pairs &&
-                   !is_step(*m);
+                   !measures_transform_step(*m);
         },
         metric::find_metric("lost_bits"));
     return request;
 }
 
-/// Evaluates a row between the steps and remembers the results, because neighbouring events need the same values.
-class StepsBetween {
+/// Evaluates a row at values between the steps and remembers the results, because neighbouring events need the same
+/// values.
+class RowEvaluator {
 public:
-    StepsBetween(const SweepRequest& request, std::size_t row)
-        : request_(for_events(request)), row_{request_.rows[row]} {}
-    const FormSummary& at(double value) {
-        const auto [place, fresh] = seen_.try_emplace(value);
-        if (fresh) place->second = std::move(run_step(request_, row_, {value}).front());
-        return place->second;
+    RowEvaluator(const SweepRequest& request, std::size_t row)
+        : request_(request_for_events(request)), row_{request_.rows[row]} {}
+    const FormSummary& summary_at(double value) {
+        const auto [entry, is_new] = summaries_.try_emplace(value);
+        if (is_new) entry->second = std::move(run_step(request_, row_, {value}).front());
+        return entry->second;
     }
 
 private:
     SweepRequest request_;
     std::vector<TestedForm> row_;
-    std::map<double, FormSummary> seen_;
+    std::map<double, FormSummary> summaries_;
 };
 
 /// Halves a bracket until it is narrow. `holds` is true at `first` and false at `second`. `at_second` is called with
-/// every summary that `second` moves to.
+/// the summary at every value that `second` moves to.
 template <class Holds, class AtSecond>
-void narrow(const scene::sweep::Axis& axis, double& first, double& second, StepsBetween& between, const Holds& holds,
+void narrow(const scene::sweep::Axis& axis, double& first, double& second, RowEvaluator& evaluator, const Holds& holds,
             const AtSecond& at_second) {
     while (std::fabs(second - first) > 0x1p-9 * std::fabs(second)) {
         const double middle = axis.middle(first, second);
         if (middle == first || middle == second) return;
-        const FormSummary& there = between.at(middle);
-        if (holds(there)) {
+        const FormSummary& summary = evaluator.summary_at(middle);
+        if (holds(summary)) {
             first = middle;
         } else {
             second = middle;
-            at_second(there);
+            at_second(summary);
         }
     }
 }
 
 /// Steps in the order in which an onset is looked for.
-using Read = std::vector<const SweepStep*>;
+using StepOrder = std::vector<const SweepStep*>;
 
-/// Finds the last step after `bad` at which the form is good again, and the value at which it stops being good.
-void find_recovery(const SweepRequest& request, const Read& steps, std::size_t bad, const Event& event,
-                   StepsBetween& between, Onset& onset) {
-    std::size_t good = steps.size() - 1;
-    while (good > bad && !event.is_good(steps[good]->rows[onset.row])) --good;
-    if (good == bad) return;
+/// Finds the last step after step `bad_index` at which the form is good again, and the value at which it stops being
+/// good.
+void find_recovery(const SweepRequest& request, const StepOrder& steps, std::size_t bad_index, const Event& event,
+                   RowEvaluator& evaluator, Onset& onset) {
+    std::size_t good_index = steps.size() - 1;
+    while (good_index > bad_index && !event.is_good(steps[good_index]->rows[onset.row])) --good_index;
+    if (good_index == bad_index) return;
     onset.recovers = true;
-    onset.good_at_end = good + 1 == steps.size();
-    onset.last_good_after = steps[good]->values.front();
+    onset.good_at_end = good_index + 1 == steps.size();
+    onset.last_good_after = steps[good_index]->values.front();
     if (onset.good_at_end) return;
-    onset.bad_again = steps[good + 1]->values.front();
+    onset.bad_again = steps[good_index + 1]->values.front();
     narrow(
-        request.sweep.axes.front(), onset.last_good_after, onset.bad_again, between,
+        request.sweep.axes.front(), onset.last_good_after, onset.bad_again, evaluator,
         [&](const FormSummary& s) { return event.is_good(s); }, [](const FormSummary&) {});
 }
 
-Onset locate(const SweepRequest& request, const Read& steps, std::size_t row, const Event& event,
-             StepsBetween& between) {
+Onset locate_onset(const SweepRequest& request, const StepOrder& steps, std::size_t row, const Event& event,
+                   RowEvaluator& evaluator) {
     Onset onset{row, event.name, event.statistic, event.threshold};
     onset.rays = steps.front()->rows[row].rays;
     onset.views = steps.front()->rows[row].views;
-    const auto bad = std::ranges::find_if(steps, [&](const SweepStep* s) { return event.happens(s->rows[row]); });
-    if (bad == steps.end()) return onset;
+    const auto first_bad_step =
+        std::ranges::find_if(steps, [&](const SweepStep* s) { return event.happens(s->rows[row]); });
+    if (first_bad_step == steps.end()) return onset;
     onset.found = true;
-    onset.first_bad = (*bad)->values.front();
-    onset.value_at_first_bad = event.value((*bad)->rows[row]);
+    onset.first_bad = (*first_bad_step)->values.front();
+    onset.value_at_first_bad = event.value((*first_bad_step)->rows[row]);
     if (request.recoveries)
-        find_recovery(request, steps, static_cast<std::size_t>(bad - steps.begin()), event, between, onset);
-    if (bad == steps.begin()) {
+        find_recovery(request, steps, static_cast<std::size_t>(first_bad_step - steps.begin()), event, evaluator,
+                      onset);
+    if (first_bad_step == steps.begin()) {
         onset.from_start = true;
         return onset;
     }
-    onset.last_good = (*std::prev(bad))->values.front();
+    onset.last_good = (*std::prev(first_bad_step))->values.front();
     narrow(
-        request.sweep.axes.front(), onset.last_good, onset.first_bad, between,
+        request.sweep.axes.front(), onset.last_good, onset.first_bad, evaluator,
         [&](const FormSummary& s) { return !event.happens(s); },
         [&](const FormSummary& s) { onset.value_at_first_bad = event.value(s); });
     return onset;
@@ -161,23 +171,23 @@ Onset locate(const SweepRequest& request, const Read& steps, std::size_t row, co
 
 /// Finds the onsets on the rays of one draw.
 std::vector<Onset> onsets_of_draw(const SweepRequest& request, const std::vector<SweepStep>& steps) {
-    Read forwards;
-    for (const SweepStep& step : steps) forwards.push_back(&step);
-    const Read backwards(forwards.rbegin(), forwards.rend());
-    std::vector<std::vector<Onset>> found(request.rows.size());
+    StepOrder forward_steps;
+    for (const SweepStep& step : steps) forward_steps.push_back(&step);
+    const StepOrder backward_steps(forward_steps.rbegin(), forward_steps.rend());
+    std::vector<std::vector<Onset>> onsets_by_row(request.rows.size());
     intersect::process::in_parallel(std::size_t{0}, request.rows.size(), [&](std::size_t row) {
-        StepsBetween between(request, row);
+        RowEvaluator evaluator(request, row);
         for (const Event& event : events_of(request.rows[row], request.metrics)) {
             if (!request.asks_for({row, event.name, event.statistic, event.threshold})) continue;
-            found[row].push_back(locate(request, forwards, row, event, between));
+            onsets_by_row[row].push_back(locate_onset(request, forward_steps, row, event, evaluator));
             if (!request.both_ends) continue;
-            found[row].push_back(locate(request, backwards, row, event, between));
-            found[row].back().from_last = true;
+            onsets_by_row[row].push_back(locate_onset(request, backward_steps, row, event, evaluator));
+            onsets_by_row[row].back().from_last = true;
         }
         request.progress(steps.size());
     });
     std::vector<Onset> onsets;
-    for (auto& row : found) onsets.insert(onsets.end(), row.begin(), row.end());
+    for (auto& row : onsets_by_row) onsets.insert(onsets.end(), row.begin(), row.end());
     return onsets;
 }
 
@@ -203,7 +213,7 @@ std::vector<SweepStep> run_sweep(const SweepRequest& request) {
     return steps;
 }
 
-std::vector<FormSummary> run_place(const SweepRequest& request, const std::vector<double>& values) {
+std::vector<FormSummary> measure_at(const SweepRequest& request, const std::vector<double>& values) {
     return run_step(request, request.rows, values);
 }
 
@@ -212,45 +222,46 @@ std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<Sw
     std::vector<Onset> onsets = onsets_of_draw(request, steps);
     if (!request.sweep.has_random_rays()) return onsets;
     for (int draw = 1; draw <= request.further_draws; ++draw) {
-        const scene::sweep::SweepFile again = request.sweep.with_seed_offset(draw);
-        const SweepRequest other{.sweep = again,
-                                 .rows = request.rows,
-                                 .metrics = for_events(request).metrics,
-                                 .both_ends = request.both_ends,
-                                 .only = request.only,
-                                 .limit = request.limit,
-                                 .progress = request.progress};
-        const std::vector<Onset> found = onsets_of_draw(other, run_sweep(other));
+        const scene::sweep::SweepFile sweep_of_draw = request.sweep.with_seed_offset(draw);
+        const SweepRequest draw_request{.sweep = sweep_of_draw,
+                                        .rows = request.rows,
+                                        .metrics = request_for_events(request).metrics,
+                                        .both_ends = request.both_ends,
+                                        .only = request.only,
+                                        .limit = request.limit,
+                                        .progress = request.progress};
+        const std::vector<Onset> draw_onsets = onsets_of_draw(draw_request, run_sweep(draw_request));
         for (Onset& onset : onsets) {
-            const auto same = std::ranges::find_if(found, [&onset](const Onset& o) { return o.is_of_event(onset); });
-            if (same == found.end())
+            const auto match =
+                std::ranges::find_if(draw_onsets, [&onset](const Onset& o) { return o.is_of_event(onset); });
+            if (match == draw_onsets.end())
                 throw std::logic_error("a further draw of a sweep has other events than the first");
-            onset.further.push_back(same->found ? same->first_bad : truth::missing);
+            onset.further.push_back(match->found ? match->first_bad : truth::missing);
         }
     }
     return onsets;
 }
 
-void SweepFindings::append(SweepFindings&& after) {
-    std::ranges::move(after.steps, std::back_inserter(steps));
-    std::ranges::move(after.onsets, std::back_inserter(onsets));
+void SweepFindings::append(SweepFindings&& next_share) {
+    std::ranges::move(next_share.steps, std::back_inserter(steps));
+    std::ranges::move(next_share.onsets, std::back_inserter(onsets));
 }
 
 SweepFindings measure_sweep(const SweepRequest& request) {
-    SweepFindings found{run_sweep(request), {}};
+    SweepFindings findings{run_sweep(request), {}};
     if (request.share.is_whole()) {
-        found.onsets = find_onsets(request, found.steps);
-        return found;
+        findings.onsets = find_onsets(request, findings.steps);
+        return findings;
     }
     const auto rows = request.share.of_units(request.rows.size());
-    if (rows.size() == 0 || request.sweep.axes.size() != 1) return found;
-    SweepRequest own = for_events(request);
-    own.share = {};
-    own.rows = {request.rows.begin() + static_cast<std::ptrdiff_t>(rows.first),
-                request.rows.begin() + static_cast<std::ptrdiff_t>(rows.last)};
-    found.onsets = find_onsets(own, run_sweep(own));
-    for (Onset& onset : found.onsets) onset.row += rows.first;
-    return found;
+    if (rows.size() == 0 || request.sweep.axes.size() != 1) return findings;
+    SweepRequest share_request = request_for_events(request);
+    share_request.share = {};
+    share_request.rows = {request.rows.begin() + static_cast<std::ptrdiff_t>(rows.first),
+                          request.rows.begin() + static_cast<std::ptrdiff_t>(rows.last)};
+    findings.onsets = find_onsets(share_request, run_sweep(share_request));
+    for (Onset& onset : findings.onsets) onset.row += rows.first;
+    return findings;
 }
 
 std::uint64_t sweep_units(const SweepRequest& request) {
@@ -260,14 +271,16 @@ std::uint64_t sweep_units(const SweepRequest& request) {
     return request.rows.size() * steps * (request.sweep.axes.size() == 1 ? 2 * draws : 1);
 }
 
-FormSummary run_cases_together(const CaseRequest& request, std::size_t row, const std::vector<std::size_t>& numbers) {
-    const evaluate::TestedForm& what = request.rows[row];
+FormSummary run_cases_together(const CaseRequest& request, std::size_t row,
+                               const std::vector<std::size_t>& case_indices) {
+    const evaluate::TestedForm& tested_form = request.rows[row];
     std::vector<scene::rays::RayGroup> groups;
-    for (const std::size_t number : numbers) {
-        for (scene::rays::RayGroup& group : request.file.rays(number, what.format.parameters))
+    for (const std::size_t case_index : case_indices) {
+        for (scene::rays::RayGroup& group : request.file.rays(case_index, tested_form.format.parameters))
             groups.push_back(std::move(group));
     }
-    return std::move(evaluate::measure_groups(std::move(groups), {what}, request.metrics, request.limit).front());
+    return std::move(
+        evaluate::measure_groups(std::move(groups), {tested_form}, request.metrics, request.limit).front());
 }
 
 std::vector<std::vector<FormSummary>> run_cases(const CaseRequest& request) {
@@ -277,13 +290,14 @@ std::vector<std::vector<FormSummary>> run_cases(const CaseRequest& request) {
     std::vector<std::vector<FormSummary>> cases(units.size());
     intersect::process::in_parallel(std::size_t{0}, cases.size(), [&](std::size_t i) {
         cases[i].resize(request.rows.size());
-        for (const auto& [name, places] : by_format) {
+        for (const auto& [format_name, rows_of_format] : by_format) {
             std::vector<evaluate::TestedForm> rows;
-            for (const std::size_t row : places) rows.push_back(request.rows[row]);
+            for (const std::size_t row : rows_of_format) rows.push_back(request.rows[row]);
             auto summaries =
                 evaluate::measure_groups(request.file.rays(units.first + i, rows.front().format.parameters), rows,
                                          request.metrics, request.limit);
-            for (std::size_t k = 0; k < places.size(); ++k) cases[i][places[k]] = std::move(summaries[k]);
+            for (std::size_t k = 0; k < rows_of_format.size(); ++k)
+                cases[i][rows_of_format[k]] = std::move(summaries[k]);
         }
         request.progress(request.rows.size());
     });
@@ -298,10 +312,10 @@ Verdict verdict_of(const FormSummary& s, const std::vector<const metric::Metric*
                : *wrong == Outcome::false_hit  ? Verdict::false_hit
                                                : Verdict::wrong_primitive;
     }
-    // NaN where form and truth agree on no hit: nothing is lost then.
-    const auto most = [&](const char* name) { return s.metrics[metric::index_of(metrics, name)].quantile(1); };
-    if (most("excess_bits") > within) return Verdict::wrong_value;
-    return most("lost_bits") > within ? Verdict::within_inputs : Verdict::right;
+    // The quantile is NaN where form and truth agree on no hit: nothing is lost then.
+    const auto largest = [&](const char* name) { return s.metrics[metric::index_of(metrics, name)].quantile(1); };
+    if (largest("excess_bits") > within) return Verdict::wrong_value;
+    return largest("lost_bits") > within ? Verdict::within_inputs : Verdict::right;
 }
 
 }  // namespace lostbits::measure::sweep

@@ -1,5 +1,5 @@
-// Sweep: measures the numbers of a map along a parameter, and finds where they first go wrong. Also measures named
-// cases at the extremes, with a verdict on each.
+// Sweep: measures the numbers of a map along a parameter, and finds where a form first goes wrong. Also measures named
+// cases at the extremes and gives a verdict on each.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +29,7 @@ struct Onset {
     std::string event;       ///< `lost_bits`, a step of a transform, an outcome, or why a march stopped
     std::string statistic;   ///< `p50`, `p99`, `max`; `count` for the outcomes
     double threshold;        ///< in bits, in ulps of a step, or 1 for a count
-    bool from_last = false;  ///< read from the last step backwards: `first`, `last` and `after` are in that order
+    bool from_last = false;  ///< the steps are read backwards: `first`, `last` and `after` are in this order
     bool found = false;
     bool from_start = false;  ///< bad at the first step already: there is no last good value
     double last_good = 0, first_bad = 0;
@@ -58,7 +58,7 @@ struct SweepFindings {
     std::vector<Onset> onsets;
 
     /// Appends the results of the next share.
-    void append(SweepFindings&& after);
+    void append(SweepFindings&& next_share);
 };
 
 struct SweepRequest {
@@ -75,35 +75,36 @@ struct SweepRequest {
 
     [[nodiscard]] bool asks_for(const Onset& onset) const {
         return only.empty() ||
-               std::ranges::any_of(only, [&onset](const Onset& each) { return each.is_of_event(onset); });
+               std::ranges::any_of(only, [&onset](const Onset& event) { return event.is_of_event(onset); });
     }
 };
 
-/// Runs every step of one axis, or of the product of two (the second runs fastest), in order; parallel over steps. Of
-/// a divided run, only the steps of the request's share.
+/// Runs every step of one axis, or of the product of two (the second runs fastest), in order; parallel over steps. A
+/// divided run covers only the steps of the request's share.
 std::vector<SweepStep> run_sweep(const SweepRequest& request);
 
 /// Measures the rows at any values of the sweep's axes, on its steps or between them.
-std::vector<evaluate::FormSummary> run_place(const SweepRequest& request, const std::vector<double>& values);
+std::vector<evaluate::FormSummary> measure_at(const SweepRequest& request, const std::vector<double>& values);
 
-/// Finds the first crossings along the first axis of a sweep with one axis: of 1, 4, 8, p/2 and p lost bits by the
-/// median, the 99th percentile and the largest; of one ulp by the median of each measured step of a transform; of the
-/// first of each of the `wrong_decisions`; and of the first march that ends at max_dist, at max_steps, or stagnated.
+/// Finds the first crossings of these thresholds along the axis of a sweep with one axis: 1, 4, 8, p/2 and p bits for
+/// the median, the 99th percentile and the largest of the lost bits; one ulp for the median of each measured transform
+/// step; one ray for each of the `wrong_decisions`; and one march that ends at max_dist, at max_steps, or stagnated.
 /// Each bracket [last good, first bad] is narrowed by bisection until it is 2^-9 of its value wide, or holds no number
-/// of the axis. A crossing is the first in the order of the steps: a dip between two of them stays unseen. A form may
-/// be good again later: the last good point, and the point from which it stays bad, are found the same way. Then come
-/// the first crossings on further draws, if the request asks for them. With `both_ends`, each onset that is read from
-/// the first step is followed by the same read from the last.
+/// of the axis. A crossing is the first in the order of the steps: a dip between two steps stays unseen. A form may be
+/// good again later: the last good point, and the point from which it stays bad, are found the same way. Then come the
+/// first crossings on further draws, if the request asks for them. With `both_ends`, each onset that is read from the
+/// first step is followed by the onset of the same event, read from the last.
 std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<SweepStep>& steps);
 
 /// Runs the steps and finds the onsets. In a divided run, each share measures all steps of the rows whose onsets it
 /// finds.
 SweepFindings measure_sweep(const SweepRequest& request);
 
-/// Largest number of units of progress that both calls together report.
+/// Largest number of units of progress that `run_sweep` and `find_onsets` report together.
 std::uint64_t sweep_units(const SweepRequest& request);
 
-/// Verdict on a case. Wrong decisions come before wrong values; among several kinds the most frequent counts.
+/// Verdict on a case. Wrong decisions come before wrong values; among several kinds of wrong decisions the most
+/// frequent counts.
 enum class Verdict : std::uint8_t {
     right,
     within_inputs,
@@ -129,11 +130,11 @@ struct CaseRequest {
 };
 
 /// Runs every row on every case of the share, in the file's order, in parallel over the cases. Each format gets the
-/// case's rays as its own numbers, and its own truth.
+/// case's rays in its own numbers, and has its own truth.
 std::vector<std::vector<evaluate::FormSummary>> run_cases(const CaseRequest& request);
 /// Runs one row over several cases as if they were one.
 evaluate::FormSummary run_cases_together(const CaseRequest& request, std::size_t row,
-                                         const std::vector<std::size_t>& numbers);
+                                         const std::vector<std::size_t>& case_indices);
 
 /// Verdict on a summary. `right`: every decision is right, and no answer loses more than `within` bits.
 /// `within_inputs`: every decision is right, and an answer loses at most `within` bits beyond the envelope of half an

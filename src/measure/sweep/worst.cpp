@@ -40,41 +40,42 @@ struct SearchPoint {
 };
 
 /// Worst candidate of a batch.
-class Judge {
+class BatchWorst {
 public:
-    Judge(std::size_t metric, Direction unit_of, const scene::sweep::SearchFile& file)
-        : metric_(metric), unit_of_(unit_of), file_(file) {}
-    void look_at(const evaluate::BandResult& result) {
+    BatchWorst(std::size_t metric, Direction direction, const scene::sweep::SearchFile& file)
+        : metric_(metric), direction_(direction), file_(file) {}
+    void add(const evaluate::BandResult& result) {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const Outcome o = result.outcomes[i];
             if (o == Outcome::agree_miss || o == Outcome::unresolved) continue;
             if (file_.hits_only && o != Outcome::agree_hit) continue;
             const double size = std::fabs(result.metrics[metric_][i]);
-            const double value = o == Outcome::agree_hit ? (file_.smallest ? 1 / size : size)
-                                                         : wrong(result.inputs->rays[i], result.inputs->primitives[0]);
+            const double value = o == Outcome::agree_hit
+                                     ? (file_.smallest ? 1 / size : size)
+                                     : score_of_wrong_decision(result.inputs->rays[i], result.inputs->primitives[0]);
             if (!(value > score)) continue;
             score = value;
-            place = i;
+            index = i;
             outcome = o;
             t = result.answers->t[i];
-            truth = result.truth(i).is_hit() ? result.band->rounded_truth(i, binary64, unit_of_, result.convention)
+            truth = result.truth(i).is_hit() ? result.band->rounded_truth(i, binary64, direction_, result.convention)
                                              : truth::missing;
         }
     }
     double score = -1;
-    std::size_t place = 0;
+    std::size_t index = 0;
     Outcome outcome = Outcome::agree_miss;
     double t = 0, truth = 0;
 
 private:
-    /// Score of a wrong decision, above that of every right one.
-    [[nodiscard]] double wrong(const Ray<double>& ray, const Primitive<double>& primitive) const {
+    /// Score of a wrong decision, which is above the score of every right decision.
+    [[nodiscard]] double score_of_wrong_decision(const Ray<double>& ray, const Primitive<double>& primitive) const {
         return file_.nearest ? 0x1p1000 / std::max(1.0, scene::sweep::distance_in_radii(ray, primitive))
                              : std::numeric_limits<double>::infinity();
     }
 
     std::size_t metric_;
-    Direction unit_of_;
+    Direction direction_;
     const scene::sweep::SearchFile& file_;
 };
 
@@ -97,36 +98,38 @@ private:
     [[nodiscard]] bool is_over() const { return best_.outcome != Outcome::agree_hit && !file_.nearest; }
 
     void climb() {
-        const auto first = draw();
-        if (!first) return;
-        SearchPoint here = *first;
+        const auto start = draw_candidate();
+        if (!start) return;
+        SearchPoint current = *start;
         double score = -1;
         for (int g = 0; g < file_.generations; ++g) {
             // All candidates of a batch have one primitive, so that their rays share a band.
-            const SearchPoint parent = g == 0 ? here : moved(here, 6, file_.ranges.size(), random_.below(2));
-            std::vector<SearchPoint> children{parent};
-            while (children.size() < batch_size) children.push_back(moved(parent, 0, 6, 1 + random_.below(3)));
-            const Judge judge = judged(children);
-            if (judge.score < score) continue;
-            score = judge.score;
-            here = children[judge.place];
-            keep(judge, here);
+            const SearchPoint parent =
+                g == 0 ? current : neighbour_of(current, 6, file_.ranges.size(), random_.below(2));
+            std::vector<SearchPoint> candidates{parent};
+            while (candidates.size() < batch_size)
+                candidates.push_back(neighbour_of(parent, 0, 6, 1 + random_.below(3)));
+            const BatchWorst batch_worst = measure_batch(candidates);
+            if (batch_worst.score < score) continue;
+            score = batch_worst.score;
+            current = candidates[batch_worst.index];
+            keep_if_worse(batch_worst, current);
             if (is_over()) return;
         }
     }
 
     /// Random candidate within the ranges of the search, its ray aimed at its primitive; empty if 4096 tries find
     /// none.
-    std::optional<SearchPoint> draw() {
+    std::optional<SearchPoint> draw_candidate() {
         for (int attempt = 0; attempt < 4096; ++attempt) {
             SearchPoint p;
             for (std::size_t i = 0; i < file_.ranges.size(); ++i) {
                 const auto [low, high] = file_.ranges[i];
-                p.x[i] = file_.exponents ? free_number() : low + random_.unit() * (high - low);
+                p.x[i] = file_.exponents ? random_number() : low + random_.unit() * (high - low);
             }
             if (file_.nearest) approach(p);
-            if (file_.at_edge) put_edge(p);
-            else if (file_.aim) aim_at_place(p);
+            if (file_.at_edge) put_edge_on_ray(p);
+            else if (file_.aim) aim_at_feature(p);
             else aim(p);
             for (double& x : p.x) x = rounding::to_format(x, 0, row_.format.parameters);
             if (file_.holds(p.ray(), p.primitive(file_.shape))) return p;
@@ -138,19 +141,19 @@ private:
     double significand() {
         const double m = 1 + random_.unit(),
                      sparse = std::ldexp(1 + random_.unit(), -2 - random_.below(row_.format.parameters.precision - 1));
-        const double drawn[] = {m, 1 + sparse, 2 - sparse};
-        return drawn[random_.below(3)];
+        const double choices[] = {m, 1 + sparse, 2 - sparse};
+        return choices[random_.below(3)];
     }
-    double free_number() {
+    double random_number() {
         const auto [low, high] = *file_.exponents;
         const int e = static_cast<int>(low) + random_.below(static_cast<int>(high - low) + 1);
         return random_.sign() * std::ldexp(significand(), e);
     }
 
-    /// Puts an edge of the box on the ray: the edge of the plane by which the ray enters one axis and of the plane by
-    /// which it leaves another. Rounding moves the planes, and the origin is moved to make up for it. The smaller the
-    /// origin is, the nearer the ray comes to the edge.
-    void put_edge(SearchPoint& p) {
+    /// Puts an edge of the box on the ray: the edge between the plane through which the ray enters the slab of one axis
+    /// and the plane through which it leaves the slab of another. Rounding moves the planes, and the origin is moved to
+    /// make up for that. The smaller the origin is, the nearer the ray comes to the edge.
+    void put_edge_on_ray(SearchPoint& p) {
         const double t = std::ldexp(significand(), random_.below(6) - 3);
         const auto enter = static_cast<std::size_t>(random_.below(3)),
                    leave = (enter + 1 + static_cast<std::size_t>(random_.below(2))) % 3;
@@ -166,24 +169,24 @@ private:
         }
     }
 
-    /// Moves the origin along the axis that the ray leaves first, so that the ray leaves it at the t at which it enters
-    /// the last one.
-    void back_to_edge(SearchPoint& p) {
+    /// Moves the origin along the axis whose slab the ray leaves first, so that the ray leaves this slab at the t at
+    /// which it enters the last slab.
+    void return_to_edge(SearchPoint& p) {
         double entry = 0, exit = std::numeric_limits<double>::infinity();
         std::size_t leave = 0;
         for (std::size_t k = 0; k < 3; ++k) {
             const double o = p.x[k], d = p.x[3 + k];
             if (d == 0) continue;
             entry = std::max(entry, (p.x[(d > 0 ? 6 : 9) + k] - o) / d);
-            const double out = (p.x[(d > 0 ? 9 : 6) + k] - o) / d;
-            if (out < exit) exit = out, leave = k;
+            const double exit_of_axis = (p.x[(d > 0 ? 9 : 6) + k] - o) / d;
+            if (exit_of_axis < exit) exit = exit_of_axis, leave = k;
         }
         const double d = p.x[3 + leave];
         p.x[leave] = rounding::to_format(p.x[(d > 0 ? 9 : 6) + leave] - entry * d, 0, row_.format.parameters);
     }
 
-    /// Moves the centre to where the search still has something to gain: to a distance between the smallest one allowed
-    /// and the smallest one found, uniform in its logarithm.
+    /// Moves the centre of the primitive to where a nearer wrong decision may still be found: to a distance between the
+    /// smallest allowed and the smallest found so far, uniform in its logarithm.
     void approach(SearchPoint& p) {
         const double radius = p.x[9], low = std::max(1.0, file_.distance_radii.low),
                      high = best_.value < 0x1p100 ? file_.distance_radii.high : best_.distance;
@@ -199,45 +202,46 @@ private:
         const Primitive<double> primitive = p.primitive(file_.shape);
         const double x = random_.unit(), y = random_.unit(), z = random_.unit();
         const Vec<double> point = visit(primitive, [&](const auto& shape) { return shape.point_at({x, y, z}); });
-        double to[3], largest = 0, size = 0;
+        double towards[3], largest = 0, size = 0;
         for (std::size_t i = 0; i < 3; ++i) {
-            to[i] = point[static_cast<int>(i)] - p.x[i];
-            largest = std::max(largest, std::fabs(to[i]));
+            towards[i] = point[static_cast<int>(i)] - p.x[i];
+            largest = std::max(largest, std::fabs(towards[i]));
             size = std::max(size, std::fabs(p.x[3 + i]));
         }
         if (largest == 0) return;
-        for (std::size_t i = 0; i < 3; ++i) p.x[3 + i] = to[i] / largest * size;
+        for (std::size_t i = 0; i < 3; ++i) p.x[3 + i] = towards[i] / largest * size;
     }
 
     /// Aims at a rim, an edge, an apex or a line of the primitive. The distance of the eye is from every octave equally
     /// often, and the direction keeps the size of its largest component. The numbers of the primitive are rounded
-    /// first, so that the place is on the primitive that the form receives.
-    void aim_at_place(SearchPoint& p) {
+    /// first, so that the point aimed at is on the primitive that the form receives.
+    void aim_at_feature(SearchPoint& p) {
         const FloatFormat& format = row_.format.parameters;
         for (std::size_t i = 6; i < file_.ranges.size(); ++i) p.x[i] = rounding::to_format(p.x[i], 0, format);
         const Primitive<double> primitive = p.primitive(file_.shape);
         if (broken_limit(primitive)) return;
-        const scene::rays::AimedPlace place = aimed_at_(random_, primitive, *file_.aim);
-        const Vec<double> any = scene::rays::draw_direction(random_), d = place.along.value_or(any);
+        const scene::rays::AimedPlace feature = aimed_at_(random_, primitive, *file_.aim);
+        const Vec<double> random_direction = scene::rays::draw_direction(random_),
+                          d = feature.along.value_or(random_direction);
         const double half = visit(primitive, [](const auto& shape) { return shape.half_extent(); });
-        const double away = half * random_.in_octaves(file_.distance.low, file_.distance.high);
+        const double eye_distance = half * random_.in_octaves(file_.distance.low, file_.distance.high);
         const double size = std::max({std::fabs(p.x[3]), std::fabs(p.x[4]), std::fabs(p.x[5])}),
                      largest = std::max({std::fabs(d.x), std::fabs(d.y), std::fabs(d.z)});
         for (std::size_t i = 0; i < 3; ++i) {
             const int k = static_cast<int>(i);
-            p.x[i] = place.point[k] - away * d[k];
+            p.x[i] = feature.point[k] - eye_distance * d[k];
             p.x[3 + i] = d[k] / largest * size;
         }
     }
 
-    SearchPoint moved(const SearchPoint& from, std::size_t begin, std::size_t end, int count) {
+    SearchPoint neighbour_of(const SearchPoint& from, std::size_t begin, std::size_t end, int count) {
         for (int attempt = 0; count > 0 && attempt < 16; ++attempt) {
             SearchPoint p = from;
             for (int k = 0; k < count; ++k) {
                 double& x = p.x[begin + static_cast<std::size_t>(random_.below(static_cast<int>(end - begin)))];
                 x = file_.exponents && random_.below(2) == 0 ? with_flipped_bit(x) : stepped(x);
             }
-            if (file_.at_edge && random_.below(2) == 0) back_to_edge(p);
+            if (file_.at_edge && random_.below(2) == 0) return_to_edge(p);
             if (file_.holds(p.ray(), p.primitive(file_.shape))) return p;
         }
         return from;
@@ -253,35 +257,35 @@ private:
         const FloatFormat& f = row_.format.parameters;
         const int bit = random_.below(f.precision + 1) - 2;
         if (bit < 0) return rounding::to_format(bit == -1 ? 2 * x : x / 2, 0, f);
-        const std::int64_t n = truth::ordinal(std::fabs(x), f), turned = n ^ (std::int64_t{1} << bit);
-        return std::copysign(step_from(std::fabs(x), turned - n, f), x);
+        const std::int64_t n = truth::ordinal(std::fabs(x), f), flipped = n ^ (std::int64_t{1} << bit);
+        return std::copysign(step_from(std::fabs(x), flipped - n, f), x);
     }
 
-    Judge judged(const std::vector<SearchPoint>& places) {
+    BatchWorst measure_batch(const std::vector<SearchPoint>& candidates) {
         scene::rays::RayBlock rays;
-        for (const SearchPoint& p : places) rays.push(p.ray());
+        for (const SearchPoint& p : candidates) rays.push(p.ray());
         rays.set_as_list();
-        evaluations_ += places.size();
-        truth::Band band(std::move(rays), {places.front().primitive(file_.shape)}, request_.limit);
+        evaluations_ += candidates.size();
+        truth::Band band(std::move(rays), {candidates.front().primitive(file_.shape)}, request_.limit);
         const evaluate::SharedBandTruth shared(band, {row_}, request_.metrics);
         evaluate::FormSummary summary(request_.metrics);
-        Judge judge(metric_, row_.form->info->direction, file_);
-        evaluate::measure_row({row_, request_.metrics, [&judge](const auto& result) { judge.look_at(result); }},
+        BatchWorst batch_worst(metric_, row_.form->info->direction, file_);
+        evaluate::measure_row({row_, request_.metrics, [&batch_worst](const auto& result) { batch_worst.add(result); }},
                               shared.of(row_), summary);
-        return judge;
+        return batch_worst;
     }
 
-    void keep(const Judge& judge, const SearchPoint& place) {
-        if (!(judge.score > best_score_)) return;
-        best_score_ = judge.score;
-        best_ = {.outcome = judge.outcome,
-                 .value = file_.smallest ? 1 / judge.score : judge.score,
-                 .ray = place.ray(),
-                 .primitive = place.primitive(file_.shape),
-                 .t = judge.t,
-                 .truth = judge.truth,
+    void keep_if_worse(const BatchWorst& batch_worst, const SearchPoint& candidate) {
+        if (!(batch_worst.score > best_score_)) return;
+        best_score_ = batch_worst.score;
+        best_ = {.outcome = batch_worst.outcome,
+                 .value = file_.smallest ? 1 / batch_worst.score : batch_worst.score,
+                 .ray = candidate.ray(),
+                 .primitive = candidate.primitive(file_.shape),
+                 .t = batch_worst.t,
+                 .truth = batch_worst.truth,
                  .distance = file_.is_round()
-                                 ? scene::sweep::distance_in_radii(place.ray(), place.primitive(file_.shape))
+                                 ? scene::sweep::distance_in_radii(candidate.ray(), candidate.primitive(file_.shape))
                                  : truth::missing};
     }
 
