@@ -41,13 +41,13 @@ struct ExplainOptions {
     selection::RayOptions ray_options;
     RangeOptions ranges;
     std::string form, format = "f32";
-    std::vector<std::string> beside;
+    std::vector<std::string> forms_beside;
     bool json = false, fpcore = false, c = false;
 };
 
 /// The one form or format that the option names. Throws InputError if it names several, by commas or a pattern.
 template <class Select>
-auto only(const char* option, const std::string& value, const char* noun, const Select& select) {
+auto select_one(const char* option, const std::string& value, const char* noun, const Select& select) {
     const auto found = select(shell::items_in(value, option), option);
     if (found.size() != 1)
         throw InputError(fmt::format("{} {}: the option names {} {}s, but explain looks at one ray in one {}; name one",
@@ -163,8 +163,8 @@ Exit explain_ranges(const selection::RayOptions& ray, const RangeOptions& range_
 }
 
 Exit run(const ExplainOptions& o, const Common& common) {
-    const intersect::table::Intersector& form = *only("-i", o.form, "form", selection::select_forms);
-    const Format format = only("-f", o.format, "format", selection::select_formats);
+    const intersect::table::Intersector& form = *select_one("-i", o.form, "form", selection::select_forms);
+    const Format format = select_one("-f", o.format, "format", selection::select_formats);
     if (!form.exists_in(format))
         throw InputError(fmt::format("-i {}: this form does not exist in {}, only in {}; try -f {}", o.form, o.format,
                                      selection::formats_of(form), form.native32 ? "f32" : "f64"));
@@ -186,12 +186,12 @@ Exit run(const ExplainOptions& o, const Common& common) {
         selection::find_ray(o.ray_options, {&form, format}, selection::data_folder(common.data));
     const measure::answer::OneRay& ray = selected.ray;
     if (selected.scene && !common.quiet) selection::note_lost_numbers(*selected.scene, {{&form, format}});
-    const auto beside = selection::select_forms(o.beside, "--beside");
+    const auto forms_beside = selection::select_forms(o.forms_beside, "--beside");
     std::optional<measure::attribution::ScenePixel> pixel;
     if (selected.scene && selected.pixel)
         pixel = {selected.scene.get(), selected.pixel->first, selected.pixel->second, {.stop = common.stop}};
     const measure::attribution::Explanation explanation =
-        measure::attribution::explain(*selected.form, format, ray, beside, pixel);
+        measure::attribution::explain(*selected.form, format, ray, forms_beside, pixel);
     const auto march = output::attribution::end_of_march(form, format, ray);
     for (const std::string& why : explanation.failures)
         fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(why));
@@ -256,7 +256,7 @@ void add_explain(const shell::Command& program, const Common& common) {
         .needs(ranges);
     command.add("-i,--form", o->form, "The form to explain").required();
     command.add("-f,--format", o->format, "The format (default: f32)");
-    command.add_list("--beside", o->beside, "Also try these forms on the ray, by name or glob (docs/explain.md)");
+    command.add_list("--beside", o->forms_beside, "Also try these forms on the ray, by name or glob (docs/explain.md)");
     command.add_set(ray_options.set, "Change a number of the scene or the sweep first: march.hit_eps=1e-6");
     auto output_group = command.add_group("as", "Instead of the table");
     output_group.add("--json", o->json, "Print everything as JSON");

@@ -25,26 +25,27 @@ std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem:
     for (const auto& assignment : choice.set) options.overrides.push_back(scene::toml::parse_override(assignment));
     std::vector<Scene> scenes;
     std::set<std::string> ids;
-    for (const std::string& word : choice.names) {
-        const scene::file::SceneName name = scene::file::find_scene(word, data);
+    for (const std::string& given_name : choice.names) {
+        const scene::file::SceneName name = scene::file::find_scene(given_name, data);
         if (name.variant && !choice.variant.empty() && *name.variant != choice.variant)
             throw InputError(
-                fmt::format("--variant {}: {} names another variant; leave out --variant", choice.variant, word));
+                fmt::format("--variant {}: {} names another variant; leave out --variant", choice.variant, given_name));
         options.variant = choice.variant.empty() ? name.variant : std::optional(choice.variant);
         for (auto& scene : scene::file::load_scene(name.path, options)) {
             if (choice.refuses_ranges && !scene.range.is_whole())
                 throw InputError(
                     fmt::format("{}: the rays of {} have a range, but this command tests rays without end from t = 0; "
                                 "leave out the [rays] table",
-                                word, scene.id));
+                                given_name, scene.id));
             // A title describes the numbers in the file: "… 100 away" would be wrong after --set.
             if (!choice.set.empty()) scene.title += fmt::format(", with {}", fmt::join(choice.set, ", "));
             if (!ids.insert(scene.id).second)
                 throw InputError(
                     fmt::format("{}: scene \"{}\" is given twice, and both would write to the same folder; "
                                 "leave out one of the two",
-                                word, scene.id));
-            for (const std::string& remark : scene.remarks()) fmt::print(stderr, "lostbits: {}: {}\n", word, remark);
+                                given_name, scene.id));
+            for (const std::string& remark : scene.remarks())
+                fmt::print(stderr, "lostbits: {}: {}\n", given_name, remark);
             scenes.push_back(std::move(scene));
         }
     }

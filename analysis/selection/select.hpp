@@ -164,11 +164,13 @@ void refuse_generated_rays(const std::vector<scene::file::Scene>& scenes, const 
 /// its march do.
 void note_lost_numbers(const scene::file::Scene& scene, const std::vector<measure::evaluate::TestedForm>& rows);
 
-/// The same for every step of a sweep. It makes the rays of every step, which takes 4 s for 4000 steps of 1024 views.
+/// Prints on stderr which lengths, and which constants of a march, vanish or overflow in a format at any step of a
+/// sweep. It makes the rays of every step, which takes 4 s for 4000 steps of 1024 views.
 void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<measure::evaluate::TestedForm>& rows,
                        intersect::process::StopToken stop);
 
-/// The same for the lengths of all cases. Words such as `tiny` stand for numbers of each format and are never lost.
+/// Prints on stderr which lengths of any case vanish or overflow in a format. Words such as `tiny` stand for numbers of
+/// each format and are never lost.
 void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<measure::evaluate::TestedForm>& rows);
 
 /// Prints on stderr which assignments of `--set` change nothing: constants of a march if no row marches.

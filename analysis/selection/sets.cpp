@@ -189,24 +189,24 @@ std::optional<Shapes> several_shapes(const ShapePredicate& meets) {
 
 std::string plurals(Shapes shapes) { return joined_plurals(shapes_in(shapes)); }
 
-bool names_set(const std::string& word) {
+bool names_set(const std::string& pattern) {
     const auto all = intersect::table::intersectors();
-    return scene::rays::forms_in_name(word).size() > 1 &&
-           std::ranges::none_of(all, [&word](const Intersector& form) { return form.info->name == word; });
+    return scene::rays::forms_in_name(pattern).size() > 1 &&
+           std::ranges::none_of(all, [&pattern](const Intersector& form) { return form.info->name == pattern; });
 }
 
-Forms sets_named(const std::string& word, const char* option) {
+Forms sets_named(const std::string& pattern, const char* option) {
     std::vector<Forms> parts;
-    for (const std::string& part : scene::rays::forms_in_name(word)) {
+    for (const std::string& part : scene::rays::forms_in_name(pattern)) {
         if (part.empty())
             throw InputError(
                 fmt::format("{} {}: the form on one side of a + is missing; name a form for each shape, such as "
                             "sphere.unified+box.signs",
-                            option, word));
+                            option, pattern));
         parts.push_back(select_forms({part}, option));
         for (const Intersector* const form : parts.back()) scene::rays::require_no_generator(*form);
     }
-    return combinations(parts, fmt::format("{} {}", option, word));
+    return combinations(parts, fmt::format("{} {}", option, pattern));
 }
 
 const Intersector& plain_set(Shapes shapes) {
@@ -220,17 +220,17 @@ const Intersector& plain_set(Shapes shapes) {
     return intersect::table::set_of(parts);
 }
 
-Forms select_composed(const std::string& word, const char* option) {
+Forms select_composed(const std::string& pattern, const char* option) {
     using Kind = scene::rays::ComposedName::Kind;
-    const auto name = scene::rays::split_composed_name(word).value();
+    const auto name = scene::rays::split_composed_name(pattern).value();
     const bool is_box = name.kind == Kind::box, is_contracted = name.kind == Kind::contracted;
     if (is_contracted && name.form.empty())
         throw InputError(fmt::format(
-            "{} {}: the form before +fma is missing; write FORM+fma, such as sphere.schoolbook+fma", option, word));
+            "{} {}: the form before +fma is missing; write FORM+fma, such as sphere.schoolbook+fma", option, pattern));
     if (name.form.empty() || name.last.empty())
         throw InputError(fmt::format(
-            "{} {}: the form or the {} beside the {} is missing; write {}", option, word, is_box ? "box" : "transform",
-            is_box ? "^" : "@",
+            "{} {}: the form or the {} beside the {} is missing; write {}", option, pattern,
+            is_box ? "box" : "transform", is_box ? "^" : "@",
             is_box ? "FORM^BOX or FORM^BOX~METHOD, such as sphere.unified^box.signs~nearest; `lostbits list boxes` "
                      "lists the ways to compute boxes"
                    : "FORM@TRANSFORM, such as sphere.unified@pbrt; `lostbits list transforms` lists them"));
@@ -263,11 +263,11 @@ Forms select_composed(const std::string& word, const char* option) {
         throw NothingSelected(
             fmt::format("{} {}: every matching form marches, filters or has no known operations, so none can be "
                         "contracted; try 'sphere.schoolbook+fma'",
-                        option, word));
+                        option, pattern));
     if (composed.empty())
         throw NothingSelected(
             fmt::format("{} {}: every matching form marches, and forms that march take no transform; try '*@{}'",
-                        option, word, name.last));
+                        option, pattern, name.last));
     return composed;
 }
 

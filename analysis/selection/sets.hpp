@@ -40,16 +40,16 @@ std::optional<Shapes> several_shapes(const ShapePredicate& meets);
 /// "spheres and boxes"
 std::string plurals(Shapes shapes);
 
-/// True if a word of -i names a set, as `sphere.unified+box.signs` does, and not a form with a + in its name.
-bool names_set(const std::string& word);
-/// The sets of such a word; its parts are patterns. Throws InputError for parts that cannot form a set and for more
-/// than `most_sets` sets, NothingSelected for a pattern that matches nothing.
-std::vector<const intersect::table::Intersector*> sets_named(const std::string& word, const char* option);
+/// True if a pattern of -i names a set, as `sphere.unified+box.signs` does, and not a form with a + in its name.
+bool names_set(const std::string& pattern);
+/// The sets that such a pattern names; the parts between the + are patterns too. Throws InputError for parts that
+/// cannot form a set and for more than `most_sets` sets, NothingSelected for a part that matches nothing.
+std::vector<const intersect::table::Intersector*> sets_named(const std::string& pattern, const char* option);
 
-/// The rows of a word such as `sphere.*@pbrt` (a form with a transform) or `sphere.*^box.signs~nearest` (a form behind
-/// a bounding box); a word may have several of these. Its parts are patterns. Throws InputError and NothingSelected as
-/// the selection of each part does.
-std::vector<const intersect::table::Intersector*> select_composed(const std::string& word, const char* option);
+/// The rows of a pattern such as `sphere.*@pbrt` (a form with a transform) or `sphere.*^box.signs~nearest` (a form
+/// behind a bounding box), or of a pattern with several such parts. Throws InputError and NothingSelected as the
+/// selection of each part does.
+std::vector<const intersect::table::Intersector*> select_composed(const std::string& pattern, const char* option);
 
 /// The rows that -i and -f select, and the patterns of -i.
 struct SelectedRows {

@@ -71,12 +71,12 @@ public:
         return is_shard() ? std::optional(share_.of_units(count())) : std::nullopt;
     }
 
-    /// In a shard: records what it found, under the name of a job.
+    /// Records what a shard found, under the name of a job. Call it only in a shard.
     template <class... T>
     void put(const std::string& job, const T&... found) {
         file_->put(job, output::shard::bits_of(found...));
     }
-    /// In a run that joins shards: calls `take` for the records of the job, in the order of the shards.
+    /// Calls `take` for the records of the job, in the order of the shards. Call it only in a run that joins shards.
     void for_each_record(const std::string& job, const std::function<void(output::shard::BitReader&)>& take) {
         shards_to_join_->for_each_record(job, take);
     }

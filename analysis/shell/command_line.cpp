@@ -291,9 +291,9 @@ std::vector<Command> Command::given() const {
 }
 
 std::string Command::command_path() const {
-    std::string words;
-    for (const Command& command : given()) words += (words.empty() ? "" : " ") + command.name();
-    return words;
+    std::string path;
+    for (const Command& command : given()) path += (path.empty() ? "" : " ") + command.name();
+    return path;
 }
 
 CommandLine::CommandLine(const std::string& name, const std::string& version, const std::string& help)

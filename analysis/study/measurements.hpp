@@ -20,8 +20,8 @@ measure::evaluate::MapStudy map_of(const scene::file::Scene& scene, std::vector<
                                    const std::vector<const measure::metric::Metric*>& metrics,
                                    measure::metric::MetricSet& metric_set, intersect::process::StopToken stop);
 
-/// The same for a sweep along axes, judged by the convention of its file, with three draws of random rays for the
-/// spread of onsets. The sweep must outlive the result.
+/// The request of a sweep along axes, with the metrics as in `map_of`. It is judged by the convention of the sweep's
+/// file, and has three draws of random rays for the spread of onsets. The sweep must outlive the result.
 measure::sweep::SweepRequest sweep_of(const scene::sweep::SweepFile& sweep,
                                       std::vector<measure::evaluate::TestedForm> rows,
                                       std::vector<const measure::metric::Metric*> metrics,
