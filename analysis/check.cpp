@@ -50,24 +50,24 @@ std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data
     const auto profile = o.timing()                 ? Claim::Profile::timing
                          : o.profile == "libraries" ? Claim::Profile::libraries
                                                     : Claim::Profile::results;
-    std::set<std::string> others;
-    const auto given = o.files.empty() ? std::vector<std::string>{(data / "claims").string()} : o.files;
-    for (const std::string& word : given) {
-        for (const auto& path : scene::claim::claim_files(word)) {
+    std::set<std::string> other_profiles;
+    const auto claim_paths = o.files.empty() ? std::vector<std::string>{(data / "claims").string()} : o.files;
+    for (const std::string& claim_path : claim_paths) {
+        for (const auto& path : scene::claim::claim_files(claim_path)) {
             for (Claim& claim : scene::claim::read_claims(path)) {
                 if (!ids.insert(claim.id).second)
                     scene::toml::fail(claim.where, "the id \"" + claim.id +
                                                        "\" is used in another file too; each id may be used once");
-                const bool chosen = o.selects(claim.id);
-                if (chosen && claim.profile != profile) others.emplace(name_of(claim.profile));
-                else if (chosen) claims.emplace_back(std::move(claim)).named = !o.files.empty();
+                const bool is_selected = o.selects(claim.id);
+                if (is_selected && claim.profile != profile) other_profiles.emplace(name_of(claim.profile));
+                else if (is_selected) claims.emplace_back(std::move(claim)).named = !o.files.empty();
             }
         }
     }
-    if (claims.empty() && !others.empty())
+    if (claims.empty() && !other_profiles.empty())
         throw NothingSelected(
             fmt::format("no claim is selected: the claims that match have another profile; try --profile {}",
-                        fmt::join(others, ", ")));
+                        fmt::join(other_profiles, ", ")));
     if (claims.empty()) throw NothingSelected("no claim is selected; see --filter, or `lostbits list claims`");
     return claims;
 }
@@ -75,20 +75,21 @@ std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data
 void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool verbose) {
     const std::string_view verdict = name_of(claim.verdict);
     if (r.state == State::agrees) {
-        const std::string all = output::claim::floats_text(r), reach = output::claim::evidence_text(claim, r);
+        const std::string floats = output::claim::floats_text(r), evidence = output::claim::evidence_text(claim, r);
         if (verbose)
-            fmt::print("ok       {} ({}{}{}): {}\n", terminal_line(claim.id), verdict, all.empty() ? "" : ", " + all,
-                       reach.empty() ? "" : ", " + terminal_line(reach), output::file::decimal(r.measured));
+            fmt::print("ok       {} ({}{}{}): {}\n", terminal_line(claim.id), verdict,
+                       floats.empty() ? "" : ", " + floats, evidence.empty() ? "" : ", " + terminal_line(evidence),
+                       output::file::decimal(r.measured));
         return;
     }
-    const char* word = r.state != State::skipped && claim.severity == Claim::Severity::warn && !o.strict ? "warning"
-                       : r.state == State::broken                                                        ? "broken"
-                       : r.state == State::skipped                                                       ? "skipped"
-                                                                                                         : "FAILED";
-    const std::string what = r.state == State::skipped  ? "cannot be measured on this machine"
-                             : r.state == State::broken ? "could not be measured"
-                                                        : output::claim::changed_text(claim, r);
-    fmt::print("{}: {}: {} ({})\n", word, what, terminal_line(claim.id), terminal_line(claim.statement));
+    const char* label = r.state != State::skipped && claim.severity == Claim::Severity::warn && !o.strict ? "warning"
+                        : r.state == State::broken                                                        ? "broken"
+                        : r.state == State::skipped                                                       ? "skipped"
+                                                                                                          : "FAILED";
+    const std::string problem = r.state == State::skipped  ? "cannot be measured on this machine"
+                                : r.state == State::broken ? "could not be measured"
+                                                           : output::claim::changed_text(claim, r);
+    fmt::print("{}: {}: {} ({})\n", label, problem, terminal_line(claim.id), terminal_line(claim.statement));
     fmt::print("         {}: {}\n", terminal_line(claim.where.text()), terminal_line(output::claim::explain(claim, r)));
     if (r.witness.x >= 0) {
         fmt::print("         worst ray: origin {} {} {}, direction {} {} {}\n",
@@ -100,7 +101,7 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
         fmt::print("         explain it: {}\n", terminal_line(command));
     fmt::print("         reproduce: {}\n", terminal_line(output::claim::words_of(claim).command));
     if (o.annotations == "github" && r.state != State::skipped) {
-        fmt::print("::{} file={},line={},title={}::{}\n", std::string_view(word) == "warning" ? "warning" : "error",
+        fmt::print("::{} file={},line={},title={}::{}\n", std::string_view(label) == "warning" ? "warning" : "error",
                    output::file::workflow_value(claim.where.source), claim.where.line,
                    output::file::workflow_value(claim.id),
                    output::file::workflow_text(output::claim::explain(claim, r)));
@@ -123,13 +124,14 @@ std::string draws_text(const Claim& claim, const ClaimResult& r) {
 /// Prints a table of the values that claims about random rays measure in several draws.
 void print_spreads(const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
     if (std::ranges::none_of(results, &ClaimResult::is_drawn)) return;
-    constexpr const char* row = "{:<44} {:>12} {:>12} {:>12} {:>12}  {:<26} {}\n";
-    fmt::print(row, "claims about random rays", "own draw", "lowest", "median", "highest", "interval", "samples");
+    constexpr const char* line_format = "{:<44} {:>12} {:>12} {:>12} {:>12}  {:<26} {}\n";
+    fmt::print(line_format, "claims about random rays", "own draw", "lowest", "median", "highest", "interval",
+               "samples");
     for (std::size_t i = 0; i < claims.size(); ++i) {
         if (!results[i].is_drawn()) continue;
         const auto s = results[i].spread();
         const auto text = [](double x) { return fmt::format("{:.6g}", x); };
-        fmt::print(row, terminal_line(claims[i].id), text(results[i].measured), text(s.low), text(s.median),
+        fmt::print(line_format, terminal_line(claims[i].id), text(results[i].measured), text(s.low), text(s.median),
                    text(s.high), fmt::format("[{}, {}]", text(claims[i].low), text(claims[i].high)),
                    results[i].samples);
     }
@@ -140,14 +142,14 @@ void print_spreads(const std::vector<Claim>& claims, const std::vector<ClaimResu
 Exit report_times(const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];
-        const bool measured = results[i].state == State::agrees || results[i].state == State::disagrees;
-        const char* word = results[i].state == State::agrees    ? "as found"
-                           : measured                           ? "differs"
-                           : results[i].state == State::skipped ? "skipped"
-                                                                : "broken";
-        fmt::print("{:<8} {:<9} {:>5} in [{}, {}]  {}: {}\n", word, name_of(c.verdict),
-                   measured ? fmt::format("{:.2f}", results[i].measured) : "-", c.low, c.high, terminal_line(c.id),
-                   terminal_line(measured ? c.statement : results[i].trouble));
+        const bool is_measured = results[i].state == State::agrees || results[i].state == State::disagrees;
+        const char* label = results[i].state == State::agrees    ? "as found"
+                            : is_measured                        ? "differs"
+                            : results[i].state == State::skipped ? "skipped"
+                                                                 : "broken";
+        fmt::print("{:<8} {:<9} {:>5} in [{}, {}]  {}: {}\n", label, name_of(c.verdict),
+                   is_measured ? fmt::format("{:.2f}", results[i].measured) : "-", c.low, c.high, terminal_line(c.id),
+                   terminal_line(is_measured ? c.statement : results[i].trouble));
     }
     return Exit::done;
 }
@@ -155,16 +157,16 @@ Exit report_times(const std::vector<Claim>& claims, const std::vector<ClaimResul
 /// The files that decide what claims measure.
 std::vector<std::filesystem::path> files_of(const CheckOptions& o, const std::filesystem::path& data) {
     std::vector<std::filesystem::path> files;
-    for (const std::string& word : o.files.empty() ? std::vector{(data / "claims").string()} : o.files)
-        std::ranges::copy(scene::claim::claim_files(word), std::back_inserter(files));
+    for (const std::string& path : o.files.empty() ? std::vector{(data / "claims").string()} : o.files)
+        std::ranges::copy(scene::claim::claim_files(path), std::back_inserter(files));
     for (const char* folder : {"scenes", "sweeps"}) {
         std::error_code ignored;
-        std::vector<std::filesystem::path> here;
+        std::vector<std::filesystem::path> folder_files;
         for (const auto& entry : std::filesystem::recursive_directory_iterator(data / folder, ignored)) {
-            if (entry.path().extension() == ".toml") here.push_back(entry.path());
+            if (entry.path().extension() == ".toml") folder_files.push_back(entry.path());
         }
-        std::ranges::sort(here);
-        std::ranges::copy(here, std::back_inserter(files));
+        std::ranges::sort(folder_files);
+        std::ranges::copy(folder_files, std::back_inserter(files));
     }
     return files;
 }
@@ -208,24 +210,24 @@ Exit run(const CheckOptions& o, const Common& common) {
         if (!path.empty()) output::file::AtomicFile probe(path);
     }
     // Only a shard records which files it read, so a whole run need not list the data folder.
-    const bool whole = o.shard.empty() && !common.joined;
-    RunDivision divided =
-        divide(o.shard, o.report, whole ? std::vector<std::filesystem::path>{} : files_of(o, data), common);
-    divided.division.expect({"check"});
+    const bool is_whole_run = o.shard.empty() && !common.shards_to_join;
+    RunDivision run_division =
+        divide(o.shard, o.report, is_whole_run ? std::vector<std::filesystem::path>{} : files_of(o, data), common);
+    run_division.division.expect({"check"});
     std::unique_ptr<output::file::ResultFolder> folder;
     if (!o.report.empty())
-        folder = own_folder(divided, o.report, common, common.typed.all_subjects(), {.shared = true});
-    if (folder) probe(std::filesystem::path(o.report) / "README.md");
+        folder = take_folder(run_division, o.report, common, common.typed_command.all_subjects(), {.shared = true});
+    if (folder) require_writable(std::filesystem::path(o.report) / "README.md");
     const study::StudiesByName studies;
     const measure::claim::ClaimRequest request{
         .data_dir = data, .stop = common.stop, .further_draws = o.seeds, .studies = &studies};
-    const auto measured = divided.division.result_of("check", [&] {
-        const auto units = divided.division.share().of_units(claims.size());
-        const std::vector<Claim> own(claims.begin() + static_cast<std::ptrdiff_t>(units.first),
-                                     claims.begin() + static_cast<std::ptrdiff_t>(units.last));
-        return measure::claim::measure_claims(own, request);
+    const auto measured = run_division.division.result_of("check", [&] {
+        const auto units = run_division.division.share().of_units(claims.size());
+        const std::vector<Claim> own_claims(claims.begin() + static_cast<std::ptrdiff_t>(units.first),
+                                            claims.begin() + static_cast<std::ptrdiff_t>(units.last));
+        return measure::claim::measure_claims(own_claims, request);
     });
-    finish(divided, common);
+    finish(run_division, common);
     if (!measured) return Exit::done;
     const auto& results = *measured;
     if (o.timing() && !o.measure) return report_times(claims, results);

@@ -35,11 +35,11 @@ namespace {
 
 /// Repaired forms; they stay loaded as long as the object lives.
 struct LoadedRepairs {
-    struct Loaded {
+    struct LoadedForm {
         intersect::external::Formula formula;
         Format format;
     };
-    std::vector<Loaded> loaded;
+    std::vector<LoadedForm> loaded;
     std::vector<output::choice::RepairedCandidate> candidates;  ///< in the same order
 };
 
@@ -49,15 +49,15 @@ public:
     FormRepairer(const ChoiceRequest& request, std::string command) : request_(request), command_(std::move(command)) {}
 
     void repair_all() {
-        ChoiceRequest quiet = request_;
-        quiet.progress = [](std::uint64_t) {};
-        const auto quality = quality_of(quiet);
+        ChoiceRequest quiet_request = request_;
+        quiet_request.progress = [](std::uint64_t) {};
+        const auto quality = quality_of(quiet_request);
         for (std::size_t r = 0; r < request_.rows.size(); ++r)
             if (!quality[r].meets(request_.requirement) && !request_.rows[r].form->is_placed)
                 repair_one(request_.rows[r]);
     }
 
-    std::vector<measure::repair::RepairedSource> written = {};
+    std::vector<measure::repair::RepairedSource> sources = {};
     std::vector<output::choice::RepairedCandidate> candidates = {};
 
 private:
@@ -74,8 +74,8 @@ private:
             .request = requests_.back(), .repair = repairs_.back(), .catalogue = {}, .catalogue_quality = {}};
         proposals_.push_back(proposals_of(result));
         int count = 0;
-        for (const Proposal& one : proposals_.back())
-            if (one.quality->meets(request_.requirement) && is_new(one, row)) add(result, one, ++count);
+        for (const Proposal& proposal : proposals_.back())
+            if (proposal.quality->meets(request_.requirement) && is_new(proposal, row)) add(result, proposal, ++count);
     }
 
     bool is_new(const Proposal& proposal, const TestedForm& row) {
@@ -90,10 +90,10 @@ private:
         std::string name(row.form->info->name);
         std::ranges::replace(name, '.', '_');
         name += fmt::format("_{}{}", row.format.name == "f32" ? "" : row.format.name + "_", count);
-        written.push_back(output::repair::written(result, proposal, name, command_));
-        std::string how = fmt::format("{}, {}", row.form->info->name, method_text(result, proposal));
-        if (proposal.wider) how += ": " + names_of(result, *proposal.wider);
-        candidates.push_back({"mended." + name, std::move(how), *proposal.held_out, name + ".hpp"});
+        sources.push_back(output::repair::written(result, proposal, name, command_));
+        std::string description = fmt::format("{}, {}", row.form->info->name, method_text(result, proposal));
+        if (proposal.wider) description += ": " + names_of(result, *proposal.wider);
+        candidates.push_back({"mended." + name, std::move(description), *proposal.held_out, name + ".hpp"});
     }
 
     const ChoiceRequest& request_;
@@ -104,26 +104,26 @@ private:
     std::set<std::string> seen_;
 };
 
-/// Repairs every row of the request that does not meet its requirement and whose operations are known. Compiles every
-/// result of `measure::repair::repair_form` that meets it, and writes it as a file into `folder`. Equal results of two
-/// forms count once. Throws EnvironmentError if nothing can be compiled. `command` is the command that asks for it.
+/// Repairs every row of the request that does not meet its requirement and whose operations are known. Compiles each
+/// repaired form that meets the requirement, and writes it as a file into `folder`. Equal repairs of two forms count
+/// once. Throws EnvironmentError if nothing can be compiled. `command` is the command line that asks for the repairs.
 LoadedRepairs load_repairs(const ChoiceRequest& request, const measure::repair::CompilerSetup& setup,
                            const std::filesystem::path& folder, const std::string& command) {
     FormRepairer repairer(request, command);
     repairer.repair_all();
-    LoadedRepairs all;
-    if (repairer.written.empty()) return all;
+    LoadedRepairs repairs;
+    if (repairer.sources.empty()) return repairs;
     auto formulas =
-        compile_and_load({.scene = request.scene, .row = {}, .limit = request.limit}, repairer.written, setup);
+        compile_and_load({.scene = request.scene, .row = {}, .limit = request.limit}, repairer.sources, setup);
     for (std::size_t k = 0; k < formulas.size(); ++k) {
         auto& candidate = repairer.candidates[k];
         const auto file = folder / candidate.file;
-        output::file::write_file(file, repairer.written[k].header);
+        output::file::write_file(file, repairer.sources[k].header);
         candidate.file = file.string();
-        all.loaded.push_back({std::move(formulas[k]), repairer.written[k].from.format});
+        repairs.loaded.push_back({std::move(formulas[k]), repairer.sources[k].from.format});
     }
-    all.candidates = std::move(repairer.candidates);
-    return all;
+    repairs.candidates = std::move(repairer.candidates);
+    return repairs;
 }
 
 struct ChooseOptions : selection::RayFileOptions {
@@ -138,17 +138,17 @@ struct ChooseOptions : selection::RayFileOptions {
 
 /// The selected rows that can be timed on the subject called `id`; `meets` says which forms can test it.
 std::vector<measure::evaluate::TestedForm> rows_of(const ChooseOptions& o, const std::string& id, bool quiet,
-                                                   const selection::Meets& meets) {
+                                                   const selection::ShapePredicate& meets) {
     const auto formats = selection::select_formats(o.formats);
     if (std::ranges::all_of(formats, selection::is_emulated))
         throw InputError(fmt::format(
             "-f {}: this format is emulated, so its time says nothing; choose compares only f32 and f64. Name one "
             "of them",
             formats.front().name));
-    auto all = selection::cross(selection::select_forms(o.forms), formats);
-    selection::refuse_generators(all, "choose");
-    selection::refuse_contracted(all, "choose");
-    auto rows = selection::timed_on(id, {all, o.forms, quiet}, meets);
+    auto candidates = selection::cross(selection::select_forms(o.forms), formats);
+    selection::refuse_generators(candidates, "choose");
+    selection::refuse_contracted(candidates, "choose");
+    auto rows = selection::timed_on(id, {candidates, o.forms, quiet}, meets);
     selection::note_unmeasured(o.forms, rows, quiet);
     return rows;
 }
@@ -158,7 +158,7 @@ ChoiceRequest request_of(const ChooseOptions& o, intersect::process::StopToken s
     if (o.bits < 0 && o.tolerance.empty())
         throw InputError(
             "choose: the requirement is missing; add --bits 16 (of t) or --tolerance 0.001 (of the hit point)");
-    request.requirement = {.bits = std::max(0.0, o.bits), .wrong = o.wrong, .quantile = quantile_at(o.at)};
+    request.requirement = {.bits = std::max(0.0, o.bits), .wrong = o.wrong, .quantile = parse_quantile(o.at)};
     if (!o.tolerance.empty()) request.requirement.tolerance = selection::tolerance_in_units(o.tolerance, o.unit);
     else if (!o.unit.empty()) throw InputError("--unit " + o.unit + " is the unit of --tolerance, which is missing");
     request.single = o.single;
@@ -170,28 +170,31 @@ ChoiceRequest request_of(const ChooseOptions& o, intersect::process::StopToken s
     return request;
 }
 
-using OwnedFolder = std::unique_ptr<output::file::ResultFolder>;
+using ResultFolderPointer = std::unique_ptr<output::file::ResultFolder>;
 
-/// The part that scenes and files of rays share. For files, the accuracy on their rays is known already.
-Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const OwnedFolder& owner,
+/// Chooses a form and writes the results, for a scene or for files of rays. For files, the accuracy on their rays is
+/// known already.
+Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const ResultFolderPointer& result_folder,
             output::file::Progress& progress, const Common& common,
             std::optional<std::vector<output::choice::RepairedCandidate>> repaired = {}) {
-    measure::choice::TimedRays timed;
-    std::optional<measure::choice::MetPixelsByForm> meetings;
-    if (request.scene) request.show = meetings.emplace(request, request.rows).show();
-    const auto all = measure_candidates(request, timed);
-    auto requirement_map = meetings ? std::optional(requirement_map_of(request, all, *meetings)) : std::nullopt;
-    auto chosen = output::choice::choose_among(request, all, timed);
-    chosen.requirement_map = std::move(requirement_map);
-    chosen.repaired = std::move(repaired);
-    if (chosen.meets && request.scene)
-        chosen.offsets = measure::choice::safe_offsets(*request.scene, all[*chosen.meets].row, request.limit);
-    files.finish(chosen);
-    complete(owner);
+    measure::choice::TimedRays timed_rays;
+    std::optional<measure::choice::MetPixelsByForm> met_pixels;
+    if (request.scene) request.show = met_pixels.emplace(request, request.rows).show();
+    const auto measured_candidates = measure_candidates(request, timed_rays);
+    auto requirement_map =
+        met_pixels ? std::optional(requirement_map_of(request, measured_candidates, *met_pixels)) : std::nullopt;
+    auto choice = output::choice::choose_among(request, measured_candidates, timed_rays);
+    choice.requirement_map = std::move(requirement_map);
+    choice.repaired = std::move(repaired);
+    if (choice.meets && request.scene)
+        choice.offsets =
+            measure::choice::safe_offsets(*request.scene, measured_candidates[*choice.meets].row, request.limit);
+    files.finish(choice);
+    complete(result_folder);
     progress.finish();
-    fmt::print("{}", output::choice::in_words(chosen));
+    fmt::print("{}", output::choice::in_words(choice));
     if (!common.quiet) fmt::print("{}\n", (files.folder() / "choose.csv").string());
-    return chosen.meets ? Exit::done : Exit::answer_is_no;
+    return choice.meets ? Exit::done : Exit::answer_is_no;
 }
 
 Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
@@ -207,25 +210,26 @@ Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
     request.untimed.assign(emulated, request.rows.end());
     request.rows.erase(emulated, request.rows.end());
     const auto folder = std::filesystem::path(o.out) / scene.id;
-    const auto owner = own_folder(folder, common, selection::name_of_scene(scene, selection::data_folder(common.data)));
+    const auto result_folder =
+        take_folder(folder, common, selection::name_of_scene(scene, selection::data_folder(common.data)));
     output::choice::ChoiceFiles files(folder);
     output::file::Progress progress(scene.pixels() * (request.rows.size() + request.untimed.size()),
                                     fmt::format("choose {}", scene.id), common.progress, common.quiet);
-    request.progress = advancing(progress);
+    request.progress = advance_callback(progress);
     if (!common.quiet) selection::note_idle_settings(o.set, scene.id, request.rows);
-    if (!o.mend) return choose(request, files, owner, progress, common);
-    LoadedRepairs repairs =
-        load_repairs(request, {o.compiler, selection::form_flags_folder()}, folder,
-                     common.typed.of(selection::name_of_scene(scene, selection::data_folder(common.data))));
+    if (!o.mend) return choose(request, files, result_folder, progress, common);
+    LoadedRepairs repairs = load_repairs(
+        request, {o.compiler, selection::form_flags_folder()}, folder,
+        common.typed_command.for_subject(selection::name_of_scene(scene, selection::data_folder(common.data))));
     for (const auto& repair : repairs.loaded)
         request.rows.push_back({.form = &repair.formula.row, .format = repair.format});
-    return choose(request, files, owner, progress, common, std::move(repairs.candidates));
+    return choose(request, files, result_folder, progress, common, std::move(repairs.candidates));
 }
 
 Exit choose_for_files(const ChooseOptions& o, const Common& common) {
-    auto opened = selection::open_rays(o, o.subjects, selection::data_folder(common.data));
-    const std::string& id = opened.id;
-    const Shapes shapes = opened.shapes;
+    auto opened_rays = selection::open_rays(o, o.subjects, selection::data_folder(common.data));
+    const std::string& id = opened_rays.id;
+    const Shapes shapes = opened_rays.shapes;
     ChoiceRequest request = request_of(o, common.stop);
     request.rows = rows_of(o, id, common.quiet, [shapes](Shapes forms) { return forms == shapes; });
     const auto emulated =
@@ -237,28 +241,28 @@ Exit choose_for_files(const ChooseOptions& o, const Common& common) {
                    "apply only to the requirement map of a scene\n",
                    id);
     const auto folder = std::filesystem::path(o.out) / id;
-    const auto owner = own_folder(folder, common, opened.words);
+    const auto result_folder = take_folder(folder, common, opened_rays.quoted_files);
     output::choice::ChoiceFiles files(folder);
-    const bool by_bytes = opened.dump->bytes() > 0;
-    output::file::Progress progress(by_bytes ? opened.dump->bytes() : 1, fmt::format("choose {}", id), common.progress,
-                                    common.quiet);
-    const auto advance = advancing(progress);
-    opened.terms.progress = [&](std::uint64_t bytes) { advance(by_bytes ? bytes : 0); };
-    const measure::choice::FileRays rays = judge_rays(*opened.dump, opened.terms, request);
+    const bool by_bytes = opened_rays.dump->bytes() > 0;
+    output::file::Progress progress(by_bytes ? opened_rays.dump->bytes() : 1, fmt::format("choose {}", id),
+                                    common.progress, common.quiet);
+    const auto advance = advance_callback(progress);
+    opened_rays.terms.progress = [&](std::uint64_t bytes) { advance(by_bytes ? bytes : 0); };
+    const measure::choice::FileRays rays = judge_rays(*opened_rays.dump, opened_rays.terms, request);
     if (!common.quiet) selection::note_rounded(rays.name, rays.rounded, rays.format);
     request.rays = &rays;
-    return choose(request, files, owner, progress, common);
+    return choose(request, files, result_folder, progress, common);
 }
 
 Exit run(const ChooseOptions& o, const Common& common) {
     require_folder(o.out);
-    const bool files = selection::are_files(o, o.subjects);
+    const bool is_for_files = selection::are_files(o, o.subjects);
     selection::refuse_others(
         o, o.subjects,
         {{"--size", !o.size.empty()}, {"--variant", !o.variant.empty()}, {"--set", !o.set.empty()}, {"--mend", o.mend}},
         "a choice");
     const selection::ThreadLimit limit(common.threads);
-    return files ? choose_for_files(o, common) : choose_for_scene(o, common);
+    return is_for_files ? choose_for_files(o, common) : choose_for_scene(o, common);
 }
 
 }  // namespace

@@ -34,11 +34,11 @@ struct Common {
     int threads = 0;  ///< 0: one per core
     std::string isa;  ///< a name of `isa_names`; empty: the widest of the processor
     selection::ExternalOptions external;
-    intersect::process::StopToken stop = {};     ///< stops the work of the command
-    selection::TypedCommand typed;               ///< the command as it was typed
-    bool force = false;                          ///< also write to folders that have files of others
-    std::vector<std::string> figures = {};       ///< kinds of pictures: png, svg, pdf; empty: png
-    std::shared_ptr<shard::Shards> joined = {};  ///< finished shards of the command to join; null: do the work here
+    intersect::process::StopToken stop = {};             ///< stops the work of the command
+    selection::TypedCommand typed_command;               ///< the command as it was typed
+    bool force = false;                                  ///< also write to folders that have files of others
+    std::vector<std::string> figures = {};               ///< kinds of pictures: png, svg, pdf; empty: png
+    std::shared_ptr<shard::Shards> shards_to_join = {};  ///< finished shards of the command; null: do the work here
 };
 
 inline constexpr const char* program_and_version = "lostbits " LOSTBITS_VERSION;
@@ -74,9 +74,9 @@ void require_folder(const std::string& out);
 
 /// Takes a folder for the results of this run, see `ResultFolder`. The rule `force` is set from `--force`. `subject` is
 /// the part of the command line that names what is measured, quoted for a shell.
-[[nodiscard]] std::unique_ptr<output::file::ResultFolder> own_folder(const std::filesystem::path& folder,
-                                                                     const Common& common, const std::string& subject,
-                                                                     output::file::ResultFolder::Rules rules = {});
+[[nodiscard]] std::unique_ptr<output::file::ResultFolder> take_folder(const std::filesystem::path& folder,
+                                                                      const Common& common, const std::string& subject,
+                                                                      output::file::ResultFolder::Rules rules = {});
 
 /// The division of a run, and its folders.
 struct RunDivision {
@@ -85,16 +85,16 @@ struct RunDivision {
     std::filesystem::path out;                                ///< folder of the results; in a shard, the shard's
 
     /// The path of a file or folder that a whole run writes; empty in a shard, which writes none.
-    [[nodiscard]] std::filesystem::path written(const std::filesystem::path& path) const {
+    [[nodiscard]] std::filesystem::path path_to_write(const std::filesystem::path& path) const {
         return division.is_shard() ? std::filesystem::path() : path;
     }
 };
 
-/// Like `own_folder(folder, …)` for a run that may be a shard. Returns null in a shard, which already has a folder.
-[[nodiscard]] std::unique_ptr<output::file::ResultFolder> own_folder(const RunDivision& divided,
-                                                                     const std::filesystem::path& folder,
-                                                                     const Common& common, const std::string& subject,
-                                                                     output::file::ResultFolder::Rules rules = {});
+/// Like `take_folder(folder, …)` for a run that may be a shard. Returns null in a shard, which already has a folder.
+[[nodiscard]] std::unique_ptr<output::file::ResultFolder> take_folder(const RunDivision& run_division,
+                                                                      const std::filesystem::path& folder,
+                                                                      const Common& common, const std::string& subject,
+                                                                      output::file::ResultFolder::Rules rules = {});
 
 /// Prints the path of each file of a drawing.
 void print_figures(const std::filesystem::path& path);
@@ -106,15 +106,16 @@ void complete(const std::unique_ptr<output::file::ResultFolder>& folder);
 /// run until the work on its scene is done; its files are then complete, even if the run fails later.
 class SceneFolders {
 public:
-    /// The folders of the scenes in the results of `divided`.
-    SceneFolders(const std::vector<scene::file::Scene>& scenes, const RunDivision& divided, const Common& common);
+    /// The folders of the scenes in the results of `run_division`.
+    SceneFolders(const std::vector<scene::file::Scene>& scenes, const RunDivision& run_division, const Common& common);
 
     /// Called when the files of a scene are complete, before anything is printed about them.
-    using Complete = std::function<void()>;
-    /// Calls `work` for each of the scenes in turn, by index. Returns the sum of its results, the rays without a proved
-    /// truth. The error of an interrupted run says which results are kept.
-    [[nodiscard]] std::uint64_t each(std::size_t scenes, output::file::Progress& progress,
-                                     const std::function<std::uint64_t(std::size_t, const Complete&)>& work);
+    using CompleteCallback = std::function<void()>;
+    /// Calls `work` for each of the scenes in turn, by index. Returns the sum of its results: the number of rays
+    /// without a proved truth. The error of an interrupted run says which results are kept.
+    [[nodiscard]] std::uint64_t for_each(
+        std::size_t scene_count, output::file::Progress& progress,
+        const std::function<std::uint64_t(std::size_t, const CompleteCallback&)>& work);
 
 private:
     std::vector<std::unique_ptr<output::file::ResultFolder>> folders_ = {};  ///< none in a shard
@@ -122,58 +123,61 @@ private:
 
 /// Loads the scenes of a command that tests primitives one by one. Adds to `rows` the rows that the scenes need, and
 /// prints which scenes and forms are left out. Throws InputError for scenes and forms that make rays in each format,
-/// and whatever `require` throws for a scene. `name` is the command.
+/// and whatever `require_scene` throws for a scene. `command` is the name of the command.
 [[nodiscard]] std::vector<scene::file::Scene> scenes_of_primitives(const selection::SharedOptions& shared,
                                                                    std::vector<measure::evaluate::TestedForm>& rows,
-                                                                   const char* name, const Common& common,
-                                                                   void (*require)(const scene::file::Scene&));
+                                                                   const char* command, const Common& common,
+                                                                   void (*require_scene)(const scene::file::Scene&));
 
 /// Adds `--shard` to a command.
-void add_shard(const shell::Command& command, std::string& word);
+void add_shard(const shell::Command& command, std::string& shard_value);
 
 /// A hash of these files and of the libraries, which decide what a run measures.
 [[nodiscard]] std::uint64_t hash_of_inputs(const std::vector<std::filesystem::path>& files, const Common& common);
 
-/// Divides a run by the value of its `--shard`. `out` is the folder of its results; `files` decide what it measures.
-/// Throws InputError for a bad value, and if the shards to join read other files.
-[[nodiscard]] RunDivision divide(const std::string& word, const std::string& out,
+/// Divides a run by the value of its `--shard`. `out` is the folder of its results; `files` are the files that decide
+/// what it measures. Throws InputError for a bad value, and if the shards to join read other files.
+[[nodiscard]] RunDivision divide(const std::string& shard_value, const std::string& out,
                                  const std::vector<std::filesystem::path>& files, const Common& common,
                                  bool resumed = false);
 
 /// Ends a divided run. Gives the file of a shard its final name and prints the name. Returns false for a shard, which
 /// has only a part of the results.
-bool finish(RunDivision& divided, const Common& common);
+bool finish(RunDivision& run_division, const Common& common);
 
 /// Throws EnvironmentError if the file cannot be written, so that a run fails before its first ray and not after the
 /// tenth scene.
-void probe(const std::filesystem::path& file);
+void require_writable(const std::filesystem::path& file);
 
-/// A function that advances a progress bar and an estimate of the time that the run takes.
-[[nodiscard]] std::function<void(std::uint64_t)> advancing(output::file::Progress& progress,
-                                                           output::file::Estimate* estimate = nullptr);
+/// Returns a function that advances a progress bar and an estimate of the time that the run takes.
+[[nodiscard]] std::function<void(std::uint64_t)> advance_callback(output::file::Progress& progress,
+                                                                  output::file::Estimate* estimate = nullptr);
 
-/// Joins the values, each with `before` in front of it and `after` behind it: ` -f f32 -f f64`.
-[[nodiscard]] std::string each(const char* before, const std::vector<std::string>& values, const char* after = "");
+/// Joins the values, each with `prefix` in front of it and `suffix` behind it: ` -f f32 -f f64`.
+[[nodiscard]] std::string concatenate(const char* prefix, const std::vector<std::string>& values,
+                                      const char* suffix = "");
 
 /// Parses the value of `--at`, a share of the hits: p50, p99 or max. Throws InputError.
-[[nodiscard]] double quantile_at(const std::string& text);
+[[nodiscard]] double parse_quantile(const std::string& text);
 
-/// The exit code of a run in which the truth of `rays` rays was not proved within `bits` bits; prints that on stderr.
-[[nodiscard]] Exit end_with_unproved(std::uint64_t rays, int bits = measure::truth::TruthLimit{}.bits);
+/// Returns the exit code of a run in which the truth of `rays` rays was not proved within `bits` bits, and prints a
+/// message about these rays on stderr.
+[[nodiscard]] Exit report_unproved(std::uint64_t rays, int bits = measure::truth::TruthLimit{}.bits);
 
 /// Prints a line on stderr for each row of an external intersector whose contract seems to be wrong. `suspicion`
 /// returns the text for a row, empty if nothing seems wrong.
 void note_suspicions(const std::vector<measure::evaluate::TestedForm>& rows, const Common& common,
                      const std::function<std::string(const measure::evaluate::TestedForm&)>& suspicion);
 
-/// Prints a line on stdout for each row that is compared with a form: how often the two agree.
-void print_pairs(const std::vector<measure::evaluate::TestedForm>& rows,
-                 const std::vector<const measure::metric::Metric*>& metrics,
-                 const std::vector<measure::evaluate::FormSummary>& summaries);
+/// Prints a line on stdout for each row that is compared with another form: how often the two agree.
+void print_comparisons(const std::vector<measure::evaluate::TestedForm>& rows,
+                       const std::vector<const measure::metric::Metric*>& metrics,
+                       const std::vector<measure::evaluate::FormSummary>& summaries);
 
-/// A quantile of metric `lost` for a table, `13.57`; `-` if there is none, or if the correct hits are too few to
-/// represent the form.
-[[nodiscard]] std::string lost_bits_cell(const measure::evaluate::FormSummary& summary, std::size_t lost, double q);
+/// A quantile of the metric `lost_bits` for a table, `13.57`; `-` if there is none, or if the correct hits are too few
+/// to represent the form.
+[[nodiscard]] std::string lost_bits_cell(const measure::evaluate::FormSummary& summary, std::size_t lost_bits,
+                                         double q);
 
 /// Adds columns to a table on stdout, and the cells of a summary: `mesh` for the outcomes that only meshes have,
 /// `wrong` for the wrong decisions. `recognises_cracks` is false for the answers of a file, where cracks and double
@@ -190,7 +194,8 @@ void print_table(const measure::evaluate::MapStudy& request,
 void print_table(const measure::evaluate::NeededStudy& request,
                  const std::vector<measure::evaluate::NeededSummary>& summaries);
 
-/// Prints a line on stdout: how many truths, each of a ray and a primitive, each stage settled.
+/// Prints a line on stdout with the number of truths that each stage settled. Each truth is about one ray and one
+/// primitive.
 void print_stages(const measure::truth::StageCounts& stages);
 
 }  // namespace lostbits::analysis

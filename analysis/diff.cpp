@@ -39,7 +39,7 @@ const std::vector<std::string>& measurement_options() {
 
 using Settings = std::map<std::string, std::set<std::string>>;
 
-/// The values of each of the options above.
+/// The values of each measurement option in a command.
 Settings settings_of(const std::string& command) {
     Settings settings;
     const auto words = selection::split_shell_words(command);
@@ -58,9 +58,9 @@ Settings settings_of(const std::string& command) {
 /// ` 8x8`; empty for a flag.
 std::string value_text(const std::string& value) { return value.empty() ? "" : " " + value; }
 
-std::vector<std::string> only_in(const std::set<std::string>& one, const std::set<std::string>& other) {
+std::vector<std::string> only_in(const std::set<std::string>& left, const std::set<std::string>& right) {
     std::vector<std::string> values;
-    std::ranges::set_difference(one, other, std::back_inserter(values));
+    std::ranges::set_difference(left, right, std::back_inserter(values));
     return values;
 }
 
@@ -68,13 +68,14 @@ std::vector<std::string> only_in(const std::set<std::string>& one, const std::se
 /// in the commands that made two folders: `--set sphere[0].radius=1.0001 only in after`. Empty if a folder does not
 /// record its command.
 std::vector<std::string> option_differences(const fs::path& a, const fs::path& b) {
-    const auto left = output::file::ResultFolder::last_run_in(a), right = output::file::ResultFolder::last_run_in(b);
-    if (!left || !right) return {};
-    Settings of_a = settings_of(left->command), of_b = settings_of(right->command);
+    const auto run_a = output::file::ResultFolder::last_run_in(a), run_b = output::file::ResultFolder::last_run_in(b);
+    if (!run_a || !run_b) return {};
+    Settings settings_a = settings_of(run_a->command), settings_b = settings_of(run_b->command);
     std::vector<std::string> lines;
     for (const std::string& name : measurement_options()) {
         const std::string option(name);
-        const auto only_a = only_in(of_a[option], of_b[option]), only_b = only_in(of_b[option], of_a[option]);
+        const auto only_a = only_in(settings_a[option], settings_b[option]),
+                   only_b = only_in(settings_b[option], settings_a[option]);
         if (only_a.size() == 1 && only_b.size() == 1) {
             lines.push_back(fmt::format("{}{} in {},{} in {}", option, value_text(only_a.front()), a.string(),
                                         value_text(only_b.front()), b.string()));
@@ -88,13 +89,13 @@ std::vector<std::string> option_differences(const fs::path& a, const fs::path& b
     return lines;
 }
 
-/// The same for the two folders and for every pair of folders below them.
+/// Returns the differences of the two folders and of every pair of folders below them, see `option_differences`.
 std::vector<std::string> option_differences_below(const fs::path& a, const fs::path& b) {
     std::vector<std::string> lines = option_differences(a, b);
     std::set<fs::path> folders;
-    std::error_code none;
-    for (auto at = fs::recursive_directory_iterator(a, none); at != fs::end(at); at.increment(none)) {
-        if (at->is_directory(none)) folders.insert(at->path().lexically_relative(a));
+    std::error_code ignored;
+    for (auto entry = fs::recursive_directory_iterator(a, ignored); entry != fs::end(entry); entry.increment(ignored)) {
+        if (entry->is_directory(ignored)) folders.insert(entry->path().lexically_relative(a));
     }
     for (const fs::path& folder : folders)
         std::ranges::move(option_differences(a / folder, b / folder), std::back_inserter(lines));
@@ -127,20 +128,20 @@ Exit run_strictly(const DiffOptions& o, const CompareOptions& options, const Com
     // Reads all files before it prints anything, so that bad input does not leave half an answer.
     const auto results = diff::compare_all(o.a, o.b, options);
     diff::refuse_unknown_columns(options, names_of(results));
-    const bool same = std::ranges::all_of(results, &Result::same);
-    const bool files = fs::is_regular_file(o.a) && fs::is_regular_file(o.b);
-    if (files) print_option_differences(option_differences(folder_of(o.a), folder_of(o.b)));
+    const bool is_same = std::ranges::all_of(results, &Result::same);
+    const bool compares_files = fs::is_regular_file(o.a) && fs::is_regular_file(o.b);
+    if (compares_files) print_option_differences(option_differences(folder_of(o.a), folder_of(o.b)));
     for (const Result& r : results) {
         if (!r.same() || common.verbose) diff::print(r, common.verbose);
     }
-    if (same && !common.quiet) fmt::print("same\n");
-    if (!same && files && !o.strict && diff::kind_of(o.a) == diff::FileKind::csv &&
+    if (is_same && !common.quiet) fmt::print("same\n");
+    if (!is_same && compares_files && !o.strict && diff::kind_of(o.a) == diff::FileKind::csv &&
         diff::kind_of(o.b) == diff::FileKind::csv) {
         const auto a = output::file::read_csv(o.a), b = output::file::read_csv(o.b);
         if (output::diff::has_row_keys(a) && output::diff::has_row_keys(b))
             diff::print_verdict(output::diff::compare_rows(a, b, "", options).verdict, o.b);
     }
-    return same ? Exit::done : Exit::answer_is_no;
+    return is_same ? Exit::done : Exit::answer_is_no;
 }
 
 Exit run_on_maps(const DiffOptions& o, const MapSides& sides, const CompareOptions& options, const Common& common) {
@@ -148,10 +149,10 @@ Exit run_on_maps(const DiffOptions& o, const MapSides& sides, const CompareOptio
     auto names = names_of(found.others);
     names.insert(found.rows.names.begin(), found.rows.names.end());
     diff::refuse_unknown_columns(options, names);
-    std::unique_ptr<output::file::ResultFolder> owner;
-    if (!o.draw.empty()) owner = own_folder(o.draw, common, o.a + (o.b.empty() ? "" : " " + o.b));
+    std::unique_ptr<output::file::ResultFolder> result_folder;
+    if (!o.draw.empty()) result_folder = take_folder(o.draw, common, o.a + (o.b.empty() ? "" : " " + o.b));
     const auto pictures = o.draw.empty() ? std::vector<fs::path>{} : diff::draw_maps(sides, o.draw, common.stop);
-    complete(owner);
+    complete(result_folder);
     if (!sides.are_forms()) print_option_differences(option_differences_below(o.a, o.b));
     if (!found.same() || common.verbose) diff::print(found, sides, common.verbose);
     if (found.same() && !common.quiet) fmt::print("same\n");
@@ -173,13 +174,14 @@ void print_incomplete(const DiffOptions& o) {
         const bool is_folder = fs::is_directory(side, ignored);
         folders.insert(is_folder ? side : folder_of(side));
         if (!is_folder) continue;
-        for (auto at = fs::recursive_directory_iterator(side, ignored); at != fs::end(at); at.increment(ignored)) {
-            if (at->is_directory(ignored)) folders.insert(at->path());
+        for (auto entry = fs::recursive_directory_iterator(side, ignored); entry != fs::end(entry);
+             entry.increment(ignored)) {
+            if (entry->is_directory(ignored)) folders.insert(entry->path());
         }
     }
     for (const auto& folder : folders) {
-        const std::string words = output::file::ResultFolder::unfinished_in(folder);
-        if (!words.empty()) fmt::print(stderr, "lostbits: {}\n", words);
+        const std::string message = output::file::ResultFolder::unfinished_in(folder);
+        if (!message.empty()) fmt::print(stderr, "lostbits: {}\n", message);
     }
 }
 
@@ -227,18 +229,18 @@ Exit run(const DiffOptions& o, const Common& common) {
 void add_diff(const shell::Command& program, const Common& common) {
     auto command =
         program.add_command("diff", "Show where two folders of maps, two forms of one folder, or two files differ");
-    const auto w = std::make_shared<DiffOptions>();
-    command.add("A", w->a, "A file or a folder").required();
-    command.add("B", w->b, "The file or folder to compare A with; not with -i");
-    command.add("--allow", w->tolerances,
+    const auto o = std::make_shared<DiffOptions>();
+    command.add("A", o->a, "A file or a folder").required();
+    command.add("B", o->b, "The file or folder to compare A with; not with -i");
+    command.add("--allow", o->tolerances,
                 "COLUMN=ABS[,REL]: numbers of a column may differ by ABS, or by REL of the larger one (docs/diff.md)");
-    command.add("--ignore", w->ignored, "Do not compare these columns and channels, by name or glob");
-    command.add("--strict", w->strict, "Compare every file to the last bit, pictures included");
-    command.add("--compare-pictures", w->pictures, "Also compare pictures");
-    command.add_list("-i,--form", w->forms, "Compare two forms of the maps in A; replaces B");
-    command.add_list("-f,--format", w->formats, "Formats that --draw draws (default: all)");
-    command.add("--draw", w->draw, "Folder for pictures of the difference; both maps need their pixels, as CSV or EXR");
-    command.runs([w, &common] { return run(*w, common); });
+    command.add("--ignore", o->ignored, "Do not compare these columns and channels, by name or glob");
+    command.add("--strict", o->strict, "Compare every file to the last bit, pictures included");
+    command.add("--compare-pictures", o->pictures, "Also compare pictures");
+    command.add_list("-i,--form", o->forms, "Compare two forms of the maps in A; replaces B");
+    command.add_list("-f,--format", o->formats, "Formats that --draw draws (default: all)");
+    command.add("--draw", o->draw, "Folder for pictures of the difference; both maps need their pixels, as CSV or EXR");
+    command.runs([o, &common] { return run(*o, common); });
 }
 
 }  // namespace lostbits::analysis

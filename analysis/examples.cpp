@@ -11,8 +11,9 @@ struct ExamplesOf {
     std::vector<shell::Example> examples;
 };
 
-/// Two of each command that is not a study; studies have their own. A test runs every one: in a folder where `before`
-/// and `after` hold maps of one scene, `parts` the only shard of one, and `mine.so` is a library.
+/// Two examples of each command that is not a study; studies bring their own. A test runs each of them in a folder
+/// where `before` and `after` hold maps of one scene, `parts` holds the only shard of a run, and `mine.so` is a
+/// library.
 const ExamplesOf all_examples[] = {
     {"check",
      {{"lostbits check --filter 'float.*'", "Measures the claims whose id begins with float."},
@@ -82,7 +83,7 @@ const ExamplesOf all_examples[] = {
 void add_examples(const shell::Command& program) {
     for (const shell::Command& command : program.commands()) {
         const auto* const row = std::ranges::find(all_examples, command.name(), &ExamplesOf::command);
-        if (row != std::end(all_examples)) command.shows(row->examples);
+        if (row != std::end(all_examples)) command.set_examples(row->examples);
     }
 }
 

@@ -35,32 +35,34 @@ namespace {
 
 /// The metrics of the request, made for its forms.
 std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, const JudgeRequest& request,
-                                      bool have_matrices, measure::metric::MetricSet& metric_set) {
-    std::vector<measure::evaluate::TestedForm> asked = request.rows;
-    std::erase_if(asked, [&request](const measure::evaluate::TestedForm& row) { return request.is_of_file(row); });
-    if (asked.empty()) return selection::measured(drawn, request.rows);
+                                      bool has_matrices, measure::metric::MetricSet& metric_set) {
+    std::vector<measure::evaluate::TestedForm> tested_rows = request.rows;
+    std::erase_if(tested_rows,
+                  [&request](const measure::evaluate::TestedForm& row) { return request.is_of_file(row); });
+    if (tested_rows.empty()) return selection::measured(drawn, request.rows);
     scene::rays::RayGroup group;
     group.primitives = scene::rays::examples_of(request.primitives, request.mesh.get());
     if (group.primitives.empty()) {
         group.primitives.resize(1);
-        group.primitives.front().shape = asked.front().form->shape;
+        group.primitives.front().shape = tested_rows.front().form->shape;
     }
     for (Primitive<double>& primitive : group.primitives)
-        if (have_matrices) primitive.placed = selection::any_matrix();
+        if (has_matrices) primitive.placed = selection::any_matrix();
     group.march = request.march;
-    return metric_set.for_forms(selection::measured(drawn, request.rows), measure::evaluate::forms_of(asked),
+    return metric_set.for_forms(selection::measured(drawn, request.rows), measure::evaluate::forms_of(tested_rows),
                                 [&group] { return measure::attribution::OwnedSetting(group); });
 }
 
 /// Prints a note on stderr if the decimals of a file do not fit its format.
 void note_digits(const std::string& file, const Format& format, const JudgeResult& result) {
-    const auto needed = [](const Format& f) { return scene::dump::NumberParser(f).digits(); };
+    const auto digits_for = [](const Format& f) { return scene::dump::NumberParser(f).digits(); };
     const Format narrow = *find_format("f32");
     const bool is_wide = format.parameters.precision > binary32.precision;
-    // Shortest decimals may all be a digit shorter than the longest possible one, so one digit less is not reported.
-    const bool is_short = result.decimals > 10 && result.digits + 1 < needed(format);
+    // A program that prints the shortest decimal of each number may never need the largest number of digits. A file
+    // that is one digit short is therefore not reported.
+    const bool is_short = result.decimals > 10 && result.digits + 1 < digits_for(format);
     if (is_wide && result.answers > 10 && result.floats == result.answers &&
-        !(is_short && result.digits < needed(narrow)))
+        !(is_short && result.digits < digits_for(narrow)))
         fmt::print(stderr,
                    "lostbits: {}: every t of the {} reported hits is a float, or the decimal of one, but was judged as "
                    "{}; if the answers were computed in float, add --answer-format f32\n",
@@ -70,11 +72,11 @@ void note_digits(const std::string& file, const Format& format, const JudgeResul
             stderr,
             "lostbits: {}: its numbers have at most {} digits, but {} needs {}{}; bits that were not printed count as "
             "lost: print with %.{}g (std::setprecision({}))\n",
-            file, result.digits, format.name, needed(format),
-            is_wide ? fmt::format(" (of f32 {})", needed(narrow)) : "", needed(format), needed(format));
+            file, result.digits, format.name, digits_for(format),
+            is_wide ? fmt::format(" (of f32 {})", digits_for(narrow)) : "", digits_for(format), digits_for(format));
 }
 
-/// Metrics that count hits: those that keep fewer bits than --bits, and those whose error is above --tolerance.
+/// Indices of the metrics that count hits that fail --bits or --tolerance, each with the title of its column.
 std::vector<std::pair<std::size_t, const char*>> requirements_of(const JudgeRequest& request) {
     std::vector<std::pair<std::size_t, const char*>> found;
     for (const auto& [metric, title] : {std::pair("enough_bits", "too few"), std::pair("tolerance", "beyond")}) {
@@ -84,14 +86,14 @@ std::vector<std::pair<std::size_t, const char*>> requirements_of(const JudgeRequ
     return found;
 }
 
-void print_judged(const JudgeRequest& request, const JudgeResult& result, const std::string& by) {
+void print_results(const JudgeRequest& request, const JudgeResult& result, const std::string& group_column) {
     const std::size_t lost = measure::metric::index_of(request.metrics, "lost_bits");
-    const auto required = requirements_of(request);
+    const auto requirements = requirements_of(request);
     std::vector<shell::TextColumn> columns{{"form", 28, true}, {"fmt", 5, true}, {"hits", 8}};
     if (request.mesh) add_mesh_columns(columns);
     add_wrong_columns(columns);
     columns.insert(columns.end(), {{"bits lost: p50", 15}, {"p99", 6}, {"max", 6}});
-    for (const auto& [metric, title] : required) columns.push_back({title, 11});
+    for (const auto& [metric, title] : requirements) columns.push_back({title, 11});
     shell::TextTable table(std::move(columns));
     const auto add_row = [&](std::string name, std::string_view format, const measure::evaluate::FormSummary& s,
                              bool is_file) {
@@ -100,7 +102,7 @@ void print_judged(const JudgeRequest& request, const JudgeResult& result, const 
         if (request.mesh) add_mesh_cells(cells, s, !is_file);
         add_wrong_cells(cells, s);
         for (const double q : {0.5, 0.99, 1.0}) cells.push_back(lost_bits_cell(s, lost, q));
-        for (const auto& [metric, title] : required) cells.push_back(std::to_string(s.categories[metric].at(1)));
+        for (const auto& [metric, title] : requirements) cells.push_back(std::to_string(s.categories[metric].at(1)));
         table.add(std::move(cells));
     };
     for (std::size_t r = 0; r < result.summaries.size(); ++r) {
@@ -108,15 +110,15 @@ void print_judged(const JudgeRequest& request, const JudgeResult& result, const 
         add_row(std::string(request.rows[r].form->info->name), request.rows[r].format.name, result.summaries[r],
                 is_file);
         for (const measure::evaluate::Group& group : result.groups.all())
-            add_row(fmt::format("  {} {}", by, group.value), "", group.summaries[r], is_file);
+            add_row(fmt::format("  {} {}", group_column, group.value), "", group.summaries[r], is_file);
     }
     table.print();
 }
 
-/// The rows to judge: that of the file, if it has answers, then those of -i. Prints a note if external intersectors
-/// were loaded but -i names no form.
+/// The rows to judge: first the row of the file, if the file has answers, then the rows of -i. Prints a note if
+/// external intersectors were loaded but -i names no form.
 std::vector<measure::evaluate::TestedForm> rows_of(const JudgeOptions& o, const Dump& dump,
-                                                   const selection::Meets& meets,
+                                                   const selection::ShapePredicate& meets,
                                                    const intersect::table::Intersector* answers, const Common& common) {
     std::vector<measure::evaluate::TestedForm> rows;
     if (answers) rows.push_back({answers, dump.format()});
@@ -125,9 +127,9 @@ std::vector<measure::evaluate::TestedForm> rows_of(const JudgeOptions& o, const 
             throw InputError(fmt::format(
                 "-f {} is for forms, and -i names none; for the format of the answers write --answer-format",
                 o.formats[0]));
-        const bool opened = !common.external.plugins.empty() || !common.external.pipes.empty() ||
-                            !common.external.shaders.empty() || !common.external.functions.empty();
-        if (!rows.empty() && opened && !common.quiet)
+        const bool has_external = !common.external.plugins.empty() || !common.external.pipes.empty() ||
+                                  !common.external.shaders.empty() || !common.external.functions.empty();
+        if (!rows.empty() && has_external && !common.quiet)
             fmt::print(stderr, "lostbits: only the answers of the file are judged; add -i to judge forms too\n");
         if (!rows.empty()) return rows;
         throw NothingSelected(
@@ -135,13 +137,13 @@ std::vector<measure::evaluate::TestedForm> rows_of(const JudgeOptions& o, const 
                         selection::globs_of([&meets](Shapes s) { return selection::are_primitives(s) && meets(s); })));
     }
     const auto formats = o.formats.empty() ? std::vector{dump.format()} : selection::select_formats(o.formats);
-    auto all = selection::cross(selection::select_forms(o.forms), formats);
-    selection::refuse_generators(all, "judge");
-    const auto asked = selection::rows_meeting({all, o.forms, common.quiet}, o.file, meets);
-    if (asked.empty())
+    auto candidates = selection::cross(selection::select_forms(o.forms), formats);
+    selection::refuse_generators(candidates, "judge");
+    const auto matching_rows = selection::rows_meeting({candidates, o.forms, common.quiet}, o.file, meets);
+    if (matching_rows.empty())
         throw NothingSelected(o.file + ": no selected form handles its primitives" +
-                              selection::fitting_forms_advice(all, meets));
-    rows.insert(rows.end(), asked.begin(), asked.end());
+                              selection::fitting_forms_advice(candidates, meets));
+    rows.insert(rows.end(), matching_rows.begin(), matching_rows.end());
     return rows;
 }
 
@@ -153,8 +155,8 @@ struct JudgeFindings {
 };
 LOSTBITS_FIELDS(JudgeFindings, result, worst, stages)
 
-/// Judges the rays of a file: all of them, or a part in a shard, or joins what shards found. Returns nothing in a
-/// shard.
+/// Judges the rays of a file. A shard judges its part of them and returns nothing; a run that joins shards adds up
+/// their findings.
 std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output::judge::JudgeFiles& files,
                                       shard::Division& division,
                                       const std::function<std::unique_ptr<Dump>()>& open_again) {
@@ -187,7 +189,7 @@ Exit run(const JudgeOptions& o, const Common& common) {
     const std::vector<Primitive<double>> examples = scene::rays::examples_of(request.primitives, request.mesh.get());
     selection::put_under_matrices(*dump, examples);
     const Shapes shapes = selection::shapes_of_rays(dump->layout(), examples);
-    const selection::Meets meets = [&](Shapes forms) {
+    const selection::ShapePredicate meets = [&](Shapes forms) {
         return forms == shapes || (forms == Shape::sdf && request.march.has_value());
     };
     const std::string stem = scene::toml::result_name(o.file);
@@ -204,8 +206,8 @@ Exit run(const JudgeOptions& o, const Common& common) {
 
     if (!o.against.empty()) {
         const auto other = selection::select_forms({o.against}, "--against");
-        const auto several = selection::several_shapes(meets);
-        if (several && !(other.front()->shapes() == *several))
+        const auto mixed_shapes = selection::several_shapes(meets);
+        if (mixed_shapes && !(other.front()->shapes() == *mixed_shapes))
             throw InputError(fmt::format("--against {}: {}{}", o.against, o.file,
                                          selection::fitting_forms_advice({{other.front(), dump->format()}}, meets)));
         selection::compare_against(request.rows, o.against, common.quiet);
@@ -232,9 +234,9 @@ Exit run(const JudgeOptions& o, const Common& common) {
     drawn = selection::applicable_metrics(drawn, request.rows, o.file);
     if (!o.against.empty()) selection::add_pairs(drawn);
     selection::note_without_formula(drawn, request.rows, common.quiet);
-    auto asked = drawn;
-    selection::add_requirement(o, metric_set, asked);
-    request.metrics = metrics_of(asked, request, dump->layout().has_matrix(), metric_set);
+    auto measured_metrics = drawn;
+    selection::add_requirement(o, metric_set, measured_metrics);
+    request.metrics = metrics_of(measured_metrics, request, dump->layout().has_matrix(), metric_set);
     for (const Metric*& m : drawn) m = request.metrics[measure::metric::index_of(request.metrics, m->name)];
     const selection::ThreadLimit limit(common.threads);
 
@@ -242,58 +244,59 @@ Exit run(const JudgeOptions& o, const Common& common) {
     request.stages = &stages;
     const bool by_bytes = dump->bytes() > 0;
     output::file::Progress progress(by_bytes ? dump->bytes() : 1, "judge", common.progress, common.quiet);
-    const auto advance = advancing(progress);
+    const auto advance = advance_callback(progress);
     request.progress = [&](std::uint64_t, std::uint64_t bytes) { advance(by_bytes ? bytes : 0); };
-    std::vector<std::filesystem::path> read{o.file};
-    if (scene) read.push_back(scene->path);
-    RunDivision divided = divide(o.shard, o.out, read, common);
-    shard::Division& division = divided.division;
+    std::vector<std::filesystem::path> input_files{o.file};
+    if (scene) input_files.push_back(scene->path);
+    RunDivision run_division = divide(o.shard, o.out, input_files, common);
+    shard::Division& division = run_division.division;
     division.expect({"judge"});
     const auto folder = std::filesystem::path(o.out) / stem;
-    const auto owner = own_folder(divided, folder, common, output::attribution::shell_word(o.file));
+    const auto result_folder = take_folder(run_division, folder, common, output::attribution::shell_word(o.file));
     output::judge::JudgeFiles files(request, *dump,
                                     {.folder = folder,
                                      .id = stem,
                                      .title = "rays of " + std::filesystem::path(o.file).filename().string(),
-                                     .command = common.typed.text(),
+                                     .command = common.typed_command.text(),
                                      .drawn = request.picture ? drawn : std::vector<const Metric*>{},
                                      .single_pictures = o.pictures == "all",
                                      .rows = o.rows,
                                      .worst = o.worst,
-                                     .keep = shard::keep_in(division, "judge")});
-    const auto judged = judge_rays(*dump, request, files, division, [&] {
+                                     .keep = shard::piece_recorder(division, "judge")});
+    const auto judgement = judge_rays(*dump, request, files, division, [&] {
         return selection::open_file(o, o.file, selection::shape_given(o, scene), o.rows || !o.by.empty());
     });
-    finish(divided, common);
-    if (!judged) {
+    finish(run_division, common);
+    if (!judgement) {
         progress.finish();
         return Exit::done;
     }
-    const JudgeResult& result = *judged;
-    const bool worst = files.finish(result);
-    complete(owner);
+    const JudgeResult& result = *judgement;
+    const bool wrote_worst_rays = files.finish(result);
+    complete(result_folder);
     progress.finish();
 
     if (!common.quiet) {
         selection::note_rounded(o.file, result.rounded, dump->format());
         note_digits(o.file, dump->format(), result);
         fmt::print("{} of {}, read as {}\n", scene::toml::counted(result.rays, "ray"), o.file, dump->format().name);
-        print_judged(request, result, o.by);
-        print_pairs(request.rows, request.metrics, result.summaries);
+        print_results(request, result, o.by);
+        print_comparisons(request.rows, request.metrics, result.summaries);
         if (common.verbose) print_stages(stages);
         if (request.picture) print_figures(folder / "contact.png");
         else fmt::print("{}\n", (folder / "summary.csv").string());
-        if (worst) fmt::print("{}\n", (folder / "worst.toml").string());
+        if (wrote_worst_rays) fmt::print("{}\n", (folder / "worst.toml").string());
     }
-    if (const auto file = request.file_place())
-        note_suspicions({request.rows[*file]}, common, [&](const measure::evaluate::TestedForm&) {
-            const std::string words = measure::contract::suspicion(result.first, measure::contract::AnswerSource::file,
-                                                                   result.misses_beside_first(result.summaries[*file]));
-            const bool all = result.first_are_all(result.summaries[*file]);
-            return measure::contract::on_rays_of(o.file, all ? result.rays : result.first.size(), result.rays,
-                                                 "of its rays that hit or should hit", words);
+    if (const auto file_row = request.file_place())
+        note_suspicions({request.rows[*file_row]}, common, [&](const measure::evaluate::TestedForm&) {
+            const std::string suspicion_text =
+                measure::contract::suspicion(result.first, measure::contract::AnswerSource::file,
+                                             result.misses_beside_first(result.summaries[*file_row]));
+            const bool is_whole_file = result.first_are_all(result.summaries[*file_row]);
+            return measure::contract::on_rays_of(o.file, is_whole_file ? result.rays : result.first.size(), result.rays,
+                                                 "of its rays that hit or should hit", suspicion_text);
         });
-    return end_with_unproved(result.summaries.front().count(Outcome::unresolved));
+    return report_unproved(result.summaries.front().count(Outcome::unresolved));
 }
 
 }  // namespace

@@ -26,21 +26,21 @@ namespace {
 /// Throws InputError for an option of `judge` that answers of this kind do not have.
 void refuse_options(const JudgeOptions& o, AnswerKind kind, const std::string& column) {
     const selection::RayFileOptions usual;
-    const std::pair<const char*, bool> first_hits[] = {{"-i", !o.forms.empty()},
-                                                       {"-f", !o.formats.empty()},
-                                                       {"--against", !o.against.empty()},
-                                                       {"--metric", !o.metrics.empty()},
-                                                       {"--by", !o.by.empty()},
-                                                       {"--bits", o.bits >= 0},
-                                                       {"--tolerance", !o.tolerance.empty()},
-                                                       {"--unit", !o.unit.empty()},
-                                                       {"--size", !o.size.empty()},
-                                                       {"--shard", !o.shard.empty()},
-                                                       {"--pictures", o.pictures != JudgeOptions().pictures},
-                                                       {"--miss", !o.miss.empty()},
-                                                       {"--at-origin", o.at_origin != usual.at_origin},
-                                                       {"--inside", o.inside != usual.inside}};
-    for (const auto& [name, given] : first_hits)
+    const std::pair<const char*, bool> first_hit_options[] = {{"-i", !o.forms.empty()},
+                                                              {"-f", !o.formats.empty()},
+                                                              {"--against", !o.against.empty()},
+                                                              {"--metric", !o.metrics.empty()},
+                                                              {"--by", !o.by.empty()},
+                                                              {"--bits", o.bits >= 0},
+                                                              {"--tolerance", !o.tolerance.empty()},
+                                                              {"--unit", !o.unit.empty()},
+                                                              {"--size", !o.size.empty()},
+                                                              {"--shard", !o.shard.empty()},
+                                                              {"--pictures", o.pictures != JudgeOptions().pictures},
+                                                              {"--miss", !o.miss.empty()},
+                                                              {"--at-origin", o.at_origin != usual.at_origin},
+                                                              {"--inside", o.inside != usual.inside}};
+    for (const auto& [name, given] : first_hit_options)
         if (given)
             throw InputError(fmt::format(
                 "{0} is for files of first hits, but the column {1} of {2} says {3}; leave out {0} or the column", name,
@@ -118,7 +118,7 @@ Exit run_mesh_judge(const JudgeOptions& o, const std::optional<scene::file::Scen
     request.progress = [&](std::uint64_t bytes) { progress.advance(by_bytes ? bytes : 0); };
     const std::string stem = scene::toml::result_name(o.file), name = measure::judge::name_of_answers(stem);
     const auto folder = std::filesystem::path(o.out) / stem;
-    const auto owner = own_folder(folder, common, output::attribution::shell_word(o.file));
+    const auto result_folder = take_folder(folder, common, output::attribution::shell_word(o.file));
     output::judge::MeshAnswerFiles files({.folder = folder,
                                           .name = name,
                                           .format = std::string(dump.format().name),
@@ -128,7 +128,7 @@ Exit run_mesh_judge(const JudgeOptions& o, const std::optional<scene::file::Scen
     const MeshAnswersResult result =
         measure::judge::judge_mesh_answers(dump, request, [&](const auto& answers) { files.add(answers); });
     files.finish(result);
-    complete(owner);
+    complete(result_folder);
     progress.finish();
     if (!common.quiet) {
         selection::note_rounded(o.file, result.rounded, dump.format());
@@ -139,7 +139,7 @@ Exit run_mesh_judge(const JudgeOptions& o, const std::optional<scene::file::Scen
         print_faults(result);
         fmt::print("{}\n", (folder / "summary.csv").string());
     }
-    return end_with_unproved(result.of(MeshOutcome::unresolved));
+    return report_unproved(result.of(MeshOutcome::unresolved));
 }
 
 }  // namespace lostbits::analysis

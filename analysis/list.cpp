@@ -40,21 +40,22 @@ struct Listing {
 /// Makes a row of texts for each item of a table.
 template <class Items, class RowOf>
 Listing listing(std::vector<std::string> columns, const Items& items, const RowOf& row_of) {
-    Listing l{std::move(columns)};
+    Listing list{std::move(columns)};
     for (const auto& item : items) {
-        Row& row = l.rows.emplace_back();
-        for (const auto& word : row_of(item)) row.emplace_back(word);
+        Row& row = list.rows.emplace_back();
+        for (const auto& text : row_of(item)) row.emplace_back(text);
     }
-    return l;
+    return list;
 }
 
-/// A row of `n` texts that live elsewhere.
+/// A row of `n` texts, which the row does not own.
 template <std::size_t n>
-using Words = std::array<std::string_view, n>;
+using Cells = std::array<std::string_view, n>;
 
-/// The right answer for a ray that starts inside.
-std::string from_inside(intersect::Inside said, Shape shape) {
-    if (said != intersect::Inside::usual) return std::string(intersect::inside_names[static_cast<std::size_t>(said)]);
+/// Returns the right answer for a ray that starts inside a primitive, in one word.
+std::string inside_answer(intersect::Inside inside, Shape shape) {
+    if (inside != intersect::Inside::usual)
+        return std::string(intersect::inside_names[static_cast<std::size_t>(inside)]);
     if (!is_primitive(shape)) return "by primitive";
     if (is_flat(shape)) return "none";
     return inside_returns_zero(shape) ? "zero" : "exit";
@@ -78,7 +79,7 @@ Listing intersectors(const Common& /*common*/) {
                                   roots,
                                   info.touching == intersect::Touching::hit ? "hits" : "misses",
                                   at_origin,
-                                  from_inside(info.inside, i.shape),
+                                  inside_answer(info.inside, i.shape),
                                   is_flat(i.shape)
                                       ? std::string(intersect::facing_names[static_cast<std::size_t>(info.facing)])
                                       : "none",
@@ -89,41 +90,41 @@ Listing intersectors(const Common& /*common*/) {
 }
 
 Listing formats(const Common& /*common*/) {
-    return listing({"name", "meaning"}, format_help, [](const FormatHelp& f) { return Words<2>{f.name, f.meaning}; });
+    return listing({"name", "meaning"}, format_help, [](const FormatHelp& f) { return Cells<2>{f.name, f.meaning}; });
 }
 
 /// Methods to transform a ray to the object space of a primitive.
 Listing transforms(const Common& /*common*/) {
     return listing(
         {"name", "title", "direction", "source"}, intersect::transform::transform_methods(), [](const auto& s) {
-            return Words<4>{s.info->name, s.info->title,
+            return Cells<4>{s.info->name, s.info->title,
                             s.info->direction == intersect::Direction::unit ? "unit" : "any", s.info->source};
         });
 }
 
 /// Methods to compute the bounding box of a primitive.
 Listing box_methods(const Common& /*common*/) {
-    return listing({"name", "title", "source"}, intersect::bounding_box::box_methods(), [](const auto& way) {
-        return Words<3>{way.info->name, way.info->title, way.info->source};
+    return listing({"name", "title", "source"}, intersect::bounding_box::box_methods(), [](const auto& method) {
+        return Cells<3>{method.info->name, method.info->title, method.info->source};
     });
 }
 
 /// Ray generators, which make the ray of a pixel.
 Listing ray_generators(const Common& /*common*/) {
     return listing({"name", "title", "begins", "source"}, scene::camera::ray_generators(), [](const auto& m) {
-        return Words<4>{m.info->name, m.info->title, m.info->from_near ? "near plane" : "eye", m.info->source};
+        return Cells<4>{m.info->name, m.info->title, m.info->from_near ? "near plane" : "eye", m.info->source};
     });
 }
 
 Listing metric_table(const Common& /*common*/) {
-    Listing l = listing({"name", "unit", "layer", "default", "meaning"}, measure::metric::metrics(),
-                        [](const measure::metric::Metric& m) {
-                            return Words<5>{m.name, m.unit, m.layer, m.by_default ? "yes" : "no", m.meaning};
-                        });
+    Listing list = listing({"name", "unit", "layer", "default", "meaning"}, measure::metric::metrics(),
+                           [](const measure::metric::Metric& m) {
+                               return Cells<5>{m.name, m.unit, m.layer, m.by_default ? "yes" : "no", m.meaning};
+                           });
     measure::metric::MetricSet metric_set;
-    const auto add = [&](const char* name, const char* such_as, bool has_unit, const std::string& more) {
-        const measure::metric::Metric& m = *metric_set.find(such_as);
-        l.rows.push_back(
+    const auto add = [&](const char* name, const char* example, bool has_unit, const std::string& more) {
+        const measure::metric::Metric& m = *metric_set.find(example);
+        list.rows.push_back(
             {name, has_unit ? std::string(m.unit) : "", std::string(m.layer), "no", std::string(m.meaning) + more});
     };
     for (const char* name : {"contribution:LABEL", "cancellation:LABEL"})
@@ -132,7 +133,7 @@ Listing metric_table(const Common& /*common*/) {
         fmt::format("; one of {}", fmt::join(intersect::transform::step_names, ", ")));
     add("tolerance:LENGTH", "tolerance:0.001", false, ", or any other number");
     add("enough_bits:BITS", "enough_bits:16", false, ", or any other number");
-    return l;
+    return list;
 }
 
 /// Rules for the origin of the next ray, and how many operations each costs.
@@ -152,27 +153,27 @@ Listing strategies(const Common& /*common*/) {
 Listing checks(const Common& /*common*/) {
     return listing({"name", "title", "first", "second"}, measure::consistency::checks(),
                    [](const measure::consistency::Check& c) {
-                       return Words<4>{c.name, c.title, c.first, c.second};
+                       return Cells<4>{c.name, c.title, c.first, c.second};
                    });
 }
 
 /// The devices that run shaders.
 Listing devices(const Common& common) {
-    Listing l{{"name", "renderer", "version", "dot", "arithmetic"}};
+    Listing list{{"name", "renderer", "version", "dot", "arithmetic"}};
     for (const std::string& kind : selection::devices_of({"all"})) {
-        const selection::DeviceReport told = selection::ask_device(kind, common.external);
-        const auto fact = [&told](std::string_view key) {
+        const selection::DeviceReport report = selection::ask_device(kind, common.external);
+        const auto fact = [&report](std::string_view key) {
             const auto found =
-                std::ranges::find(told.facts, key, [](const auto& f) -> std::string_view { return f.first; });
-            return found == told.facts.end() ? "" : found->second;
+                std::ranges::find(report.facts, key, [](const auto& f) -> std::string_view { return f.first; });
+            return found == report.facts.end() ? "" : found->second;
         };
-        if (told.lacks.empty())
-            l.rows.push_back({kind, fact("renderer"), fact("version"), fact("f32.dot"), fact("digest")});
+        if (report.problem.empty())
+            list.rows.push_back({kind, fact("renderer"), fact("version"), fact("f32.dot"), fact("digest")});
     }
-    if (l.rows.empty() && !common.quiet)
+    if (list.rows.empty() && !common.quiet)
         fmt::print(stderr,
                    "lostbits: no driver can run shaders here; `lostbits devices` says what each of them needs\n");
-    return l;
+    return list;
 }
 
 /// The labels of each form's operations, recorded with one primitive of its shape.
@@ -181,43 +182,44 @@ Listing labels(const Common& /*common*/) {
     for (const ShapeRow& row : shape_rows) primitives.push_back(primitive_around<double>(row.shape, {0, 0, 5}, 1));
     const intersect::MarchConstants<double> march{};  // labels do not depend on its numbers
     return listing({"name", "labels"}, lostbits::intersect::table::intersectors(), [&](const auto& form) {
-        auto all = measure::attribution::labels_of(
+        auto form_labels = measure::attribution::labels_of(
             form, {!is_primitive(form.shape) ? std::span(primitives).first(1) : std::span(primitives), &march});
-        std::ranges::sort(all);  // the order on the tape depends on the order in which the compiler evaluates arguments
-        return Row{std::string(form.info->name), fmt::format("{}", fmt::join(all, " "))};
+        std::ranges::sort(
+            form_labels);  // the order on the tape depends on the order in which the compiler evaluates arguments
+        return Row{std::string(form.info->name), fmt::format("{}", fmt::join(form_labels, " "))};
     });
 }
 
 Listing scenes(const Common& common) {
-    Listing l{{"name", "variants", "inputs", "title"}};
+    Listing list{{"name", "variants", "inputs", "title"}};
     for (const auto& path : scene::file::scene_files(selection::data_folder(common.data))) {
         const scene::file::SceneFile file(path);
         const auto all = file.load();
-        l.rows.push_back({path.stem().string(), fmt::format("{}", fmt::join(file.variants(), " ")),
-                          all.front().inputs == scene::file::Inputs::shared ? "shared" : "own", all.front().title});
+        list.rows.push_back({path.stem().string(), fmt::format("{}", fmt::join(file.variants(), " ")),
+                             all.front().inputs == scene::file::Inputs::shared ? "shared" : "own", all.front().title});
     }
-    return l;
+    return list;
 }
 
 /// The subject of a sweep (its axes, the number of its cases, or the metric of its search) and its title.
 std::pair<std::string, std::string> axis_and_title(const std::filesystem::path& path,
                                                    const std::filesystem::path& data) {
-    const auto of = [](const auto& file, const auto& axis) { return std::pair(axis(file), file.title); };
+    const auto describe = [](const auto& file, const auto& axis) { return std::pair(axis(file), file.title); };
     switch (scene::sweep::sweep_kind(path)) {
         case SweepKind::cases:
-            return of(scene::sweep::CaseFile(path),
-                      [](const auto& f) { return scene::toml::counted(f.size(), "case"); });
+            return describe(scene::sweep::CaseFile(path),
+                            [](const auto& f) { return scene::toml::counted(f.size(), "case"); });
         case SweepKind::search:
-            return of(scene::sweep::SearchFile(path), [](const auto& f) { return "search for " + f.metric; });
+            return describe(scene::sweep::SearchFile(path), [](const auto& f) { return "search for " + f.metric; });
         case SweepKind::edge_search:
-            return of(scene::sweep::EdgeSearchFile(path, data),
-                      [](const auto&) { return std::string("search along edges"); });
+            return describe(scene::sweep::EdgeSearchFile(path, data),
+                            [](const auto&) { return std::string("search along edges"); });
         case SweepKind::every_float:
-            return of(scene::sweep::ExhaustiveFile(path, data),
-                      [](const auto& f) { return "every float of " + f.axis.name; });
+            return describe(scene::sweep::ExhaustiveFile(path, data),
+                            [](const auto& f) { return "every float of " + f.axis.name; });
         case SweepKind::axes: break;
     }
-    return of(scene::sweep::SweepFile(path, data), [](const auto& f) {
+    return describe(scene::sweep::SweepFile(path, data), [](const auto& f) {
         std::string text;
         for (const scene::sweep::Axis& axis : f.axes) text += (text.empty() ? "" : " x ") + axis.name;
         return text;
@@ -225,36 +227,36 @@ std::pair<std::string, std::string> axis_and_title(const std::filesystem::path& 
 }
 
 Listing sweeps(const Common& common) {
-    Listing l{{"name", "axis", "title"}};
+    Listing list{{"name", "axis", "title"}};
     const auto data = selection::data_folder(common.data), root = scene::toml::folder_of_data(data, "sweeps");
     for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
         if (entry.path().extension() != ".toml") continue;
         const auto [axis, title] = axis_and_title(entry.path(), data);
-        l.rows.push_back({entry.path().lexically_relative(root).replace_extension().string(), axis, title});
+        list.rows.push_back({entry.path().lexically_relative(root).replace_extension().string(), axis, title});
     }
-    std::ranges::sort(l.rows);
-    return l;
+    std::ranges::sort(list.rows);
+    return list;
 }
 
 /// The claims, in the order of the files, with the verdicts that they state. Nothing is measured; `lostbits check` does
 /// that.
 Listing claims(const Common& common) {
-    Listing l{{"id", "verdict", "profile", "subject", "form", "format", "statement"}};
+    Listing list{{"id", "verdict", "profile", "subject", "form", "format", "statement"}};
     const auto root = scene::toml::folder_of_data(selection::data_folder(common.data), "claims");
     for (const auto& path : scene::claim::claim_files(root)) {
         for (const Claim& c : scene::claim::read_claims(path)) {
-            l.rows.push_back({c.id, std::string(name_of(c.verdict)), std::string(scene::claim::name_of(c.profile)),
-                              c.subject_name(), c.tested(), c.format, c.statement});
+            list.rows.push_back({c.id, std::string(name_of(c.verdict)), std::string(scene::claim::name_of(c.profile)),
+                                 c.subject_name(), c.tested(), c.format, c.statement});
         }
     }
-    return l;
+    return list;
 }
 
-void print(const Listing& l) {
+void print(const Listing& list) {
     std::vector<std::size_t> widths;
-    for (std::size_t c = 0; c < l.columns.size(); ++c) {
-        std::size_t w = l.columns[c].size();
-        for (const auto& row : l.rows) w = std::max(w, row[c].size());
+    for (std::size_t c = 0; c < list.columns.size(); ++c) {
+        std::size_t w = list.columns[c].size();
+        for (const auto& row : list.rows) w = std::max(w, row[c].size());
         widths.push_back(w);
     }
     const auto line = [&](const std::vector<std::string>& cells) {
@@ -265,21 +267,21 @@ void print(const Listing& l) {
         text.erase(text.find_last_not_of(' ') + 1);
         fmt::print("{}\n", output::file::terminal_line(text));
     };
-    line(l.columns);
-    for (const auto& row : l.rows) line(row);
+    line(list.columns);
+    for (const auto& row : list.rows) line(row);
 }
 
-void print_json(const Listing& l) {
+void print_json(const Listing& list) {
     auto array = nlohmann::ordered_json::array();
-    for (const auto& row : l.rows) {
+    for (const auto& row : list.rows) {
         nlohmann::ordered_json object;
-        for (std::size_t c = 0; c < row.size(); ++c) object[l.columns[c]] = row[c];
+        for (std::size_t c = 0; c < row.size(); ++c) object[list.columns[c]] = row[c];
         array.push_back(std::move(object));
     }
     fmt::print("{}\n", array.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
-/// In the order of the help.
+/// The lists, in the order of the help.
 constexpr std::pair<const char*, Listing (*)(const Common&)> lists[] = {
     {"forms", intersectors},
     {"intersectors", intersectors},
@@ -297,8 +299,9 @@ constexpr std::pair<const char*, Listing (*)(const Common&)> lists[] = {
     {"devices", devices},
 };
 
-Exit run(const std::string& what, bool json, const Common& common) {
-    const Listing chosen = std::ranges::find(lists, what, [](const auto& list) { return list.first; })->second(common);
+Exit run(const std::string& list_name, bool json, const Common& common) {
+    const Listing chosen =
+        std::ranges::find(lists, list_name, [](const auto& list) { return list.first; })->second(common);
     if (json) print_json(chosen);
     else print(chosen);
     return Exit::done;
@@ -311,13 +314,13 @@ void add_list(const shell::Command& program, const Common& common) {
                                        "List forms (intersectors), labels of their operations, formats, metrics, "
                                        "scenes, sweeps, claims, strategies, checks, transforms, bounding boxes, "
                                        "ray generators, devices");
-    const auto what = std::make_shared<std::string>("forms");
+    const auto list_name = std::make_shared<std::string>("forms");
     const auto json = std::make_shared<bool>(false);
     std::vector<std::string> names;
     for (const auto& [name, list] : lists) names.emplace_back(name);
-    command.add("WHAT", *what, "What to list", shell::one_of(names));
+    command.add("WHAT", *list_name, "What to list", shell::one_of(names));
     command.add("--json", *json, "Print a JSON array");
-    command.runs([what, json, &common] { return run(*what, *json, common); });
+    command.runs([list_name, json, &common] { return run(*list_name, *json, common); });
 }
 
 }  // namespace lostbits::analysis

@@ -40,8 +40,11 @@ void add_common(const shell::Command& program, Common& common) {
     program.add("--data", common.data,
                 "Folder with scenes/, sweeps/, claims/ (default: $LOSTBITS_DATA, then ./data, then the program's "
                 "own)");
-    const auto show = [&common](int mode) { common.progress = static_cast<output::file::Progress::Mode>(mode); };
-    program.add_named("--progress", {"auto", "bar", "none"}, show, "Progress on stderr (default: auto, on a terminal)");
+    const auto set_progress = [&common](int mode) {
+        common.progress = static_cast<output::file::Progress::Mode>(mode);
+    };
+    program.add_named("--progress", {"auto", "bar", "none"}, set_progress,
+                      "Progress on stderr (default: auto, on a terminal)");
     program.add("--force", common.force, "Also write into a folder that has other files; these files are kept");
     program.add_list("--figure", common.figures,
                      "Kinds of pictures (default: png); svg and pdf keep text as text and lines as lines",
@@ -80,7 +83,7 @@ void add_external_options(const shell::Command& program, selection::ExternalOpti
                 shell::number_from(0.1, 1e6));
 }
 
-constexpr const char* below_help =
+constexpr const char* help_footer =
     "Exit status:\n  0    done, and every selected claim holds\n  1    done, and the answer is no: a claim fails, a "
     "difference is found, a promise is broken\n  2    bad input: the command line, or a file\n  3    the machine: a "
     "file that cannot be written, no memory, a processor that lacks what --isa names;\n       or a library, a pipe or "
@@ -94,7 +97,7 @@ constexpr const char* below_help =
 
 /// Adds the commands that print completion scripts and the manual page.
 void add_shell(const shell::Command& program) {
-    const auto prints = [](const shell::Command& command, const std::function<std::string()>& text) {
+    const auto add_printer = [](const shell::Command& command, const std::function<std::string()>& text) {
         command.runs([text] {
             fmt::print("{}", text());
             return Exit::done;
@@ -102,96 +105,99 @@ void add_shell(const shell::Command& program) {
     };
     auto completion = program.add_command(
         "completion", "Write a shell script that completes commands and options: `source <(lostbits completion bash)`");
-    prints(completion.add_command("bash", "For bash"), [&program] { return shell::bash_completion(program); });
-    prints(completion.add_command("zsh", "For zsh: the file _lostbits in a folder of $fpath"),
-           [&program] { return shell::zsh_completion(program); });
-    prints(completion.add_command("fish", "For fish: `lostbits completion fish | source`"),
-           [&program] { return shell::fish_completion(program); });
-    prints(program.add_command("manual", "The manual page: `lostbits manual | man -l -`"),
-           [&program] { return shell::manual_page(program, LOSTBITS_VERSION, below_help); });
+    add_printer(completion.add_command("bash", "For bash"), [&program] { return shell::bash_completion(program); });
+    add_printer(completion.add_command("zsh", "For zsh: the file _lostbits in a folder of $fpath"),
+                [&program] { return shell::zsh_completion(program); });
+    add_printer(completion.add_command("fish", "For fish: `lostbits completion fish | source`"),
+                [&program] { return shell::fish_completion(program); });
+    add_printer(program.add_command("manual", "The manual page: `lostbits manual | man -l -`"),
+                [&program] { return shell::manual_page(program, LOSTBITS_VERSION, help_footer); });
 }
 
-/// The common options of a run that joins shards. They replace those of the shards' own command lines.
+/// Returns the common options as arguments, for a run that joins shards. They replace those of the shards' own command
+/// lines.
 std::vector<std::string> arguments_of(const Common& common) {
-    std::vector<std::string> words{"--progress", "none"};
-    if (common.quiet) words.emplace_back("-q");
-    if (common.verbose) words.emplace_back("-v");
-    if (common.force) words.emplace_back("--force");
-    if (common.threads > 0) words.insert(words.end(), {"-j", std::to_string(common.threads)});
-    if (!common.isa.empty()) words.insert(words.end(), {"--isa", common.isa});
-    return words;
+    std::vector<std::string> arguments{"--progress", "none"};
+    if (common.quiet) arguments.emplace_back("-q");
+    if (common.verbose) arguments.emplace_back("-v");
+    if (common.force) arguments.emplace_back("--force");
+    if (common.threads > 0) arguments.insert(arguments.end(), {"-j", std::to_string(common.threads)});
+    if (!common.isa.empty()) arguments.insert(arguments.end(), {"--isa", common.isa});
+    return arguments;
 }
 
-Exit run_arguments(const std::vector<std::string>& words, std::shared_ptr<shard::Shards> joined);
+Exit run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<shard::Shards> shards);
 
 void add_merge(const shell::Command& program, const Common& common) {
     shard::add_merge(program, program_and_version,
-                     [&common](std::vector<std::string> again, std::shared_ptr<shard::Shards> shards) {
-                         std::ranges::move(arguments_of(common), std::back_inserter(again));
-                         return run_arguments(again, std::move(shards));
+                     [&common](std::vector<std::string> command_arguments, std::shared_ptr<shard::Shards> shards) {
+                         std::ranges::move(arguments_of(common), std::back_inserter(command_arguments));
+                         return run_arguments(command_arguments, std::move(shards));
                      });
 }
 
 /// Adds the commands in the order of their names.
 void add_commands(const shell::Command& program, const Common& common) {
-    std::vector<NamedCommand> all{{"check", add_check},   {"choose", add_choose},   {"devices", add_devices},
-                                  {"diff", add_diff},     {"explain", add_explain}, {"judge", add_judge},
-                                  {"list", add_list},     {"map", add_map},         {"mend", add_mend},
-                                  {"merge", add_merge},   {"plugin", add_plugin},   {"report", add_report},
-                                  {"shader", add_shader}, {"sweep", add_sweep},     {"trade", add_trade}};
-    std::ranges::move(study_commands(), std::back_inserter(all));
-    std::ranges::sort(all, {}, &NamedCommand::name);
-    for (const NamedCommand& command : all) command.add(program, common);
+    std::vector<NamedCommand> commands{{"check", add_check},   {"choose", add_choose},   {"devices", add_devices},
+                                       {"diff", add_diff},     {"explain", add_explain}, {"judge", add_judge},
+                                       {"list", add_list},     {"map", add_map},         {"mend", add_mend},
+                                       {"merge", add_merge},   {"plugin", add_plugin},   {"report", add_report},
+                                       {"shader", add_shader}, {"sweep", add_sweep},     {"trade", add_trade}};
+    std::ranges::move(study_commands(), std::back_inserter(commands));
+    std::ranges::sort(commands, {}, &NamedCommand::name);
+    for (const NamedCommand& command : commands) command.add(program, common);
 }
 
-/// Runs the command of these words. `joined`: finished shards of this command to join; null: do the work.
-Exit run_arguments(const std::vector<std::string>& words, std::shared_ptr<shard::Shards> joined) {
+/// Runs the command that the arguments name. `shards`: its finished shards, which it joins; null: it does the work
+/// itself.
+Exit run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<shard::Shards> shards) {
     shell::CommandLine program("lostbits", program_and_version, description);
     Common common;
-    common.joined = std::move(joined);
-    common.external.ends_with = shell::tell_status;
+    common.shards_to_join = std::move(shards);
+    common.external.on_fatal_fault = shell::tell_status;
     common.stop = common.external.stop = shell::stop_by_signal();
     add_common(program, common);
     add_external_options(program, common.external);
     add_commands(program, common);
     add_shell(program);
     add_examples(program);
-    const shell::UpdatedArguments read = shell::with_new_names(program, words);
+    const shell::UpdatedArguments updated = shell::with_new_names(program, arguments);
     try {
-        const auto parsed = program.parse(read.words);
-        if (parsed == shell::CommandLine::Parsed::help) fmt::print("{}", shell::help_page(program, below_help));
+        const auto parsed = program.parse(updated.arguments);
+        if (parsed == shell::CommandLine::Parsed::help) fmt::print("{}", shell::help_page(program, help_footer));
         if (parsed != shell::CommandLine::Parsed::command) return Exit::done;
     } catch (const shell::CommandLineError& error) {
         fmt::print(stderr, "lostbits: {}\nlostbits: see `{} --help`\n",
-                   output::file::terminal_text(shell::describe_misread(program, error)), program.command_path());
+                   output::file::terminal_text(shell::describe_error(program, error)), program.command_path());
         return Exit::bad_input;
     }
     if (!common.quiet)
-        for (const std::string& advice : read.advice)
+        for (const std::string& advice : updated.advice)
             fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(advice));
-    common.typed = selection::typed(program);
+    common.typed_command = selection::typed_command(program);
     selection::find_in_data(program.given().back(), common.data);
     selection::refuse_other_kinds(program, selection::data_folder(common.data));
     if (const auto isa = intersect::simd::isa_named(common.isa)) intersect::simd::set_isa(*isa);
-    const auto named = [name = program.given().at(1).name()](const char* command) { return name == command; };
-    if (!named("shader") && !named("devices")) selection::decide_where(common.external, named("check"));
-    if (!named("plugin") && !named("shader") && !named("devices")) {
-        if (!common.quiet) selection::note_where(common.external, named("trade") || named("choose"));
-        if (const std::string here = selection::loaded_here(common.external); !here.empty())
-            shell::supervise(here, common.external.seconds);
+    const auto is_command = [name = program.given().at(1).name()](const char* command) { return name == command; };
+    if (!is_command("shader") && !is_command("devices"))
+        selection::decide_isolation(common.external, is_command("check"));
+    if (!is_command("plugin") && !is_command("shader") && !is_command("devices")) {
+        if (!common.quiet) selection::note_isolation(common.external, is_command("trade") || is_command("choose"));
+        if (const std::string libraries = selection::libraries_in_process(common.external); !libraries.empty())
+            shell::supervise(libraries, common.external.seconds);
         common.external.quiet = common.quiet;
         selection::open_external(common.external, common.threads);
         shell::open_standard_streams();  // a library may have closed one
         if (!common.quiet) {
-            selection::note_states();
-            selection::note_unasked(program.given().back());
+            selection::note_processor_states();
+            selection::note_unselected(program.given().back());
         }
     }
     shell::TableOnStdout table(program);
     const Exit code = program.run();
     table.write();
     // `plugin` prints these notes itself, or its caller does.
-    if (!common.quiet && !named("plugin")) {
+    if (!common.quiet && !is_command("plugin")) {
         for (const std::string& note : intersect::external::changes_noted())
             fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(note));
     }
@@ -208,7 +214,7 @@ namespace {
 [[noreturn]] void on_terminate() {
     lostbits::output::file::remove_partial_files();
     // Without foreign code in the process, an uncaught exception is a bug of lostbits.
-    const char* const who = lostbits::intersect::external::foreign_code_here();
+    const char* const foreign_code = lostbits::intersect::external::foreign_code_here();
     const bool is_foreign = lostbits::intersect::process::has_foreign_code();
     auto code = lostbits::Exit::environment;
     try {
@@ -218,14 +224,15 @@ namespace {
     } catch (...) {
         if (!is_foreign) code = lostbits::Exit::internal;
     }
-    if (who != nullptr)
-        std::fprintf(stderr, "lostbits: %s: threw an exception where nothing can catch it; catch it there\n", who);
+    if (foreign_code != nullptr)
+        std::fprintf(stderr, "lostbits: %s: threw an exception where nothing can catch it; catch it there\n",
+                     foreign_code);
     else if (!is_foreign)
         std::fputs(
             "lostbits: a library stopped the program, perhaps for lack of memory or threads; try fewer forms, a "
             "smaller --size, a mesh of fewer triangles, or -j 1\n",
             stderr);
-    if (who != nullptr) lostbits::analysis::shell::tell_status(static_cast<int>(code));
+    if (foreign_code != nullptr) lostbits::analysis::shell::tell_status(static_cast<int>(code));
     else if (!lostbits::analysis::shell::tell_broken(static_cast<int>(code)) && is_foreign)
         std::fputs("lostbits: an uncaught exception ended the program\n", stderr);
     std::_Exit(static_cast<int>(code));
@@ -235,15 +242,15 @@ namespace {
 int run_program(int argc, char** argv) {
     using namespace lostbits;
     // stdio, not fmt: a closed stderr must not throw while an error is reported.
-    const std::vector<std::string> words(argv, argv + argc);
-    const auto fail = [&words](Exit code, const char* message) {
-        const std::string text = analysis::shell::escape_line_breaks(message, words);
+    const std::vector<std::string> arguments(argv, argv + argc);
+    const auto fail = [&arguments](Exit code, const char* message) {
+        const std::string text = analysis::shell::escape_line_breaks(message, arguments);
         std::fprintf(stderr, "lostbits: %s\n", output::file::terminal_text(text).c_str());
         return static_cast<int>(code);
     };
     try {
         const scene::toml::FilesOfRun files;
-        const Exit code = analysis::run_arguments(words, nullptr);
+        const Exit code = analysis::run_arguments(arguments, nullptr);
         // A failed write to stdout (to a full disk, by redirection) loses results, as a failed write to a file does.
         intersect::process::put_back_limits();
         if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)

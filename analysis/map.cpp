@@ -40,22 +40,21 @@ struct MapOptions : selection::SharedOptions {
     bool envelope = false, exr = false;
 };
 
-/// The options that change a scene.
-std::string input_of(const MapOptions& o) {
-    return each(" --set '", o.scenes.set, "'") + (o.scenes.size.empty() ? "" : " --size " + o.scenes.size);
+/// Returns the options that change a scene, as text of a command line.
+std::string scene_options_of(const MapOptions& o) {
+    return concatenate(" --set '", o.scenes.set, "'") + (o.scenes.size.empty() ? "" : " --size " + o.scenes.size);
 }
 
 /// The command that makes the same EXR again, with exactly the options that decide its bytes.
 std::string canonical_command(const Scene& scene, const MapOptions& o) {
     return fmt::format("lostbits map {}{}{}{}{}{}{}{} --exr{}", scene.id, output::attribution::plugin_options(),
-                       each(" -i '", o.forms, "'"), each(" -f ", o.formats),
-                       each(" --metric ", o.metrics) + (o.range.empty() ? "" : " --range " + o.range),
+                       concatenate(" -i '", o.forms, "'"), concatenate(" -f ", o.formats),
+                       concatenate(" --metric ", o.metrics) + (o.range.empty() ? "" : " --range " + o.range),
                        o.envelope ? " --envelope" : "", o.against.empty() ? "" : " --against " + o.against,
-                       o.bits_needed > 0 ? fmt::format(" --bits {}", o.bits_needed) : "", input_of(o));
+                       o.bits_needed > 0 ? fmt::format(" --bits {}", o.bits_needed) : "", scene_options_of(o));
 }
 
-/// The forms of the rows that exist in every width, as --bits requires. Throws NothingSelected if there are
-/// none.
+/// The forms of the rows that exist in every width, as --bits requires. Throws NothingSelected if there are none.
 std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::vector<TestedForm>& rows) {
     std::vector<const intersect::table::Intersector*> forms;
     for (const TestedForm& row : rows)
@@ -78,9 +77,9 @@ struct SceneWork {
 };
 
 SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<TestedForm>& rows,
-                  const std::vector<const Metric*>& wanted, measure::metric::MetricSet& metric_set) {
-    auto its_rows = selection::fitting(rows, [&](Shapes forms) { return scene.meets(forms); });
-    SceneWork work{study::map_of(scene, std::move(its_rows), wanted, metric_set, o.scenes.stop), {}};
+                  const std::vector<const Metric*>& metrics, measure::metric::MetricSet& metric_set) {
+    auto scene_rows = selection::fitting(rows, [&](Shapes forms) { return scene.meets(forms); });
+    SceneWork work{study::map_of(scene, std::move(scene_rows), metrics, metric_set, o.scenes.stop), {}};
     if (o.bits_needed > 0) selection::refuse_generators(rows, "--bits");
     if (o.bits_needed > 0)
         work.needed.emplace(NeededStudy{
@@ -90,11 +89,11 @@ SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<Tes
 
 /// Prints which forms `--bits` leaves out.
 void note_skipped(const std::vector<SceneWork>& works) {
-    std::set<std::string_view> said;
+    std::set<std::string_view> named_forms;
     for (const SceneWork& work : works) {
         for (const TestedForm& row : work.map.rows) {
             const intersect::Info& info = *row.form->info;
-            if (row.form->rounded != nullptr || !said.insert(info.name).second) continue;
+            if (row.form->rounded != nullptr || !named_forms.insert(info.name).second) continue;
             fmt::print(stderr, "lostbits: --bits leaves out {}: it exists in {} only\n", info.name,
                        selection::formats_of(*row.form));
         }
@@ -122,29 +121,29 @@ struct SceneSummaries {
 void note_lost_crossings(const SceneWork& work, const std::vector<measure::evaluate::FormSummary>& summaries) {
     const Range<double>& range = work.map.scene->range;
     if (!range.open.tmin && !(range.tmin > 0)) return;
-    std::string lost;
+    std::string losing_forms;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const TestedForm& row = work.map.rows[r];
         const std::uint64_t missed = summaries[r].count(Outcome::false_miss);
         if (missed == 0 || row.form->is_set() || intersect::tells_next_crossing(*row.form->info, row.form->shape))
             continue;
-        lost += fmt::format("{}{} {} ({} of {})", lost.empty() ? "" : ", ", row.form->info->name, row.format.name,
-                            missed, scene::toml::counted(summaries[r].true_hits, "hit"));
+        losing_forms += fmt::format("{}{} {} ({} of {})", losing_forms.empty() ? "" : ", ", row.form->info->name,
+                                    row.format.name, missed, scene::toml::counted(summaries[r].true_hits, "hit"));
     }
-    if (lost.empty()) return;
+    if (losing_forms.empty()) return;
     fmt::print(
         stderr,
         "lostbits: scene {}: its rays begin {} t = {:g}. These forms return only one crossing, and miss the next "
         "one if the range excludes the first: {}. Forms with next_crossing = yes in `lostbits list forms` return "
         "both\n",
-        work.map.scene->id, range.open.tmin ? "beyond" : "at", range.tmin, lost);
+        work.map.scene->id, range.open.tmin ? "beyond" : "at", range.tmin, losing_forms);
 }
 
-void say_results(const SceneWork& work, const SceneSummaries& summaries, const std::filesystem::path& folder,
-                 bool verbose) {
+void print_results(const SceneWork& work, const SceneSummaries& summaries, const std::filesystem::path& folder,
+                   bool verbose) {
     fmt::print("{}: {}\n", work.map.scene->id, scene::toml::counted(work.map.scene->pixels(), "ray"));
     print_table(work.map, summaries.map);
-    print_pairs(work.map.rows, work.map.metrics, summaries.map);
+    print_comparisons(work.map.rows, work.map.metrics, summaries.map);
     if (work.needed) print_table(*work.needed, summaries.needed);
     if (verbose) print_stages(*work.map.stages);
     print_figures(folder / "contact.png");
@@ -158,12 +157,12 @@ void say_results(const SceneWork& work, const SceneSummaries& summaries, const s
                    work.map.scene->id);
 }
 
-/// The surroundings of the work on a scene: options, progress, division.
+/// What the work on one scene uses of the run: options, progress and division.
 struct MapContext {
     const Common& common;
     output::file::Progress& progress;
-    RunDivision& divided;
-    const SceneFolders::Complete& complete;
+    RunDivision& run_division;
+    const SceneFolders::CompleteCallback& complete;
     std::string explaining_sheet;  ///< see `MapFilesOptions`
 };
 
@@ -173,14 +172,14 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
                         const MapContext& context) {
     const Common& common = context.common;
     output::file::Progress& progress = context.progress;
-    shard::Division& division = context.divided.division;
+    shard::Division& division = context.run_division.division;
     const Scene& scene = *work.map.scene;
     const std::string job = "map " + scene.id, needed_job = "needed " + scene.id;
     const auto folder = std::filesystem::path(o.out) / scene.id;
-    const bool pixels = o.pixels == "csv";
+    const bool writes_pixels = o.pixels == "csv";
     std::optional<output::map::MapExr> exr_file;
     if (o.exr)
-        exr_file.emplace(context.divided.written(folder / (scene.id + ".exr")),
+        exr_file.emplace(context.run_division.path_to_write(folder / (scene.id + ".exr")),
                          output::map::MapExrRequest{.map = work.map,
                                                     .layers = exr_layers(work, o, drawn),
                                                     .command = canonical_command(scene, o),
@@ -189,47 +188,48 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
     std::optional<output::map::NeededFiles> needed_files;
     if (work.needed)
         needed_files.emplace(
-            *work.needed, output::map::NeededFilesOptions{folder, pixels, exr, shard::keep_in(division, needed_job)});
+            *work.needed,
+            output::map::NeededFilesOptions{folder, writes_pixels, exr, shard::piece_recorder(division, needed_job)});
     output::map::MapFiles files(
         work.map,
         {.folder = folder,
          .drawn = drawn,
          .single_pictures = o.pictures == "all",
-         .pixels_csv = pixels,
-         .scene_arguments = selection::name_of_scene(scene, selection::data_folder(common.data)) + input_of(o),
+         .pixels_csv = writes_pixels,
+         .scene_arguments = selection::name_of_scene(scene, selection::data_folder(common.data)) + scene_options_of(o),
          .explaining_sheet = context.explaining_sheet,
          .envelope = o.envelope,
          .exr = exr,
          .other_tables = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{},
          .range = selection::parse_range(o.range, drawn),
-         .keep = shard::keep_in(division, job)});
+         .keep = shard::piece_recorder(division, job)});
 
     SceneSummaries summaries;
-    auto mapped = shard::run_divided(work.map, files, division, job);
-    if (mapped) summaries.map = std::move(*mapped);
+    auto map_summaries = shard::run_divided(work.map, files, division, job);
+    if (map_summaries) summaries.map = std::move(*map_summaries);
     if (work.needed) {
         // --bits tests the rays in many widths, so the time of the map does not predict its time.
         output::file::Estimate estimate(progress, scene.id + " --bits", work.needed->units() / division.share().count,
                                         common.quiet);
         NeededStudy needed = *work.needed;
-        needed.progress = advancing(progress, &estimate);
-        if (auto found = shard::run_divided(needed, *needed_files, division, needed_job))
-            summaries.needed = std::move(*found);
+        needed.progress = advance_callback(progress, &estimate);
+        if (auto needed_summaries = shard::run_divided(needed, *needed_files, division, needed_job))
+            summaries.needed = std::move(*needed_summaries);
     }
-    if (!mapped) return 0;
+    if (!map_summaries) return 0;
     if (work.needed) needed_files->finish(summaries.needed);
     files.finish(summaries.map);
     context.complete();
-    if (!common.quiet) progress.aside([&] { say_results(work, summaries, folder, common.verbose); });
+    if (!common.quiet) progress.aside([&] { print_results(work, summaries, folder, common.verbose); });
     return summaries.map.front().count(Outcome::unresolved);
 }
 
 /// The metrics to draw for one scene, as its work measures them.
-std::vector<const Metric*> drawn_of(std::vector<const Metric*> asked, const SceneWork& work) {
-    std::ranges::transform(asked, asked.begin(), [&work](const Metric* m) {
+std::vector<const Metric*> drawn_of(std::vector<const Metric*> drawn, const SceneWork& work) {
+    std::ranges::transform(drawn, drawn.begin(), [&work](const Metric* m) {
         return work.map.metrics[measure::metric::index_of(work.map.metrics, m->name)];
     });
-    return asked;
+    return drawn;
 }
 
 Exit run(MapOptions o, const Common& common) {
@@ -240,36 +240,36 @@ Exit run(MapOptions o, const Common& common) {
     auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
                                    : selection::select_metrics(o.metrics, metric_set);
     if (!o.against.empty()) selection::add_pairs(drawn);
-    auto wanted = drawn;
+    auto measured_metrics = drawn;
     if (o.envelope) {
         if (std::ranges::find(drawn, measure::metric::find_metric("lost_bits")) == drawn.end())
             throw InputError(
                 "--envelope marks pictures of lost_bits, but --metric does not draw them; add --metric lost_bits");
-        wanted.push_back(measure::metric::find_metric("excess_bits"));
+        measured_metrics.push_back(measure::metric::find_metric("excess_bits"));
     }
     auto scenes = selection::load_scenes(o.scenes, selection::data_folder(common.data));
-    const auto met = selection::drop_unfitting(
+    const auto usable_rows = selection::drop_unfitting(
         scenes, {rows, o.forms, common.quiet}, [](const Scene& s, Shapes forms) { return s.meets(forms); },
         [](const Scene& s) { return s.id; });
-    selection::note_unmeasured(o.forms, met, common.quiet);
+    selection::note_unmeasured(o.forms, usable_rows, common.quiet);
     static_cast<void>(selection::parse_range(o.range, drawn));  // an error ends the run before any work
     const selection::ThreadLimit limit(common.threads);
 
     std::vector<SceneWork> works;
-    for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, wanted, metric_set));
+    for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, measured_metrics, metric_set));
     for (const SceneWork& work : works)
         selection::applicable_metrics(drawn, work.map.rows, "scene " + work.map.scene->id);
     std::vector<std::filesystem::path> files;
     for (const auto& scene : scenes) files.push_back(scene.path);
-    auto divided = divide(o.shard, o.out, files, common);
+    auto run_division = divide(o.shard, o.out, files, common);
     std::vector<std::string> jobs;
     for (const SceneWork& work : works) {
         jobs.push_back("map " + work.map.scene->id);
         if (work.needed) jobs.push_back("needed " + work.map.scene->id);
     }
-    divided.division.expect(jobs);
-    o.out = divided.out.string();
-    SceneFolders folders(scenes, divided, common);
+    run_division.division.expect(jobs);
+    o.out = run_division.out.string();
+    SceneFolders folders(scenes, run_division, common);
     for (const SceneWork& work : works) selection::note_without_formula(drawn, work.map.rows, common.quiet);
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
     for (const SceneWork& work : works)
@@ -277,25 +277,25 @@ Exit run(MapOptions o, const Common& common) {
 
     std::uint64_t units = 0;
     for (const SceneWork& work : works) units += work.units();
-    output::file::Progress progress(units / divided.division.share().count, "map", common.progress, common.quiet);
-    const std::uint64_t unresolved = folders.each(works.size(), progress, [&](std::size_t k, const auto& complete) {
+    output::file::Progress progress(units / run_division.division.share().count, "map", common.progress, common.quiet);
+    const std::uint64_t unresolved = folders.for_each(works.size(), progress, [&](std::size_t k, const auto& complete) {
         SceneWork work = works[k];  // a copy that may point to objects of this iteration
         measure::truth::StageCounts stages;
-        const auto bands = measure::study::Bands(*work.map.scene, divided.division.share()).size();
+        const auto bands = measure::study::Bands(*work.map.scene, run_division.division.share()).size();
         output::file::Estimate estimate(
             progress, work.map.scene->id,
-            work.map.scene->pixels() * work.map.rows.size() / divided.division.share().count, common.quiet, bands);
-        work.map.progress = advancing(progress, &estimate);
+            work.map.scene->pixels() * work.map.rows.size() / run_division.division.share().count, common.quiet, bands);
+        work.map.progress = advance_callback(progress, &estimate);
         work.map.stages = &stages;
-        return map_scene(work, o,
-                         drawn_of(selection::applicable_metrics(drawn, work.map.rows, work.map.scene->id), work),
-                         {common, progress, divided, complete, k == 0 ? "" : works.front().map.scene->id + "/contact"});
+        return map_scene(
+            work, o, drawn_of(selection::applicable_metrics(drawn, work.map.rows, work.map.scene->id), work),
+            {common, progress, run_division, complete, k == 0 ? "" : works.front().map.scene->id + "/contact"});
     });
-    if (!finish(divided, common)) return Exit::done;
+    if (!finish(run_division, common)) return Exit::done;
     for (const SceneWork& work : works)
         note_suspicions(work.map.rows, common,
                         [&work](const TestedForm& row) { return measure::contract::suspicion(*work.map.scene, row); });
-    return end_with_unproved(unresolved);
+    return report_unproved(unresolved);
 }
 
 }  // namespace

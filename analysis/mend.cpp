@@ -34,7 +34,8 @@ struct MendOptions {
 };
 
 /// The form and format to repair. Throws an error if the form is not for the primitives of `id`.
-measure::evaluate::TestedForm row_of(const MendOptions& o, const std::string& id, const selection::Meets& meets) {
+measure::evaluate::TestedForm row_of(const MendOptions& o, const std::string& id,
+                                     const selection::ShapePredicate& meets) {
     const auto forms = selection::select_forms({o.form});
     const auto formats = selection::select_formats({o.format});
     if (std::ranges::any_of(formats, selection::is_emulated))
@@ -58,39 +59,39 @@ measure::evaluate::TestedForm row_of(const MendOptions& o, const std::string& id
 /// Times the form, its repairs and the catalogue in one run. If nothing can be compiled, records the reason.
 void add_prices(RepairSummary& result, const MendOptions& o, const std::string& command) {
     const RepairRequest& request = result.request;
-    std::vector<measure::repair::RepairedSource> written;
+    std::vector<measure::repair::RepairedSource> sources;
     const auto proposals = proposals_of(result);
     for (const auto& proposal : proposals) {
-        const std::string name = fmt::format("mended{}", written.size() + 1);
-        written.push_back(output::repair::written(result, proposal, name, command));
+        const std::string name = fmt::format("mended{}", sources.size() + 1);
+        sources.push_back(output::repair::written(result, proposal, name, command));
     }
     try {
         std::vector<intersect::external::Formula> formulas;
-        if (!written.empty())
-            formulas = compile_and_load(request, written, {o.compiler, selection::form_flags_folder()});
+        if (!sources.empty())
+            formulas = compile_and_load(request, sources, {o.compiler, selection::form_flags_folder()});
         std::vector<measure::evaluate::TestedForm> rows{request.row};
         for (const auto& formula : formulas) rows.push_back({.form = &formula.row, .format = request.row.format});
         rows.insert(rows.end(), result.catalogue.begin(), result.catalogue.end());
         result.prices = prices_of(request, rows, {.stop = request.limit.stop});
-    } catch (const EnvironmentError& missing) {
-        result.no_price = missing.what();
+    } catch (const EnvironmentError& error) {
+        result.no_price = error.what();
     }
 }
 
 std::string command_of(const MendOptions& o) {
     using output::attribution::shell_word;
-    std::string words = fmt::format("lostbits mend {} -i {} -f {} --bits {:.12g}", shell_word(o.subjects.front()),
-                                    shell_word(o.form), shell_word(o.format), o.bits);
-    const auto add = [&words](const char* option, const std::string& value) {
-        words += fmt::format(" {} {}", option, shell_word(value));
+    std::string command = fmt::format("lostbits mend {} -i {} -f {} --bits {:.12g}", shell_word(o.subjects.front()),
+                                      shell_word(o.form), shell_word(o.format), o.bits);
+    const auto add = [&command](const char* option, const std::string& value) {
+        command += fmt::format(" {} {}", option, shell_word(value));
     };
-    if (o.wrong != 0) words += fmt::format(" --wrong {:.12g}", o.wrong);
+    if (o.wrong != 0) command += fmt::format(" --wrong {:.12g}", o.wrong);
     if (o.at != "max") add("--at", o.at);
     if (o.wider != "double") add("--wider", o.wider);
     if (!o.changes.size.empty()) add("--size", o.changes.size);
     if (!o.changes.variant.empty()) add("--variant", o.changes.variant);
     for (const std::string& change : o.changes.set) add("--set", change);
-    return words;
+    return command;
 }
 
 void write_page(const std::filesystem::path& path, const RepairSummary& result, const std::string& command) {
@@ -102,37 +103,37 @@ void write_page(const std::filesystem::path& path, const RepairSummary& result, 
     output::file::write_file(path, output::page::page(report));
 }
 
-/// Throws InputError if the name of the file does not end in .patch, or is not an identifier with .hpp or .glsl, since
-/// the form, and its struct or function, get that name; and if the folder of the file does not exist. Only the folder
-/// `out` is made.
+/// Throws InputError for a file name that is neither NAME.patch nor an identifier with .hpp or .glsl: the form, and its
+/// struct or function, get that name. Also throws InputError if the folder of the file does not exist, unless it is
+/// `out`, the only folder that mend creates.
 void require_code_name(const std::filesystem::path& path, const std::filesystem::path& out) {
-    static const std::regex name("[A-Za-z][A-Za-z0-9_]*");
+    static const std::regex identifier("[A-Za-z][A-Za-z0-9_]*");
     const bool is_patch = path.extension() == ".patch";
-    const bool known = path.extension() == ".hpp" || path.extension() == ".glsl" || is_patch;
-    if (!known || (!is_patch && !std::regex_match(path.stem().string(), name)))
+    const bool has_known_extension = path.extension() == ".hpp" || path.extension() == ".glsl" || is_patch;
+    if (!has_known_extension || (!is_patch && !std::regex_match(path.stem().string(), identifier)))
         throw InputError("--emit " + path.string() +
                          ": the form gets the name of the file; write a name of letters, digits and _ with .hpp, "
                          ".glsl or .patch, as in half_b_mended.hpp");
     const auto folder = path.parent_path();
-    const bool is_made = !out.empty() && folder.lexically_normal() == (out / "").lexically_normal().parent_path();
-    if (!folder.empty() && !is_made && !std::filesystem::is_directory(folder))
+    const bool is_out_folder = !out.empty() && folder.lexically_normal() == (out / "").lexically_normal().parent_path();
+    if (!folder.empty() && !is_out_folder && !std::filesystem::is_directory(folder))
         throw InputError(
             fmt::format("--emit {}: the folder {} does not exist; create it, or name "
                         "another",
                         path.string(), folder.string()));
 }
 
-/// Files of rays. Rows can be judged on all of their rays, as often as needed.
+/// Files of rays. Forms can be judged on all rays of the files, as often as needed.
 class RayFiles {
 public:
     RayFiles(const MendOptions& o, const Common& common) : o_(o), common_(common), opened_(open()) {}
     [[nodiscard]] const std::string& id() const { return opened_.id; }
-    [[nodiscard]] const std::string& words() const { return opened_.words; }
+    [[nodiscard]] const std::string& quoted_files() const { return opened_.quoted_files; }
     [[nodiscard]] Shapes shapes() const { return opened_.shapes; }
 
     /// Makes these files the subject of the request.
     void set_subject_of(RepairRequest& request) {
-        rays_ = judged(request, measure::repair::catalogue_beside(request.row));
+        rays_ = judge(request, measure::repair::catalogue_beside(request.row));
         if (!common_.quiet) selection::note_rounded(rays_.name, rays_.rounded, rays_.format);
         request.rays = &rays_;
         request.on_all = [this, &request](const std::vector<Tape>& tapes) {
@@ -143,7 +144,7 @@ public:
                 rows.push_back({.form = &forms.back().row(), .format = request.row.format});
             }
             opened_ = open();
-            return judged(request, rows).quality;
+            return judge(request, rows).quality;
         };
     }
 
@@ -151,11 +152,11 @@ private:
     [[nodiscard]] selection::OpenedRays open() const {
         return selection::open_rays(o_.rays, o_.subjects, selection::data_folder(common_.data));
     }
-    measure::choice::FileRays judged(const RepairRequest& request,
-                                     const std::vector<measure::evaluate::TestedForm>& rows) {
-        measure::choice::ChoiceRequest asked{.rows = rows, .requirement = request.requirement};
-        asked.limit = request.limit;
-        return judge_rays(*opened_.dump, opened_.terms, asked);
+    measure::choice::FileRays judge(const RepairRequest& request,
+                                    const std::vector<measure::evaluate::TestedForm>& rows) {
+        measure::choice::ChoiceRequest choice_request{.rows = rows, .requirement = request.requirement};
+        choice_request.limit = request.limit;
+        return judge_rays(*opened_.dump, opened_.terms, choice_request);
     }
 
     const MendOptions& o_;
@@ -165,9 +166,9 @@ private:
 };
 
 scene::file::Scene scene_of(const MendOptions& o, const std::filesystem::path& data) {
-    selection::SceneChoice named = o.changes;
-    named.names = o.subjects;
-    scene::file::Scene scene = selection::load_one_scene(named, data);
+    selection::SceneChoice choice = o.changes;
+    choice.names = o.subjects;
+    scene::file::Scene scene = selection::load_one_scene(choice, data);
     selection::refuse_generated_rays({scene}, "mend");
     return scene;
 }
@@ -198,23 +199,23 @@ Exit run(const MendOptions& o, const Common& common) {
                          ": a shader gets a primitive without a matrix; write .hpp, or mend the form without its "
                          "transform, -i " +
                          std::string(intersect::bounding_box::innermost(*request.row.form).info->name));
-    request.requirement = {.bits = o.bits, .wrong = o.wrong, .quantile = quantile_at(o.at)};
+    request.requirement = {.bits = o.bits, .wrong = o.wrong, .quantile = parse_quantile(o.at)};
     request.limit.stop = common.stop;
     const selection::ThreadLimit limit(common.threads);
     if (rays) rays->set_subject_of(request);
-    const std::string subject = scene ? selection::name_of_scene(*scene, data) : rays->words();
-    std::unique_ptr<output::file::ResultFolder> owner;
+    const std::string subject = scene ? selection::name_of_scene(*scene, data) : rays->quoted_files();
+    std::unique_ptr<output::file::ResultFolder> result_folder;
     std::optional<output::repair::RepairFiles> files;
     if (!o.out.empty()) {
         const auto folder = std::filesystem::path(o.out) / request.id();
-        owner = own_folder(folder, common, subject);
+        result_folder = take_folder(folder, common, subject);
         files.emplace(folder);
     }
     std::optional<output::file::AtomicFile> header;
     if (!o.emit.empty()) header.emplace(o.emit);
     const measure::repair::RepairResult repair = repair_form(request);
     RepairSummary result = output::repair::result_of(request, repair);
-    const std::string command = scene ? command_of(o) : common.typed.of(subject);
+    const std::string command = scene ? command_of(o) : common.typed_command.for_subject(subject);
     if (o.price) add_prices(result, o, command);
     if (header) {
         header->write(emitted(result, o.emit, command));
@@ -222,14 +223,14 @@ Exit run(const MendOptions& o, const Common& common) {
     }
     if (files) {
         files->finish(result);
-        write_page(files->folder() / "index.html", result, common.typed.of(subject) + " -o out");
+        write_page(files->folder() / "index.html", result, common.typed_command.for_subject(subject) + " -o out");
     }
-    complete(owner);
+    complete(result_folder);
     fmt::print("{}", output::repair::in_words(result));
     if (files && !common.quiet)
         for (const char* name : {"mend.csv", "index.html"}) fmt::print("{}\n", (files->folder() / name).string());
-    const bool met = repair.set || best_of(proposals_of(result), result);
-    return met ? Exit::done : Exit::answer_is_no;
+    const bool meets_requirement = repair.set || best_of(proposals_of(result), result);
+    return meets_requirement ? Exit::done : Exit::answer_is_no;
 }
 
 }  // namespace

@@ -29,23 +29,23 @@ using measure::contract::Observation;
 
 /// Answers requests on standard input with the forms of a library. If it cannot load the library, it sends the reason
 /// in place of the header.
-Exit serve(const std::string& named) {
-    const int answers = take_standard_output("plugin serve");
+Exit serve(const std::string& library) {
+    const int output = take_standard_output("plugin serve");
     intersect::process::keep_own_state();
     std::vector<ForeignForm> forms;
     try {
-        forms = intersect::external::load_plugin(intersect::external::find_plugin(named));
+        forms = intersect::external::load_plugin(intersect::external::find_plugin(library));
     } catch (const Error& error) {  // the process at the other end reports it
-        const std::string words = intersect::external::refusal_of(error);
-        return write(answers, words.data(), words.size()) < 0 ? Exit::environment : error.code();
+        const std::string message = intersect::external::refusal_of(error);
+        return write(output, message.data(), message.size()) < 0 ? Exit::environment : error.code();
     }
-    if (intersect::external::serve_pipe(forms, STDIN_FILENO, answers)) return Exit::done;
+    if (intersect::external::serve_pipe(forms, STDIN_FILENO, output)) return Exit::done;
     throw InputError(
         "plugin serve: standard input is not a request of lostbits-pipe/1; only `lostbits … --plugin LIBRARY "
         "--isolate` runs this command");
 }
 
-const char* word_of(Observation::Verdict verdict) {
+const char* verdict_text(Observation::Verdict verdict) {
     switch (verdict) {
         case Observation::Verdict::kept: return "kept";
         case Observation::Verdict::broken: return "BROKEN";
@@ -55,8 +55,8 @@ const char* word_of(Observation::Verdict verdict) {
     return "note";
 }
 
-/// Tries the promises of a form and prints the findings. True if every promise is kept.
-bool show_trial(const ForeignForm& form, const std::optional<ForeignForm>& first, bool quiet) {
+/// Tries the promises of a form and prints the findings. Returns true if every promise is kept.
+bool print_trial(const ForeignForm& form, const std::optional<ForeignForm>& first, bool quiet) {
     std::vector<Observation> findings = measure::contract::try_contract(form, first ? &*first : nullptr);
     findings.push_back(measure::contract::observe_state(form));
     intersect::process::put_back_limits();  // the form may have lowered the limits, which the following output may need
@@ -70,7 +70,7 @@ bool show_trial(const ForeignForm& form, const std::optional<ForeignForm>& first
     if (!c.source.empty() && !quiet) fmt::print("  from {}\n", c.source);
     for (const Observation& f : findings) {
         if (!quiet || f.verdict == Observation::Verdict::broken || f.verdict == Observation::Verdict::warned)
-            fmt::print("  {:<6} {:<12} {}\n", word_of(f.verdict), f.subject, f.text);
+            fmt::print("  {:<6} {:<12} {}\n", verdict_text(f.verdict), f.subject, f.text);
     }
     std::fflush(stdout);  // before the next form, which may crash
     return broken == 0;
@@ -78,22 +78,23 @@ bool show_trial(const ForeignForm& form, const std::optional<ForeignForm>& first
 
 /// Checks every form of a library or of a command. Returns answer_is_no if a form breaks one of its promises.
 Exit try_forms(const std::string& library, const Common& common) {
-    selection::ExternalOptions words = common.external;
-    if (!library.empty()) words.plugins.push_back(library);
-    if (const std::string here = selection::loaded_here(words); !here.empty()) shell::supervise(here, words.seconds);
-    const auto [forms, formulas] = selection::open_each(words, common.threads);
-    if (forms.empty() && words.functions.empty())
+    selection::ExternalOptions options = common.external;
+    if (!library.empty()) options.plugins.push_back(library);
+    if (const std::string libraries = selection::libraries_in_process(options); !libraries.empty())
+        shell::supervise(libraries, options.seconds);
+    const auto [forms, formulas] = selection::load_external_forms(options, common.threads);
+    if (forms.empty() && options.functions.empty())
         throw InputError(
             "plugin check: nothing to check; name a library, a command by --pipe, or a function by --function");
-    bool good = true;
+    bool all_kept = true;
     for (const ForeignForm& form : forms)
-        good = show_trial(form, intersect::external::first_of(formulas, form), common.quiet) && good;
-    for (const std::string& named : words.functions) {
-        const auto function = selection::load_shown_function(named, words);
+        all_kept = print_trial(form, intersect::external::first_of(formulas, form), common.quiet) && all_kept;
+    for (const std::string& function_name : options.functions) {
+        const auto function = selection::load_shown_function(function_name, options);
         const auto& answers = function->answers->of32 ? function->answers->of32 : function->answers->of64;
-        good = show_trial(answers->form(), {}, common.quiet) && good;
+        all_kept = print_trial(answers->form(), {}, common.quiet) && all_kept;
     }
-    return good ? Exit::done : Exit::answer_is_no;
+    return all_kept ? Exit::done : Exit::answer_is_no;
 }
 
 }  // namespace
@@ -108,16 +109,17 @@ int take_standard_output(const std::string& command) {
 void add_plugin(const shell::Command& program, const Common& common) {
     auto command = program.add_command("plugin", "Check a library of intersectors against what it promises");
     const auto library = std::make_shared<std::string>();
-    auto tried = command.add_command("check",
-                                     "Test whether the forms of a library, of --pipe or of --function keep their "
-                                     "promises");
-    tried.add("LIBRARY", *library, "The library (not needed with --pipe or --function)");
-    tried.runs([library, &common] { return try_forms(*library, common); });
-    auto served = command.add_command(
+    auto check_command =
+        command.add_command("check",
+                            "Test whether the forms of a library, of --pipe or of --function keep their "
+                            "promises");
+    check_command.add("LIBRARY", *library, "The library (not needed with --pipe or --function)");
+    check_command.runs([library, &common] { return try_forms(*library, common); });
+    auto serve_command = command.add_command(
         "serve", "Answer rays on standard input with the forms of a library (what --isolate starts)");
-    served.hide();
-    served.add("LIBRARY", *library, "The library").required();
-    served.runs([library] { return serve(*library); });
+    serve_command.hide();
+    serve_command.add("LIBRARY", *library, "The library").required();
+    serve_command.runs([library] { return serve(*library); });
 }
 
 }  // namespace lostbits::analysis

@@ -62,39 +62,41 @@ std::vector<std::string> ids_in(const std::filesystem::path& folder) {
     return ids;
 }
 
-/// Adds the subject of a word: a path, or the name of a scene (with an optional variant) or of a sweep. If both exist,
-/// the scene is meant.
-void add_subject(Subjects& subjects, const std::string& word, const std::filesystem::path& data) {
-    if (std::filesystem::is_regular_file(word)) {
-        if (scene::sweep::is_sweep_file(word)) subjects.sweeps.push_back(word);
-        else subjects.scenes.push_back({word});
+/// Adds the subject that `name` names: a path, or the name of a scene (with an optional variant) or of a sweep. If a
+/// scene and a sweep have the same name, adds the scene.
+void add_subject(Subjects& subjects, const std::string& name, const std::filesystem::path& data) {
+    if (std::filesystem::is_regular_file(name)) {
+        if (scene::sweep::is_sweep_file(name)) subjects.sweeps.push_back(name);
+        else subjects.scenes.push_back({name});
         return;
     }
     auto names = ids_in(data / "scenes");
     const auto sweeps = ids_in(data / "sweeps");
-    const auto has = [&word](const std::vector<std::string>& all) { return std::ranges::find(all, word) != all.end(); };
-    const bool scene =
-        std::ranges::any_of(names, [&word](const std::string& n) { return word == n || word.starts_with(n + "."); });
-    if (scene) subjects.scenes.push_back(scene::file::find_scene(word, data));
-    else if (has(sweeps) || word.find('/') != std::string::npos)
-        subjects.sweeps.push_back(scene::sweep::find_sweep(word, data));
+    const auto contains_name = [&name](const std::vector<std::string>& list) {
+        return std::ranges::find(list, name) != list.end();
+    };
+    const bool is_scene =
+        std::ranges::any_of(names, [&name](const std::string& n) { return name == n || name.starts_with(n + "."); });
+    if (is_scene) subjects.scenes.push_back(scene::file::find_scene(name, data));
+    else if (contains_name(sweeps) || name.find('/') != std::string::npos)
+        subjects.sweeps.push_back(scene::sweep::find_sweep(name, data));
     else {
         names.insert(names.end(), sweeps.begin(), sweeps.end());
-        throw InputError(word + ": is neither a file, nor a scene or sweep in " + data.string() + "; " +
-                         scene::toml::did_you_mean(word, names));
+        throw InputError(name + ": is neither a file, nor a scene or sweep in " + data.string() + "; " +
+                         scene::toml::did_you_mean(name, names));
     }
 }
 
 Subjects subjects_of(const ReportOptions& o, const scene::claim::ReportFile& defaults,
                      const std::filesystem::path& data) {
     Subjects subjects;
-    for (const auto& word : o.subjects) add_subject(subjects, word, data);
+    for (const auto& name : o.subjects) add_subject(subjects, name, data);
     if (o.all) {
         for (const auto& path : scene::file::scene_files(data)) subjects.scenes.push_back({path});
         for (const auto& id : ids_in(data / "sweeps")) subjects.sweeps.push_back(data / "sweeps" / (id + ".toml"));
     } else if (o.subjects.empty()) {
-        for (const auto& word : defaults.scenes) subjects.scenes.push_back(scene::file::find_scene(word, data));
-        for (const auto& word : defaults.sweeps) subjects.sweeps.push_back(scene::sweep::find_sweep(word, data));
+        for (const auto& name : defaults.scenes) subjects.scenes.push_back(scene::file::find_scene(name, data));
+        for (const auto& name : defaults.sweeps) subjects.sweeps.push_back(scene::sweep::find_sweep(name, data));
     }
     return subjects;
 }
@@ -120,21 +122,22 @@ bool has_row(const std::vector<TestedForm>& rows, const Claim& c) {
                                [&row](const TestedForm& r) { return r.form == row.form && r.format == row.format; });
 }
 
-/// The selected rows and, `with_claims`, those of the claims about the subject. External forms come first, then the
-/// others in the order of the catalogue.
+/// Returns the selected rows and, if `with_claims`, those of the claims about the subject. External forms come first,
+/// then the others in the order of the catalogue.
 std::vector<TestedForm> rows_for(const std::string& subject, std::vector<TestedForm> rows,
                                  const std::vector<Claim>& claims, bool with_claims) {
     for (const Claim& c : claims) {
         if (!with_claims || !(is_about_scene(c, subject) || is_about_sweep(c, subject))) continue;
         if (!has_row(rows, c)) rows.push_back({measure::claim::claim_row(c).form, measure::claim::claim_row(c).format});
     }
-    const auto place = [](const TestedForm& row) {
+    const auto sort_key = [](const TestedForm& row) {
         if (row.form->is_set()) return std::pair{true, PTRDIFF_MAX};
-        const auto own = static_cast<std::ptrdiff_t>(lostbits::intersect::table::catalogue().size());
-        const auto at = row.form - lostbits::intersect::table::intersectors().data();
-        return std::pair{at < own, at};
+        const auto catalogue_size = static_cast<std::ptrdiff_t>(lostbits::intersect::table::catalogue().size());
+        const auto index = row.form - lostbits::intersect::table::intersectors().data();
+        return std::pair{index < catalogue_size, index};
     };
-    std::ranges::stable_sort(rows, [&place](const TestedForm& a, const TestedForm& b) { return place(a) < place(b); });
+    std::ranges::stable_sort(
+        rows, [&sort_key](const TestedForm& a, const TestedForm& b) { return sort_key(a) < sort_key(b); });
     return rows;
 }
 
@@ -155,24 +158,24 @@ struct Work {
 
 void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesystem::path& data,
                 const selection::SelectedRows& chosen, intersect::process::StopToken stop) {
-    std::vector<TestedForm> fit;
+    std::vector<TestedForm> fitting_rows;
     const auto kind = scene::sweep::sweep_kind(path);
     // These kinds have no plots, only numbers, and take long.
     using enum scene::sweep::SweepKind;
     if (kind == search || kind == edge_search || kind == every_float) return;
     if (kind == scene::sweep::SweepKind::cases)
-        fit =
+        fitting_rows =
             selection::rows_meeting(chosen, path.stem().string(),
                                     [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); });
     else
-        fit = selection::rows_meeting(
+        fitting_rows = selection::rows_meeting(
             chosen, path.stem().string(),
             [sweep = scene::sweep::SweepFile(path, data, {}, stop)](Shapes forms) { return sweep.meets(forms); });
-    if (!fit.empty()) work.sweeps.push_back({path, data, fit});
+    if (!fitting_rows.empty()) work.sweeps.push_back({path, data, fitting_rows});
 }
 
-/// True if a claim goes onto the page: --claims names it; without --claims, a form that it is about is shown on its
-/// subject, or no subject is named.
+/// True if the page shows a claim. With --claims, these are the claims that it names. Without it they are all claims
+/// or, if subjects are named, the claims about a subject and a form that the page shows.
 bool is_chosen(const Claim& c, const ReportOptions& o, const Work& work) {
     if (!o.claims.empty()) return selection::matches_any(o.claims, c.id);
     if (o.subjects.empty()) return true;
@@ -182,7 +185,7 @@ bool is_chosen(const Claim& c, const ReportOptions& o, const Work& work) {
                work.sweeps, [&](const SweepWork& s) { return is_about_sweep(c, s.path.stem()) && has_row(s.rows, c); });
 }
 
-/// The words of -i; without -i, all forms.
+/// The patterns of -i; without -i, all forms.
 std::vector<std::string> form_patterns_of(const ReportOptions& o) {
     return o.forms.empty() ? std::vector<std::string>{"*"} : o.forms;
 }
@@ -202,50 +205,51 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
                 "--claims " + glob +
                 ": no claim of the profile `results` has this id; `lostbits list claims` lists all claims");
     }
-    const auto rows = selection::cross(selection::select_forms(selection::form_words_or(o.forms, defaults.forms)),
+    const auto rows = selection::cross(selection::select_forms(selection::form_patterns_or(o.forms, defaults.forms)),
                                        selection::select_formats(o.formats.empty() ? defaults.formats : o.formats));
     Work work;
-    const std::vector<const Metric*> asked = selection::select_metrics(o.metrics, work.metric_set);
+    const std::vector<const Metric*> extra_metrics = selection::select_metrics(o.metrics, work.metric_set);
     for (const scene::file::SceneName& name : subjects.scenes) {
         scene::file::LoadOptions options{.variant = name.variant, .stop = o.stop};
         if (!o.size.empty()) options.size = selection::parse_size(o.size);
         for (scene::file::Scene& scene : scene::file::load_scene(name.path, options)) {
-            auto chosen = rows_for(scene.id, rows, claims, o.forms.empty());
-            auto fit = selection::rows_meeting({chosen, form_patterns_of(o), true}, scene.id,
-                                               [&scene](Shapes forms) { return scene.meets(forms); });
-            if (fit.empty()) continue;
-            std::vector<const Metric*> wanted = asked;
+            auto candidate_rows = rows_for(scene.id, rows, claims, o.forms.empty());
+            auto fitting_rows = selection::rows_meeting({candidate_rows, form_patterns_of(o), true}, scene.id,
+                                                        [&scene](Shapes forms) { return scene.meets(forms); });
+            if (fitting_rows.empty()) continue;
+            std::vector<const Metric*> metrics = extra_metrics;
             for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"})
-                wanted.push_back(measure::metric::find_metric(metric));
-            if (scene.pixels() <= small_map) wanted.push_back(measure::metric::find_metric("culprit"));
-            auto all = work.metric_set.for_forms(selection::measured(wanted, fit), measure::evaluate::forms_of(fit),
-                                                 [&scene] { return measure::attribution::OwnedSetting(scene); });
+                metrics.push_back(measure::metric::find_metric(metric));
+            if (scene.pixels() <= small_map) metrics.push_back(measure::metric::find_metric("culprit"));
+            auto form_metrics = work.metric_set.for_forms(
+                selection::measured(metrics, fitting_rows), measure::evaluate::forms_of(fitting_rows),
+                [&scene] { return measure::attribution::OwnedSetting(scene); });
             // Leaves out `residual` by default: its layer of floats would be the largest part of most pages.
-            std::erase_if(all, [&](const Metric* m) {
-                return m->name == "residual" && std::ranges::find(asked, m) == asked.end();
+            std::erase_if(form_metrics, [&](const Metric* m) {
+                return m->name == "residual" && std::ranges::find(extra_metrics, m) == extra_metrics.end();
             });
-            work.units += scene.pixels() * fit.size();
-            std::string named = selection::name_of_scene(scene, data),
-                        claimed = selection::scene_in_claims(scene, data);
-            if (!o.size.empty()) named += fmt::format(" --size {}x{}", scene.width, scene.height);
-            work.maps.push_back({std::move(scene), std::move(fit), std::move(all), o.size.empty(), std::move(named),
-                                 std::move(claimed)});
+            work.units += scene.pixels() * fitting_rows.size();
+            std::string scene_arguments = selection::name_of_scene(scene, data),
+                        name_in_claims = selection::scene_in_claims(scene, data);
+            if (!o.size.empty()) scene_arguments += fmt::format(" --size {}x{}", scene.width, scene.height);
+            work.maps.push_back({std::move(scene), std::move(fitting_rows), std::move(form_metrics), o.size.empty(),
+                                 std::move(scene_arguments), std::move(name_in_claims)});
         }
     }
     for (const auto& path : subjects.sweeps) {
-        auto all = rows_for(path.stem().string(), rows, claims, o.forms.empty());
-        plan_sweep(work, path, data, {all, form_patterns_of(o), true}, o.stop);
+        auto candidate_rows = rows_for(path.stem().string(), rows, claims, o.forms.empty());
+        plan_sweep(work, path, data, {candidate_rows, form_patterns_of(o), true}, o.stop);
     }
     for (SweepWork& sweep : work.sweeps) sweep.further_draws = o.seeds;
-    for (const std::string& word : o.choices) {
+    for (const std::string& text : o.choices) {
         auto timed = timed_rows(o);
-        work.choices.push_back(report::choice_of(word, o.size, {timed, form_patterns_of(o), true}, data, o.stop));
+        work.choices.push_back(report::choice_of(text, o.size, {timed, form_patterns_of(o), true}, data, o.stop));
     }
-    for (const std::string& word : o.mends.empty() && o.subjects.empty() ? defaults.mends : o.mends)
-        work.mends.push_back(report::mend_of(word, o.size, data, o.stop));
+    for (const std::string& text : o.mends.empty() && o.subjects.empty() ? defaults.mends : o.mends)
+        work.mends.push_back(report::mend_of(text, o.size, data, o.stop));
     work.offsets = report::offset_scenes(o.offsets.empty() && o.subjects.empty() ? defaults.offsets : o.offsets, o.size,
                                          data, o.stop);
-    for (const std::string& word : o.studies) work.studies.push_back(report::study_of(word, o.size, data, o.stop));
+    for (const std::string& text : o.studies) work.studies.push_back(report::study_of(text, o.size, data, o.stop));
     for (const Claim& c : claims) {
         if (is_chosen(c, o, work)) work.claims.push_back(c);
     }
@@ -266,20 +270,22 @@ Exit run(const ReportOptions& o, const Common& common) {
     require_folder(o.out);
     const auto data = selection::data_folder(common.data);
     Work work = plan(o, data);
-    std::vector<TestedForm> shown;
-    for (const MapWork& map : work.maps) shown.insert(shown.end(), map.rows.begin(), map.rows.end());
-    for (const SweepWork& sweep : work.sweeps) shown.insert(shown.end(), sweep.rows.begin(), sweep.rows.end());
-    selection::note_unmeasured(o.forms, shown, common.quiet);
+    std::vector<TestedForm> shown_rows;
+    for (const MapWork& map : work.maps) shown_rows.insert(shown_rows.end(), map.rows.begin(), map.rows.end());
+    for (const SweepWork& sweep : work.sweeps)
+        shown_rows.insert(shown_rows.end(), sweep.rows.begin(), sweep.rows.end());
+    selection::note_unmeasured(o.forms, shown_rows, common.quiet);
     const selection::ThreadLimit limit(common.threads);
-    const auto folder = own_folder(o.out, common, common.typed.all_subjects(), {.shared = true});
+    const auto folder = take_folder(o.out, common, common.typed_command.all_subjects(), {.shared = true});
     output::file::AtomicFile file(std::filesystem::path(o.out) / "index.html");
-    // Units of progress: a sweep counts as a map of 100 x 100 pixels with ten rows, all claims as ten sweeps.
+    // Units of progress: a sweep counts as a map of 100 x 100 pixels with ten rows, and all claims together as ten
+    // sweeps.
     constexpr std::uint64_t sweep_units = 100'000, claims_units = 1'000'000;
     output::file::Progress progress(
         work.units + sweep_units * work.sweeps.size() + (work.claims.empty() ? 0 : claims_units), "report",
         common.progress, common.quiet);
-    const auto advance = advancing(progress);
-    output::page::Report report{.command = common.typed.text() + " -o out",
+    const auto advance = advance_callback(progress);
+    output::page::Report report{.command = common.typed_command.text() + " -o out",
                                 .maps = {},
                                 .sweeps = {},
                                 .trades = {},
@@ -299,8 +305,8 @@ Exit run(const ReportOptions& o, const Common& common) {
     if (!work.claims.empty())
         report.results = measure::claim::measure_claims(
             work.claims, {.data_dir = data, .stop = common.stop, .further_draws = o.seeds, .studies = &studies});
-    for (const report::StudyWork& each : work.studies)
-        report.studies.push_back(study_part(each, o.forms, o.formats, common.stop));
+    for (const report::StudyWork& study_work : work.studies)
+        report.studies.push_back(study_part(study_work, o.forms, o.formats, common.stop));
     for (const scene::file::Scene& scene : work.offsets) {
         if (auto part = report::offset_part(scene, common.stop)) report.offsets.push_back(std::move(*part));
     }
@@ -319,7 +325,7 @@ Exit run(const ReportOptions& o, const Common& common) {
     file.commit();
     complete(folder);
     if (!common.quiet) fmt::print("{}\n", file.path().string());
-    if (const Exit end = end_with_unproved(unresolved); end != Exit::done) return end;
+    if (const Exit exit_code = report_unproved(unresolved); exit_code != Exit::done) return exit_code;
     const bool all_agree = std::ranges::all_of(report.results, [](const ClaimResult& r) {
         return r.state == ClaimResult::State::agrees || r.state == ClaimResult::State::skipped;
     });

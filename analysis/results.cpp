@@ -24,43 +24,44 @@ void require_folder(const std::string& out) {
     if (out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for the current folder");
 }
 
-std::unique_ptr<output::file::ResultFolder> own_folder(const std::filesystem::path& folder, const Common& common,
-                                                       const std::string& subject,
-                                                       output::file::ResultFolder::Rules rules) {
+std::unique_ptr<output::file::ResultFolder> take_folder(const std::filesystem::path& folder, const Common& common,
+                                                        const std::string& subject,
+                                                        output::file::ResultFolder::Rules rules) {
     rules.force = common.force;
     for (const std::string& kind : common.figures)
         if (std::ranges::find(rules.figures, kind) == rules.figures.end()) rules.figures.push_back(kind);
-    output::file::Provenance by{common.typed.of(subject), program_and_version};
+    output::file::Provenance provenance{common.typed_command.for_subject(subject), program_and_version};
     for (const auto& row : intersect::table::intersectors().subspan(intersect::table::catalogue().size()))
-        by.forms.emplace_back(row.info->name, row.info->source);
-    return std::make_unique<output::file::ResultFolder>(folder, std::move(by), rules);
+        provenance.forms.emplace_back(row.info->name, row.info->source);
+    return std::make_unique<output::file::ResultFolder>(folder, std::move(provenance), rules);
 }
 
 void complete(const std::unique_ptr<output::file::ResultFolder>& folder) {
     if (folder) folder->complete();
 }
 
-std::unique_ptr<output::file::ResultFolder> own_folder(const RunDivision& divided, const std::filesystem::path& folder,
-                                                       const Common& common, const std::string& subject,
-                                                       output::file::ResultFolder::Rules rules) {
-    return divided.division.is_shard() ? nullptr : own_folder(folder, common, subject, std::move(rules));
+std::unique_ptr<output::file::ResultFolder> take_folder(const RunDivision& run_division,
+                                                        const std::filesystem::path& folder, const Common& common,
+                                                        const std::string& subject,
+                                                        output::file::ResultFolder::Rules rules) {
+    return run_division.division.is_shard() ? nullptr : take_folder(folder, common, subject, std::move(rules));
 }
 
-SceneFolders::SceneFolders(const std::vector<scene::file::Scene>& scenes, const RunDivision& divided,
+SceneFolders::SceneFolders(const std::vector<scene::file::Scene>& scenes, const RunDivision& run_division,
                            const Common& common) {
-    if (divided.division.is_shard()) return;
+    if (run_division.division.is_shard()) return;
     for (const auto& scene : scenes) {
-        const auto folder = divided.out / scene.id;
+        const auto folder = run_division.out / scene.id;
         folders_.push_back(
-            own_folder(folder, common, selection::name_of_scene(scene, selection::data_folder(common.data))));
-        probe(folder / "summary.csv");
+            take_folder(folder, common, selection::name_of_scene(scene, selection::data_folder(common.data))));
+        require_writable(folder / "summary.csv");
     }
 }
 
-std::uint64_t SceneFolders::each(std::size_t scenes, output::file::Progress& progress,
-                                 const std::function<std::uint64_t(std::size_t, const Complete&)>& work) {
+std::uint64_t SceneFolders::for_each(std::size_t scene_count, output::file::Progress& progress,
+                                     const std::function<std::uint64_t(std::size_t, const CompleteCallback&)>& work) {
     std::uint64_t unproved = 0;
-    for (std::size_t k = 0; k < scenes; ++k) {
+    for (std::size_t k = 0; k < scene_count; ++k) {
         try {
             unproved += work(k, [&] {
                 if (!folders_.empty()) complete(folders_[k]);
@@ -77,25 +78,26 @@ std::uint64_t SceneFolders::each(std::size_t scenes, output::file::Progress& pro
 }
 
 std::vector<scene::file::Scene> scenes_of_primitives(const selection::SharedOptions& shared,
-                                                     std::vector<measure::evaluate::TestedForm>& rows, const char* name,
-                                                     const Common& common, void (*require)(const scene::file::Scene&)) {
+                                                     std::vector<measure::evaluate::TestedForm>& rows,
+                                                     const char* command, const Common& common,
+                                                     void (*require_scene)(const scene::file::Scene&)) {
     using scene::file::Scene;
     auto scenes = selection::load_scenes(shared.scenes, selection::data_folder(common.data));
-    selection::refuse_generated_rays(scenes, name);
-    selection::refuse_generators(rows, name);
-    for (const Scene& scene : scenes) require(scene);
-    const auto met = selection::drop_unfitting(
+    selection::refuse_generated_rays(scenes, command);
+    selection::refuse_generators(rows, command);
+    for (const Scene& scene : scenes) require_scene(scene);
+    const auto usable_rows = selection::drop_unfitting(
         scenes, {rows, shared.forms, common.quiet},
         [](const Scene& s, Shapes forms) { return selection::are_primitives(forms) && s.meets(forms); },
         [](const Scene& s) { return s.id; });
-    selection::note_unmeasured(shared.forms, met, common.quiet);
+    selection::note_unmeasured(shared.forms, usable_rows, common.quiet);
     return scenes;
 }
 
-void add_shard(const shell::Command& command, std::string& word) {
-    command.add("--shard", word, "Do only part K of N; `lostbits merge` joins the parts (docs/shards.md)",
-                {[](const std::string& option, const std::string& given) {
-                     return given.empty() ? option + ": its value is empty; write K/N, as in --shard 3/64" : "";
+void add_shard(const shell::Command& command, std::string& shard_value) {
+    command.add("--shard", shard_value, "Do only part K of N; `lostbits merge` joins the parts (docs/shards.md)",
+                {[](const std::string& option, const std::string& value) {
+                     return value.empty() ? option + ": its value is empty; write K/N, as in --shard 3/64" : "";
                  },
                  ""});
 }
@@ -111,46 +113,50 @@ std::uint64_t hash_of_inputs(const std::vector<std::filesystem::path>& files, co
     return inputs.value();
 }
 
-RunDivision divide(const std::string& word, const std::string& out, const std::vector<std::filesystem::path>& files,
-                   const Common& common, bool resumed) {
-    if (word.empty() && !common.joined) return {.division = {}, .out = out};
-    const auto share = word.empty() ? measure::shard::Share{} : shard::share_named(word);
-    const output::shard::StateHead head{program_and_version, common.typed.text(), hash_of_inputs(files, common), share};
-    if (common.joined) {
-        common.joined->check_inputs(head.inputs);
-        return {.division = shard::Division(common.joined), .out = out};
+RunDivision divide(const std::string& shard_value, const std::string& out,
+                   const std::vector<std::filesystem::path>& files, const Common& common, bool resumed) {
+    if (shard_value.empty() && !common.shards_to_join) return {.division = {}, .out = out};
+    const auto share = shard_value.empty() ? measure::shard::Share{} : shard::parse_share(shard_value);
+    const output::shard::StateHead head{program_and_version, common.typed_command.text(), hash_of_inputs(files, common),
+                                        share};
+    if (common.shards_to_join) {
+        common.shards_to_join->check_inputs(head.inputs);
+        return {.division = shard::Division(common.shards_to_join), .out = out};
     }
     const auto folder = std::filesystem::path(out) / shard::folder_name(share);
-    auto owner = std::make_unique<output::file::ResultFolder>(
-        folder, output::file::Provenance{fmt::format("{} --shard {}", common.typed.text(), word), program_and_version},
+    auto result_folder = std::make_unique<output::file::ResultFolder>(
+        folder,
+        output::file::Provenance{fmt::format("{} --shard {}", common.typed_command.text(), shard_value),
+                                 program_and_version},
         output::file::ResultFolder::Rules{.force = common.force, .keep = resumed});
-    return {.division = shard::Division(folder, head), .folder = std::move(owner), .out = folder};
+    return {.division = shard::Division(folder, head), .folder = std::move(result_folder), .out = folder};
 }
 
-bool finish(RunDivision& divided, const Common& common) {
-    divided.division.finish();
-    complete(divided.folder);
-    if (!divided.division.is_shard()) return true;
-    if (!common.quiet) fmt::print("{}\n", (divided.out / output::shard::state_file_name).string());
+bool finish(RunDivision& run_division, const Common& common) {
+    run_division.division.finish();
+    complete(run_division.folder);
+    if (!run_division.division.is_shard()) return true;
+    if (!common.quiet) fmt::print("{}\n", (run_division.out / output::shard::state_file_name).string());
     return false;
 }
 
-void probe(const std::filesystem::path& file) { const output::file::AtomicFile opened(file); }
+void require_writable(const std::filesystem::path& file) { const output::file::AtomicFile file_to_write(file); }
 
-std::function<void(std::uint64_t)> advancing(output::file::Progress& progress, output::file::Estimate* estimate) {
+std::function<void(std::uint64_t)> advance_callback(output::file::Progress& progress,
+                                                    output::file::Estimate* estimate) {
     return [&progress, estimate](std::uint64_t done) {
         progress.advance(done);
         if (estimate != nullptr) estimate->advance(done);
     };
 }
 
-std::string each(const char* before, const std::vector<std::string>& values, const char* after) {
+std::string concatenate(const char* prefix, const std::vector<std::string>& values, const char* suffix) {
     std::string text;
-    for (const std::string& value : values) text += before + value + after;
+    for (const std::string& value : values) text += prefix + value + suffix;
     return text;
 }
 
-double quantile_at(const std::string& text) {
+double parse_quantile(const std::string& text) {
     try {
         return measure::choice::quantile_named(text);
     } catch (const InputError& error) {
@@ -158,7 +164,7 @@ double quantile_at(const std::string& text) {
     }
 }
 
-Exit end_with_unproved(std::uint64_t rays, int bits) {
+Exit report_unproved(std::uint64_t rays, int bits) {
     if (rays == 0) return Exit::done;
     fmt::print(stderr, "lostbits: the true answer for {} could not be proved within {} bits; {} as `unresolved`\n",
                counted(rays, "ray"), bits, rays == 1 ? "it counts" : "they count");
@@ -176,27 +182,27 @@ void print_figures(const std::filesystem::path& path) {
     for (const auto& file : output::image::figure_paths(path)) fmt::print("{}\n", file.string());
 }
 
-void print_pairs(const std::vector<measure::evaluate::TestedForm>& rows,
-                 const std::vector<const measure::metric::Metric*>& metrics,
-                 const std::vector<measure::evaluate::FormSummary>& summaries) {
+void print_comparisons(const std::vector<measure::evaluate::TestedForm>& rows,
+                       const std::vector<const measure::metric::Metric*>& metrics,
+                       const std::vector<measure::evaluate::FormSummary>& summaries) {
     const std::size_t against = measure::metric::index_of(metrics, "against");
     if (against == metrics.size()) return;
     for (std::size_t r = 0; r < rows.size(); ++r) {
         if (rows[r].against == nullptr) continue;
-        std::string words;
+        std::string counts;
         for (std::size_t c = 0; c < measure::answer::against_names.size(); ++c) {
             const std::uint64_t n = summaries[r].categories[against][c];
             if (n > 0)
-                words += fmt::format("{}{} {}", words.empty() ? "" : ", ", n,
-                                     output::map::in_words(measure::answer::against_names[c]));
+                counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", n,
+                                      output::map::in_words(measure::answer::against_names[c]));
         }
         fmt::print("  {} {} against {}: {}\n", rows[r].form->info->name, rows[r].format.name,
-                   rows[r].against->info->name, words);
+                   rows[r].against->info->name, counts);
     }
 }
 
-std::string lost_bits_cell(const measure::evaluate::FormSummary& summary, std::size_t lost, double q) {
-    const double bits = summary.metrics[lost].quantile(q);
+std::string lost_bits_cell(const measure::evaluate::FormSummary& summary, std::size_t lost_bits, double q) {
+    const double bits = summary.metrics[lost_bits].quantile(q);
     return std::isnan(bits) || !summary.agreement().is_enough() ? std::string("-") : fmt::format("{:.2f}", bits);
 }
 
@@ -222,10 +228,10 @@ void add_wrong_cells(std::vector<std::string>& cells, const measure::evaluate::F
 
 void print_table(const measure::evaluate::MapStudy& request,
                  const std::vector<measure::evaluate::FormSummary>& summaries) {
-    const std::size_t lost = measure::metric::index_of(request.metrics, "lost_bits");
-    const bool mesh = request.scene != nullptr && request.scene->mesh;
+    const std::size_t lost_bits = measure::metric::index_of(request.metrics, "lost_bits");
+    const bool has_mesh = request.scene != nullptr && request.scene->mesh;
     std::vector<shell::TextColumn> columns{{"form", 28, true}, {"fmt", 5, true}};
-    if (mesh) add_mesh_columns(columns);
+    if (has_mesh) add_mesh_columns(columns);
     add_wrong_columns(columns);
     columns.insert(columns.end(), {{"hits", 8}, {"bits lost: p50", 15}, {"p99", 6}});
     shell::TextTable table(std::move(columns));
@@ -234,10 +240,10 @@ void print_table(const measure::evaluate::MapStudy& request,
         const measure::evaluate::FormSummary& s = summaries[r];
         std::vector<std::string> cells{std::string(request.rows[r].form->info->name),
                                        std::string(request.rows[r].format.name)};
-        if (mesh) add_mesh_cells(cells, s, true);
+        if (has_mesh) add_mesh_cells(cells, s, true);
         add_wrong_cells(cells, s);
         cells.insert(cells.end(), {std::to_string(s.count(measure::answer::Outcome::agree_hit)),
-                                   lost_bits_cell(s, lost, 0.5), lost_bits_cell(s, lost, 0.99)});
+                                   lost_bits_cell(s, lost_bits, 0.5), lost_bits_cell(s, lost_bits, 0.99)});
         table.add(std::move(cells));
         withheld |= s.agreement().agreed > 0 && !s.agreement().is_enough();
     }

@@ -31,30 +31,30 @@ std::shared_ptr<Device> device_named(const std::string& kind) {
 
 /// Warns of loops that may run more often than the driver allows: some drivers end a loop after a fixed count.
 void warn_of_loops(const ShaderSource& shader, const Arithmetic& arithmetic) {
-    std::size_t told = 0;
+    std::size_t reported_line = 0;
     for (const CountedLoop& loop : shader.loops) {
-        const long long times = arithmetic.loops_together ? loop.together : loop.most;
-        if (loop.line == told || arithmetic.loop_limit == 0 || times <= arithmetic.loop_limit) continue;
-        told = loop.line;
-        const std::string runs =
-            times == CountedLoop::endless ? "has no limit" : fmt::format("may run {} times", times);
+        const long long iterations = arithmetic.loops_together ? loop.together : loop.most;
+        if (loop.line == reported_line || arithmetic.loop_limit == 0 || iterations <= arithmetic.loop_limit) continue;
+        reported_line = loop.line;
+        const std::string limit_text =
+            iterations == CountedLoop::endless ? "has no limit" : fmt::format("may run {} times", iterations);
         fmt::print(stderr,
                    "lostbits: {}:{}: this loop {}, but this driver silently ends loops after {} iterations{}, so "
                    "answers that need more are wrong\n",
-                   shader.path, loop.line, runs, arithmetic.loop_limit,
+                   shader.path, loop.line, limit_text, arithmetic.loop_limit,
                    arithmetic.loops_together ? ", with those of the loops around them," : "");
     }
 }
 
 /// Compiles the shader, then answers requests on standard input. If it cannot, it sends the reason in place of the
 /// header.
-Exit serve_shader(const std::string& named, const std::string& kind) {
-    const int answers = take_standard_output("shader serve");
+Exit serve_shader(const std::string& shader_name, const std::string& kind) {
+    const int output = take_standard_output("shader serve");
     // A driver that hangs would not notice that its input ends when the other program is killed.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     std::vector<intersect::external::ForeignForm> forms;
     try {
-        const ShaderSource shader = read_shader(named);
+        const ShaderSource shader = read_shader(shader_name);
         const auto device = device_named(kind.empty() && shader.hlsl ? "vulkan" : kind);  // HLSL needs Vulkan
         const Arithmetic arithmetic = probe(*device);
         warn_of_loops(shader, arithmetic);
@@ -63,64 +63,65 @@ Exit serve_shader(const std::string& named, const std::string& kind) {
                        device->description().renderer);
         forms = forms_of(shader, device, !kind.empty(), line_of(device->description(), arithmetic));
     } catch (const Error& error) {
-        const std::string words = intersect::external::refusal_of(error);
-        return write(answers, words.data(), words.size()) < 0 ? Exit::environment : error.code();
+        const std::string message = intersect::external::refusal_of(error);
+        return write(output, message.data(), message.size()) < 0 ? Exit::environment : error.code();
     }
-    if (intersect::external::serve_pipe(forms, STDIN_FILENO, answers)) return Exit::done;
+    if (intersect::external::serve_pipe(forms, STDIN_FILENO, output)) return Exit::done;
     throw InputError(
         "shader serve: standard input is not a request of lostbits-pipe/1; only `lostbits … --shader FILE.glsl` runs "
         "this command");
 }
 
 /// Prints the facts about a device and its rounding, one line `key=value` for each, and an empty line.
-Exit tell_device(const std::string& kind) {
+Exit send_device_facts(const std::string& kind) {
     const int output = take_standard_output("shader probe");
     std::string text;
     try {
         const auto device = device_named(kind);
         const Arithmetic arithmetic = probe(*device);
-        const DeviceDescription& words = device->description();
-        text = fmt::format("device={}\nrenderer={}\nvendor={}\nversion={}\ndriver={}\ndigest={:016x}\n", words.kind,
-                           words.renderer, words.vendor, words.version, words.driver, arithmetic.digest);
+        const DeviceDescription& description = device->description();
+        text = fmt::format("device={}\nrenderer={}\nvendor={}\nversion={}\ndriver={}\ndigest={:016x}\n",
+                           description.kind, description.renderer, description.vendor, description.version,
+                           description.driver, arithmetic.digest);
         for (const Fact& fact : arithmetic.facts) text += fmt::format("{}={}\n", fact.key, fact.value);
     } catch (const Error& error) {
-        const std::string_view what = error.what();
-        const std::string named = kind.empty() ? "" : kind + ": ";
-        text = fmt::format("missing={}\n", what.starts_with(named) ? what.substr(named.size()) : what);
+        const std::string_view message = error.what();
+        const std::string prefix = kind.empty() ? "" : kind + ": ";
+        text = fmt::format("missing={}\n", message.starts_with(prefix) ? message.substr(prefix.size()) : message);
         std::ranges::replace(text.begin(), text.end() - 1, '\n', ' ');
     }
     text += "\n";
     return write(output, text.data(), text.size()) < 0 ? Exit::environment : Exit::done;
 }
 
-void print_device(const selection::DeviceReport& told) {
-    if (!told.lacks.empty()) {
-        fmt::print("{}\n  not available: {}\n", told.kind, told.lacks);
+void print_device(const selection::DeviceReport& report) {
+    if (!report.problem.empty()) {
+        fmt::print("{}\n  not available: {}\n", report.kind, report.problem);
         return;
     }
-    fmt::print("{}\n", told.kind);
-    for (const auto& [key, value] : told.facts) {
+    fmt::print("{}\n", report.kind);
+    for (const auto& [key, value] : report.facts) {
         if (key != "device") fmt::print("  {:<22} {}\n", key, value);
     }
 }
 
 Exit show_devices(bool json, const Common& common) {
     auto array = nlohmann::ordered_json::array();
-    bool any = false;
+    bool any_available = false;
     std::vector<std::string> kinds = selection::devices_of(common.external.devices);
     if (common.external.devices.empty()) kinds = selection::devices_of({"all"});
     for (const std::string& kind : kinds) {
-        const selection::DeviceReport told = selection::ask_device(kind, common.external);
-        any = any || told.lacks.empty();
-        nlohmann::ordered_json object{{"device", told.kind}};
-        if (!told.lacks.empty()) object["missing"] = told.lacks;
-        for (const auto& [key, value] : told.facts) object[key] = value;
+        const selection::DeviceReport report = selection::ask_device(kind, common.external);
+        any_available = any_available || report.problem.empty();
+        nlohmann::ordered_json object{{"device", report.kind}};
+        if (!report.problem.empty()) object["missing"] = report.problem;
+        for (const auto& [key, value] : report.facts) object[key] = value;
         array.push_back(std::move(object));
-        if (!json) print_device(told);
+        if (!json) print_device(report);
     }
     if (json) fmt::print("{}\n", array.dump(2));
-    else if (any && !common.quiet) fmt::print("tried on {}\n", probed_set);
-    if (!any) throw EnvironmentError("no driver can run shaders here; docs/shader.md says what to install");
+    else if (any_available && !common.quiet) fmt::print("tried on {}\n", probed_set);
+    if (!any_available) throw EnvironmentError("no driver can run shaders here; docs/shader.md says what to install");
     return Exit::done;
 }
 
@@ -138,14 +139,16 @@ void add_shader(const shell::Command& program, const Common& /*common*/) {
     auto command = program.add_command("shader", "The process of a shader, which --shader starts");
     command.hide();
     const auto file = std::make_shared<std::string>(), kind = std::make_shared<std::string>();
-    auto served = command.add_command("serve", "Answer rays on standard input with a shader (what --shader starts)");
-    served.add("SHADER", *file, "The file, as --shader takes it").required();
-    served.runs([file, device = program.option("--device")] {
-        return serve_shader(*file, device.words().empty() ? "" : device.words().front());
+    auto serve_command =
+        command.add_command("serve", "Answer rays on standard input with a shader (what --shader starts)");
+    serve_command.add("SHADER", *file, "The file, as --shader takes it").required();
+    serve_command.runs([file, device = program.option("--device")] {
+        return serve_shader(*file, device.given_values().empty() ? "" : device.given_values().front());
     });
-    auto probed = command.add_command("probe", "How a device rounds, as lines for a program (what `devices` starts)");
-    probed.add("DEVICE", *kind, "opengl or vulkan");
-    probed.runs([kind] { return tell_device(*kind); });
+    auto probe_command =
+        command.add_command("probe", "How a device rounds, as lines for a program (what `devices` starts)");
+    probe_command.add("DEVICE", *kind, "opengl or vulkan");
+    probe_command.runs([kind] { return send_device_facts(*kind); });
 }
 
 }  // namespace lostbits::analysis

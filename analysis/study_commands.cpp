@@ -1,4 +1,4 @@
-// Commands that are studies: their options, their scenes, their files, their shards.
+// The commands of the studies: their options, scenes, files and shards.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,11 +31,11 @@ struct StudyOptions : selection::SharedOptions {
 struct StudyRun {
     const StudyOptions& options;
     const Common& common;
-    RunDivision& divided;
+    RunDivision& run_division;
     output::file::Progress& progress;
 };
 
-/// Files of a scene beside those of the study; most studies have none.
+/// Files that a study writes for a scene in addition to the usual ones; most studies have none.
 template <class Adapter>
 struct MoreFiles {
     using Study = typename Adapter::View::Study;
@@ -54,10 +54,10 @@ struct Steps {
 };
 std::vector<Steps> steps_of(const study::StudyValues& values) {
     std::vector<Steps> all;
-    const auto& asked = values.at("along");
+    const auto& axis_names = values.at("along");
     for (std::size_t k = 0; k < measure::offset::scene_axis_names.size(); ++k) {
         const auto axis = static_cast<SceneAxis>(k);
-        if (std::ranges::find(asked, name_of(axis)) != asked.end())
+        if (std::ranges::find(axis_names, name_of(axis)) != axis_names.end())
             all.push_back({axis, measure::offset::factors_along(axis)});
     }
     return all;
@@ -78,7 +78,7 @@ template <>
 class MoreFiles<study::OffsetsAdapter> {
 public:
     MoreFiles(const OffsetStudy& study, const StudyRun& run) : steps_(steps_of(run.options.values)) {
-        const auto folder = run.divided.written(run.divided.out / study.scene.id);
+        const auto folder = run.run_division.path_to_write(run.run_division.out / study.scene.id);
         for (const Steps& steps : steps_)
             if (!folder.empty())
                 files_.push_back(std::make_unique<output::offset::AlongFiles>(folder, study, steps.axis));
@@ -94,14 +94,14 @@ public:
     static std::uint64_t pixels(const OffsetStudy& study, const study::StudyValues& values) {
         std::uint64_t pixels = 0;
         for (const Steps& steps : steps_of(values))
-            for (const double k : steps.values)
-                pixels += measure::offset::moved_along(study.scene, steps.axis, k).pixels();
+            for (const double factor : steps.values)
+                pixels += measure::offset::moved_along(study.scene, steps.axis, factor).pixels();
         return pixels;
     }
     static std::vector<std::string> jobs(const OffsetStudy& study, const study::StudyValues& values) {
         std::vector<std::string> jobs;
         for (const Steps& steps : steps_of(values))
-            for (const double k : steps.values) jobs.push_back(job_of(study, steps.axis, k));
+            for (const double factor : steps.values) jobs.push_back(job_of(study, steps.axis, factor));
         return jobs;
     }
 
@@ -112,16 +112,16 @@ public:
     }
     void run(const OffsetStudy& study, shard::Division& division) {
         for (std::size_t a = 0; a < steps_.size(); ++a) {
-            for (const double k : steps_[a].values) {
-                const Scene there = measure::offset::moved_along(study.scene, steps_[a].axis, k);
-                const OffsetStudy moved{.scene = there,
-                                        .rows = study.rows,
-                                        .strategies = study.strategies,
-                                        .limit = study.limit,
-                                        .progress = study.progress};
-                NoFiles none;
-                auto found = shard::run_divided(moved, none, division, job_of(study, steps_[a].axis, k));
-                if (found) files_[a]->add(k, std::move(*found));
+            for (const double factor : steps_[a].values) {
+                const Scene moved_scene = measure::offset::moved_along(study.scene, steps_[a].axis, factor);
+                const OffsetStudy moved_study{.scene = moved_scene,
+                                              .rows = study.rows,
+                                              .strategies = study.strategies,
+                                              .limit = study.limit,
+                                              .progress = study.progress};
+                NoFiles no_files;
+                auto found = shard::run_divided(moved_study, no_files, division, job_of(study, steps_[a].axis, factor));
+                if (found) files_[a]->add(factor, std::move(*found));
             }
             if (!files_.empty()) files_[a]->finish();
         }
@@ -142,33 +142,34 @@ std::uint64_t units_of(const typename Adapter::View::Study& study, const study::
 /// shard.
 template <class Adapter>
 std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun& run,
-                            const SceneFolders::Complete& complete) {
+                            const SceneFolders::CompleteCallback& complete) {
     const StudyOptions& o = run.options;
     const std::string job = fmt::format("{} {}", Adapter::name, study.scene.id);
-    const auto folder = run.divided.out / study.scene.id;
-    const std::string named = selection::name_of_scene(study.scene, selection::data_folder(run.common.data));
+    const auto folder = run.run_division.out / study.scene.id;
+    const std::string scene_arguments = selection::name_of_scene(study.scene, selection::data_folder(run.common.data));
     MoreFiles<Adapter> more(study, run);
-    output::study::StudyFiles<typename Adapter::View> files(study,
-                                                            {.folder = folder,
-                                                             .pixels_csv = o.pixels == "csv",
-                                                             .command = run.common.typed.of(named),
-                                                             .single_pictures = o.pictures == "all",
-                                                             .other_tables = more.resources()},
-                                                            shard::keep_in(run.divided.division, job));
+    output::study::StudyFiles<typename Adapter::View> files(
+        study,
+        {.folder = folder,
+         .pixels_csv = o.pixels == "csv",
+         .command = run.common.typed_command.for_subject(scene_arguments),
+         .single_pictures = o.pictures == "all",
+         .other_tables = more.resources()},
+        shard::piece_recorder(run.run_division.division, job));
     // Opening the files of many forms takes seconds, so the estimate starts after it.
     output::file::Estimate estimate(run.progress, study.scene.id,
-                                    units_of<Adapter>(study, o.values) / run.divided.division.share().count,
+                                    units_of<Adapter>(study, o.values) / run.run_division.division.share().count,
                                     run.common.quiet);
-    study.progress = advancing(run.progress, &estimate);
-    const auto summaries = shard::run_divided(study, files, run.divided.division, job);
-    more.run(study, run.divided.division);
+    study.progress = advance_callback(run.progress, &estimate);
+    const auto summaries = shard::run_divided(study, files, run.run_division.division, job);
+    more.run(study, run.run_division.division);
     if (!summaries) return 0;
     files.finish(*summaries);
     complete();
     if (!run.common.quiet) {
         run.progress.aside([&] {
             print_figures(folder / "contact.png");
-            Adapter::say(study, *summaries, run.common.verbose);
+            Adapter::print_results(study, *summaries, run.common.verbose);
         });
     }
     return Adapter::unproved(*summaries);
@@ -177,40 +178,40 @@ std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun&
 template <class Adapter>
 Exit run_command(const StudyOptions& o, const Common& common) {
     require_folder(o.out);
-    auto rows = selection::cross(selection::select_forms(selection::form_words_or(o.forms, Adapter::usual_forms())),
+    auto rows = selection::cross(selection::select_forms(selection::form_patterns_or(o.forms, Adapter::usual_forms())),
                                  selection::select_formats(o.formats));
-    std::erase_if(rows, [](const auto& row) { return !Adapter::takes(*row.form); });
-    if (rows.empty()) throw NothingSelected(Adapter::none_taken);
+    std::erase_if(rows, [](const auto& row) { return !Adapter::can_measure(*row.form); });
+    if (rows.empty()) throw NothingSelected(Adapter::no_form_message);
     auto scenes = scenes_of_primitives(o, rows, Adapter::name, common, Adapter::require);
     const selection::ThreadLimit limit(common.threads);
 
     std::vector<typename Adapter::View::Study> studies;
     std::vector<std::string> jobs;
-    std::vector<std::filesystem::path> read;
+    std::vector<std::filesystem::path> input_files;
     std::uint64_t units = 0;
     for (const scene::file::Scene& scene : scenes) {
         const auto meets = [&](Shapes forms) { return scene.meets(forms); };
-        studies.push_back(Adapter::on(scene, selection::fitting(rows, meets), o.values, common.stop));
+        studies.push_back(Adapter::make_study(scene, selection::fitting(rows, meets), o.values, common.stop));
         if constexpr (requires { Adapter::note(scene, o.values); })
             if (!common.quiet) Adapter::note(scene, o.values);
         jobs.push_back(fmt::format("{} {}", Adapter::name, scene.id));
         std::ranges::move(MoreFiles<Adapter>::jobs(studies.back(), o.values), std::back_inserter(jobs));
-        read.push_back(scene.path);
+        input_files.push_back(scene.path);
         units += units_of<Adapter>(studies.back(), o.values);
     }
-    auto divided = divide(o.shard, o.out, read, common);
-    divided.division.expect(jobs);
-    SceneFolders folders(scenes, divided, common);
+    auto run_division = divide(o.shard, o.out, input_files, common);
+    run_division.division.expect(jobs);
+    SceneFolders folders(scenes, run_division, common);
     for (const auto& scene : scenes) selection::note_numbers(scene, o.scenes.set, rows, common.quiet);
 
-    output::file::Progress progress(units / divided.division.share().count, Adapter::name, common.progress,
+    output::file::Progress progress(units / run_division.division.share().count, Adapter::name, common.progress,
                                     common.quiet);
-    const StudyRun run{o, common, divided, progress};
-    const std::uint64_t unproved = folders.each(studies.size(), progress, [&](std::size_t k, const auto& complete) {
+    const StudyRun run{o, common, run_division, progress};
+    const std::uint64_t unproved = folders.for_each(studies.size(), progress, [&](std::size_t k, const auto& complete) {
         return measure_scene<Adapter>(studies[k], run, complete);
     });
-    finish(divided, common);
-    return end_with_unproved(unproved, studies.front().limit.bits);
+    finish(run_division, common);
+    return report_unproved(unproved, studies.front().limit.bits);
 }
 
 template <class Adapter>
@@ -220,7 +221,7 @@ void add_study(const shell::Command& program, const Common& common) {
     if (const std::vector<std::string> all{"*"}; Adapter::usual_forms() == all) o->forms = all;
     o->formats = {study::usual_format};
     o->scenes.stop = common.stop;
-    o->scenes.all_ahead = true;
+    o->scenes.refuses_ranges = true;
     selection::add_scenes(command, *o, Adapter::kinds);
     command.add_list("-i,--form", o->forms, Adapter::form_help);
     selection::add_formats(command, o->formats, study::usual_format);
@@ -235,7 +236,7 @@ void add_study(const shell::Command& program, const Common& common) {
     MoreFiles<Adapter>::add_option(command, *o);
     add_shard(command, o->shard);
     selection::add_out(command, o->out);
-    command.shows(Adapter::examples());
+    command.set_examples(Adapter::examples());
     command.runs([o, &common] { return run_command<Adapter>(*o, common); });
 }
 

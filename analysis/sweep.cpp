@@ -29,19 +29,21 @@ namespace {
 void print_onsets(const measure::sweep::SweepRequest& request, const std::vector<measure::sweep::Onset>& onsets) {
     fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:<5} {:>14} {:>14} {:>15}  {}\n", "form", "fmt", "event", "stat",
                "threshold", "from", "last good", "first seen bad", "last good after", "first bad over draws");
-    for (const measure::sweep::Onset& o : onsets) {
+    for (const measure::sweep::Onset& onset : onsets) {
         // An onset from the last step says nothing if that step is bad already.
-        if (!o.found || (o.from_last && o.from_start)) continue;
-        const TestedForm& row = request.rows[o.row];
+        if (!onset.found || (onset.from_last && onset.from_start)) continue;
+        const TestedForm& row = request.rows[onset.row];
         // If the first step is bad already, there is no last good value.
-        const auto s = o.spread();
+        const auto spread = onset.spread();
         fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:<5} {:>14} {:>14.8g} {:>15}  {}\n", row.form->info->name,
-                   row.format.name, o.event, o.statistic, o.threshold, o.from_last ? "last" : "first",
-                   o.from_start ? "-" : fmt::format("{:.8g}", o.last_good), o.first_bad,
-                   !o.recovers     ? "-"
-                   : o.good_at_end ? "to the end"
-                                   : fmt::format("{:.8g}", o.last_good_after),
-                   o.further.empty() ? "" : fmt::format("{:.4g} to {:.4g}, median {:.4g}", s.low, s.high, s.median));
+                   row.format.name, onset.event, onset.statistic, onset.threshold, onset.from_last ? "last" : "first",
+                   onset.from_start ? "-" : fmt::format("{:.8g}", onset.last_good), onset.first_bad,
+                   !onset.recovers     ? "-"
+                   : onset.good_at_end ? "to the end"
+                                       : fmt::format("{:.8g}", onset.last_good_after),
+                   onset.further.empty()
+                       ? ""
+                       : fmt::format("{:.4g} to {:.4g}, median {:.4g}", spread.low, spread.high, spread.median));
     }
 }
 
@@ -51,69 +53,69 @@ void run_case_file(const std::filesystem::path& path, const SweepSelection& chos
     const auto rows = selection::fitting(chosen.rows, [&](Shapes forms) { return file.meets(forms); });
     measure::sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = {.stop = chosen.common.stop}};
     request.metrics = chosen.metric_set.for_forms(
-        selection::measured(chosen.asked, rows), measure::evaluate::forms_of(rows),
+        selection::measured(chosen.extra_metrics, rows), measure::evaluate::forms_of(rows),
         [&file] { return measure::attribution::OwnedSetting(file.rays(0, binary64).front()); });
     for (TestedForm row : rows) {
-        for (const auto& judged : file.conventions) {
-            row.judged = judged;
+        for (const auto& convention : file.conventions) {
+            row.judged = convention;
             request.rows.push_back(row);
         }
     }
     if (!chosen.common.quiet) selection::note_lost_numbers(file, rows);
     const auto folder = chosen.folder_of(file.id);
-    const auto owner = chosen.own(file.id, path);
+    const auto result_folder = chosen.take_sweep_folder(file.id, path);
     std::optional<output::sweep::CaseFiles> files;
-    if (owner) files.emplace(request, folder, selection::name_of_sweep(path, chosen.data()));
+    if (result_folder) files.emplace(request, folder, selection::name_of_sweep(path, chosen.data()));
     request.share = chosen.division().share();
     const auto units = request.share.of_units(file.size()).size() * request.rows.size();
-    const auto found = chosen.measured(file.id, units, request, measure::sweep::run_cases);
+    const auto found = chosen.measure_or_join(file.id, units, request, measure::sweep::run_cases);
     if (!found) return;
     files->finish(*found);
-    complete(owner);
+    complete(result_folder);
     if (!chosen.common.quiet) fmt::print("{}\n", (folder / "cases.csv").string());
 }
 
 void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     const Common& common = chosen.common;
     scene::sweep::SweepFile sweep(path, chosen.data(), selection::read_changes(chosen.o), common.stop);
-    sweep.title += chosen.o.in_title();
+    sweep.title += chosen.o.title_suffix();
     auto request =
         study::sweep_of(sweep, selection::fitting(chosen.rows, [&](Shapes forms) { return sweep.meets(forms); }),
-                        chosen.asked, chosen.metric_set, common.stop);
+                        chosen.extra_metrics, chosen.metric_set, common.stop);
     if (chosen.o.seeds) request.further_draws = *chosen.o.seeds;
-    selection::note_without_formula(chosen.asked, request.rows, common.quiet);
+    selection::note_without_formula(chosen.extra_metrics, request.rows, common.quiet);
     output::sweep::SweepFiles::require_own_columns(request);
     if (!common.quiet) selection::note_lost_numbers(sweep, request.rows, common.stop);
     const auto folder = chosen.folder_of(sweep.id);
-    const auto owner = chosen.own(sweep.id, path);
-    const auto files = owner ? std::make_unique<output::sweep::SweepFiles>(request, folder) : nullptr;
+    const auto result_folder = chosen.take_sweep_folder(sweep.id, path);
+    const auto files = result_folder ? std::make_unique<output::sweep::SweepFiles>(request, folder) : nullptr;
     request.share = chosen.division().share();
     const auto units = measure::sweep::sweep_units(request) / request.share.count;
-    const auto found = chosen.measured(sweep.id, units, request, measure::sweep::measure_sweep);
+    const auto found = chosen.measure_or_join(sweep.id, units, request, measure::sweep::measure_sweep);
     if (!found) return;
     const auto& [steps, onsets] = *found;
     output::sweep::write_sweep_plots(folder, {request, steps, onsets}, chosen.o.pictures == "all");
     files->finish(steps, onsets);
-    complete(owner);
+    complete(result_folder);
     note_suspicions(request.rows, common, [&sweep](const measure::evaluate::TestedForm& row) {
-        std::vector<double> first;
-        std::string step;
+        std::vector<double> first_values;
+        std::string position;
         for (const scene::sweep::Axis& axis : sweep.axes) {
-            first.push_back(axis.values.front());
-            step += fmt::format("{}{} = {}", step.empty() ? " at " : ", ", axis.name, first.back());
+            first_values.push_back(axis.values.front());
+            position += fmt::format("{}{} = {}", position.empty() ? " at " : ", ", axis.name, first_values.back());
         }
-        return measure::contract::suspicion(sweep.rays(first), row, sweep.id + step + ", the first step");
+        return measure::contract::suspicion(sweep.rays(first_values), row, sweep.id + position + ", the first step");
     });
     if (common.quiet) return;
     fmt::print("{}\n", (folder / "samples.csv").string());
     if (common.verbose && !onsets.empty()) print_onsets(request, onsets);
 }
 
-using selection::Meets;
+using selection::ShapePredicate;
 
-/// Checks the file and the options. Returns a function that tells which forms can test it. Throws InputError.
-Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepOptions& o,
-                 const std::filesystem::path& data, intersect::process::StopToken stop) {
+/// Checks the file and the options. Returns a function that tells which forms can test the file. Throws InputError.
+ShapePredicate check_file(const std::filesystem::path& path, SweepKind kind, const SweepOptions& o,
+                          const std::filesystem::path& data, intersect::process::StopToken stop) {
     using K = SweepKind;
     const bool searches = kind == K::search || kind == K::edge_search;
     if (o.worst && !searches)
@@ -124,9 +126,9 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
         throw InputError(path.string() +
                          ":1:1: this file has a table for a search, which only --worst uses; add --worst");
     selection::check_changes(o, kind, path.stem().string());
-    const auto only = [](Shape shape) { return [shape](Shapes forms) { return forms == shape; }; };
+    const auto accepts_only = [](Shape shape) { return [shape](Shapes forms) { return forms == shape; }; };
     if (kind == K::cases) return [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); };
-    if (kind == K::every_float) return only(scene::sweep::ExhaustiveFile(path, data, stop).primitive.shape);
+    if (kind == K::every_float) return accepts_only(scene::sweep::ExhaustiveFile(path, data, stop).primitive.shape);
     if (kind == K::edge_search)
         return [file = scene::sweep::EdgeSearchFile(path, data, selection::read_changes(o).set, stop)](Shapes forms) {
             return file.meets(forms);
@@ -156,50 +158,50 @@ Meets check_file(const std::filesystem::path& path, SweepKind kind, const SweepO
         throw InputError(path.string() + ":1:1: search.metric is \"" + search.metric +
                          "\", whose values are names of operations, so none of them is the largest; try cancellation, "
                          "or contribution:LABEL");
-    return only(search.shape);
+    return accepts_only(search.shape);
 }
 
 /// Resumes the sweeps that have a state. When a run of several sweeps is stopped, those before the stopped one have
 /// their final state, and those after it have none. Without any state, `resume` throws.
 void resume_stopped(const std::vector<std::unique_ptr<ExhaustiveRun>>& runs) {
-    const bool any = std::ranges::any_of(runs, [](const auto& run) { return run->was_stopped(); });
+    const bool has_stopped_run = std::ranges::any_of(runs, [](const auto& run) { return run->was_stopped(); });
     for (const auto& run : runs)
-        if (!any || run->was_stopped()) run->resume();
+        if (!has_stopped_run || run->was_stopped()) run->resume();
 }
 
 Exit run(SweepOptions o, const Common& common) {
     measure::metric::MetricSet metric_set;
-    RunDivision divided;
-    const std::vector<std::string> both{"f32", "f64"};
+    RunDivision run_division;
+    const std::vector<std::string> default_formats{"f32", "f64"};
     SweepSelection chosen{selection::cross(selection::select_forms(o.forms),
-                                           selection::select_formats(o.formats.empty() ? both : o.formats)),
+                                           selection::select_formats(o.formats.empty() ? default_formats : o.formats)),
                           {},
                           metric_set,
-                          divided,
+                          run_division,
                           o,
                           common};
     if (!o.against.empty()) selection::compare_against(chosen.rows, o.against, common.quiet);
     // The plots of a sweep have the envelope, which is the error that the problem itself costs.
-    if (!o.metrics.empty()) chosen.asked = selection::select_metrics(o.metrics, metric_set);
-    if (!o.against.empty()) selection::add_pairs(chosen.asked);
+    if (!o.metrics.empty()) chosen.extra_metrics = selection::select_metrics(o.metrics, metric_set);
+    if (!o.against.empty()) selection::add_pairs(chosen.extra_metrics);
     for (const char* name : {"inherent_bits", "excess_bits"})
-        chosen.asked.push_back(measure::metric::find_metric(name));
+        chosen.extra_metrics.push_back(measure::metric::find_metric(name));
     require_folder(o.out);
     const auto data = selection::data_folder(common.data);
     // Reads every file before the work starts, so that bad input leaves no results behind.
     struct Sweep {
         std::filesystem::path path;
         SweepKind kind;
-        Meets meets;
+        ShapePredicate meets;
     };
     std::vector<Sweep> sweeps;
-    for (const std::string& word : o.sweeps) {
-        const auto path = scene::sweep::find_sweep(word, data);
+    for (const std::string& name : o.sweeps) {
+        const auto path = scene::sweep::find_sweep(name, data);
         const auto kind = scene::sweep::sweep_kind(path);
         for (const Sweep& other : sweeps) {
             if (other.path.stem() == path.stem())
                 throw InputError(
-                    word + ": sweep \"" + path.stem().string() +
+                    name + ": sweep \"" + path.stem().string() +
                     "\" is given twice, and both would write to the same folder; leave out one of the two");
         }
         if (kind != SweepKind::every_float && o.resume)
@@ -208,18 +210,18 @@ Exit run(SweepOptions o, const Common& common) {
                 " is not a sweep over every float, and other sweeps cannot be resumed; leave out --resume");
         sweeps.push_back({path, kind, check_file(path, kind, o, data, common.stop)});
     }
-    const auto met = selection::drop_unfitting(
+    const auto usable_rows = selection::drop_unfitting(
         sweeps, {chosen.rows, o.forms, common.quiet}, [](const Sweep& s, Shapes forms) { return s.meets(forms); },
         [](const Sweep& s) { return s.path.stem().string(); });
-    selection::note_unmeasured(o.forms, met, common.quiet);
+    selection::note_unmeasured(o.forms, usable_rows, common.quiet);
     std::vector<std::filesystem::path> files;
     for (const Sweep& sweep : sweeps)
         std::ranges::move(selection::files_of(sweep.path, sweep.kind, o, data, common.stop), std::back_inserter(files));
-    divided = divide(o.shard, o.out, files, common, o.resume);
+    run_division = divide(o.shard, o.out, files, common, o.resume);
     std::vector<std::string> jobs;
     for (const Sweep& sweep : sweeps) jobs.push_back("sweep " + sweep.path.stem().string());
-    divided.division.expect(jobs);
-    o.out = divided.out.string();
+    run_division.division.expect(jobs);
+    o.out = run_division.out.string();
     std::vector<std::unique_ptr<ExhaustiveRun>> exhaustive;
     for (const Sweep& sweep : sweeps) {
         if (sweep.kind == SweepKind::every_float)
@@ -239,9 +241,9 @@ Exit run(SweepOptions o, const Common& common) {
     }
     std::uint64_t unproved = 0;
     for (const auto& run : exhaustive) unproved += run->run(exhaustive.size() > 1);
-    finish(divided, common);
+    finish(run_division, common);
     for (const auto& run : exhaustive) run->forget_state();
-    return end_with_unproved(unproved);
+    return report_unproved(unproved);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ using measure::sweep::ExhaustiveState;
 
 namespace {
 
-constexpr auto keep_every = std::chrono::seconds(5);
+constexpr auto save_interval = std::chrono::seconds(5);
 
 /// The share in percent, rounded down, so that a stopped run is never 100 % done.
 std::uint64_t percent(std::uint64_t part, std::uint64_t whole) {
@@ -36,9 +36,9 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
     : sweep_(path, chosen.data()),
       path_(path),
       folder_(chosen.folder_of(sweep_.id)),
-      unfinished_(folder_,
+      state_file_(folder_,
                   {.program = program_and_version,
-                   .command = chosen.common.typed.of(selection::name_of_sweep(path, chosen.data())),
+                   .command = chosen.common.typed_command.for_subject(selection::name_of_sweep(path, chosen.data())),
                    .inputs = hash_of_inputs(selection::files_of(path, scene::sweep::SweepKind::every_float, chosen.o,
                                                                 chosen.data(), chosen.common.stop),
                                             chosen.common),
@@ -56,43 +56,43 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
 }
 
 void ExhaustiveRun::resume() {
-    unfinished_.read([this](output::shard::BitReader& bits) {
+    state_file_.read([this](output::shard::BitReader& bits) {
         bits(state_);
         state_.require_of(request_);
     });
     resumed_ = true;
 }
 
-ExhaustiveState ExhaustiveRun::try_all(bool keep) {
-    probe(unfinished_.path());
-    const std::uint64_t each = sweep_.rays.size() * request_.rows.size();
+ExhaustiveState ExhaustiveRun::try_all(bool keep_state) {
+    require_writable(state_file_.path());
+    const std::uint64_t rays_per_float = sweep_.rays.size() * request_.rows.size();
     const std::uint64_t floats = measure::sweep::floats_of(sweep_, request_.share);
-    ProgressWithEstimate progress(sweep_.id, floats * each, chosen_.common, state_.tried * each);
-    request_.progress = progress.advancing();
-    auto kept = std::chrono::steady_clock::now();
+    ProgressWithEstimate progress(sweep_.id, floats * rays_per_float, chosen_.common, state_.tried * rays_per_float);
+    request_.progress = progress.advance_callback();
+    auto last_save = std::chrono::steady_clock::now();
     request_.keep = [&](const ExhaustiveState& state) {
-        if (std::chrono::steady_clock::now() - kept < keep_every) return;
-        unfinished_.write(output::shard::bits_of(state));
-        kept = std::chrono::steady_clock::now();
+        if (std::chrono::steady_clock::now() - last_save < save_interval) return;
+        state_file_.write(output::shard::bits_of(state));
+        last_save = std::chrono::steady_clock::now();
     };
     try {
         measure::sweep::run_exhaustive(request_, state_);
     } catch (const Interrupted&) {
         progress.finish();
-        unfinished_.write(output::shard::bits_of(state_));
+        state_file_.write(output::shard::bits_of(state_));
         if (!chosen_.common.quiet)
             fmt::print(stderr, "lostbits: {} was stopped at {} %; repeat the command with --resume to continue\n",
                        sweep_.id, percent(state_.tried, floats));
         throw Error(Exit::interrupted, selection::interrupted_text(scene::sweep::SweepKind::every_float, sweep_.id));
     }
     progress.finish();
-    if (keep) unfinished_.write(output::shard::bits_of(state_));
+    if (keep_state) state_file_.write(output::shard::bits_of(state_));
     return std::move(state_);
 }
 
 void ExhaustiveRun::forget_state() const {
-    const auto owner = was_stopped() ? chosen_.own(sweep_.id, path_, {.keep = true}) : nullptr;
-    output::file::forget_result(unfinished_.path());
+    const auto result_folder = was_stopped() ? chosen_.take_sweep_folder(sweep_.id, path_, {.keep = true}) : nullptr;
+    output::file::forget_result(state_file_.path());
     std::error_code ignored;
     std::filesystem::remove(folder_, ignored);  // only removes an empty folder, as a shard leaves it
 }
@@ -100,28 +100,29 @@ void ExhaustiveRun::forget_state() const {
 std::uint64_t ExhaustiveRun::run(bool others_follow) {
     const Common& common = chosen_.common;
     // The user may have forgotten --resume. The old state stays until this run writes its own.
-    if (!resumed_ && !common.quiet && unfinished_.is_there())
+    if (!resumed_ && !common.quiet && state_file_.is_there())
         fmt::print(stderr,
                    "lostbits: {} is the state of a stopped run; this run starts from the beginning (to continue that "
                    "one, use --resume)\n",
-                   unfinished_.path().string());
-    const auto owner = chosen_.own(sweep_.id, path_, {.keep = resumed_, .resumes = !common.joined});
+                   state_file_.path().string());
+    const auto result_folder =
+        chosen_.take_sweep_folder(sweep_.id, path_, {.keep = resumed_, .resumes = !common.shards_to_join});
     std::optional<output::sweep::ExhaustiveFiles> files;
-    if (owner) files.emplace(request_, folder_);
+    if (result_folder) files.emplace(request_, folder_);
     const auto found = chosen_.division().result_of(
         "sweep " + sweep_.id, [&] { return try_all(others_follow); },
         [this](const ExhaustiveState& part) { part.require_of(request_); });
     if (!found) return 0;
     // The state of a stopped run was joined as if it were a shard: floats are missing, so no statement would be true.
-    if (const std::uint64_t all = measure::sweep::floats_of(sweep_, {}); found->tried != all)
+    if (const std::uint64_t float_count = measure::sweep::floats_of(sweep_, {}); found->tried != float_count)
         throw InputError(fmt::format(
             "only {} of the {} floats of {} were tried: one of the shards was stopped; run that shard again with "
             "--resume, then join the shards",
-            found->tried, all, sweep_.id));
+            found->tried, float_count, sweep_.id));
     const auto findings = measure::sweep::findings_of(request_, *found);
     files->finish(*found, findings);
-    if (!others_follow) output::file::forget_result(unfinished_.path());
-    complete(owner);
+    if (!others_follow) output::file::forget_result(state_file_.path());
+    complete(result_folder);
     std::uint64_t unresolved = 0;
     for (const auto& finding : findings) unresolved += finding.tally.count(Outcome::unresolved);
     if (common.quiet) return unresolved;
@@ -133,7 +134,7 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
 
 namespace {
 
-/// Keys of a search that may leave no ray, in words for the message.
+/// Says for a message which keys of a search may leave no ray.
 std::string what_excludes_rays(const scene::sweep::SearchFile& search) {
     if (search.aim) return "distance may move all origins out of the range of origin; widen origin, or narrow distance";
     if (search.at_edge) return "origin may exclude all rays to the edges of the boxes";
@@ -145,37 +146,36 @@ std::string what_excludes_rays(const scene::sweep::SearchFile& search) {
 
 void run_search(const std::filesystem::path& path, const SweepSelection& chosen) {
     scene::sweep::SearchFile search(path, selection::read_changes(chosen.o).set);
-    search.title += chosen.o.in_title();
+    search.title += chosen.o.title_suffix();
     measure::sweep::WorstRequest request{
         .search = search,
         .rows = selection::fitting(chosen.rows, [&](Shapes forms) { return forms == search.shape; }),
         .metrics = {},
         .limit = {.stop = chosen.common.stop}};
-    Primitive<double> any;  // labels do not depend on its numbers
-    any.shape = search.shape;
+    Primitive<double> example;  // labels do not depend on its numbers
+    example.shape = search.shape;
     request.metrics = chosen.metric_set.for_forms(
         selection::measured({chosen.metric_set.find(search.metric)}, request.rows),
-        measure::evaluate::forms_of(request.rows), measure::attribution::Setting{std::span(&any, 1)});
+        measure::evaluate::forms_of(request.rows), measure::attribution::Setting{std::span(&example, 1)});
     const auto folder = chosen.folder_of(search.id);
-    const auto owner = chosen.own(search.id, path);
-    if (owner) probe(folder / "worst.csv");
+    const auto result_folder = chosen.take_sweep_folder(search.id, path);
+    if (result_folder) require_writable(folder / "worst.csv");
     request.share = chosen.division().share();
-    const auto found = chosen.measured(search.id, request.share.of_units(request.rows.size()).size(), request,
-                                       measure::sweep::find_worst);
+    const auto found = chosen.measure_or_join(search.id, request.share.of_units(request.rows.size()).size(), request,
+                                              measure::sweep::find_worst);
     if (!found) return;
     if (std::ranges::none_of(*found, [](const auto& w) { return w.has_value(); })) {
         throw NothingSelected(path.string() + ": no form hit anything with a ray of these ranges; " +
                               what_excludes_rays(search));
     }
     output::sweep::write_worst(folder, request, *found);
-    complete(owner);
+    complete(result_folder);
     if (!chosen.common.quiet) fmt::print("{}\n", (folder / "worst.csv").string());
 }
 
 namespace {
 
-/// Adds a row for each form as a compiler contracts it, after that of the form: contraction makes some watertight tests
-/// leak.
+/// Adds, after each row, a row with the form as a compiler contracts it. Contraction makes some watertight tests leak.
 void add_contracted(std::vector<TestedForm>& rows) {
     std::vector<TestedForm> all;
     for (const TestedForm& row : rows) {
@@ -191,7 +191,7 @@ void add_contracted(std::vector<TestedForm>& rows) {
 
 void run_edge_search(const std::filesystem::path& path, const SweepSelection& chosen) {
     scene::sweep::EdgeSearchFile search(path, chosen.data(), selection::read_changes(chosen.o).set, chosen.common.stop);
-    search.title += chosen.o.in_title();
+    search.title += chosen.o.title_suffix();
     measure::edges::EdgeRequest request{
         .search = search,
         .rows = selection::fitting(chosen.rows, [&](Shapes forms) { return search.meets(forms); }),
@@ -202,15 +202,15 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
             throw InputError(std::string(row.form->info->name) + ": the rays of " + search.id +
                              " are not made by a camera; name the form without @ray-");
     const auto folder = chosen.folder_of(search.id);
-    const auto owner = chosen.own(search.id, path);
-    if (owner) probe(folder / "worst.csv");
+    const auto result_folder = chosen.take_sweep_folder(search.id, path);
+    if (result_folder) require_writable(folder / "worst.csv");
     request.share = chosen.division().share();
     const auto units = measure::edges::edge_units * request.share.of_units(request.rows.size()).size();
-    const auto found = chosen.measured(search.id, units, request, measure::edges::find_nearest);
+    const auto found = chosen.measure_or_join(search.id, units, request, measure::edges::find_nearest);
     if (!found) return;
     const output::sweep::NearestFiles files{request, *found, selection::name_of_scene(search.scene, chosen.data())};
     files.write(folder);
-    complete(owner);
+    complete(result_folder);
     if (chosen.common.quiet) return;
     fmt::print("{}\n{}\n", (folder / "census.csv").string(), (folder / "worst.csv").string());
     for (std::size_t r = 0; r < found->size(); ++r) fmt::print("{}\n", files.sentence(r));

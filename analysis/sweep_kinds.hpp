@@ -27,12 +27,16 @@ struct SweepOptions : selection::SweepChangeOptions {
 /// A progress bar with an estimate of the time, which is printed in long runs.
 class ProgressWithEstimate {
 public:
-    /// `done`: units that were done by the run that this one resumes.
-    ProgressWithEstimate(const std::string& id, std::uint64_t units, const Common& common, std::uint64_t done = 0)
-        : progress_(units, id, common.progress, common.quiet), estimate_(progress_, id, units - done, common.quiet) {
-        if (done > 0) progress_.advance(done);
+    /// `done_before`: units of work that the resumed run has done already.
+    ProgressWithEstimate(const std::string& id, std::uint64_t units, const Common& common,
+                         std::uint64_t done_before = 0)
+        : progress_(units, id, common.progress, common.quiet),
+          estimate_(progress_, id, units - done_before, common.quiet) {
+        if (done_before > 0) progress_.advance(done_before);
     }
-    [[nodiscard]] std::function<void(std::uint64_t)> advancing() { return analysis::advancing(progress_, &estimate_); }
+    [[nodiscard]] std::function<void(std::uint64_t)> advance_callback() {
+        return analysis::advance_callback(progress_, &estimate_);
+    }
     void finish() { progress_.finish(); }
 
 private:
@@ -42,13 +46,13 @@ private:
 
 struct SweepSelection {
     std::vector<measure::evaluate::TestedForm> rows;
-    std::vector<const measure::metric::Metric*> asked;  ///< metrics in addition to the default ones
+    std::vector<const measure::metric::Metric*> extra_metrics;  ///< metrics in addition to the default ones
     measure::metric::MetricSet& metric_set;
-    RunDivision& divided;
+    RunDivision& run_division;
     const SweepOptions& o;
     const Common& common;
 
-    [[nodiscard]] shard::Division& division() const { return divided.division; }
+    [[nodiscard]] shard::Division& division() const { return run_division.division; }
     [[nodiscard]] std::filesystem::path data() const { return selection::data_folder(common.data); }
     /// True if no form is named.
     [[nodiscard]] bool takes_all_forms() const { return o.forms == SweepOptions().forms; }
@@ -56,16 +60,15 @@ struct SweepSelection {
         return std::filesystem::path(o.out) / id;
     }
     /// Takes the folder of a sweep in `out` for this run; null in a shard, which has its own folder.
-    [[nodiscard]] std::unique_ptr<output::file::ResultFolder> own(const std::string& id,
-                                                                  const std::filesystem::path& sweep,
-                                                                  output::file::ResultFolder::Rules rules = {}) const {
-        return own_folder(divided, folder_of(id), common, selection::name_of_sweep(sweep, data()), rules);
+    [[nodiscard]] std::unique_ptr<output::file::ResultFolder> take_sweep_folder(
+        const std::string& id, const std::filesystem::path& sweep, output::file::ResultFolder::Rules rules = {}) const {
+        return take_folder(run_division, folder_of(id), common, selection::name_of_sweep(sweep, data()), rules);
     }
-    /// The result of a sweep of so many units, measured here or joined from shards; nothing in a shard.
+    /// The result of a sweep of `units` units of work, measured here or joined from shards; nothing in a shard.
     template <class Request, class Measure>
-    auto measured(const std::string& id, std::uint64_t units, Request& request, const Measure& measure) const {
+    auto measure_or_join(const std::string& id, std::uint64_t units, Request& request, const Measure& measure) const {
         ProgressWithEstimate progress(id, units, common);
-        request.progress = progress.advancing();
+        request.progress = progress.advance_callback();
         auto found = division().result_of("sweep " + id, [&] { return measure(request); });
         progress.finish();
         return found;
@@ -84,7 +87,7 @@ public:
     ExhaustiveRun(const ExhaustiveRun&) = delete;
     ExhaustiveRun& operator=(const ExhaustiveRun&) = delete;
 
-    [[nodiscard]] bool was_stopped() const { return unfinished_.is_there(); }
+    [[nodiscard]] bool was_stopped() const { return state_file_.is_there(); }
     /// Reads the state of a stopped run. Throws InputError if there is none, or if it belongs to another run.
     void resume();
     /// Tries the floats that are left and writes the results, or records them in a shard. Keeps its state if it is
@@ -94,13 +97,13 @@ public:
     void forget_state() const;
 
 private:
-    measure::sweep::ExhaustiveState try_all(bool keep);
+    measure::sweep::ExhaustiveState try_all(bool keep_state);
 
     scene::sweep::ExhaustiveFile sweep_;
     measure::sweep::ExhaustiveRequest request_{.sweep = sweep_};
     measure::sweep::ExhaustiveState state_;
     std::filesystem::path path_, folder_;
-    output::shard::UnfinishedFile unfinished_;
+    output::shard::UnfinishedFile state_file_;
     bool resumed_ = false;
     const SweepSelection& chosen_;
 };

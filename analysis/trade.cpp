@@ -52,16 +52,16 @@ Exit run(const TradeOptions& o, const Common& common) {
     request.limit.stop = request.plan.stop = common.stop;
     const std::string name = scene ? scene->id : std::string(name_of(request.shape));
     const auto folder = std::filesystem::path(o.out) / name;
-    const auto owner = own_folder(folder, common, scene ? output::attribution::shell_word(o.scene) : "");
+    const auto result_folder = take_folder(folder, common, scene ? output::attribution::shell_word(o.scene) : "");
     output::speed::TradeFiles files(request, folder);
     const selection::ThreadLimit limit(common.threads);
     if (scene && !common.quiet) selection::note_idle_settings(o.set, scene->id, rows);
     output::file::Progress progress(measure::speed::trade_units(request), fmt::format("trade {}", name),
                                     common.progress, common.quiet);
-    request.plan.progress = advancing(progress);
+    request.plan.progress = advance_callback(progress);
     const measure::speed::TradeResult result = measure::speed::run_trade(request);
     files.finish(result);
-    complete(owner);
+    complete(result_folder);
     progress.finish();
     if (!common.quiet)
         fmt::print("{}\n{}\n", output::speed::trade_text(request, result), (folder / "pareto.csv").string());

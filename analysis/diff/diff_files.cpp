@@ -60,17 +60,17 @@ bool is_picture(const fs::path& path) {
 Comparison compare_files(const fs::path& a, const fs::path& b, FileKind kind, const CompareOptions& options) {
     // Reads one file after the other, so that the error names the first bad file: compilers evaluate arguments in any
     // order.
-    const auto both = [&](auto read) {
+    const auto read_and_compare = [&](auto read) {
         const auto left = read(a);
         return output::diff::compare(left, read(b), options);
     };
-    if (kind == FileKind::csv) return both(output::file::read_csv);
+    if (kind == FileKind::csv) return read_and_compare(output::file::read_csv);
     const std::string left = output::file::read_file(a);
     Comparison bytes = output::diff::compare_bytes(left, output::file::read_file(b));
-    const bool named = !options.tolerances.empty() || !options.ignored.empty();
-    if (kind == FileKind::bytes || (bytes.same() && !(kind == FileKind::exr && named))) return bytes;
+    const bool has_named_columns = !options.tolerances.empty() || !options.ignored.empty();
+    if (kind == FileKind::bytes || (bytes.same() && !(kind == FileKind::exr && has_named_columns))) return bytes;
     if (kind == FileKind::exr) return output::diff::compare_exr(a, b, options);
-    return both([&](const fs::path& path) { return output::image::image_backend().read_png(path); });
+    return read_and_compare([&](const fs::path& path) { return output::image::image_backend().read_png(path); });
 }
 
 std::set<fs::path> files_below(const fs::path& folder) {
@@ -94,12 +94,13 @@ std::set<fs::path> files_below(const fs::path& folder) {
 bool are_folders(const std::string& a, const std::string& b) {
     const auto is_folder = [](const std::string& path) {
         std::error_code error;
-        const auto s = fs::status(path, error);
-        if (s.type() == fs::file_type::not_found) throw InputError(path + ": no such file or folder; check the path");
+        const auto status = fs::status(path, error);
+        if (status.type() == fs::file_type::not_found)
+            throw InputError(path + ": no such file or folder; check the path");
         if (error == std::errc::too_many_symbolic_link_levels || error == std::errc::filename_too_long)
             throw InputError(path + ": cannot be followed: " + error.message() + "; check the path");
         if (error) throw EnvironmentError(path + ": cannot be read: " + error.message() + "; check the permissions");
-        return fs::is_directory(s);
+        return fs::is_directory(status);
     };
     const bool left = is_folder(a), right = is_folder(b);
     if (left == right) return left;
@@ -121,8 +122,8 @@ std::vector<FilePair> pairs_below(const fs::path& a, const fs::path& b) {
 
 Result compare_pair(const FilePair& pair, const fs::path& a, const fs::path& b, const CompareOptions& options) {
     const auto& [file, in_a, in_b] = pair;
-    const fs::path& has = in_a ? a : b;
-    if (!in_a || !in_b) return {(has / file).string(), {}, has.string()};
+    const fs::path& folder = in_a ? a : b;
+    if (!in_a || !in_b) return {(folder / file).string(), {}, folder.string()};
     return {(a / file).string(), compare_files(a / file, b / file, kind_of(file), options), ""};
 }
 
@@ -158,7 +159,7 @@ void refuse_unknown_columns(const CompareOptions& options, const std::set<std::s
 
 void print(const Result& r, bool verbose) {
     const std::string file = terminal_line(r.file);
-    if (!r.only.empty()) return fmt::print("{}: only in {}\n", file, terminal_line(r.only));
+    if (!r.only_folder.empty()) return fmt::print("{}: only in {}\n", file, terminal_line(r.only_folder));
     const Comparison& c = r.comparison;
     if (c.same()) {
         if (verbose) fmt::print("{}: same\n", file);

@@ -19,13 +19,13 @@ enum class FileKind { csv, exr, png, bytes };
 /// True for a PNG, an SVG or a PDF.
 [[nodiscard]] bool is_picture(const std::filesystem::path& path);
 
-/// The result for a file, or for a pair of files below two folders. `only` names the folder of a file that the other
-/// folder does not have.
+/// The result for a file, or for a pair of files below two folders. `only_folder` names the folder of a file that the
+/// other folder does not have; empty: both have it.
 struct Result {
     std::string file;
     output::diff::Comparison comparison;
-    std::string only;
-    [[nodiscard]] bool same() const { return only.empty() && comparison.same(); }
+    std::string only_folder;
+    [[nodiscard]] bool same() const { return only_folder.empty() && comparison.same(); }
 };
 
 /// Compares two files of one kind. Pictures with the same bytes are not decoded, so the image module need not be

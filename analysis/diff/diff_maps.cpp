@@ -20,13 +20,13 @@ using scene::toml::counted;
 
 namespace {
 
-constexpr std::size_t most = 8;  // lines of each kind, so that all fit on one screen
+constexpr std::size_t max_lines = 8;  // lines of each kind, so that all fit on one screen
 
 /// `near-benign `: the folder of a table, as a prefix of the names of its rows.
 std::string subject_of(const fs::path& file) {
     const std::string folder = file.parent_path().string();
-    const bool main = file.filename() == "summary.csv" || folder.empty();
-    std::string subject = main ? folder : file.string();
+    const bool is_summary = file.filename() == "summary.csv" || folder.empty();
+    std::string subject = is_summary ? folder : file.string();
     return subject.empty() ? "" : subject + " ";
 }
 
@@ -79,7 +79,7 @@ MapDifference compare_forms(const MapSides& sides, const CompareOptions& options
 void print_lines(const std::string& head, const std::vector<std::string>& lines, bool all) {
     if (lines.empty()) return;
     fmt::print("{}\n", head);
-    const std::size_t shown = all ? lines.size() : std::min(most, lines.size());
+    const std::size_t shown = all ? lines.size() : std::min(max_lines, lines.size());
     for (std::size_t i = 0; i < shown; ++i) fmt::print("  {}\n", output::file::terminal_line(lines[i]));
     if (shown < lines.size()) fmt::print("  and {} more; -v shows all\n", lines.size() - shown);
 }
@@ -154,7 +154,7 @@ void print(const MapDifference& d, const MapSides& sides, bool verbose) {
                 lines, verbose);
     print_lines("columns:", d.rows.columns, verbose);
     for (const Result& r : d.others) {
-        if (verbose || !r.only.empty()) {
+        if (verbose || !r.only_folder.empty()) {
             if (verbose || !r.same()) diff::print(r, verbose);
         } else if (!r.same()) {
             fmt::print("{}: {}\n", output::file::terminal_line(r.file), counted(r.comparison.count, "difference"));

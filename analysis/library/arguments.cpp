@@ -19,14 +19,14 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 8> renamed{{
                                                                                 {"--stage", "stages"},
                                                                                 {"--answer-format", "format"}}};
 /// The advice of the message about a t below 0 in a file without a column hit.
-constexpr std::string_view of_misses = "; add a column hit, or write --miss";
+constexpr std::string_view miss_advice = "; add a column hit, or write --miss";
 
 bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
 
 /// Name of the argument that stands for an option.
 std::string argument(std::string_view option) {
-    for (const auto& [name, own] : renamed)
-        if (option == name) return std::string(own);
+    for (const auto& [name, argument_name] : renamed)
+        if (option == name) return std::string(argument_name);
     std::string word(option.substr(2));
     std::ranges::replace(word, '-', '_');
     return word;
@@ -35,13 +35,14 @@ std::string argument(std::string_view option) {
 }  // namespace
 
 std::string in_arguments(std::string text) {
-    if (const std::size_t at = text.find(of_misses); at != std::string::npos)
+    if (const std::size_t at = text.find(miss_advice); at != std::string::npos)
         text.replace(at, std::string::npos, "; give hit too: hit = t >= 0 if a negative t means a miss");
     std::string rewritten;
     for (std::size_t i = 0; i < text.size(); ++i) {
-        const bool begins = i == 0 || text[i - 1] == ' ' || text[i - 1] == '(';
+        const bool is_word_start = i == 0 || text[i - 1] == ' ' || text[i - 1] == '(';
         std::size_t end = i;
-        while (begins && text[i] == '-' && end < text.size() && (text[end] == '-' || is_letter(text[end]))) ++end;
+        while (is_word_start && text[i] == '-' && end < text.size() && (text[end] == '-' || is_letter(text[end])))
+            ++end;
         const std::string_view word = std::string_view(text).substr(i, end - i);
         const bool is_option =
             word.size() > 2 ? word.starts_with("--") && is_letter(word[2]) : word == "-i" || word == "-f";

@@ -23,38 +23,38 @@ std::vector<std::string> names_of(const std::vector<ArrayColumn>& columns) {
     return names;
 }
 
-/// The format of t; without t, that of the widest column.
+/// The format of t; without t, the format of the widest column.
 Format own_format(const std::vector<ArrayColumn>& columns) {
     const auto t = std::ranges::find(columns, "t", &ArrayColumn::name);
-    const bool wide =
+    const bool is_wide =
         t != columns.end() ? t->type == ArrayColumn::Type::f64 : std::ranges::any_of(columns, [](const ArrayColumn& c) {
-            return c.type == ArrayColumn::Type::f64 && c.step != 0;
+            return c.type == ArrayColumn::Type::f64 && c.stride != 0;
         });
-    return *find_format(wide ? "f64" : "f32");
+    return *find_format(is_wide ? "f64" : "f32");
 }
 
-double number_at(const ArrayColumn& column, std::size_t i) {
-    const std::byte* const at = column.data + static_cast<std::ptrdiff_t>(i) * column.step;
-    if (column.type == ArrayColumn::Type::boolean) return *at != std::byte{0} ? 1 : 0;
+double exact_number_at(const ArrayColumn& column, std::size_t i) {
+    const std::byte* const address = column.data + static_cast<std::ptrdiff_t>(i) * column.stride;
+    if (column.type == ArrayColumn::Type::boolean) return *address != std::byte{0} ? 1 : 0;
     if (column.type == ArrayColumn::Type::f32) {
         float x = 0;
-        std::memcpy(&x, at, sizeof x);
+        std::memcpy(&x, address, sizeof x);
         return x;
     }
     double x = 0;
-    std::memcpy(&x, at, sizeof x);
+    std::memcpy(&x, address, sizeof x);
     return x;
 }
 
 /// The shortest decimal that reads back as the number, as in files of rays.
 std::string text_at(const ArrayColumn& column, std::size_t i) {
-    const double x = number_at(column, i);
+    const double x = exact_number_at(column, i);
     return column.type == ArrayColumn::Type::f32 ? fmt::format("{}", static_cast<float>(x)) : fmt::format("{}", x);
 }
 
 }  // namespace
 
-void put_columns(std::vector<ArrayColumn>& into, const lostbits_array& array, std::span<const std::string> names) {
+void append_columns(std::vector<ArrayColumn>& into, const lostbits_array& array, std::span<const std::string> names) {
     if (array.data == nullptr) return;
     using Type = ArrayColumn::Type;
     if (array.bits != 8 && array.bits != 32 && array.bits != 64)
@@ -64,32 +64,32 @@ void put_columns(std::vector<ArrayColumn>& into, const lostbits_array& array, st
         into.push_back(
             {.name = names[k],
              .data = static_cast<const std::byte*>(array.data) + static_cast<std::ptrdiff_t>(k) * array.item_step,
-             .step = array.step,
+             .stride = array.step,
              .type = array.bits == 8    ? Type::boolean
                      : array.bits == 32 ? Type::f32
                                         : Type::f64});
 }
 
-void require_reach(const lostbits_array& array, std::size_t rows, std::size_t columns, const char* name) {
-    constexpr std::size_t most = PTRDIFF_MAX / 4;
-    const auto reach = [](std::size_t count, std::ptrdiff_t step) {
+void require_addressable(const lostbits_array& array, std::size_t rows, std::size_t columns, const char* name) {
+    constexpr std::size_t max_bytes = PTRDIFF_MAX / 4;
+    const auto fits = [](std::size_t count, std::ptrdiff_t step) {
         const std::size_t bytes = step < 0 ? 0 - static_cast<std::size_t>(step) : static_cast<std::size_t>(step);
-        return bytes == 0 || count <= most / bytes;
+        return bytes == 0 || count <= max_bytes / bytes;
     };
-    if (rows > most / sizeof(double) || !reach(rows, array.step) || !reach(columns, array.item_step))
+    if (rows > max_bytes / sizeof(double) || !fits(rows, array.step) || !fits(columns, array.item_step))
         throw InputError(std::string(name) + ": " + std::to_string(rows) + " rows, " + std::to_string(array.step) +
                          " bytes apart, with items " + std::to_string(array.item_step) +
                          " bytes apart, are more than any memory holds");
 }
 
-OpenEnds open_ends_of(const std::string& word) {
-    for (const char* const each : {"none", "tmin", "tmax", "both"})
-        if (word == each) return open_ends_named(word);
-    throw InputError("open_ends is \"" + word + "\"; write none, tmin, tmax or both");
+OpenEnds parse_open_ends(const std::string& text) {
+    for (const char* const name : {"none", "tmin", "tmax", "both"})
+        if (text == name) return open_ends_named(text);
+    throw InputError("open_ends is \"" + text + "\"; write none, tmin, tmax or both");
 }
 
 double number_at(const ArrayColumn& column, std::size_t i, const Format& format) {
-    return scene::dump::number_in(number_at(column, i), format);
+    return scene::dump::number_in(exact_number_at(column, i), format);
 }
 
 ArrayDump::ArrayDump(const std::string& name, std::vector<ArrayColumn> columns, std::size_t count,
@@ -122,7 +122,7 @@ Chunk ArrayDump::decode(const Records& records) const {
                 chunk.kept.push_back(text_at(columns_[c], i));
                 continue;
             }
-            const double x = number_at(columns_[c], i), stored = scene::dump::number_in(x, format());
+            const double x = exact_number_at(columns_[c], i), stored = scene::dump::number_in(x, format());
             if (std::isinf(stored) && !std::isinf(x))
                 throw InputError(fmt::format("{}: ray {}: {} is {}, larger than the largest number of {}", name(), i,
                                              columns_[c].name, x, format().name));

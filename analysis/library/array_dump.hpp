@@ -1,4 +1,4 @@
-// Rays in the memory of the caller. They are read in place and never copied as a whole.
+// Reads rays from arrays in the memory of the caller, in place: the arrays are never copied as a whole.
 #pragma once
 
 #include <cstddef>
@@ -11,29 +11,32 @@
 
 namespace lostbits::analysis::library {
 
-/// One number per ray: number i is at `data + i·step` bytes. With a step of 0 all rays have the same number.
+/// A column with one number per ray: number i is at `data + i*stride` bytes. With a stride of 0 all rays have the same
+/// number.
 struct ArrayColumn {
     std::string name;  ///< as in files of rays: ox, dz, t, hit, cx
     const std::byte* data = nullptr;
-    std::ptrdiff_t step = 0;
+    std::ptrdiff_t stride = 0;
     enum class Type { f32, f64, boolean } type = Type::f64;
 };
 
-/// Appends the columns of an array of the caller, if it is given, under these names.
-void put_columns(std::vector<ArrayColumn>& into, const lostbits_array& array, std::span<const std::string> names);
-/// Throws InputError if an array with that many rows and columns is larger than any memory.
-void require_reach(const lostbits_array& array, std::size_t rows, std::size_t columns, const char* name);
-OpenEnds open_ends_of(const std::string& word);
+/// Appends one column for each of the names from an array of the caller. Appends nothing if the array is not given.
+void append_columns(std::vector<ArrayColumn>& into, const lostbits_array& array, std::span<const std::string> names);
+/// Throws InputError if an array with that many rows and columns spans more bytes than any memory has. Otherwise the
+/// offset of every item fits in a ptrdiff_t.
+void require_addressable(const lostbits_array& array, std::size_t rows, std::size_t columns, const char* name);
+OpenEnds parse_open_ends(const std::string& text);
 
 /// Number i of a column, rounded once to the format.
 double number_at(const ArrayColumn& column, std::size_t i, const Format& format);
 
-/// The columns of `count` rays; the arrays outlive the dump. A column whose name files do not have is kept as text. An
-/// error in a ray is an InputError that begins with `name` and the index of the ray, from 0.
+/// The columns of `count` rays. The arrays must live longer than the dump. A column whose name means nothing in a file
+/// of rays is kept as text. An error in a ray is an InputError that begins with `name` and the index of the ray, from
+/// 0.
 class ArrayDump final : public scene::dump::Dump {
 public:
-    /// Reads format, primitive, open and stop of `options`. Without a format, answers have that of t or, without t,
-    /// that of the widest column.
+    /// Uses the members format, primitive, open and stop of `options`. If no format is given, answers have the format
+    /// of t or, without t, the format of the widest column.
     ArrayDump(const std::string& name, std::vector<ArrayColumn> columns, std::size_t count,
               const scene::dump::DumpOptions& options);
 

@@ -14,51 +14,51 @@ ForeignForm foreign_of(const lb_form& given) {
     ForeignForm foreign{intersect::external::contract_of(given, "form"), "form", {}};
     const auto run = given.run;
     void* const own = given.own;
-    foreign.answer = [run, own, name = foreign.contract.name](const lb_batch& asked) {
+    foreign.answer = [run, own, name = foreign.contract.name](const lb_batch& given_batch) {
         const intersect::process::FloatingPointGuard guard;
-        lb_batch batch = asked;
+        lb_batch batch = given_batch;
         batch.own = own;
-        if (const char* const refused = run(&batch)) throw EnvironmentError("form " + name + ": " + refused);
+        if (const char* const reason = run(&batch)) throw EnvironmentError("form " + name + ": " + reason);
     };
     return foreign;
 }
 
-TapeOp op_of_word(const char* word) {
-    const auto row = std::ranges::find(tape_operations, std::string_view(word ? word : ""), &TapeOpRow::name);
+TapeOp parse_operation(const char* name) {
+    const auto row = std::ranges::find(tape_operations, std::string_view(name ? name : ""), &TapeOpRow::name);
     if (row != tape_operations.end()) return row->op;
     std::vector<std::string> names;
-    for (const TapeOpRow& each : tape_operations) names.emplace_back(each.name);
-    throw InputError("operation \"" + std::string(word ? word : "") + "\" is unknown; " +
-                     scene::toml::did_you_mean(word ? word : "", names));
+    for (const TapeOpRow& operation : tape_operations) names.emplace_back(operation.name);
+    throw InputError("operation \"" + std::string(name ? name : "") + "\" is unknown; " +
+                     scene::toml::did_you_mean(name ? name : "", names));
 }
 
-/// Makes both rows again after a formula was added.
-void renew(lostbits_form& form) {
-    form.row = form.alone = form.asked->row();
+/// Updates both rows after a formula was added.
+void update_rows(lostbits_form& form) {
+    form.row = form.written_row = form.foreign_row->row();
     if (!form.formulas[0] && !form.formulas[1]) return;
     form.written.emplace(form.formulas[0], form.formulas[1]);
     form.written->fill(form.row);
-    form.alone = form.written->row(form.asked->info);
+    form.written_row = form.written->row(form.foreign_row->info);
 }
 
 }  // namespace
 
 Selection::Selection(const lostbits_choice* given, bool may_be_empty) : choice(given ? *given : lostbits_choice{}) {
-    forms = words_of(choice.forms, "forms");
-    std::vector<std::string> formats = words_of(choice.formats, "formats");
+    forms = texts_of(choice.forms, "forms");
+    std::vector<std::string> formats = texts_of(choice.formats, "formats");
     if (formats.empty()) formats = {"f32", "f64"};
     if (forms.empty() && choice.own_count == 0 && !may_be_empty) forms = {"*"};
-    std::vector<const intersect::table::Intersector*> all;
-    for (const lostbits_form* const own : array_of(choice.own, choice.own_count, "own")) {
-        require(own, "a form of `own`");
-        all.push_back(choice.written != 0 ? &own->alone : &own->row);
+    std::vector<const intersect::table::Intersector*> selected;
+    for (const lostbits_form* const own_form : array_of(choice.own, choice.own_count, "own")) {
+        require(own_form, "a form of `own`");
+        selected.push_back(choice.written != 0 ? &own_form->written_row : &own_form->row);
     }
-    if (!forms.empty()) std::ranges::copy(selection::select_forms(forms, "forms"), std::back_inserter(all));
-    if (!all.empty()) rows = selection::cross(all, selection::select_formats(formats, "formats"));
-    asked = selection::select_metrics(words_of(choice.metrics, "metrics"), metric_set);
+    if (!forms.empty()) std::ranges::copy(selection::select_forms(forms, "forms"), std::back_inserter(selected));
+    if (!selected.empty()) rows = selection::cross(selected, selection::select_formats(formats, "formats"));
+    extra_metrics = selection::select_metrics(texts_of(choice.metrics, "metrics"), metric_set);
 }
 
-void Selection::keep_rows_for(const std::string& name, const selection::Meets& meets) {
+void Selection::keep_rows_for(const std::string& name, const selection::ShapePredicate& meets) {
     rows = selection::rows_meeting({rows, forms, true}, name, meets);
     if (rows.empty())
         throw NothingSelected(name +
@@ -79,9 +79,9 @@ int lostbits_form_make(const lb_form* forms, size_t count, lostbits_form** form,
         require(form, "form");
         if (count != 1 && count != 2) throw InputError("count must be 1, or 2 to give a form for each of two formats");
         auto created = std::make_unique<lostbits_form>();
-        created->asked = std::make_unique<intersect::external::ForeignRow>(foreign_of(forms[0]));
-        if (count == 2) created->asked->add(foreign_of(forms[1]));
-        renew(*created);
+        created->foreign_row = std::make_unique<intersect::external::ForeignRow>(foreign_of(forms[0]));
+        if (count == 2) created->foreign_row->add(foreign_of(forms[1]));
+        update_rows(*created);
         *form = created.release();
         return Exit::done;
     });
@@ -92,24 +92,24 @@ int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation*
     return guarded(error, [&] {
         require(form, "form");
         require(operations, "operations");
-        if (form->asked == nullptr)
+        if (form->foreign_row == nullptr)
             throw InputError(
                 "form: this form comes from a source file, so its operations are known; write operations "
                 "only to a form that has none");
         if (bits != 32 && bits != 64) throw InputError("bits must be 32 or 64");
-        WrittenFormula formula{.name = std::string(form->asked->info.name),
+        WrittenFormula formula{.name = std::string(form->foreign_row->info.name),
                                .shape = form->row.shape,
                                .operations = {},
                                .hit = hit,
                                .t = t};
         for (const lostbits_operation& o : array_of(operations, count, "operations"))
-            formula.operations.push_back({.op = op_of_word(o.op),
+            formula.operations.push_back({.op = parse_operation(o.op),
                                           .operands = {o.operands[0], o.operands[1], o.operands[2]},
                                           .value = o.value,
                                           .label = o.label ? o.label : ""});
         require_sense(formula);
         form->formulas[bits == 32 ? 0 : 1] = std::make_shared<const WrittenFormula>(std::move(formula));
-        renew(*form);
+        update_rows(*form);
         return Exit::done;
     });
 }
@@ -124,7 +124,7 @@ int lostbits_form_function(const char* named, lostbits_form** form, const lostbi
         created->function = intersect::function::load_function(named, {.stop = CallRun(run).stop()});
         const auto& function = *created->function;
         created->row = function.row;
-        created->alone = function.written->row(function.answers->info);
+        created->written_row = function.written->row(function.answers->info);
         auto found = std::make_unique<lostbits_result>();
         found->tables
             .emplace_back("function",

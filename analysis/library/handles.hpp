@@ -94,20 +94,20 @@ public:
     std::shared_ptr<const scene::rays::MeshColumns> mesh;  ///< its triangles come after the others; null: no mesh
 
 private:
-    mutable std::once_flag made_;
+    mutable std::once_flag culler_made_;
     mutable std::optional<measure::culling::Culler> culler_;
 };
 
 /// Keeps the stored scenes with meshes that calls have made until the scene changes, since making an index over a
-/// million triangles takes a second. Several threads may call `in` at once.
+/// million triangles takes a second. Several threads may call `get` at once.
 class StoredScenes {
 public:
-    std::shared_ptr<const StoredScene> in(const scene::file::Scene& scene, const FloatFormat& format);
-    void forget() { made_.clear(); }
+    std::shared_ptr<const StoredScene> get(const scene::file::Scene& scene, const FloatFormat& format);
+    void forget() { scenes_.clear(); }
 
 private:
-    std::mutex making_;
-    std::map<std::tuple<int, int, int>, std::shared_ptr<const StoredScene>> made_;  ///< by the numbers of the format
+    std::mutex mutex_;
+    std::map<std::tuple<int, int, int>, std::shared_ptr<const StoredScene>> scenes_;  ///< by the numbers of the format
 };
 
 }  // namespace lostbits::analysis::library
@@ -133,13 +133,13 @@ struct lostbits_scene {
 };
 
 struct lostbits_form {
-    std::unique_ptr<lostbits::intersect::external::ForeignRow> asked = {};
-    /// A function of C, C++ or Rust; set if `asked`, `formulas` and `written` are not.
+    std::unique_ptr<lostbits::intersect::external::ForeignRow> foreign_row = {};
+    /// A function of C, C++ or Rust; set if `foreign_row`, `formulas` and `written` are not.
     std::unique_ptr<lostbits::intersect::function::UserFunction> function = {};
     std::array<std::shared_ptr<const lostbits::intersect::table::WrittenFormula>, 2> formulas = {};  ///< f32, f64
     std::optional<lostbits::intersect::table::WrittenForm> written = {};
-    lostbits::intersect::table::Intersector row{};    ///< the function in its formats, the written operations elsewhere
-    lostbits::intersect::table::Intersector alone{};  ///< the written operations everywhere; `row` if there are none
+    lostbits::intersect::table::Intersector row{};  ///< the function in its formats, the written operations elsewhere
+    lostbits::intersect::table::Intersector written_row{};  ///< only the written operations; `row` if there are none
 };
 
 namespace lostbits::analysis::library {
@@ -186,9 +186,9 @@ int guarded(lostbits_error* error, const Act& act) {
 }
 
 /// Passes the result to the caller, who owns it from then on.
-inline Exit hand_over(std::unique_ptr<lostbits_result> found, lostbits_result** result, Exit exit = Exit::done) {
-    for (ResultTable& table : found->tables) table.seal();
-    *result = found.release();
+inline Exit hand_over(std::unique_ptr<lostbits_result> content, lostbits_result** result, Exit exit = Exit::done) {
+    for (ResultTable& table : content->tables) table.seal();
+    *result = content.release();
     return exit;
 }
 
@@ -209,14 +209,14 @@ std::span<const T> array_of(const T* first, std::size_t count, const std::string
     return {first, count * items};
 }
 
-/// The texts of a list. Throws InputError, which names the list, if one of them is NULL.
-inline std::vector<std::string> words_of(const lostbits_words& words, const std::string& name) {
-    std::vector<std::string> all;
-    for (const char* const word : array_of(words.words, words.count, name)) {
-        require(word, ("a text of " + name).c_str());
-        all.emplace_back(word);
+/// The texts of a list. Throws InputError, which names the list, if one of the texts is NULL.
+inline std::vector<std::string> texts_of(const lostbits_words& list, const std::string& name) {
+    std::vector<std::string> texts;
+    for (const char* const text : array_of(list.words, list.count, name)) {
+        require(text, ("a text of " + name).c_str());
+        texts.emplace_back(text);
     }
-    return all;
+    return texts;
 }
 
 /// Makes a stop token from a byte that the caller owns. A thread of another language may set the byte at any time, so
@@ -232,14 +232,14 @@ class CallRun {
 public:
     explicit CallRun(const lostbits_run* run) : run_(run ? *run : lostbits_run{}), limit_(threads_of(run_)) {}
     [[nodiscard]] intersect::process::StopToken stop() const { return stop_by(run_.stop); }
-    /// Returns a function that adds a number of finished units of work and reports the sum to the caller. `of` is the
-    /// number of units in all.
-    [[nodiscard]] std::function<void(std::uint64_t)> advancing(std::uint64_t of) {
-        return [this, of](std::uint64_t more) {
+    /// Returns a function that adds a number of finished units of work and reports the sum to the caller. `total` is
+    /// the number of all units.
+    [[nodiscard]] std::function<void(std::uint64_t)> advance_callback(std::uint64_t total) {
+        return [this, total](std::uint64_t units) {
             stop().check();
             if (run_.progress == nullptr) return;
-            const std::lock_guard alone(mutex_);
-            run_.progress(run_.own, done_ += more, of);
+            const std::lock_guard lock(mutex_);
+            run_.progress(run_.own, done_ += units, total);
         };
     }
 
@@ -263,11 +263,11 @@ struct Selection {
     std::vector<std::string> forms;  ///< as given, for messages and for sets
     std::vector<measure::evaluate::TestedForm> rows;
     measure::metric::MetricSet metric_set = {};
-    std::vector<const measure::metric::Metric*> asked = {};
+    std::vector<const measure::metric::Metric*> extra_metrics = {};
 
     explicit Selection(const lostbits_choice* given, bool may_be_empty = false);
     /// Keeps the rows that take the subject called `name`. Throws NothingSelected if none is left.
-    void keep_rows_for(const std::string& name, const selection::Meets& meets);
+    void keep_rows_for(const std::string& name, const selection::ShapePredicate& meets);
 };
 
 /// A file in memory that holds a text, for as long as the object lives.
@@ -284,9 +284,9 @@ public:
         try {
             return act();
         } catch (const InputError& e) {
-            std::string words = e.what();
-            if (words.starts_with(path_)) words.replace(0, path_.size(), "text");
-            throw InputError(words);
+            std::string message = e.what();
+            if (message.starts_with(path_)) message.replace(0, path_.size(), "text");
+            throw InputError(message);
         }
     }
 

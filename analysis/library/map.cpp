@@ -15,11 +15,11 @@ namespace {
 std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Selection& chosen, CallRun& running) {
     const scene::file::Scene& scene = given.scene;
     chosen.keep_rows_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
-    std::vector<const Metric*> asked{measure::metric::find_metric("lost_bits")};
-    std::ranges::copy(chosen.asked, std::back_inserter(asked));
-    static_cast<void>(selection::applicable_metrics(asked, chosen.rows, "scene " + scene.id));
-    auto request = study::map_of(scene, chosen.rows, asked, chosen.metric_set, running.stop());
-    request.progress = running.advancing(scene.pixels() * request.rows.size());
+    std::vector<const Metric*> metrics{measure::metric::find_metric("lost_bits")};
+    std::ranges::copy(chosen.extra_metrics, std::back_inserter(metrics));
+    static_cast<void>(selection::applicable_metrics(metrics, chosen.rows, "scene " + scene.id));
+    auto request = study::map_of(scene, chosen.rows, metrics, chosen.metric_set, running.stop());
+    request.progress = running.advance_callback(scene.pixels() * request.rows.size());
 
     auto result = std::make_unique<lostbits_result>();
     const auto summary = output::map::summary_table(request.metrics, scene.shapes(), scene.mesh != nullptr);
@@ -27,9 +27,9 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Selection& 
     std::deque<RayTable> rays;
     for (const TestedForm& row : request.rows) {
         if (chosen.choice.rows == 0) break;
-        ResultTable& of_row = result->tables.emplace_back(
+        ResultTable& ray_table = result->tables.emplace_back(
             std::string(row.form->info->name) + "." + std::string(row.format.name), RayTable::columns(request.metrics));
-        rays.emplace_back(of_row, row, request.metrics);
+        rays.emplace_back(ray_table, row, request.metrics);
     }
     const auto show = rays.empty() ? measure::evaluate::ShowRows() : measure::evaluate::show_to_each(rays);
     const auto summaries = measure::evaluate::run_map(request, show);

@@ -12,53 +12,53 @@ using scene::dump::AnswerKind;
 
 namespace {
 
-constexpr const char* answers_named = "answers";
+constexpr const char* answers_name = "answers";
 
 /// The kind of answers that a column of this name has.
 AnswerKind kind_named(const char* column) {
     const std::string name = column ? column : "";
-    for (const auto& [each, kind] :
+    for (const auto& [known_name, kind] :
          {std::pair("hit_index", AnswerKind::all_hits), std::pair("crossings", AnswerKind::crossings),
           std::pair("parity", AnswerKind::parity), std::pair("inside", AnswerKind::inside)})
-        if (name == each) return kind;
+        if (name == known_name) return kind;
     throw InputError("column is \"" + name + "\"; write hit_index, crossings, parity or inside");
 }
 
-intersect::Facing facing_of(int word) {
-    if (word == 0) return intersect::Facing::both;
-    if (word == LB_FACING_FRONT) return intersect::Facing::front;
-    if (word == LB_FACING_BACK) return intersect::Facing::back;
-    throw InputError("facing is " + std::to_string(word) + "; give 0, LB_FACING_FRONT or LB_FACING_BACK");
+intersect::Facing facing_of(int value) {
+    if (value == 0) return intersect::Facing::both;
+    if (value == LB_FACING_FRONT) return intersect::Facing::front;
+    if (value == LB_FACING_BACK) return intersect::Facing::back;
+    throw InputError("facing is " + std::to_string(value) + "; give 0, LB_FACING_FRONT or LB_FACING_BACK");
 }
 
-bool may_miss_touches(int word) {
-    if (word != LB_HIT && word != LB_MISS)
-        throw InputError("touching is " + std::to_string(word) + "; give LB_HIT or LB_MISS");
-    return word == LB_MISS;
+bool may_miss_touches(int value) {
+    if (value != LB_HIT && value != LB_MISS)
+        throw InputError("touching is " + std::to_string(value) + "; give LB_HIT or LB_MISS");
+    return value == LB_MISS;
 }
 
 std::unique_ptr<ArrayDump> dump_of(const lostbits_rays& rays, const lostbits_mesh_answers& answers,
                                    const CallRun& running) {
     const AnswerKind kind = kind_named(answers.column);
-    const bool points = kind == AnswerKind::inside;
-    if (rays.origin.data == nullptr || answers.values.data == nullptr || (rays.direction.data == nullptr) != points)
-        throw InputError(points ? "answers: points need origin and values, and have no direction"
-                                : "answers: rays need origin, direction and values; give all three");
+    const bool are_points = kind == AnswerKind::inside;
+    if (rays.origin.data == nullptr || answers.values.data == nullptr || (rays.direction.data == nullptr) != are_points)
+        throw InputError(are_points ? "answers: points need origin and values, and have no direction"
+                                    : "answers: rays need origin, direction and values; give all three");
     std::vector<ArrayColumn> columns;
-    const auto put = [&](const lostbits_array& array, std::initializer_list<std::string> names) {
+    const auto append = [&](const lostbits_array& array, std::initializer_list<std::string> names) {
         if (array.data == nullptr) return;
-        require_reach(array, rays.count, names.size(), answers_named);
-        put_columns(columns, array, std::vector<std::string>(names));
+        require_addressable(array, rays.count, names.size(), answers_name);
+        append_columns(columns, array, std::vector<std::string>(names));
     };
-    if (points) put(rays.origin, {"px", "py", "pz"});
-    else put(rays.origin, {"ox", "oy", "oz"}), put(rays.direction, {"dx", "dy", "dz"});
-    put(rays.tmin, {"tmin"}), put(rays.tmax, {"tmax"}), put(rays.t, {"t"});
-    put(answers.objects, {"object"}), put(answers.values, {answers.column});
+    if (are_points) append(rays.origin, {"px", "py", "pz"});
+    else append(rays.origin, {"ox", "oy", "oz"}), append(rays.direction, {"dx", "dy", "dz"});
+    append(rays.tmin, {"tmin"}), append(rays.tmax, {"tmax"}), append(rays.t, {"t"});
+    append(answers.objects, {"object"}), append(answers.values, {answers.column});
     scene::dump::DumpOptions options{.stop = running.stop()};
     options.primitive = scene::triangle::Mesh::shape;
-    if (rays.open_ends != nullptr) options.open = open_ends_of(rays.open_ends);
+    if (rays.open_ends != nullptr) options.open = parse_open_ends(rays.open_ends);
     if (rays.format != nullptr) options.format = selection::select_formats({rays.format}, "format").front();
-    return std::make_unique<ArrayDump>(answers_named, std::move(columns), rays.count, options);
+    return std::make_unique<ArrayDump>(answers_name, std::move(columns), rays.count, options);
 }
 
 std::unique_ptr<lostbits_result> judge_answers(const lostbits_rays& rays, const lostbits_mesh_answers& answers,
@@ -66,7 +66,7 @@ std::unique_ptr<lostbits_result> judge_answers(const lostbits_rays& rays, const 
     require(rays.scene, "scene");
     const auto dump = dump_of(rays, answers, running);
     const AnswerKind kind = dump->layout().answers();
-    const auto stored = rays.scene->stored->in(rays.scene->scene, dump->format().parameters);
+    const auto stored = rays.scene->stored->get(rays.scene->scene, dump->format().parameters);
     if (!stored->mesh || !stored->beside_mesh.empty())
         throw InputError("answers: the scene must have meshes and no other primitives; give mesh=(vertices, faces)");
     measure::judge::MeshAnswersRequest request{.mesh = stored->mesh,
@@ -75,12 +75,12 @@ std::unique_ptr<lostbits_result> judge_answers(const lostbits_rays& rays, const 
                                                             .touching_may_miss = may_miss_touches(rays.touching),
                                                             .facing = facing_of(rays.facing)},
                                                .limit = {.stop = running.stop()}};
-    if (kind == AnswerKind::inside) measure::judge::require_inside(stored->mesh->mesh(), answers_named);
+    if (kind == AnswerKind::inside) measure::judge::require_inside(stored->mesh->mesh(), answers_name);
     std::vector<measure::judge::JudgedAnswer> rows;
-    const auto advance = running.advancing(0);
-    const auto found = measure::judge::judge_mesh_answers(*dump, request, [&](const auto& some) {
-        if (answers.rows != 0) rows.insert(rows.end(), some.begin(), some.end());
-        advance(some.size());
+    const auto advance = running.advance_callback(0);
+    const auto found = measure::judge::judge_mesh_answers(*dump, request, [&](const auto& judged) {
+        if (answers.rows != 0) rows.insert(rows.end(), judged.begin(), judged.end());
+        advance(judged.size());
     });
     auto result = std::make_unique<lostbits_result>();
     result->add_table<output::judge::MeshSummaryRow>(

@@ -24,16 +24,16 @@ using scene::rays::RayGroup;
 
 namespace {
 
-constexpr const char* whose = "rays";
+constexpr const char* rays_name = "rays";
 
 /// The arrays as a dump, and the primitives that all rays share.
 struct GivenRays {
     std::unique_ptr<ArrayDump> dump;
-    /// Empty without a mesh: each ray has its own primitive.
+    /// Primitives that all rays share. Without a mesh, an empty list means that each ray has its own primitive.
     std::vector<Primitive<double>> primitives = {};
     /// The triangles of the mesh come after `primitives`; null: no mesh.
     std::shared_ptr<const scene::rays::MeshColumns> mesh = {};
-    std::shared_ptr<const StoredScene> stored = {};  ///< if they come from a scene
+    std::shared_ptr<const StoredScene> stored = {};  ///< where the primitives come from; null: from arrays
     Shape shape{};                                   ///< of the first primitive
     [[nodiscard]] std::vector<Primitive<double>> examples() const {
         return scene::rays::examples_of(primitives, mesh.get());
@@ -43,7 +43,7 @@ struct GivenRays {
 /// The primitives of an array that all rays share, in its order.
 std::vector<Primitive<double>> shared_primitives_of(const lostbits_rays& rays, Shape shape, const Format& format) {
     std::vector<ArrayColumn> columns;
-    put_columns(columns, rays.primitives, column_names(shape));
+    append_columns(columns, rays.primitives, column_names(shape));
     std::vector<Primitive<double>> primitives;
     for (std::size_t i = 0; i < rays.primitive_count; ++i) {
         Primitive<double> primitive(shape);
@@ -60,26 +60,27 @@ std::vector<Primitive<double>> shared_primitives_of(const lostbits_rays& rays, S
     return primitives;
 }
 
-GivenRays given(const lostbits_rays& rays, const CallRun& running) {
+GivenRays read_rays(const lostbits_rays& rays, const CallRun& running) {
     if (rays.origin.data == nullptr || rays.direction.data == nullptr)
         throw InputError("rays: origin and direction are arrays of three numbers per ray; give both");
-    for (const auto* const array : {&rays.origin, &rays.direction}) require_reach(*array, rays.count, 3, whose);
+    for (const auto* const array : {&rays.origin, &rays.direction})
+        require_addressable(*array, rays.count, 3, rays_name);
     for (const auto* const array : {&rays.tmin, &rays.tmax, &rays.t, &rays.hit, &rays.by})
-        require_reach(*array, rays.count, 1, whose);
-    require_reach(rays.matrix, rays.count, scene::dump::matrix_columns.size(), whose);
-    require_reach(rays.primitives, rays.primitive_count, most_numbers, "primitives");
+        require_addressable(*array, rays.count, 1, rays_name);
+    require_addressable(rays.matrix, rays.count, scene::dump::matrix_columns.size(), rays_name);
+    require_addressable(rays.primitives, rays.primitive_count, most_numbers, "primitives");
     std::vector<ArrayColumn> columns;
-    put_columns(columns, rays.origin, std::array<std::string, 3>{"ox", "oy", "oz"});
-    put_columns(columns, rays.direction, std::array<std::string, 3>{"dx", "dy", "dz"});
-    put_columns(columns, rays.tmin, std::array<std::string, 1>{"tmin"});
-    put_columns(columns, rays.tmax, std::array<std::string, 1>{"tmax"});
-    put_columns(columns, rays.t, std::array<std::string, 1>{"t"});
-    put_columns(columns, rays.hit, std::array<std::string, 1>{"hit"});
-    put_columns(columns, rays.by, std::array<std::string, 1>{"`by`"});  // cylinders have a column by
-    put_columns(columns, rays.matrix,
-                std::vector<std::string>(scene::dump::matrix_columns.begin(), scene::dump::matrix_columns.end()));
+    append_columns(columns, rays.origin, std::array<std::string, 3>{"ox", "oy", "oz"});
+    append_columns(columns, rays.direction, std::array<std::string, 3>{"dx", "dy", "dz"});
+    append_columns(columns, rays.tmin, std::array<std::string, 1>{"tmin"});
+    append_columns(columns, rays.tmax, std::array<std::string, 1>{"tmax"});
+    append_columns(columns, rays.t, std::array<std::string, 1>{"t"});
+    append_columns(columns, rays.hit, std::array<std::string, 1>{"hit"});
+    append_columns(columns, rays.by, std::array<std::string, 1>{"`by`"});  // cylinders have a column by
+    append_columns(columns, rays.matrix,
+                   std::vector<std::string>(scene::dump::matrix_columns.begin(), scene::dump::matrix_columns.end()));
     scene::dump::DumpOptions options{.stop = running.stop()};
-    if (rays.open_ends != nullptr) options.open = open_ends_of(rays.open_ends);
+    if (rays.open_ends != nullptr) options.open = parse_open_ends(rays.open_ends);
     if (rays.format != nullptr) options.format = selection::select_formats({rays.format}, "format").front();
     GivenRays result;
     if (rays.scene != nullptr) {
@@ -98,13 +99,13 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
                              "; pairs need the same number of both");
         if (rays.paired == 0 && rays.primitive_count == 0)
             throw InputError("the list of primitives is empty; give at least one");
-        if (rays.paired != 0) put_columns(columns, rays.primitives, column_names(*shape));
+        if (rays.paired != 0) append_columns(columns, rays.primitives, column_names(*shape));
     }
     if (rays.paired == 0 || rays.scene != nullptr) options.primitive = result.shape;
-    result.dump = std::make_unique<ArrayDump>(whose, std::move(columns), rays.count, options);
+    result.dump = std::make_unique<ArrayDump>(rays_name, std::move(columns), rays.count, options);
     const Format& format = result.dump->format();
     if (rays.scene != nullptr) {
-        result.stored = rays.scene->stored->in(rays.scene->scene, format.parameters);
+        result.stored = rays.scene->stored->get(rays.scene->scene, format.parameters);
         result.primitives = result.stored->beside_mesh;
         result.mesh = result.stored->mesh;
     } else if (rays.paired == 0) {
@@ -116,18 +117,18 @@ GivenRays given(const lostbits_rays& rays, const CallRun& running) {
 
 /// The contract that the arguments state, for primitives of that shape.
 intersect::Info contract_of_arrays(const lostbits_rays& rays, Shape shape) {
-    lb_form words{};
-    words.name = "own.arrays";
-    words.format = LB_F64;
-    words.direction = rays.unit != 0 ? LB_UNIT : LB_ANY;
-    words.roots = (static_cast<unsigned>(rays.inside) & LB_INSIDE) == LB_INSIDE_NEAR ? LB_NEAR : LB_FIRST;
-    words.touching = rays.touching;
-    words.at_origin = rays.at_origin;
-    if (rays.facing != 0) words.shape = static_cast<int>(shape);
-    words.flags = static_cast<unsigned>(rays.inside) | static_cast<unsigned>(rays.facing);
-    words.run = [](const lb_batch*) -> const char* { return nullptr; };
-    const auto contract = intersect::external::contract_of(words, whose);
-    if (rays.scene == nullptr) intersect::require_origin(contract.at_origin, contract.inside, shape, whose);
+    lb_form form{};
+    form.name = "own.arrays";
+    form.format = LB_F64;
+    form.direction = rays.unit != 0 ? LB_UNIT : LB_ANY;
+    form.roots = (static_cast<unsigned>(rays.inside) & LB_INSIDE) == LB_INSIDE_NEAR ? LB_NEAR : LB_FIRST;
+    form.touching = rays.touching;
+    form.at_origin = rays.at_origin;
+    if (rays.facing != 0) form.shape = static_cast<int>(shape);
+    form.flags = static_cast<unsigned>(rays.inside) | static_cast<unsigned>(rays.facing);
+    form.run = [](const lb_batch*) -> const char* { return nullptr; };
+    const auto contract = intersect::external::contract_of(form, rays_name);
+    if (rays.scene == nullptr) intersect::require_origin(contract.at_origin, contract.inside, shape, rays_name);
     intersect::Info info{};
     info.direction = contract.direction;
     info.touching = contract.touching;
@@ -137,113 +138,116 @@ intersect::Info contract_of_arrays(const lostbits_rays& rays, Shape shape) {
     return info;
 }
 
-selection::Meets meets_of(const GivenRays& all) {
-    const Shapes shapes = selection::shapes_of_rays(all.dump->layout(), all.examples());
+selection::ShapePredicate meets_of(const GivenRays& given) {
+    const Shapes shapes = selection::shapes_of_rays(given.dump->layout(), given.examples());
     return [shapes](Shapes forms) { return forms == shapes; };
 }
 
-std::unique_ptr<lostbits_result> judge_of(const lostbits_rays& rays, Selection& chosen, CallRun& running) {
-    GivenRays all = given(rays, running);
+std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Selection& chosen, CallRun& running) {
+    GivenRays given = read_rays(rays, running);
     measure::judge::JudgeRequest request{
-        .primitives = all.primitives, .mesh = all.mesh, .limit = {.stop = running.stop()}};
+        .primitives = given.primitives, .mesh = given.mesh, .limit = {.stop = running.stop()}};
     if (rays.by.data != nullptr) request.by = 0;
-    intersect::Info contract = contract_of_arrays(rays, all.shape);
-    if (all.dump->layout().decides_only()) contract.roots = intersect::Roots::none;
-    const measure::judge::FileForm answers("arrays", all.shape, contract);
-    if (!chosen.rows.empty()) chosen.keep_rows_for(whose, meets_of(all));
-    else if (!all.dump->layout().has_answers())
+    intersect::Info contract = contract_of_arrays(rays, given.shape);
+    if (given.dump->layout().decides_only()) contract.roots = intersect::Roots::none;
+    const measure::judge::FileForm answers("arrays", given.shape, contract);
+    if (!chosen.rows.empty()) chosen.keep_rows_for(rays_name, meets_of(given));
+    else if (!given.dump->layout().has_answers())
         throw NothingSelected("rays: there are neither answers (t or hit) nor forms; give one of them");
-    if (all.dump->layout().has_answers()) {
+    if (given.dump->layout().has_answers()) {
         request.file_form = &answers.form();
-        request.rows.push_back({request.file_form, all.dump->format()});
+        request.rows.push_back({request.file_form, given.dump->format()});
     }
     request.rows.insert(request.rows.end(), chosen.rows.begin(), chosen.rows.end());
-    std::vector<const Metric*> asked{measure::metric::find_metric("lost_bits")};
-    std::ranges::copy(chosen.asked, std::back_inserter(asked));
-    request.metrics = selection::measured(asked, request.rows);
+    std::vector<const Metric*> metrics{measure::metric::find_metric("lost_bits")};
+    std::ranges::copy(chosen.extra_metrics, std::back_inserter(metrics));
+    request.metrics = selection::measured(metrics, request.rows);
     if (!chosen.rows.empty()) {
         RayGroup group;
-        group.primitives = all.examples();
-        if (group.primitives.empty()) group.primitives.emplace_back(all.shape);
-        if (all.dump->layout().has_matrix()) group.primitives.front().placed = selection::any_matrix();
+        group.primitives = given.examples();
+        if (group.primitives.empty()) group.primitives.emplace_back(given.shape);
+        if (given.dump->layout().has_matrix()) group.primitives.front().placed = selection::any_matrix();
         request.metrics = chosen.metric_set.for_forms(request.metrics, measure::evaluate::forms_of(chosen.rows),
                                                       [&group] { return measure::attribution::OwnedSetting(group); });
     }
-    const auto advance = running.advancing(rays.count);
+    const auto advance = running.advance_callback(rays.count);
     request.progress = [&advance](std::uint64_t done, std::uint64_t) { advance(done); };
 
     auto result = std::make_unique<lostbits_result>();
     std::vector<Shape> shapes;
-    const std::vector<Primitive<double>> examples = all.examples();
+    const std::vector<Primitive<double>> examples = given.examples();
     for (const ShapeRow& row : shape_rows) {
-        const auto of = [&row](const Primitive<double>& primitive) { return primitive.shape == row.shape; };
-        if (examples.empty() ? row.shape == all.shape : std::ranges::any_of(examples, of)) shapes.push_back(row.shape);
+        const auto has_shape = [&row](const Primitive<double>& primitive) { return primitive.shape == row.shape; };
+        if (examples.empty() ? row.shape == given.shape : std::ranges::any_of(examples, has_shape))
+            shapes.push_back(row.shape);
     }
     const auto summary =
-        output::map::summary_table(request.metrics, shapes, all.mesh != nullptr, request.by ? "by" : "");
+        output::map::summary_table(request.metrics, shapes, given.mesh != nullptr, request.by ? "by" : "");
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> rows;
     for (const TestedForm& row : request.rows) {
         if (chosen.choice.rows == 0) break;
-        ResultTable& of_row = result->tables.emplace_back(
+        ResultTable& ray_table = result->tables.emplace_back(
             std::string(row.form->info->name) + "." + std::string(row.format.name), RayTable::columns(request.metrics));
-        rows.emplace_back(of_row, row, request.metrics);
+        rows.emplace_back(ray_table, row, request.metrics);
     }
-    const auto found = measure::judge::run_judge(
-        *all.dump, request, [&rows](std::size_t r, const auto&, const measure::evaluate::BandResult& band) {
+    const auto judgement = measure::judge::run_judge(
+        *given.dump, request, [&rows](std::size_t r, const auto&, const measure::evaluate::BandResult& band) {
             if (!rows.empty()) rows[r].band(band);
         });
     auto csv = table.writer();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        for (const auto& row : output::map::summary_rows(r, request.rows[r], found.summaries[r], found.groups,
+        for (const auto& row : output::map::summary_rows(r, request.rows[r], judgement.summaries[r], judgement.groups,
                                                          [](const measure::evaluate::WorstRay& ray) {
                                                              return output::attribution::name_of_ray(ray.given.get());
                                                          }))
             summary.add_row(csv, row);
     }
-    if (const auto file = request.file_place())
-        result->texts = selection::suspicions_of({request.rows[*file]}, [&](const TestedForm&) {
-            const auto& summary_of_file = found.summaries[*file];
-            const std::string words = measure::contract::suspicion(found.first, measure::contract::AnswerSource::file,
-                                                                   found.misses_beside_first(summary_of_file));
-            const bool has_all = found.first_are_all(summary_of_file);
-            return measure::contract::on_rays_of(whose, has_all ? found.rays : found.first.size(), found.rays,
-                                                 "of its rays that hit or should hit", words);
+    if (const auto file_row = request.file_place())
+        result->texts = selection::suspicions_of({request.rows[*file_row]}, [&](const TestedForm&) {
+            const auto& summary_of_file = judgement.summaries[*file_row];
+            const std::string suspicion_text = measure::contract::suspicion(
+                judgement.first, measure::contract::AnswerSource::file, judgement.misses_beside_first(summary_of_file));
+            const bool is_whole = judgement.first_are_all(summary_of_file);
+            return measure::contract::on_rays_of(rays_name, is_whole ? judgement.rays : judgement.first.size(),
+                                                 judgement.rays, "of its rays that hit or should hit", suspicion_text);
         });
     return result;
 }
 
 /// Calls `act(first, group, culler)` in parallel for pieces of the rays. The group has the rays from `first` on and
 /// their primitives. The culler finds the primitives that a ray can meet; it is null unless there is a mesh or at least
-/// `many` primitives.
+/// `least_primitives` primitives.
 template <class Act>
-void by_piece(GivenRays& all, CallRun& running, std::size_t count, std::size_t many, const Act& act) {
+void for_each_piece(GivenRays& given, CallRun& running, std::size_t count, std::size_t least_primitives,
+                    const Act& act) {
     constexpr std::size_t piece = 8192;
-    const auto advance = running.advancing(count);
+    const auto advance = running.advance_callback(count);
     std::optional<measure::culling::Culler> own_culler;
-    const measure::culling::Culler* of_all = nullptr;
-    if (all.mesh || all.primitives.size() >= many)
-        of_all = all.stored ? &all.stored->culler() : &own_culler.emplace(primitive_list(all.primitives, all.mesh));
+    const measure::culling::Culler* shared_culler = nullptr;
+    if (given.mesh || given.primitives.size() >= least_primitives)
+        shared_culler =
+            given.stored ? &given.stored->culler() : &own_culler.emplace(primitive_list(given.primitives, given.mesh));
     intersect::process::in_parallel(std::size_t{0}, (count + piece - 1) / piece, [&](std::size_t p) {
         const std::size_t first = p * piece, n = std::min(piece, count - first);
-        scene::dump::Chunk chunk = all.dump->decode({.first = first, .count = n, .bytes = {}});
+        scene::dump::Chunk chunk = given.dump->decode({.first = first, .count = n, .bytes = {}});
         RayGroup group;
         group.paired = !chunk.primitives.empty();
-        group.primitives = group.paired ? std::move(chunk.primitives) : all.primitives;
-        group.mesh = group.paired ? nullptr : all.mesh;
+        group.primitives = group.paired ? std::move(chunk.primitives) : given.primitives;
+        group.mesh = group.paired ? nullptr : given.mesh;
         group.rays = std::move(chunk.rays);
         group.rays.width = static_cast<int>(n);
         group.rays.y1 = 1;
         std::optional<measure::culling::Culler> culler;
-        if (of_all && !group.paired) culler.emplace(*of_all, group.rays);
+        if (shared_culler && !group.paired) culler.emplace(*shared_culler, group.rays);
         act(first, std::move(group), culler ? &*culler : nullptr);
         advance(n);
     });
 }
 
 std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Selection& chosen, CallRun& running) {
-    GivenRays all = given(rays, running);
-    chosen.keep_rows_for(whose, meets_of(all));
+    GivenRays given = read_rays(rays, running);
+    chosen.keep_rows_for(rays_name, meets_of(given));
     auto result = std::make_unique<lostbits_result>();
     for (const TestedForm& row : chosen.rows) {
         ResultTable& table = result->tables.emplace_back(
@@ -252,7 +256,7 @@ std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Sel
                                               {"t", "number", "t", "t of the form, in its own unit"}});
         for (ResultColumn& column : table.columns) column.numbers.resize(rays.count);
     }
-    by_piece(all, running, rays.count, SIZE_MAX, [&](std::size_t first, RayGroup group, auto* culler) {
+    for_each_piece(given, running, rays.count, SIZE_MAX, [&](std::size_t first, RayGroup group, auto* culler) {
         const measure::truth::Band band(std::move(group), {.stop = running.stop()}, culler);
         for (std::size_t r = 0; r < chosen.rows.size(); ++r) {
             const TestedForm& row = chosen.rows[r];
@@ -269,14 +273,14 @@ std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Sel
 }
 
 /// A certified number as a sum of two doubles.
-std::pair<double, double> in_two_words(const measure::truth::Certified& t) {
+std::pair<double, double> as_two_doubles(const measure::truth::Certified& t) {
     const int e = static_cast<int>(std::clamp<std::int64_t>(t.exponent, -3000, 3000));
     return {std::ldexp(t.hi, e), std::ldexp(t.lo, e)};
 }
 
 std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, CallRun& running) {
-    GivenRays all = given(rays, running);
-    const intersect::Info contract = contract_of_arrays(rays, all.shape);
+    GivenRays given = read_rays(rays, running);
+    const intersect::Info contract = contract_of_arrays(rays, given.shape);
     auto result = std::make_unique<lostbits_result>();
     ResultTable& table = result->tables.emplace_back(
         "truth",
@@ -286,36 +290,36 @@ std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, CallRu
                                           {"t_lo", "number", "t", "t* - t_hi, to 2^-72 of t*"}});
     for (ResultColumn& column : table.columns) column.numbers.assign(rays.count, measure::truth::missing);
     const bool unit = contract.direction == intersect::Direction::unit;
-    by_piece(all, running, rays.count, measure::culling::least_primitives,
-             [&](std::size_t first, RayGroup group, auto* culler) {
-                 const bool paired = group.paired;
-                 const measure::truth::Band band(std::move(group), {.stop = running.stop()}, culler);
-                 for (std::size_t i = 0; i < band.pixels(); ++i) {
-                     const measure::truth::Truth truth = band.truth(i, contract.convention());
-                     table.columns[0].numbers[first + i] = static_cast<double>(truth.decision);
-                     if (!truth.is_hit()) continue;
-                     table.columns[1].numbers[first + i] = static_cast<double>(paired ? first + i : truth.object);
-                     std::tie(table.columns[2].numbers[first + i], table.columns[3].numbers[first + i]) =
-                         in_two_words(unit ? truth.distance : truth.t);
-                 }
-             });
+    for_each_piece(given, running, rays.count, measure::culling::least_primitives,
+                   [&](std::size_t first, RayGroup group, auto* culler) {
+                       const bool paired = group.paired;
+                       const measure::truth::Band band(std::move(group), {.stop = running.stop()}, culler);
+                       for (std::size_t i = 0; i < band.pixels(); ++i) {
+                           const measure::truth::Truth truth = band.truth(i, contract.convention());
+                           table.columns[0].numbers[first + i] = static_cast<double>(truth.decision);
+                           if (!truth.is_hit()) continue;
+                           table.columns[1].numbers[first + i] = static_cast<double>(paired ? first + i : truth.object);
+                           std::tie(table.columns[2].numbers[first + i], table.columns[3].numbers[first + i]) =
+                               as_two_doubles(unit ? truth.distance : truth.t);
+                       }
+                   });
     return result;
 }
 
 std::unique_ptr<lostbits_result> hits_of_rays(const lostbits_rays& rays, CallRun& running) {
-    GivenRays all = given(rays, running);
-    const auto is_triangle = [](const auto& one) { return one.shape == scene::triangle::Mesh::shape; };
-    if (rays.paired != 0 || !std::ranges::all_of(all.examples(), is_triangle))
+    GivenRays given = read_rays(rays, running);
+    const auto is_triangle = [](const auto& primitive) { return primitive.shape == scene::triangle::Mesh::shape; };
+    if (rays.paired != 0 || !std::ranges::all_of(given.examples(), is_triangle))
         throw InputError("rays: crossings need triangles that all rays share; give a mesh, or an array of triangles");
     std::vector<measure::crossing::MeshCrossings> found(rays.count);
-    by_piece(all, running, rays.count, measure::culling::least_primitives,
-             [&](std::size_t first, RayGroup group, auto* culler) {
-                 const auto primitives = scene::rays::primitive_list_of(group);
-                 for (std::size_t i = 0; i < group.rays.size(); ++i)
-                     found[first + i] = measure::crossing::crossings_of(
-                         group.rays[i], {primitives, culler ? culler->for_truth() : nullptr}, group.rays.range(i),
-                         {.stop = running.stop()});
-             });
+    for_each_piece(given, running, rays.count, measure::culling::least_primitives,
+                   [&](std::size_t first, RayGroup group, auto* culler) {
+                       const auto primitives = scene::rays::primitive_list_of(group);
+                       for (std::size_t i = 0; i < group.rays.size(); ++i)
+                           found[first + i] = measure::crossing::crossings_of(
+                               group.rays[i], {primitives, culler ? culler->for_truth() : nullptr}, group.rays.range(i),
+                               {.stop = running.stop()});
+                   });
     auto result = std::make_unique<lostbits_result>();
     ResultTable& table = result->tables.emplace_back(
         "crossings",
@@ -331,14 +335,14 @@ std::unique_ptr<lostbits_result> hits_of_rays(const lostbits_rays& rays, CallRun
         "rays", std::vector<output::file::Column>{{"resolved", "boolean", "", "every decision is proved"}});
     for (std::size_t i = 0; i < found.size(); ++i) {
         resolved.columns[0].numbers.push_back(found[i].is_resolved ? 1 : 0);
-        for (const measure::crossing::MeshCrossing& one : found[i].in_order) {
+        for (const measure::crossing::MeshCrossing& crossing : found[i].in_order) {
             table.columns[0].numbers.push_back(static_cast<double>(i));
-            table.columns[1].numbers.push_back(one.place);
-            table.columns[2].numbers.push_back(one.triangle);
-            const auto [hi, lo] = in_two_words(one.t);
+            table.columns[1].numbers.push_back(crossing.place);
+            table.columns[2].numbers.push_back(crossing.triangle);
+            const auto [hi, lo] = as_two_doubles(crossing.t);
             table.columns[3].numbers.push_back(hi), table.columns[4].numbers.push_back(lo);
-            table.columns[5].numbers.push_back(one.front ? 1 : 0);
-            table.columns[6].numbers.push_back(one.at_rim ? 1 : 0);
+            table.columns[5].numbers.push_back(crossing.front ? 1 : 0);
+            table.columns[6].numbers.push_back(crossing.at_rim ? 1 : 0);
         }
     }
     return result;
@@ -363,16 +367,16 @@ void add_edges(const scene::triangle::MeshEdges& edges, lostbits_result& result)
 std::unique_ptr<lostbits_result> places_of_points(const lostbits_scene& scene, const lostbits_array& points,
                                                   std::size_t count, CallRun& running) {
     if (points.data == nullptr) throw InputError("points: the array is missing; give three numbers per point");
-    require_reach(points, count, 3, "points");
-    const auto stored = scene.stored->in(scene.scene, binary64);
+    require_addressable(points, count, 3, "points");
+    const auto stored = scene.stored->get(scene.scene, binary64);
     if (!stored->mesh || !stored->beside_mesh.empty())
         throw InputError("inside: the scene must have meshes and no other primitives; give mesh=(vertices, faces)");
     const Format format = *find_format("f64");
     std::vector<ArrayColumn> columns;
-    put_columns(columns, points, std::array<std::string, 3>{"x", "y", "z"});
+    append_columns(columns, points, std::array<std::string, 3>{"x", "y", "z"});
     std::vector<measure::crossing::PointInMesh> found(count);
     const measure::crossing::Triangles triangles{stored->culler().shared(), stored->culler().for_truth()};
-    const auto advance = running.advancing(count);
+    const auto advance = running.advance_callback(count);
     constexpr std::size_t piece = 1024;
     intersect::process::in_parallel(std::size_t{0}, (count + piece - 1) / piece, [&](std::size_t p) {
         const std::size_t first = p * piece, n = std::min(piece, count - first);
@@ -392,18 +396,18 @@ std::unique_ptr<lostbits_result> places_of_points(const lostbits_scene& scene, c
                       {"crossings", "integer", "", "crossings of the ray by which the layers are counted"},
                       {"on_surface", "boolean", "", "the point lies on a triangle"},
                       {"resolved", "boolean", "", "the other columns are proved"}});
-    for (const measure::crossing::PointInMesh& one : found) {
-        table.columns[0].numbers.push_back(one.winding);
-        table.columns[1].numbers.push_back(one.crossings);
-        table.columns[2].numbers.push_back(one.on_surface ? 1 : 0);
-        table.columns[3].numbers.push_back(one.is_resolved ? 1 : 0);
+    for (const measure::crossing::PointInMesh& point : found) {
+        table.columns[0].numbers.push_back(point.winding);
+        table.columns[1].numbers.push_back(point.crossings);
+        table.columns[2].numbers.push_back(point.on_surface ? 1 : 0);
+        table.columns[3].numbers.push_back(point.is_resolved ? 1 : 0);
     }
     add_edges(stored->mesh->mesh().edges, *result);
     return result;
 }
 
 template <class Find>
-int call(lostbits_result** result, lostbits_error* error, const lostbits_rays* rays, const Find& find) {
+int run_call(lostbits_result** result, lostbits_error* error, const lostbits_rays* rays, const Find& find) {
     return guarded(error, [&] {
         require(rays, "rays");
         require(result, "result");
@@ -421,16 +425,16 @@ extern "C" {
 
 int lostbits_judge(const lostbits_rays* rays, const lostbits_choice* choice, const lostbits_run* run,
                    lostbits_result** result, lostbits_error* error) {
-    return call(result, error, rays, [&] {
+    return run_call(result, error, rays, [&] {
         Selection chosen(choice, true);
         CallRun running(run);
-        return judge_of(*rays, chosen, running);
+        return judge_given_rays(*rays, chosen, running);
     });
 }
 
 int lostbits_answers(const lostbits_rays* rays, const lostbits_choice* choice, const lostbits_run* run,
                      lostbits_result** result, lostbits_error* error) {
-    return call(result, error, rays, [&] {
+    return run_call(result, error, rays, [&] {
         Selection chosen(choice);
         CallRun running(run);
         return answers_of_forms(*rays, chosen, running);
@@ -439,14 +443,14 @@ int lostbits_answers(const lostbits_rays* rays, const lostbits_choice* choice, c
 
 int lostbits_truth(const lostbits_rays* rays, const lostbits_run* run, lostbits_result** result,
                    lostbits_error* error) {
-    return call(result, error, rays, [&] {
+    return run_call(result, error, rays, [&] {
         CallRun running(run);
         return truth_of_rays(*rays, running);
     });
 }
 
 int lostbits_hits(const lostbits_rays* rays, const lostbits_run* run, lostbits_result** result, lostbits_error* error) {
-    return call(result, error, rays, [&] {
+    return run_call(result, error, rays, [&] {
         CallRun running(run);
         return hits_of_rays(*rays, running);
     });

@@ -18,7 +18,7 @@ namespace {
 constexpr std::uint8_t no_category = 255;
 
 template <class Names>
-void put_names(ResultColumn& column, const Names& names) {
+void append_names(ResultColumn& column, const Names& names) {
     for (const auto& name : names) column.names.emplace_back(name);
 }
 
@@ -28,14 +28,14 @@ std::uint8_t code_of(double category) {
 
 }  // namespace
 
-ResultTable::ResultTable(std::string title, const std::vector<Column>& all) : name(std::move(title)) {
-    for (const Column& column : all) columns.push_back({.about = column});
+ResultTable::ResultTable(std::string title, const std::vector<Column>& descriptions) : name(std::move(title)) {
+    for (const Column& column : descriptions) columns.push_back({.about = column});
 }
 
 output::file::CsvWriter ResultTable::writer() {
-    std::vector<Column> abouts;
-    for (const ResultColumn& column : columns) abouts.push_back(column.about);
-    return {abouts, [this](std::size_t k, const Cell& cell) {
+    std::vector<Column> descriptions;
+    for (const ResultColumn& column : columns) descriptions.push_back(column.about);
+    return {descriptions, [this](std::size_t k, const Cell& cell) {
                 ResultColumn& column = columns[k];
                 if (column.about.type != "string") return column.numbers.push_back(cell.number());
                 std::string text = cell.text();
@@ -56,7 +56,7 @@ std::size_t ResultTable::rows() const {
 void ResultTable::seal() {
     for (ResultColumn& column : columns) {
         for (const auto& text : column.texts) column.text_pointers.push_back(text ? text->c_str() : nullptr);
-        for (const std::string& word : column.names) column.name_pointers.push_back(word.c_str());
+        for (const std::string& category : column.names) column.name_pointers.push_back(category.c_str());
     }
 }
 
@@ -71,9 +71,9 @@ std::vector<Column> RayTable::columns(const std::vector<const Metric*>& metrics)
 RayTable::RayTable(ResultTable& table, const measure::evaluate::TestedForm& row,
                    const std::vector<const Metric*>& metrics)
     : table_(table), row_(row), metrics_(metrics) {
-    put_names(table["outcome"], measure::answer::outcome_names);
+    append_names(table["outcome"], measure::answer::outcome_names);
     table["outcome"].colours = &output::image::outcome_colours.front().r;
-    for (const Metric* m : metrics) put_names(table[measure::evaluate::column_name(*m)], m->categories);
+    for (const Metric* m : metrics) append_names(table[measure::evaluate::column_name(*m)], m->categories);
 }
 
 void RayTable::band(const measure::evaluate::BandResult& result) {
@@ -118,15 +118,15 @@ int lostbits_result_column(const lostbits_result* result, size_t table, size_t c
     if (result == nullptr || table >= result->tables.size() || column >= result->tables[table].columns.size())
         return LOSTBITS_NOTHING;
     const ResultColumn& c = result->tables[table].columns[column];
-    const bool coded = !c.names.empty(), texts = !coded && c.about.type == "string";
+    const bool is_coded = !c.names.empty(), is_text = !is_coded && c.about.type == "string";
     *into = {.name = c.about.name.c_str(),
              .type = c.about.type.c_str(),
              .unit = c.about.unit.c_str(),
              .meaning = c.about.meaning.c_str(),
-             .numbers = coded || texts ? nullptr : c.numbers.data(),
-             .texts = texts ? c.text_pointers.data() : nullptr,
-             .categories = coded ? c.codes.data() : nullptr,
-             .names = coded ? c.name_pointers.data() : nullptr,
+             .numbers = is_coded || is_text ? nullptr : c.numbers.data(),
+             .texts = is_text ? c.text_pointers.data() : nullptr,
+             .categories = is_coded ? c.codes.data() : nullptr,
+             .names = is_coded ? c.name_pointers.data() : nullptr,
              .name_count = c.names.size(),
              .colours = c.colours};
     return LOSTBITS_OK;

@@ -22,9 +22,9 @@ TextFile::~TextFile() { close(file_); }
 
 namespace {
 
-Scene only_scene(const std::string& name, const lostbits_where& where, const std::string& data) {
+Scene load_scene(const std::string& name, const lostbits_where& where, const std::string& data) {
     selection::SceneChoice choice{
-        .names = {name}, .size = {}, .variant = {}, .set = words_of(where.set, "set"), .stop = stop_by(where.stop)};
+        .names = {name}, .size = {}, .variant = {}, .set = texts_of(where.set, "set"), .stop = stop_by(where.stop)};
     if (where.width != 0 || where.height != 0)
         choice.size = std::to_string(where.width) + "x" + std::to_string(where.height);
     return selection::load_one_scene(choice, data);
@@ -45,29 +45,29 @@ void remove_primitives(lostbits_scene& scene) {
     scene.scene.mesh.reset();
 }
 
-Shape shape_of_word(const char* word) {
-    require(word, "shape");
-    const auto shape = shape_named(word);
+Shape parse_shape(const char* name) {
+    require(name, "shape");
+    const auto shape = shape_named(name);
     std::string names;
     for (const ShapeRow& row : shape_rows) names += (names.empty() ? "" : ", ") + std::string(row.name);
-    if (!shape || !is_primitive(*shape)) throw InputError("shape \"" + std::string(word) + "\" is not one of " + names);
+    if (!shape || !is_primitive(*shape)) throw InputError("shape \"" + std::string(name) + "\" is not one of " + names);
     return *shape;
 }
 
 /// A primitive from its numbers. Throws InputError, as for a file, if the ideal or the stored numbers break a limit.
-Primitive<Real> primitive_of(Shape shape, const double* numbers, const Scene& scene, const std::string& place) {
+Primitive<Real> primitive_of(Shape shape, const double* numbers, const Scene& scene, const std::string& subject) {
     Primitive<double> primitive(shape);
     std::copy_n(numbers, primitive.used().size(), primitive.used().begin());
     for (std::size_t k = 0; k < primitive.used().size(); ++k) {
         if (!std::isfinite(primitive.numbers[k]))
-            throw InputError(place + ": " + number_names(shape)[k] + " is " + std::to_string(primitive.numbers[k]) +
+            throw InputError(subject + ": " + number_names(shape)[k] + " is " + std::to_string(primitive.numbers[k]) +
                              ", which is not a finite number");
     }
     const bool shared = scene.inputs == scene::file::Inputs::shared;
-    for (const Primitive<double>& held :
+    for (const Primitive<double>& candidate :
          {primitive, shared ? scene::rays::round_primitive(primitive, binary32) : primitive}) {
-        if (const auto broken = broken_limit(held))
-            throw InputError(place + ": " + std::string(broken->key->name) + " " + limit_phrase(shape, *broken->key));
+        if (const auto broken = broken_limit(candidate))
+            throw InputError(subject + ": " + std::string(broken->key->name) + " " + limit_phrase(shape, *broken->key));
     }
     return transformed(primitive, [](double x) { return Real(x); });
 }
@@ -105,16 +105,17 @@ void add_primitives(const Scene& scene, lostbits_result& result) {
     const std::vector<Primitive<double>> primitives = scene::rays::stored_primitives(scene, binary64);
     for (const Shape shape : scene.shapes()) {
         std::vector<output::file::Column> columns;
-        const bool placed = std::ranges::any_of(primitives, [shape](const Primitive<double>& primitive) {
+        const bool has_matrices = std::ranges::any_of(primitives, [shape](const Primitive<double>& primitive) {
             return primitive.shape == shape && primitive.placed;
         });
         for (const std::string& name : number_names(shape))
             columns.push_back({name, "number", "", "number of the primitive, as stored"});
         const std::size_t numbers = columns.size();
-        for (std::size_t k = 0; placed && k < Affine<double>::numbers; ++k)
+        for (std::size_t k = 0; has_matrices && k < Affine<double>::numbers; ++k)
             columns.push_back({"M" + std::to_string(k / 4) + std::to_string(k % 4), "number", "",
                                "number of the matrix that places the primitive, as stored"});
-        if (placed) columns.push_back({"inverse", "boolean", "", "1 if the matrix maps world space to object space"});
+        if (has_matrices)
+            columns.push_back({"inverse", "boolean", "", "1 if the matrix maps world space to object space"});
         columns.push_back({"number", "integer", "", "index of the primitive in the scene, from 0"});
         ResultTable& table = result.tables.emplace_back(std::string(name_of(shape)), columns);
         for (std::size_t i = 0; i < primitives.size(); ++i) {
@@ -122,7 +123,7 @@ void add_primitives(const Scene& scene, lostbits_result& result) {
             if (primitive.shape != shape) continue;
             table.columns.back().numbers.push_back(static_cast<double>(i));
             for (std::size_t k = 0; k < numbers; ++k) table.columns[k].numbers.push_back(primitive.numbers[k]);
-            if (placed) add_matrix(primitive.placed, std::span(table.columns).subspan(numbers));
+            if (has_matrices) add_matrix(primitive.placed, std::span(table.columns).subspan(numbers));
         }
     }
 }
@@ -146,9 +147,9 @@ int lostbits_scene_open(const char* name, const lostbits_where* where, lostbits_
         const lostbits_where given = where ? *where : lostbits_where{};
         const std::string data = data_of(given);
         auto found = std::make_unique<lostbits_scene>(
-            lostbits_scene{.scene = only_scene(name, given, data), .explain_arguments = {}});
+            lostbits_scene{.scene = load_scene(name, given, data), .explain_arguments = {}});
         found->explain_arguments = selection::name_of_scene(found->scene, data);
-        for (const std::string& set : words_of(given.set, "set")) found->explain_arguments += " --set '" + set + "'";
+        for (const std::string& set : texts_of(given.set, "set")) found->explain_arguments += " --set '" + set + "'";
         if (given.width != 0)
             found->explain_arguments += " --size " + std::to_string(given.width) + "x" + std::to_string(given.height);
         *scene = found.release();
@@ -162,7 +163,7 @@ int lostbits_scene_text(const char* text, const lostbits_where* where, lostbits_
         require(scene, "scene");
         const TextFile file(text);
         auto found = std::make_unique<lostbits_scene>(lostbits_scene{
-            .scene = file.with_places([&] { return only_scene(file.path(), where ? *where : lostbits_where{}, ""); }),
+            .scene = file.with_places([&] { return load_scene(file.path(), where ? *where : lostbits_where{}, ""); }),
             .explain_arguments = {}});
         found->scene.id = "text";
         found->scene.path.clear();
@@ -175,14 +176,14 @@ int lostbits_scene_primitives(lostbits_scene* scene, const char* shape, const do
                               lostbits_error* error) {
     return guarded(error, [&] {
         require(scene, "scene");
-        const Shape of = shape_of_word(shape);
+        const Shape parsed_shape = parse_shape(shape);
         if (count == 0) throw InputError("the list of primitives is empty; give at least one");
         require(numbers, "numbers");
-        const std::span<const double> all = array_of(numbers, count, "numbers", row_of(of).numbers);
+        const std::span<const double> all = array_of(numbers, count, "numbers", row_of(parsed_shape).numbers);
         std::vector<Primitive<Real>> primitives;
         for (std::size_t i = 0; i < count; ++i)
-            primitives.push_back(primitive_of(of, &all[i * row_of(of).numbers], scene->scene,
-                                              std::string(row_of(of).name) + " " + std::to_string(i)));
+            primitives.push_back(primitive_of(parsed_shape, &all[i * row_of(parsed_shape).numbers], scene->scene,
+                                              std::string(row_of(parsed_shape).name) + " " + std::to_string(i)));
         remove_primitives(*scene);
         auto& listed = scene->scene.listed;
         listed.insert(listed.end(), primitives.begin(), primitives.end());
@@ -216,7 +217,7 @@ int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t ve
             mesh.faces.push_back({f[0], f[1], f[2]});
         }
         scene::triangle::tidy(mesh, [](std::size_t face) { return "face " + std::to_string(face); });
-        // Without them every later triangle would have another number than its row.
+        // Without the removed faces every later triangle would have another index than its row.
         if (mesh.left_out > 0)
             throw InputError("faces: " + std::to_string(mesh.left_out) + " of " + std::to_string(face_count) +
                              " have no area (the first is " + mesh.first_left_out +
@@ -232,10 +233,10 @@ int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int in
     return guarded(error, [&] {
         require(scene, "scene");
         require(matrix, "matrix");
-        Scene& of = scene->scene;
+        Scene& target = scene->scene;
         scene->stored->forget();
-        if (of.flake) throw InputError("transform: a sphereflake is made in world space and takes no matrix");
-        const bool shared = of.inputs == scene::file::Inputs::shared;
+        if (target.flake) throw InputError("transform: a sphereflake is made in world space and takes no matrix");
+        const bool shared = target.inputs == scene::file::Inputs::shared;
         std::array<double, Affine<double>::numbers> numbers;
         for (std::size_t k = 0; k < numbers.size(); ++k) {
             const double x = shared ? rounding::to_format(matrix[k], 0, binary32) : matrix[k];
@@ -244,11 +245,11 @@ int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int in
                                  (shared ? " of float32" : ""));
             numbers[k] = x;
         }
-        const Placement<double> placed = placement_of(numbers, inverse != 0);
-        if (!placed.is_proper()) throw InputError("transform: the matrix " + std::string(singular_words));
-        for (Primitive<Real>& primitive : of.listed)
-            primitive.placed = transformed(placed, [](double x) { return Real(x); });
-        if (of.mesh) of.mesh_placed = placed;
+        const Placement<double> placement = placement_of(numbers, inverse != 0);
+        if (!placement.is_proper()) throw InputError("transform: the matrix " + std::string(singular_words));
+        for (Primitive<Real>& primitive : target.listed)
+            primitive.placed = transformed(placement, [](double x) { return Real(x); });
+        if (target.mesh) target.mesh_placed = placement;
         scene->explain_arguments.clear();
         return Exit::done;
     });

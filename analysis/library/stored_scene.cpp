@@ -17,16 +17,16 @@ StoredScene::StoredScene(const Scene& scene, const FloatFormat& format)
     : beside_mesh(scene::rays::stored_beside_mesh(scene, format)), mesh(scene::rays::stored_mesh(scene, format)) {}
 
 const measure::culling::Culler& StoredScene::culler() const {
-    std::call_once(made_, [this] { culler_.emplace(primitive_list(beside_mesh, mesh)); });
+    std::call_once(culler_made_, [this] { culler_.emplace(primitive_list(beside_mesh, mesh)); });
     return *culler_;
 }
 
-std::shared_ptr<const StoredScene> StoredScenes::in(const Scene& scene, const FloatFormat& format) {
+std::shared_ptr<const StoredScene> StoredScenes::get(const Scene& scene, const FloatFormat& format) {
     if (!scene.mesh) return std::make_shared<const StoredScene>(scene, format);
-    const std::scoped_lock lock(making_);
-    auto& kept = made_[{format.precision, format.emin, format.emax}];
-    if (!kept) kept = std::make_shared<const StoredScene>(scene, format);
-    return kept;
+    const std::scoped_lock lock(mutex_);
+    auto& stored = scenes_[{format.precision, format.emin, format.emax}];
+    if (!stored) stored = std::make_shared<const StoredScene>(scene, format);
+    return stored;
 }
 
 }  // namespace lostbits::analysis::library

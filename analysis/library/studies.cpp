@@ -32,11 +32,11 @@ std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, con
                          "sweep` measures those");
     const scene::sweep::SweepFile sweep(path, data, {}, running.stop());
     chosen.keep_rows_for("sweep " + sweep.id, [&sweep](Shapes forms) { return sweep.meets(forms); });
-    std::vector<const measure::metric::Metric*> asked = chosen.asked;
-    for (const char* name : {"inherent_bits", "excess_bits"}) asked.push_back(measure::metric::find_metric(name));
-    auto request = study::sweep_of(sweep, chosen.rows, std::move(asked), chosen.metric_set, running.stop());
+    std::vector<const measure::metric::Metric*> metrics = chosen.extra_metrics;
+    for (const char* name : {"inherent_bits", "excess_bits"}) metrics.push_back(measure::metric::find_metric(name));
+    auto request = study::sweep_of(sweep, chosen.rows, std::move(metrics), chosen.metric_set, running.stop());
     output::sweep::SweepFiles::require_own_columns(request);
-    request.progress = running.advancing(measure::sweep::sweep_units(request));
+    request.progress = running.advance_callback(measure::sweep::sweep_units(request));
     const auto found = measure::sweep::measure_sweep(request);
     auto result = std::make_unique<lostbits_result>();
     result->add_table("samples", output::sweep::sample_table(request),
@@ -45,11 +45,11 @@ std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, con
     return result;
 }
 
-/// The only chosen row. Throws InputError, which begins with `what`, if there are several, or if the operations of its
-/// form are not known.
-const TestedForm& only_row(const Selection& chosen, const std::string& what) {
+/// The only chosen row. Throws InputError, which begins with `context`, if there are several, or if the operations of
+/// its form are not known.
+const TestedForm& only_row(const Selection& chosen, const std::string& context) {
     if (chosen.rows.size() != 1)
-        throw InputError(what + ", and " + std::to_string(chosen.rows.size()) +
+        throw InputError(context + ", and " + std::to_string(chosen.rows.size()) +
                          " pairs of form and format are chosen; name one form and one format");
     const TestedForm& row = chosen.rows.front();
     if (!row.form->is_template())
@@ -73,25 +73,26 @@ std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene,
     return result;
 }
 
-/// The summary of a study of a scene.
+/// Measures a study of a scene; the result has its summary.
 template <class Adapter>
 std::unique_ptr<lostbits_result> study_of(const scene::file::Scene& scene, const std::vector<std::string>& options,
                                           const lostbits_choice* choice, CallRun& running) {
     lostbits_choice given = choice ? *choice : lostbits_choice{};
-    const std::vector<std::string> usual = Adapter::usual_forms();
-    std::vector<const char*> forms(usual.size());
-    std::ranges::transform(usual, forms.begin(), &std::string::c_str);
+    const std::vector<std::string> default_forms = Adapter::usual_forms();
+    std::vector<const char*> forms(default_forms.size());
+    std::ranges::transform(default_forms, forms.begin(), &std::string::c_str);
     if (given.forms.count == 0 && given.own_count == 0) given.forms = {forms.data(), forms.size()};
     if (given.formats.count == 0) given.formats = {&study::usual_format, 1};
     Selection chosen(&given);
-    std::erase_if(chosen.rows, [](const TestedForm& row) { return !Adapter::takes(*row.form); });
+    std::erase_if(chosen.rows, [](const TestedForm& row) { return !Adapter::can_measure(*row.form); });
     selection::refuse_generators(chosen.rows, Adapter::name);
     selection::refuse_generated_rays({scene}, Adapter::name);
     Adapter::require(scene);
     chosen.keep_rows_for("scene " + scene.id,
-                         [&scene](Shapes of) { return selection::are_primitives(of) && scene.meets(of); });
-    auto study = Adapter::on(scene, chosen.rows, study::study_values(Adapter::options(), options), running.stop());
-    study.progress = running.advancing(scene.pixels() * study.rows.size());
+                         [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.meets(shapes); });
+    auto study =
+        Adapter::make_study(scene, chosen.rows, study::study_values(Adapter::options(), options), running.stop());
+    study.progress = running.advance_callback(scene.pixels() * study.rows.size());
     const auto summaries = measure::study::run_study(study);
     auto result = std::make_unique<lostbits_result>();
     result->add_table("summary", Adapter::View::summary_table(), Adapter::View::summary_rows(study, summaries));
@@ -103,7 +104,7 @@ std::unique_ptr<lostbits_result> trade_of(const scene::file::Scene* scene, const
     auto request = study::trade_of(scene, shape, {chosen.rows, chosen.forms, true});
     if (quick) request.plan = study::quick_plan();
     request.limit.stop = request.plan.stop = running.stop();
-    request.plan.progress = running.advancing(measure::speed::trade_units(request));
+    request.plan.progress = running.advance_callback(measure::speed::trade_units(request));
     const auto found = measure::speed::run_trade(request);
     auto result = std::make_unique<lostbits_result>();
     result->add_table("trade", output::speed::time_table(), output::speed::time_rows(request, found));
@@ -112,21 +113,21 @@ std::unique_ptr<lostbits_result> trade_of(const scene::file::Scene* scene, const
     return result;
 }
 
-measure::choice::Requirement requirement_of(const lostbits_requirement& requirement, const char* usual) {
+measure::choice::Requirement requirement_of(const lostbits_requirement& requirement, const char* default_at) {
     if (!(requirement.bits >= 0 && requirement.bits <= 53)) throw InputError("bits must be from 0 to 53");
     if (!(requirement.wrong >= 0 && requirement.wrong <= 1))
         throw InputError("wrong is a share of the rays and must be from 0 to 1");
     if (std::isnan(requirement.tolerance))
         throw InputError("tolerance is not a number; give a length, or a number below 0 for any");
-    measure::choice::Requirement asked{
+    measure::choice::Requirement result{
         .bits = requirement.bits,
         .wrong = requirement.wrong,
-        .quantile = measure::choice::quantile_named(requirement.at ? requirement.at : usual)};
-    if (requirement.tolerance >= 0) asked.tolerance = requirement.tolerance;
-    return asked;
+        .quantile = measure::choice::quantile_named(requirement.at ? requirement.at : default_at)};
+    if (requirement.tolerance >= 0) result.tolerance = requirement.tolerance;
+    return result;
 }
 
-/// Fills the result. True if anything meets the requirement.
+/// Fills the result. Returns true if any form meets the requirement.
 bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
                const measure::choice::Requirement& requirement, bool two_words, Selection& chosen, CallRun& running) {
     if (requirement.has_tolerance()) throw InputError("mend repairs a form to keep bits of t; give no tolerance");
@@ -141,7 +142,7 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
     measure::repair::RepairRequest request{
         .scene = &scene, .row = row, .requirement = requirement, .two_words = two_words};
     request.limit.stop = running.stop();
-    request.progress = running.advancing(0);
+    request.progress = running.advance_callback(0);
     const auto repair = measure::repair::repair_form(request);
     const output::repair::RepairSummary found = output::repair::result_of(request, repair);
     result.add_table("mend", output::repair::form_table(), output::repair::rows_of(found));
@@ -153,7 +154,7 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
     return repair.set || is_better;
 }
 
-/// Fills the result. True if anything meets the requirement.
+/// Fills the result. Returns true if any form meets the requirement.
 bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
                  const measure::choice::Requirement& requirement, Selection& chosen, CallRun& running) {
     measure::choice::ChoiceRequest request;
@@ -166,10 +167,10 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
     if (request.rows.empty())
         throw InputError(
             "choose compares f32 and f64 only: the time of an emulated format says nothing; name one of them");
-    request.progress = running.advancing(scene.pixels() * request.rows.size());
-    measure::choice::TimedRays timed;
-    const auto all = measure_candidates(request, timed);
-    const auto found = output::choice::choose_among(request, all, timed);
+    request.progress = running.advance_callback(scene.pixels() * request.rows.size());
+    measure::choice::TimedRays timed_rays;
+    const auto candidates = measure_candidates(request, timed_rays);
+    const auto found = output::choice::choose_among(request, candidates, timed_rays);
     result.add_table("choose", output::choice::candidate_table(), output::choice::candidate_rows(found));
     result.add_table("room", output::choice::margin_table(), found.margins);
     result.texts.push_back(output::choice::in_words(found));
@@ -183,17 +184,19 @@ struct RequirementArguments {
     const lostbits_choice* choice;
     const lostbits_run* run;
 };
-/// Calls `find`, which fills a new result and returns true if the answer is yes. `usual` is the requirement's `at` if
-/// none is given.
+/// Calls `find`, which fills a new result and returns true if the answer is yes. `default_at` is the requirement's `at`
+/// if none is given.
 template <class Find>
-Exit answer_to(const RequirementArguments& asked, const char* usual, lostbits_result** result, const Find& find) {
-    require(asked.scene, "scene");
-    require(asked.requirement, "requirement");
+Exit answer_to(const RequirementArguments& arguments, const char* default_at, lostbits_result** result,
+               const Find& find) {
+    require(arguments.scene, "scene");
+    require(arguments.requirement, "requirement");
     require(result, "result");
-    Selection chosen(asked.choice);
-    CallRun running(asked.run);
+    Selection chosen(arguments.choice);
+    CallRun running(arguments.run);
     auto found = std::make_unique<lostbits_result>();
-    const bool meets = find(*found, asked.scene->scene, requirement_of(*asked.requirement, usual), chosen, running);
+    const bool meets =
+        find(*found, arguments.scene->scene, requirement_of(*arguments.requirement, default_at), chosen, running);
     return hand_over(std::move(found), result, meets ? Exit::done : Exit::answer_is_no);
 }
 
@@ -238,10 +241,11 @@ int lostbits_study(const char* study, const lostbits_scene* scene, const lostbit
         require(study, "study");
         require(scene, "scene");
         require(result, "result");
-        const auto words = options ? words_of(*options, "options") : std::vector<std::string>{};
+        const auto option_texts = options ? texts_of(*options, "options") : std::vector<std::string>{};
         CallRun running(run);
-        auto found = study::with_study(
-            study, [&](auto of) { return study_of<decltype(of)>(scene->scene, words, choice, running); });
+        auto found = study::with_study(study, [&](auto adapter) {
+            return study_of<decltype(adapter)>(scene->scene, option_texts, choice, running);
+        });
         return hand_over(std::move(found), result);
     });
 }
@@ -270,8 +274,9 @@ int lostbits_mend(const lostbits_scene* scene, const lostbits_requirement* requi
                   lostbits_error* error) {
     return guarded(error, [&] {
         return answer_to({scene, requirement, choice, run}, "max", result,
-                         [&](auto& found, const auto& on, const auto& asked, Selection& chosen, CallRun& running) {
-                             return mend_into(found, on, asked, two_words != 0, chosen, running);
+                         [&](auto& found, const auto& target_scene, const auto& asked_requirement, Selection& chosen,
+                             CallRun& running) {
+                             return mend_into(found, target_scene, asked_requirement, two_words != 0, chosen, running);
                          });
     });
 }

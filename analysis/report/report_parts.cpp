@@ -95,7 +95,8 @@ std::vector<page::Chart> line_charts(const output::sweep::MeasuredSweep& sweep) 
     return charts;
 }
 
-/// Says which charts there are not, because they would show only zeros: `In f64, no ray is a false hit.` Empty if none.
+/// Names the charts that are left out because they would show only zeros: `In f64, no ray is a false hit.` Empty if
+/// there are none.
 std::string absent_charts(const output::sweep::MeasuredSweep& sweep, const Format& format) {
     std::string names;
     for (const auto outcome : output::sweep::wrong_outcomes(sweep, format))
@@ -159,22 +160,22 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
     request.progress = advance;
     page::MapData data(request);
     std::vector<measure::evaluate::FormSummary> summaries;
-    page::Picture contacts =
+    page::Picture contact_sheet =
         page::picture(fmt::format("{}: lost bits of every form and format", scene.title), [&](const auto& file) {
             output::map::MapFiles sheet(request, {.folder = {},
                                                   .drawn = {measure::metric::find_metric("lost_bits")},
-                                                  .scene_arguments = work.named,
+                                                  .scene_arguments = work.scene_arguments,
                                                   .sheet_alone = file});
             summaries = measure::evaluate::run_map(
-                request, [drawn = sheet.show(), kept = data.show()](std::size_t row, const auto& band) {
-                    drawn(row, band);
-                    kept(row, band);
+                request, [draw = sheet.show(), collect = data.show()](std::size_t row, const auto& band) {
+                    draw(row, band);
+                    collect(row, band);
                 });
             sheet.finish(summaries);
         });
     work.unresolved = summaries.front().count(measure::answer::Outcome::unresolved);
-    auto index = data.index(summaries, work.own_size, work.named);
-    index["claimed"] = work.claimed;
+    auto index = data.index(summaries, work.own_size, work.scene_arguments);
+    index["claimed"] = work.name_in_claims;
     std::vector<std::string> names;
     for (const measure::metric::Metric* m : work.metrics) names.emplace_back(m->name);
     return {.id = scene.id,
@@ -185,7 +186,7 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
             .index = std::move(index),
             .blobs = data.blobs(summaries),
             .table = page::summary_table(request, summaries),
-            .sheet = std::move(contacts),
+            .sheet = std::move(contact_sheet),
             .own_size = work.own_size,
             .metrics = std::move(names),
             .finding = output::map::finding_text(request, summaries),
@@ -217,7 +218,9 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
     const auto& usual = offset::usual_forms();
     const auto forms = selection::select_forms({usual.begin(), usual.end()});
     auto all = selection::cross(forms, selection::select_formats({std::string(offset::usual_format)}));
-    const selection::Meets meets = [&scene](Shapes of) { return selection::are_primitives(of) && scene.meets(of); };
+    const selection::ShapePredicate meets = [&scene](Shapes shapes) {
+        return selection::are_primitives(shapes) && scene.meets(shapes);
+    };
     const auto rows = selection::rows_meeting({all, {}, true}, scene.id, meets);
     if (rows.empty()) return std::nullopt;
     study.rows = {{rows.front(), offset::HitPoint::computed}};
@@ -227,9 +230,9 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
     part.sheet = page::picture(scene.title +
                                    ": outcomes of the next rays with every offset "
                                    "strategy",
-                               [&](const auto& to) {
+                               [&](const auto& file) {
                                    output::study::StudyFiles<output::offset::OffsetView> sheet(
-                                       study, {.folder = {}, .sheet_alone = to});
+                                       study, {.folder = {}, .sheet_alone = file});
                                    summaries = measure::study::run_study(study, sheet.show());
                                    sheet.finish(summaries);
                                });
@@ -245,19 +248,19 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
     return part;
 }
 
-StudyWork study_of(const std::string& word, const std::string& size, const std::filesystem::path& data,
+StudyWork study_of(const std::string& text, const std::string& size, const std::filesystem::path& data,
                    StopToken stop) {
-    const std::size_t colon = word.find(':');
+    const std::size_t colon = text.find(':');
     const std::string names = fmt::format("{}", fmt::join(study::study_names(), ", "));
     if (colon == std::string::npos)
         throw InputError(
-            fmt::format("--study {}: has no scene; write STUDY:SCENE with one of the studies {}", word, names));
-    static_cast<void>(study::StudiesByName().names(word.substr(0, colon)));  // throws for an unknown study
-    auto scenes = selection::load_scenes({{word.substr(colon + 1)}, size, "", {}, stop}, data);
+            fmt::format("--study {}: has no scene; write STUDY:SCENE with one of the studies {}", text, names));
+    static_cast<void>(study::StudiesByName().names(text.substr(0, colon)));  // throws for an unknown study
+    auto scenes = selection::load_scenes({{text.substr(colon + 1)}, size, "", {}, stop}, data);
     if (scenes.size() != 1)
-        throw InputError(fmt::format("--study {}: the scene has variants; name one, such as {}:{}", word,
-                                     word.substr(0, colon), scenes.front().id));
-    return {word.substr(0, colon), std::move(scenes.front())};
+        throw InputError(fmt::format("--study {}: the scene has variants; name one, such as {}:{}", text,
+                                     text.substr(0, colon), scenes.front().id));
+    return {text.substr(0, colon), std::move(scenes.front())};
 }
 
 page::StudyPart study_part(const StudyWork& work, const std::vector<std::string>& forms,

@@ -24,11 +24,12 @@ struct MapWork {
     std::vector<measure::evaluate::TestedForm> rows;
     std::vector<const measure::metric::Metric*> metrics;
     bool own_size = true;          ///< the scene's own, not --size
-    std::string named;             ///< arguments that name the scene, with its size, for a later command
-    std::string claimed;           ///< name of the scene in a claim
+    std::string scene_arguments;   ///< arguments that name the scene, with its size, for a later command
+    std::string name_in_claims;    ///< name of the scene in a claim
     std::uint64_t unresolved = 0;  ///< after `map_part`: rays without a proved truth
 };
-/// Measures a map. `made` keeps the metrics that are made for it; `advance` gets the units of work that are done.
+/// Measures a map. `metric_set` owns the metrics that are made for the map; `advance` gets the units of work that are
+/// done.
 output::page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
                                const std::function<void(std::uint64_t)>& advance, StopToken stop);
 
@@ -47,8 +48,8 @@ struct ChoiceWork {
     std::vector<measure::evaluate::TestedForm> rows;
 };
 /// Parses `SCENE:BITS` or `SCENE:BITS:AT` of the command line. An empty `size` is the scene's. Throws InputError, which
-/// says what to write, for other words.
-ChoiceWork choice_of(const std::string& word, const std::string& size, const selection::SelectedRows& rows,
+/// says what to write, for other texts.
+ChoiceWork choice_of(const std::string& text, const std::string& size, const selection::SelectedRows& rows,
                      const std::filesystem::path& data, StopToken stop);
 /// Chooses with short measurements, as `lostbits choose --quick` does.
 output::page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop);
@@ -59,9 +60,9 @@ struct MendWork {
     measure::choice::Requirement requirement;
     measure::evaluate::TestedForm row;
 };
-/// Parses `SCENE:FORM:BITS` or `SCENE:FORM:BITS:AT`, for binary32. Without AT every hit must keep the bits. Else as
-/// `choice_of`.
-MendWork mend_of(const std::string& word, const std::string& size, const std::filesystem::path& data, StopToken stop);
+/// Parses `SCENE:FORM:BITS` or `SCENE:FORM:BITS:AT`, for binary32. Without AT every hit must keep the bits. Otherwise
+/// like `choice_of`.
+MendWork mend_of(const std::string& text, const std::string& size, const std::filesystem::path& data, StopToken stop);
 /// Repairs the form without measuring times, as `lostbits mend` does without --price.
 output::page::MendPart mend_part(const MendWork& work, StopToken stop);
 output::page::MendPart mend_part(const output::repair::RepairSummary& result);
@@ -71,8 +72,8 @@ struct StudyWork {
     std::string study;
     scene::file::Scene scene;
 };
-/// Parses `STUDY:SCENE`. Throws InputError, which says what to write, for other words.
-StudyWork study_of(const std::string& word, const std::string& size, const std::filesystem::path& data, StopToken stop);
+/// Parses `STUDY:SCENE`. Throws InputError, which says what to write, for other texts.
+StudyWork study_of(const std::string& text, const std::string& size, const std::filesystem::path& data, StopToken stop);
 /// Measures the study with these forms and formats; the usual ones of the study if none is named. Throws
 /// NothingSelected if none of the forms fits.
 output::page::StudyPart study_part(const StudyWork& work, const std::vector<std::string>& forms,
@@ -81,8 +82,8 @@ output::page::StudyPart study_part(const StudyWork& work, const std::vector<std:
 /// Loads the scenes of these names. Throws NothingSelected for a scene on which offsets cannot be measured.
 std::vector<scene::file::Scene> offset_scenes(const std::vector<std::string>& names, const std::string& size,
                                               const std::filesystem::path& data, StopToken stop);
-/// Measures the rays that leave the points of a scene; the first of `usual_forms` that fits it finds the points, in
-/// `usual_format`. Nothing if none of these forms fits.
+/// Measures the rays that leave the points of a scene. The first of `usual_forms` that fits the scene finds the points,
+/// in `usual_format`. Returns nothing if none of these forms fits.
 std::optional<output::page::OffsetPart> offset_part(const scene::file::Scene& scene, StopToken stop);
 
 /// Measures speed and accuracy of the rows of one shape, with short measurements.

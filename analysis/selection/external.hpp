@@ -17,19 +17,19 @@ namespace lostbits::analysis::selection {
 
 /// The options for external intersectors, which every command with forms takes.
 struct ExternalOptions {
-    std::vector<std::string> plugins;         ///< libraries, see `find_plugin`, each with an optional NAME= before it
-    std::vector<std::string> pipes;           ///< commands for the shell
-    std::vector<std::string> shaders;         ///< files of GLSL, see `read_shader`
-    std::vector<std::string> functions;       ///< of C, C++, Rust, shaders and LLVM IR, see `load_function`
-    std::vector<std::string> devices;         ///< for the shaders: `device_kinds` or `all`; empty: the first available
-    bool isolate = false;                     ///< every library runs in its own process, even one with formulas
-    bool in_process = false;                  ///< no library runs in its own process
-    bool isolate_by_default = false;          ///< libraries without formulas run in their own, see `decide_where`
-    bool quiet = false;                       ///< the guessed signatures of functions are not shown
-    double seconds = 30;                      ///< time limit of one batch
+    std::vector<std::string> plugins;    ///< libraries, see `find_plugin`, each with an optional NAME= before it
+    std::vector<std::string> pipes;      ///< commands for the shell
+    std::vector<std::string> shaders;    ///< files of GLSL, see `read_shader`
+    std::vector<std::string> functions;  ///< of C, C++, Rust, shaders and LLVM IR, see `load_function`
+    std::vector<std::string> devices;    ///< for the shaders: `device_kinds` or `all`; empty: the first available
+    bool isolate = false;                ///< every library runs in its own process, even one with formulas
+    bool in_process = false;             ///< no library runs in its own process
+    bool isolate_by_default = false;  ///< libraries without formulas run in their own process, see `decide_isolation`
+    bool quiet = false;               ///< the guessed signatures of functions are not shown
+    double seconds = 30;              ///< time limit of one batch
     intersect::process::StopToken stop = {};  ///< ends the wait for an answer
     /// Called with the exit status if a fault of a library ends the program; also from signal handlers.
-    void (*ends_with)(int status) = nullptr;
+    void (*on_fatal_fault)(int status) = nullptr;
 };
 
 /// The forms of external intersectors, and their formulas. A form with a formula may be in both lists.
@@ -40,58 +40,60 @@ struct ExternalForms {
 
 /// Sets `isolate_by_default`. Without --isolate and --in-process, libraries are isolated if the command is a gate
 /// (which `check` is) or if CI is set in the environment.
-void decide_where(ExternalOptions& words, bool is_gate);
+void decide_isolation(ExternalOptions& options, bool is_gate);
 
-/// The libraries that run in this process, as one text; empty if there are none. Throws InputError.
-std::string loaded_here(const ExternalOptions& words);
-
-/// Prints notes on stderr if libraries are isolated by default: which ones run in this process all the same and, if the
-/// command measures `times`, that the times of the others include the way to their process and back.
-void note_where(const ExternalOptions& words, bool times);
-
-/// A shell command that runs this program with these words. Throws EnvironmentError.
-std::string this_program(const std::string& words);
-
-/// The devices that the words name, each once; one empty name (the first available device) without words. Throws
+/// The libraries that run in this process, as one text with commas between them; empty if there are none. Throws
 /// InputError.
-std::vector<std::string> devices_of(const std::vector<std::string>& words);
+std::string libraries_in_process(const ExternalOptions& options);
 
-/// Loads the libraries and starts the processes that are named: at most `threads` processes per command, 0 for one per
-/// core. Advice with commands to run later names the same intersectors, see
-/// `output::attribution::plugin_options`. Throws InputError and EnvironmentError.
-ExternalForms open_each(const ExternalOptions& words, int threads);
+/// Prints notes on stderr if libraries are isolated by default: which ones run in this process all the same and, if
+/// `measures_times`, that the times of the others include the way to their process and back.
+void note_isolation(const ExternalOptions& options, bool measures_times);
 
-/// Calls `open_each` and adds the forms to the table. Call it before any row of the table is used.
-void open_external(const ExternalOptions& words, int threads);
+/// A shell command that runs this program with these arguments. Throws EnvironmentError.
+std::string this_program(const std::string& arguments);
 
-/// Compiles a function of the user and prints on stderr what its arguments are taken for. Call `open_each` before.
-std::unique_ptr<intersect::function::UserFunction> load_shown_function(const std::string& named,
-                                                                       const ExternalOptions& words);
+/// The devices of these names, each once; `all` stands for every kind of device. Without names, one empty name, which
+/// stands for the first available device. Throws InputError.
+std::vector<std::string> devices_of(const std::vector<std::string>& names);
+
+/// Loads the libraries and starts the processes that the options name: at most `threads` processes per command, 0 for
+/// one per core. Sets `output::attribution::plugin_options`, with which advice on later commands names the same
+/// intersectors. Throws InputError and EnvironmentError.
+ExternalForms load_external_forms(const ExternalOptions& options, int threads);
+
+/// Calls `load_external_forms` and adds the forms to the table. Call it before any row of the table is used.
+void open_external(const ExternalOptions& options, int threads);
+
+/// Compiles a function of the user and prints on stderr what its arguments are taken for. Call `load_external_forms`
+/// before.
+std::unique_ptr<intersect::function::UserFunction> load_shown_function(const std::string& function_name,
+                                                                       const ExternalOptions& options);
 
 /// Prints on stderr which libraries change the floating-point state of the processor when they are loaded.
-void note_states();
+void note_processor_states();
 
-/// The words of -i; without any, `defaults` and the names of all external forms.
-std::vector<std::string> form_words_or(const std::vector<std::string>& given, std::vector<std::string> defaults);
+/// The patterns of -i; without -i, `defaults` and the names of all external forms.
+std::vector<std::string> form_patterns_or(const std::vector<std::string>& given, std::vector<std::string> defaults);
 
 /// Prints a note on stderr if -i and --against of the parsed command name none of the external forms.
-void note_unasked(const shell::Command& command);
+void note_unselected(const shell::Command& command);
 
 /// Prints on stderr, unless `quiet`, which wanted forms are in none of the measured rows because nothing has their
-/// shape or format. A form is wanted if a word of -i is its name, or if it is external and -i is not given or matches
-/// it.
-void note_unmeasured(const std::vector<std::string>& words, const std::vector<measure::evaluate::TestedForm>& rows,
+/// shape or format. A form is wanted if a pattern of -i is its name, or if it is external and either -i is not given or
+/// a pattern of -i matches its name.
+void note_unmeasured(const std::vector<std::string>& patterns, const std::vector<measure::evaluate::TestedForm>& rows,
                      bool quiet);
 
 /// The answers of a device about itself.
 struct DeviceReport {
     std::string kind;
     std::vector<std::pair<std::string, std::string>> facts;
-    std::string lacks;  ///< why the device cannot compute; empty if it can
+    std::string problem;  ///< why the device cannot compute; empty if it can
 };
 
-/// Starts a driver in a process, asks it how it rounds, within the seconds of the words, and ends it. A driver that
-/// crashes or hangs counts as missing.
-DeviceReport ask_device(std::string_view kind, const ExternalOptions& words);
+/// Starts a driver in a process of its own, asks how it rounds, and ends it. The answer must come within
+/// `options.seconds`. A driver that crashes or hangs counts as missing.
+DeviceReport ask_device(std::string_view kind, const ExternalOptions& options);
 
 }  // namespace lostbits::analysis::selection

@@ -23,50 +23,50 @@ using scene::dump::MissRule;
 
 namespace {
 
-std::optional<MissRule> miss_rule(const std::string& word) {
-    if (word.empty()) return {};
-    if (word == "never") return MissRule{MissRule::Kind::never};
-    if (word == "negative") return MissRule{MissRule::Kind::negative};
-    const auto read = scene::dump::NumberParser(*find_format("f64")).read(word);
-    if (read.kind != scene::dump::NumberParser::Kind::number || !std::isfinite(read.value))
+std::optional<MissRule> parse_miss_rule(const std::string& text) {
+    if (text.empty()) return {};
+    if (text == "never") return MissRule{MissRule::Kind::never};
+    if (text == "negative") return MissRule{MissRule::Kind::negative};
+    const auto parsed = scene::dump::NumberParser(*find_format("f64")).read(text);
+    if (parsed.kind != scene::dump::NumberParser::Kind::number || !std::isfinite(parsed.value))
         throw InputError(
             fmt::format("--miss {} is neither a finite number, negative nor never (NaN, infinities and empty "
                         "cells are misses in any case)",
-                        word));
-    return MissRule{MissRule::Kind::number, read.value};
+                        text));
+    return MissRule{MissRule::Kind::number, parsed.value};
 }
 
-std::vector<std::string> listed(std::span<const std::string_view> names) { return {names.begin(), names.end()}; }
+std::vector<std::string> to_strings(std::span<const std::string_view> names) { return {names.begin(), names.end()}; }
 
 }  // namespace
 
 const std::vector<RayFileOption>& ray_file_options() {
-    using Words = RayFileOptions;
+    using Options = RayFileOptions;
     static const std::vector<RayFileOption> options{
-        {"--scene", &Words::scene, "The scene whose primitives the rays are tested with"},
-        {"--miss", &Words::miss,
+        {"--scene", &Options::scene, "The scene whose primitives the rays are tested with"},
+        {"--miss", &Options::miss,
          "The t that means a miss, or negative or never, for a file without a column hit (docs/judge.md)"},
         {"--direction",
-         &Words::direction,
+         &Options::direction,
          "unit: t is a distance; any: t is the parameter along the direction (default)",
          {"any", "unit"},
          true},
         {"--touching",
-         &Words::touching,
+         &Options::touching,
          "The right answer for a ray that only touches the primitive (default: hit)",
          {"hit", "miss"},
          true},
-        {"--at-origin", &Words::at_origin,
+        {"--at-origin", &Options::at_origin,
          "The right answer for a ray that starts on the surface (default: hit; docs/judge.md)",
-         listed(intersect::at_origin_names), true},
-        {"--inside", &Words::inside,
+         to_strings(intersect::at_origin_names), true},
+        {"--inside", &Options::inside,
          "The right answer for a ray that starts inside (default: exit for a sphere, zero for a box; docs/judge.md)",
-         listed(intersect::inside_names), true},
-        {"--facing", &Words::facing,
+         to_strings(intersect::inside_names), true},
+        {"--facing", &Options::facing,
          "The side from which triangles, discs and planes are hit (default: both; docs/judge.md)",
-         listed(intersect::facing_names), true},
+         to_strings(intersect::facing_names), true},
         {"--open-ends",
-         &Words::open_ends,
+         &Options::open_ends,
          "Exclude these ends of the range: a hit exactly at an excluded end does not count (default: none)",
          {"none", "tmin", "tmax", "both"}}};
     return options;
@@ -82,20 +82,20 @@ void add_ray_options(const shell::Command& command, RayFileOptions& options) {
                 "Format that the answers were computed in (default: the format of the file, f64 for CSV)");
     options.primitives.add_to(command, "The primitive of all rays");
     for (const RayFileOption& o : ray_file_options())
-        command.add(o.name, options.*o.word, o.help, o.known.empty() ? shell::ValueRule() : shell::one_of(o.known));
+        command.add(o.name, options.*o.value, o.help, o.known.empty() ? shell::ValueRule() : shell::one_of(o.known));
 }
 
 std::optional<scene::file::Scene> scene_of(const RayFileOptions& o, const std::filesystem::path& data) {
     if (o.scene.empty()) return {};
     auto scene = load_one_scene({{o.scene}, "", "", {}, o.stop}, data);
-    constexpr std::size_t most = 1024;
-    const std::size_t beside = scene.primitive_count() - (scene.mesh ? scene.mesh->faces.size() : 0);
-    if (beside > most)
+    constexpr std::size_t max_primitives = 1024;
+    const std::size_t beside_meshes = scene.primitive_count() - (scene.mesh ? scene.mesh->faces.size() : 0);
+    if (beside_meshes > max_primitives)
         throw InputError(
             fmt::format("--scene {}: has {} primitives beside its meshes; every ray is tested with each of them, and "
                         "at most {} are allowed; give each ray the primitive that it meets in columns of the file, or "
                         "write the scene as a mesh of triangles",
-                        o.scene, beside, most));
+                        o.scene, beside_meshes, max_primitives));
     return scene;
 }
 
@@ -111,12 +111,12 @@ std::vector<Primitive<double>> primitives_given(const RayFileOptions& o, const s
                                                 const Format& format) {
     if (scene) return scene::rays::stored_beside_mesh(*scene, format.parameters);
     std::vector<Primitive<double>> primitives;
-    for (const auto& [shape, text] : o.primitives.given()) primitives.push_back(primitive_phrase(shape, text, format));
+    for (const auto& [shape, text] : o.primitives.given()) primitives.push_back(parse_primitive(shape, text, format));
     return primitives;
 }
 
 std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& o, const std::string& file,
-                                             std::optional<Shape> primitive, bool keep) {
+                                             std::optional<Shape> primitive, bool keep_own_columns) {
     static const std::map<std::string, Container> containers{
         {"auto", Container::by_name}, {"csv", Container::csv}, {"npy", Container::npy}, {"raw", Container::raw}};
     DumpOptions options{.container = containers.at(o.container), .columns = o.columns, .skip = o.skip, .stop = o.stop};
@@ -131,9 +131,9 @@ std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& o, const std:
             throw InputError("--answer-format " + o.format + ": all answers have the same format; name one");
         options.format = formats.front();
     }
-    options.miss = miss_rule(o.miss);
+    options.miss = parse_miss_rule(o.miss);
     options.primitive = primitive;
-    options.keep = keep;
+    options.keep = keep_own_columns;
     options.open = open_ends_named(o.open_ends);
     return scene::dump::open_dump(file, options);
 }
@@ -155,43 +155,43 @@ void put_under_matrices(scene::dump::Dump& dump, const std::vector<Primitive<dou
 
 intersect::Info contract_of(const RayFileOptions& o, const scene::dump::Dump& dump) {
     for (const RayFileOption& option : ray_file_options())
-        if (option.of_answers && option.is_given(o) && dump.layout().answers() == scene::dump::AnswerKind::none)
+        if (option.is_about_answers && option.is_given(o) && dump.layout().answers() == scene::dump::AnswerKind::none)
             throw InputError(
                 fmt::format("{} {} is about the answers of {}, which has none (columns hit or t); leave {} out: forms "
                             "are judged by their own contract",
-                            option.name, o.*option.word, dump.name(), option.name));
+                            option.name, o.*option.value, dump.name(), option.name));
     intersect::Info info{};
     info.direction = o.direction == "unit" ? intersect::Direction::unit : intersect::Direction::any;
     info.touching = o.touching == "miss" ? intersect::Touching::miss : intersect::Touching::hit;
-    const auto place = [](const auto& names, const std::string& word) {
+    const auto index_of = [](const auto& names, const std::string& word) {
         return std::ranges::find(names, word) - names.begin();
     };
-    info.at_origin = static_cast<intersect::AtOrigin>(place(intersect::at_origin_names, o.at_origin));
-    info.inside = static_cast<intersect::Inside>(place(intersect::inside_names, o.inside));
-    info.facing = static_cast<intersect::Facing>(place(intersect::facing_names, o.facing));
+    info.at_origin = static_cast<intersect::AtOrigin>(index_of(intersect::at_origin_names, o.at_origin));
+    info.inside = static_cast<intersect::Inside>(index_of(intersect::inside_names, o.inside));
+    info.facing = static_cast<intersect::Facing>(index_of(intersect::facing_names, o.facing));
     return info;
 }
 
 std::optional<std::size_t> group_of(const JudgeOptions& o, const scene::dump::Layout& layout) {
     if (o.by.empty()) return {};
-    const auto kept = layout.kept();
-    const auto found = std::ranges::find(kept, o.by);
-    if (found != kept.end()) return static_cast<std::size_t>(found - kept.begin());
+    const auto own_columns = layout.kept();
+    const auto found = std::ranges::find(own_columns, o.by);
+    if (found != own_columns.end()) return static_cast<std::size_t>(found - own_columns.begin());
     throw InputError(fmt::format("--by {}: {} has no column of its own with that name; {}", o.by, o.file,
-                                 kept.empty() ? "all its columns belong to the ray, its primitive or the answer"
-                                              : fmt::format("it has {}", fmt::join(kept, ", "))));
+                                 own_columns.empty() ? "all its columns belong to the ray, its primitive or the answer"
+                                                     : fmt::format("it has {}", fmt::join(own_columns, ", "))));
 }
 
 void add_requirement(const JudgeOptions& o, measure::metric::MetricSet& metric_set,
                      std::vector<const measure::metric::Metric*>& metrics) {
-    std::vector<std::string> words;
-    if (o.bits >= 0) words.push_back(fmt::format("enough_bits:{}", o.bits));
+    std::vector<std::string> metric_names;
+    if (o.bits >= 0) metric_names.push_back(fmt::format("enough_bits:{}", o.bits));
     if (!o.tolerance.empty())
-        words.insert(words.end(),
-                     {"distance_error", fmt::format("tolerance:{}", tolerance_in_units(o.tolerance, o.unit))});
+        metric_names.insert(metric_names.end(),
+                            {"distance_error", fmt::format("tolerance:{}", tolerance_in_units(o.tolerance, o.unit))});
     else if (!o.unit.empty())
         throw InputError("--unit " + o.unit + " is the unit of --tolerance, which is missing; write both");
-    for (const measure::metric::Metric* m : select_metrics(words, metric_set)) add_once(metrics, m);
+    for (const measure::metric::Metric* m : select_metrics(metric_names, metric_set)) add_once(metrics, m);
 }
 
 }  // namespace lostbits::analysis::selection

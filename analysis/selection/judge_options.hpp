@@ -29,19 +29,21 @@ struct RayFileOptions {
     intersect::process::StopToken stop = {};
 };
 
-/// An option for files of rays whose value is a word. If it is not given, its word is that of `RayFileOptions()`.
+/// An option for files of rays whose value is a text. If it is not given, its value is that of `RayFileOptions()`.
 struct RayFileOption {
     const char* name;
-    std::string RayFileOptions::*word;
+    std::string RayFileOptions::*value;
     const char* help;
-    std::vector<std::string> known = {};  ///< allowed words; empty: any
-    bool of_answers = false;              ///< it is about the meaning of answers
+    std::vector<std::string> known = {};  ///< allowed values; empty: any
+    bool is_about_answers = false;        ///< it is about the meaning of answers
 
-    [[nodiscard]] bool is_given(const RayFileOptions& options) const { return options.*word != RayFileOptions().*word; }
+    [[nodiscard]] bool is_given(const RayFileOptions& options) const {
+        return options.*value != RayFileOptions().*value;
+    }
 };
 const std::vector<RayFileOption>& ray_file_options();
 
-/// Adds the options for all of these; the one for `format` gets the name `format_option`.
+/// Adds an option for every member of `RayFileOptions` but `stop`; the option for `format` is --answer-format.
 void add_ray_options(const shell::Command& command, RayFileOptions& options);
 
 struct JudgeOptions : RayFileOptions {
@@ -62,13 +64,14 @@ std::optional<scene::file::Scene> scene_of(const RayFileOptions& o, const std::f
 /// The shape of the first primitive that is given for all rays; nothing if there is none.
 std::optional<Shape> shape_given(const RayFileOptions& o, const std::optional<scene::file::Scene>& scene);
 
-/// The primitives that are given for all rays, with numbers in the format. Those of a scene are as in a map of it.
+/// The primitives that are given for all rays, with numbers in the format. The primitives of a scene have the numbers
+/// that a map of the scene gives them.
 std::vector<Primitive<double>> primitives_given(const RayFileOptions& o, const std::optional<scene::file::Scene>& scene,
                                                 const Format& format);
 
-/// Opens the file as the options say. `keep`: also keep the user's own columns.
+/// Opens the file as the options say. `keep_own_columns`: also keep the user's own columns.
 std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& o, const std::string& file,
-                                             std::optional<Shape> primitive, bool keep = false);
+                                             std::optional<Shape> primitive, bool keep_own_columns = false);
 
 /// The shapes of the primitives of the rays, from columns or given for all rays.
 Shapes shapes_of_rays(const scene::dump::Layout& layout, const std::vector<Primitive<double>>& given);

@@ -25,12 +25,12 @@ std::vector<Format> formats_of(const std::vector<TestedForm>& rows) {
     return formats;
 }
 
-void say(const std::string& id, const Format& format, const std::vector<std::string>& lost) {
+void print_lost(const std::string& id, const Format& format, const std::vector<std::string>& lost) {
     for (const std::string& line : lost) fmt::print(stderr, "lostbits: {} in {}: {}\n", id, format.name, line);
 }
 
 /// `distance = 4, height = 1`
-std::string place_of(const scene::sweep::SweepFile& sweep, const std::vector<double>& values) {
+std::string position_text(const scene::sweep::SweepFile& sweep, const std::vector<double>& values) {
     std::string text;
     for (std::size_t a = 0; a < values.size(); ++a) {
         text += (a > 0 ? ", " : "") + sweep.axes[a].name + " = " + output::file::decimal(values[a]);
@@ -58,10 +58,10 @@ void add_group(const RayGroup& group, bool marches, const LostLengths::Where& wh
 
 void note_lost_numbers(const scene::file::Scene& scene, const std::vector<TestedForm>& rows) {
     for (const Format& format : formats_of(rows)) {
-        say(scene.id, format, scene::rays::lost_lengths(scene, format.parameters));
+        print_lost(scene.id, format, scene::rays::lost_lengths(scene, format.parameters));
         if (!marches_in(format, rows)) continue;
         for (const std::string& lost : scene::file::lost_constants(scene, format.parameters))
-            say(scene.id, format, {"march." + lost});
+            print_lost(scene.id, format, {"march." + lost});
     }
 }
 
@@ -74,19 +74,19 @@ void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<T
         lost.emplace_back(format.parameters);
         marches.push_back(marches_in(format, rows));
     }
-    const std::vector<double> only{0};
-    const bool two = sweep.axes.size() > 1;
+    const std::vector<double> no_second_axis{0};
+    const bool has_two_axes = sweep.axes.size() > 1;
     for (const double first : sweep.axes.front().values) {
-        for (const double second : two ? sweep.axes[1].values : only) {
+        for (const double second : has_two_axes ? sweep.axes[1].values : no_second_axis) {
             stop.check();
-            const std::vector<double> values = two ? std::vector{first, second} : std::vector{first};
-            const auto where = [&] { return place_of(sweep, values); };
+            const std::vector<double> values = has_two_axes ? std::vector{first, second} : std::vector{first};
+            const auto where = [&] { return position_text(sweep, values); };
             for (const RayGroup& group : sweep.rays(values)) {
                 for (std::size_t i = 0; i < lost.size(); ++i) add_group(group, marches[i], where, lost[i]);
             }
         }
     }
-    for (std::size_t i = 0; i < formats.size(); ++i) say(sweep.id, formats[i], lost[i].lines());
+    for (std::size_t i = 0; i < formats.size(); ++i) print_lost(sweep.id, formats[i], lost[i].lines());
 }
 
 void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<TestedForm>& rows) {
@@ -101,7 +101,7 @@ void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<Tes
                              [&] { return "case \"" + file.name(i) + "\""; });
             }
         }
-        say(file.id, format, lost.lines());
+        print_lost(file.id, format, lost.lines());
     }
 }
 

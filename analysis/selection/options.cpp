@@ -22,35 +22,36 @@ namespace lostbits::analysis::selection {
 namespace {
 
 /// Options that change no result.
-constexpr std::array<std::string_view, 19> of_no_result{
+constexpr std::array<std::string_view, 19> options_without_effect{
     "out",    "progress",    "quiet",   "verbose",    "threads",    "isa",        "force",
     "resume", "junit",       "isolate", "in-process", "time-limit", "export-csv", "export-json",
     "report", "annotations", "shard",   "save",       "moves"};
 
-bool of_result(const shell::Option& option) {
+bool changes_results(const shell::Option& option) {
     return std::ranges::none_of(option.long_names(), [](const std::string& name) {
-        return std::ranges::find(of_no_result, name) != of_no_result.end();
+        return std::ranges::find(options_without_effect, name) != options_without_effect.end();
     });
 }
 
 /// ` -f f32 -f f64`, or ` --exr` for a flag.
-std::string words_of(const shell::Option& option) {
+std::string shell_text_of(const shell::Option& option) {
     const std::string name =
         option.short_names().empty() ? "--" + option.long_names().front() : "-" + option.short_names().front();
     if (!option.takes_value()) return " " + name;
     std::string text;
-    for (const std::string& value : option.words()) text += " " + name + " " + output::attribution::shell_word(value);
+    for (const std::string& value : option.given_values())
+        text += " " + name + " " + output::attribution::shell_word(value);
     return text;
 }
 
 /// Adds the options and arguments that were given.
-void add_words(const shell::Command& command, TypedCommand& words) {
+void add_given_options(const shell::Command& command, TypedCommand& typed) {
     for (const shell::Option& option : command.options()) {
-        if (option.words().empty() || !of_result(option)) continue;
+        if (option.given_values().empty() || !changes_results(option)) continue;
         if (option.is_argument()) {
-            for (const std::string& value : option.words())
-                words.subjects += " " + output::attribution::shell_word(value);
-        } else words.after += words_of(option);
+            for (const std::string& value : option.given_values())
+                typed.subjects += " " + output::attribution::shell_word(value);
+        } else typed.options += shell_text_of(option);
     }
 }
 
@@ -84,9 +85,9 @@ void add_pictures(const shell::Command& command, std::string& pictures) {
                 shell::one_of({"sheets", "all"}));
 }
 
-void add_out(const shell::Command& command, std::string& out, const std::string& what) {
+void add_out(const shell::Command& command, std::string& out, const std::string& contents) {
     out = "out/" + command.name();
-    command.add("-o,--out", out, "Folder for " + what + " (default: " + out + ")");
+    command.add("-o,--out", out, "Folder for " + contents + " (default: " + out + ")");
 }
 
 void add_changes(const shell::Command& command, SceneChoice& scenes, const std::string& example) {
@@ -97,7 +98,7 @@ void add_changes(const shell::Command& command, SceneChoice& scenes, const std::
 
 namespace {
 
-std::vector<std::string> files_like(const std::string& pattern) {
+std::vector<std::string> files_matching(const std::string& pattern) {
     glob_t found{};
     std::vector<std::string> files;
     if (glob(pattern.c_str(), 0, nullptr, &found) == 0) files.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
@@ -111,15 +112,15 @@ void find_in_data(const shell::Command& command, const std::string& data) {
     constexpr std::string_view prefix = "data/";
     for (const shell::Option& option : command.options()) {
         if (!option.is_argument()) continue;
-        std::vector<std::string> words;
-        for (const std::string& word : option.words()) {
-            std::vector<std::string> there;
-            if (word.starts_with(prefix) && files_like(word).empty())
-                there = files_like((data_folder(data) / word.substr(prefix.size())).string());
-            if (there.empty()) there.push_back(word);
-            std::ranges::move(there, std::back_inserter(words));
+        std::vector<std::string> values;
+        for (const std::string& value : option.given_values()) {
+            std::vector<std::string> found;
+            if (value.starts_with(prefix) && files_matching(value).empty())
+                found = files_matching((data_folder(data) / value.substr(prefix.size())).string());
+            if (found.empty()) found.push_back(value);
+            std::ranges::move(found, std::back_inserter(values));
         }
-        if (words != option.words()) option.replace(words);
+        if (values != option.given_values()) option.replace(values);
     }
 }
 
@@ -131,8 +132,8 @@ namespace {
 std::optional<double> finite_number(std::string_view text) {
     double value = 0;
     const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool whole = error == std::errc{} && stop == text.data() + text.size() && std::isfinite(value);
-    return whole ? std::optional(value) : std::nullopt;
+    const bool is_number = error == std::errc{} && stop == text.data() + text.size() && std::isfinite(value);
+    return is_number ? std::optional(value) : std::nullopt;
 }
 
 }  // namespace
@@ -165,29 +166,29 @@ std::optional<output::map::BarRange> parse_range(const std::string& text, const 
 
 std::vector<std::string> split_shell_words(const std::string& command) {
     std::vector<std::string> words;
-    bool quoted = false, open = false;
+    bool is_quoted = false, is_in_word = false;
     for (std::size_t i = 0; i < command.size(); ++i) {
         const char c = command[i];
-        if (c == ' ' && !quoted) {
-            open = false;
+        if (c == ' ' && !is_quoted) {
+            is_in_word = false;
             continue;
         }
-        if (!open) words.emplace_back();
-        open = true;
-        if (c == '\'') quoted = !quoted;
-        else if (c == '\\' && !quoted && i + 1 < command.size()) words.back() += command[++i];
+        if (!is_in_word) words.emplace_back();
+        is_in_word = true;
+        if (c == '\'') is_quoted = !is_quoted;
+        else if (c == '\\' && !is_quoted && i + 1 < command.size()) words.back() += command[++i];
         else words.back() += c;
     }
     return words;
 }
 
-TypedCommand typed(const shell::Command& program) {
-    TypedCommand words;
+TypedCommand typed_command(const shell::Command& program) {
+    TypedCommand result;
     for (const shell::Command& command : program.given()) {
-        words.before += (words.before.empty() ? "" : " ") + command.name();
-        add_words(command, words);
+        result.command_name += (result.command_name.empty() ? "" : " ") + command.name();
+        add_given_options(command, result);
     }
-    return words;
+    return result;
 }
 
 struct ThreadLimit::Control {

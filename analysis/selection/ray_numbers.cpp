@@ -27,13 +27,13 @@ std::vector<std::string> parts_of(const std::string& text) {
     return parts;
 }
 
-/// The exact number in a word of an option; nothing if it is above the largest binary64.
+/// The exact number in the value of an option; nothing if it is above the largest binary64.
 std::optional<Real> number_of(const std::string& text, const std::string& option) {
-    const auto read = scene::toml::parse_number(text);
-    const auto* const fault = std::get_if<scene::toml::NumberFault>(&read);
+    const auto parsed = scene::toml::parse_number(text);
+    const auto* const fault = std::get_if<scene::toml::NumberFault>(&parsed);
     if (fault && !fault->too_large) throw InputError(fmt::format("{}: \"{}\" {}", option, text, fault->why));
     if (fault) return {};
-    return std::get<Real>(read);
+    return std::get<Real>(parsed);
 }
 
 }  // namespace
@@ -46,13 +46,13 @@ std::vector<Shape> PrimitiveOptions::shapes() const {
 }
 
 std::vector<std::pair<Shape, std::string>> PrimitiveOptions::given() const {
-    std::vector<std::pair<Shape, std::string>> all;
-    std::array<std::size_t, shape_rows.size()> taken{};
-    for (const std::size_t place : order_()) {
-        const Shape shape = shape_rows[place].shape;
-        all.emplace_back(shape, of(shape).at(taken[place]++));
+    std::vector<std::pair<Shape, std::string>> primitives;
+    std::array<std::size_t, shape_rows.size()> next_index{};
+    for (const std::size_t index : order_()) {
+        const Shape shape = shape_rows[index].shape;
+        primitives.emplace_back(shape, of(shape).at(next_index[index]++));
     }
-    return all;
+    return primitives;
 }
 
 std::string PrimitiveOptions::names() const {
@@ -61,9 +61,10 @@ std::string PrimitiveOptions::names() const {
     return output::file::enumerated(options);
 }
 
-std::vector<Real> numbers_of(const std::string& text, const WantedNumbers& wanted, const std::optional<Format>& as) {
+std::vector<Real> numbers_of(const std::string& text, const WantedNumbers& wanted,
+                             const std::optional<Format>& format) {
     const char* const option = wanted.option;
-    const FloatFormat shape = as ? as->parameters : binary64;
+    const FloatFormat parameters = format ? format->parameters : binary64;
     std::vector<Real> numbers;
     for (const std::string& part : parts_of(text)) {
         if (wanted.special && (part == "nan" || part == "inf" || part == "-inf")) {
@@ -71,17 +72,18 @@ std::vector<Real> numbers_of(const std::string& text, const WantedNumbers& wante
             continue;
         }
         const auto exact = number_of(part, option);
-        const double rounded = exact ? scene::toml::round_to_format(*exact, shape) : HUGE_VAL;
+        const double rounded = exact ? scene::toml::round_to_format(*exact, parameters) : HUGE_VAL;
         if (!std::isfinite(rounded)) {
-            const double largest = std::ldexp(2 - std::ldexp(1.0, 1 - shape.precision), shape.emax);
-            throw InputError(fmt::format(
-                "{}: \"{}\" is out of range: the largest number of {} is {} ({}); scale the "
-                "ray and the primitives down",
-                option, part, as ? as->name : "binary64", output::file::decimal(largest), output::file::hex(largest)));
+            const double largest = std::ldexp(2 - std::ldexp(1.0, 1 - parameters.precision), parameters.emax);
+            throw InputError(
+                fmt::format("{}: \"{}\" is out of range: the largest number of {} is {} ({}); scale the "
+                            "ray and the primitives down",
+                            option, part, format ? format->name : "binary64", output::file::decimal(largest),
+                            output::file::hex(largest)));
         }
-        numbers.push_back(as ? Real(rounded) : *exact);
+        numbers.push_back(format ? Real(rounded) : *exact);
     }
-    if (numbers.size() != wanted.count) throw InputError(fmt::format("{} {} is not {}", option, text, wanted.what));
+    if (numbers.size() != wanted.count) throw InputError(fmt::format("{} {} is not {}", option, text, wanted.expected));
     return numbers;
 }
 
@@ -91,47 +93,47 @@ double stored_number(const Real& x) {
 
 namespace {
 
-Placement<double> placement_in(const std::string& text, const char* option, const std::optional<Format>& as) {
-    const bool inverse = text.starts_with('/');
-    const auto x = numbers_of(text.substr(inverse ? 1 : 0),
+Placement<double> placement_in(const std::string& text, const char* option, const std::optional<Format>& format) {
+    const bool is_inverse = text.starts_with('/');
+    const auto x = numbers_of(text.substr(is_inverse ? 1 : 0),
                               {option,
                                "a matrix; write after the @ its three rows of four numbers, with commas between "
                                "them, and a / before the rows of a stored inverse",
                                Affine<double>::numbers},
-                              as);
+                              format);
     std::array<double, Affine<double>::numbers> numbers;
     std::ranges::transform(x, numbers.begin(), stored_number);
-    const Placement<double> placed = placement_of(numbers, inverse);
-    if (!placed.is_proper()) throw InputError(fmt::format("{} …@{}: the matrix {}", option, text, singular_words));
-    return placed;
+    const Placement<double> placement = placement_of(numbers, is_inverse);
+    if (!placement.is_proper()) throw InputError(fmt::format("{} …@{}: the matrix {}", option, text, singular_words));
+    return placement;
 }
 
 }  // namespace
 
-Primitive<double> primitive_phrase(Shape shape, const std::string& words, const std::optional<Format>& as) {
-    const std::size_t at = std::min(words.find('@'), words.size());
-    const std::string text = words.substr(0, at), option = "--" + std::string(name_of(shape));
+Primitive<double> parse_primitive(Shape shape, const std::string& text, const std::optional<Format>& format) {
+    const std::size_t at_sign = std::min(text.find('@'), text.size());
+    const std::string numbers_text = text.substr(0, at_sign), option = "--" + std::string(name_of(shape));
     Primitive<double> primitive(shape);
-    const std::string what =
+    const std::string expected =
         fmt::format("{}; write its {}: {}, {} numbers with commas between them", with_article(shape), key_phrase(shape),
                     option_placeholder(shape), primitive.used().size());
-    const auto x = numbers_of(text, {option.c_str(), what.c_str(), primitive.used().size()}, as);
+    const auto x = numbers_of(numbers_text, {option.c_str(), expected.c_str(), primitive.used().size()}, format);
     std::ranges::transform(x, primitive.numbers.begin(), stored_number);
-    if (at < words.size()) primitive.placed = placement_in(words.substr(at + 1), option.c_str(), as);
+    if (at_sign < text.size()) primitive.placed = placement_in(text.substr(at_sign + 1), option.c_str(), format);
     if (const auto broken = broken_limit(primitive))
         throw InputError(
-            fmt::format("{} {}: {} {}", option, text, broken->key->name, limit_phrase(shape, *broken->key)));
+            fmt::format("{} {}: {} {}", option, numbers_text, broken->key->name, limit_phrase(shape, *broken->key)));
     return primitive;
 }
 
 std::pair<int, int> parse_size(const std::string& text) {
     int size[2] = {0, 0};
     const auto x = text.find('x');
-    const auto number = [&text](std::size_t begin, std::size_t end, int& value) {
+    const auto parse_int = [&text](std::size_t begin, std::size_t end, int& value) {
         const auto [stop, error] = std::from_chars(text.data() + begin, text.data() + end, value);
         return error == std::errc{} && stop == text.data() + end;
     };
-    if (x == std::string::npos || !number(0, x, size[0]) || !number(x + 1, text.size(), size[1])) {
+    if (x == std::string::npos || !parse_int(0, x, size[0]) || !parse_int(x + 1, text.size(), size[1])) {
         throw InputError(fmt::format("--size {} is not a size; write width and height in pixels, like 512x384", text));
     }
     return {size[0], size[1]};
@@ -140,11 +142,12 @@ std::pair<int, int> parse_size(const std::string& text) {
 std::pair<int, int> pixel_named(const std::string& text) {
     std::vector<double> x;
     for (const std::string& part : parts_of(text)) {
-        const auto read = number_of(part, "--pixel");
-        x.push_back(read ? static_cast<double>(*read) : HUGE_VAL);
+        const auto parsed = number_of(part, "--pixel");
+        x.push_back(parsed ? static_cast<double>(*parsed) : HUGE_VAL);
     }
-    constexpr double most = 1e9;  // more than any picture has, less than an int
-    if (x.size() != 2 || std::ranges::any_of(x, [](double v) { return v != std::floor(v) || std::fabs(v) > most; }))
+    constexpr double max_index = 1e9;  // more than any picture has, less than an int
+    if (x.size() != 2 ||
+        std::ranges::any_of(x, [](double v) { return v != std::floor(v) || std::fabs(v) > max_index; }))
         throw InputError("--pixel " + text + " is not a pixel; write its column and row, like 17,42");
     return {static_cast<int>(x[0]), static_cast<int>(x[1])};
 }
@@ -166,25 +169,26 @@ const Unit* find_unit(std::string_view name) {
 }  // namespace
 
 double tolerance_in_units(const std::string& text, const std::string& unit) {
-    const Unit* const scenes = find_unit(unit);
-    if (!unit.empty() && scenes == nullptr)
+    const Unit* const scene_unit = find_unit(unit);
+    if (!unit.empty() && scene_unit == nullptr)
         throw InputError(fmt::format("--unit {} is not a unit of length; write m, km, cm, mm, um, in or ft", unit));
-    double x = 0;
+    double length = 0;
     const char* const end = text.data() + text.size();
-    const char* const rest = std::from_chars(text.data(), end, x).ptr;
-    const std::string_view own(rest, static_cast<std::size_t>(end - rest));
-    if (rest == text.data() || !(x >= 0) || !std::isfinite(x) || (!own.empty() && !find_unit(own)))
+    const char* const unit_text = std::from_chars(text.data(), end, length).ptr;
+    const std::string_view own_unit(unit_text, static_cast<std::size_t>(end - unit_text));
+    if (unit_text == text.data() || !(length >= 0) || !std::isfinite(length) ||
+        (!own_unit.empty() && !find_unit(own_unit)))
         throw InputError(fmt::format(
             "--tolerance {} is not a length; write a number of at least 0 in the scene's unit of length, such as "
             "0.001, or with --unit a length such as 1mm",
             text));
-    if (own.empty()) return x;
-    if (scenes == nullptr)
+    if (own_unit.empty()) return length;
+    if (scene_unit == nullptr)
         throw InputError(fmt::format(
             "--tolerance {}: scenes and files of rays do not say what their unit of length is; write a number without "
             "a unit, or name the unit of the scene, as in --unit m",
             text));
-    return x * find_unit(own)->micrometres / scenes->micrometres;
+    return length * find_unit(own_unit)->micrometres / scene_unit->micrometres;
 }
 
 }  // namespace lostbits::analysis::selection

@@ -16,9 +16,9 @@
 
 namespace lostbits::analysis::selection {
 
-/// An option that takes `count` numbers; `what` completes the message "is not …".
+/// An option that takes `count` numbers; `expected` completes the message "is not …".
 struct WantedNumbers {
-    const char *option, *what;
+    const char *option, *expected;
     std::size_t count;
     bool special = false;  ///< nan and inf are allowed
 };
@@ -45,18 +45,18 @@ private:
     std::function<std::vector<std::size_t>()> order_ = [] { return std::vector<std::size_t>(); };
 };
 
-/// The numbers between the commas of a ray or a primitive, exact or, with `as`, rounded to that format. Throws
-/// InputError, which names the option, for a part that is not a number or is out of the range of `as` (without it, of
-/// binary64), and for a wrong count.
-std::vector<Real> numbers_of(const std::string& text, const WantedNumbers& wanted, const std::optional<Format>& as);
+/// The numbers between the commas of a ray or a primitive, exact or, with `format`, rounded to that format. Throws
+/// InputError, which names the option, for a part that is not a number or is out of the range of `format` (without it,
+/// of binary64), and for a wrong count.
+std::vector<Real> numbers_of(const std::string& text, const WantedNumbers& wanted, const std::optional<Format>& format);
 
-/// Rounded once to binary64; NaN and infinities stay.
+/// Rounds a number once to binary64; NaN and infinities stay.
 double stored_number(const Real& x);
 
-/// A primitive from its numbers, `CX,CY,CZ,R`. After them may stand `@` and the twelve numbers of a matrix, row by row,
-/// or `@/` and those of a stored inverse. All are read by `numbers_of`. Throws InputError, which names the option of
-/// the shape.
-Primitive<double> primitive_phrase(Shape shape, const std::string& words, const std::optional<Format>& as);
+/// Parses a primitive from its numbers, `CX,CY,CZ,R`. They may be followed by `@` and the twelve numbers of a matrix,
+/// row by row, or by `@/` and the twelve numbers of a stored inverse. `numbers_of` reads all these numbers. Throws
+/// InputError, which names the option of the shape.
+Primitive<double> parse_primitive(Shape shape, const std::string& text, const std::optional<Format>& format);
 
 /// Parses `WxH`, in pixels. Throws InputError for other texts.
 std::pair<int, int> parse_size(const std::string& text);

@@ -34,34 +34,36 @@ using scene::rays::RayGroup;
 namespace {
 
 /// The format of `--as`; nothing without it.
-std::optional<Format> format_of(const std::string& as) {
-    return as.empty() ? std::nullopt : std::optional(select_formats({as}, "--as").front());
+std::optional<Format> format_named(const std::string& name) {
+    return name.empty() ? std::nullopt : std::optional(select_formats({name}, "--as").front());
 }
 
 Ray<double> stored(const Ray<Real>& ray) {
-    const auto of = [](const Vec<Real>& v) {
+    const auto to_doubles = [](const Vec<Real>& v) {
         return Vec<double>(stored_number(v.x), stored_number(v.y), stored_number(v.z));
     };
-    return {of(ray.origin), of(ray.direction)};
+    return {to_doubles(ray.origin), to_doubles(ray.direction)};
 }
 
 /// Parses --ray. With primitives given as options, the numbers need not be a proper ray (NaN, a zero direction), as in
 /// a file of cases: the answer of a form to such a ray is explained too.
-Ray<Real> given_ray(const RayOptions& words) {
-    const bool own = words.subject.empty();
+Ray<Real> given_ray(const RayOptions& options) {
+    const bool has_own_primitives = options.subject.empty();
     const auto x = numbers_of(
-        words.ray, {"--ray", "a ray; write origin and direction, six numbers with commas between them", 6, own},
-        format_of(words.as));
+        options.ray,
+        {"--ray", "a ray; write origin and direction, six numbers with commas between them", 6, has_own_primitives},
+        format_named(options.format));
     const Ray<Real> ray{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
-    if (!own && !measure::truth::is_proper(stored(ray)))
-        throw InputError("--ray " + words.ray + " is not a ray; its numbers must be finite and its direction not zero");
+    if (!has_own_primitives && !measure::truth::is_proper(stored(ray)))
+        throw InputError("--ray " + options.ray +
+                         " is not a ray; its numbers must be finite and its direction not zero");
     return ray;
 }
 
-/// The row for these primitives; the form gets the usual transform if they are placed by matrices. Throws InputError if
-/// the form does not take them.
-template <class Meets>
-TestedForm row_for(const TestedForm& row, const std::string& where, const Meets& meets) {
+/// The row for these primitives; the form gets the usual transform if matrices place the primitives. Throws InputError
+/// if the form does not take the primitives.
+template <class ShapePredicate>
+TestedForm row_for(const TestedForm& row, const std::string& subject, const ShapePredicate& meets) {
     const Shape shape = row.form->shape;
     if (meets(row.form->shapes())) return row;
     if (is_primitive(shape) && !row.form->is_set() && !scene::rays::generator_of(*row.form) &&
@@ -74,146 +76,150 @@ TestedForm row_for(const TestedForm& row, const std::string& where, const Meets&
         throw InputError(fmt::format(
             "-i {}: no primitive of {} is placed by a matrix, so a transform has nothing to do; leave out the @ and "
             "the transform",
-            row.form->info->name, where));
+            row.form->info->name, subject));
     if (is_primitive(shape) && several_shapes(meets)) {
         std::vector<TestedForm> parts{row};
         for (const auto* const part : row.form->parts) parts.push_back({part, row.format});
-        throw InputError(fmt::format("-i {}: {}{}", row.form->info->name, where, fitting_forms_advice(parts, meets)));
+        throw InputError(fmt::format("-i {}: {}{}", row.form->info->name, subject, fitting_forms_advice(parts, meets)));
     }
-    const std::string lacks =
+    const std::string missing_part =
         is_primitive(shape) ? fmt::format("no primitives for it: it is a form for {}", plurals(row.form->shapes()))
                             : "no [march] table, which the forms of sdf.* need";
-    throw InputError(fmt::format("-i {}: {} has {}; try -i '{}'", row.form->info->name, where, lacks, globs_of(meets)));
+    throw InputError(
+        fmt::format("-i {}: {} has {}; try -i '{}'", row.form->info->name, subject, missing_part, globs_of(meets)));
 }
 
 /// Loads the scene. Throws InputError if its file has variants and none is named.
-Scene load_one(const RayOptions& words, const std::filesystem::path& data) {
-    const scene::file::SceneName name = scene::file::find_scene(words.subject, data);
-    scene::file::LoadOptions options{.variant = name.variant, .stop = words.stop};
-    if (!words.variant.empty()) options.variant = words.variant;
-    if (!words.size.empty()) options.size = parse_size(words.size);
-    for (const auto& s : words.set) options.overrides.push_back(scene::toml::parse_override(s));
-    auto scenes = scene::file::load_scene(name.path, options);
+Scene load_one(const RayOptions& options, const std::filesystem::path& data) {
+    const scene::file::SceneName name = scene::file::find_scene(options.subject, data);
+    scene::file::LoadOptions load_options{.variant = name.variant, .stop = options.stop};
+    if (!options.variant.empty()) load_options.variant = options.variant;
+    if (!options.size.empty()) load_options.size = parse_size(options.size);
+    for (const auto& assignment : options.set)
+        load_options.overrides.push_back(scene::toml::parse_override(assignment));
+    auto scenes = scene::file::load_scene(name.path, load_options);
     if (scenes.size() != 1)
-        throw InputError(words.subject + ": has several variants; name one, such as " + scenes.front().id);
+        throw InputError(options.subject + ": has several variants; name one, such as " + scenes.front().id);
     return std::move(scenes.front());
 }
 
-OneRay pixel_of(const RayOptions& words, const Scene& scene) {
-    const auto [x, y] = pixel_named(words.pixel);
-    return {scene, x, y, {.stop = words.stop}};
+OneRay pixel_of(const RayOptions& options, const Scene& scene) {
+    const auto [x, y] = pixel_named(options.pixel);
+    return {scene, x, y, {.stop = options.stop}};
 }
 
-SelectedRay of_scene(const RayOptions& words, const TestedForm& given, const std::filesystem::path& data) {
-    const auto* const generator = scene::rays::generator_of(*given.form);
-    if (generator && !words.ray.empty())
+SelectedRay ray_of_scene(const RayOptions& options, const TestedForm& given_row, const std::filesystem::path& data) {
+    const auto* const generator = scene::rays::generator_of(*given_row.form);
+    if (generator && !options.ray.empty())
         throw InputError(fmt::format(
             "-i {}: the part after the @ is a camera's ray generator, but no camera makes the ray of --ray; "
             "give --pixel instead of --ray, or leave out the @ and the ray generator",
-            given.form->info->name));
-    Scene loaded = load_one(words, data);
+            given_row.form->info->name));
+    Scene loaded = load_one(options, data);
     const auto scene =
         std::make_shared<const Scene>(generator ? with_rays(std::move(loaded), *generator) : std::move(loaded));
-    const TestedForm row = row_for(given, "scene " + scene->id, [&](Shapes forms) { return scene->meets(forms); });
-    std::vector<std::string> options;
-    if (words.worst) options.emplace_back("--worst");
-    if (!words.pixel.empty()) options.emplace_back("--pixel");
-    if (!words.ray.empty()) options.emplace_back("--ray");
-    if (options.size() > 1)
-        throw InputError(fmt::format("explain: {} each name a ray; give only one", output::file::enumerated(options)));
-    if (options.empty())
+    const TestedForm row = row_for(given_row, "scene " + scene->id, [&](Shapes forms) { return scene->meets(forms); });
+    std::vector<std::string> given_options;
+    if (options.worst) given_options.emplace_back("--worst");
+    if (!options.pixel.empty()) given_options.emplace_back("--pixel");
+    if (!options.ray.empty()) given_options.emplace_back("--ray");
+    if (given_options.size() > 1)
+        throw InputError(
+            fmt::format("explain: {} each name a ray; give only one", output::file::enumerated(given_options)));
+    if (given_options.empty())
         throw InputError(
             "explain: the ray is missing; give --worst or --pixel X,Y for a scene, --ray OX,OY,OZ,DX,DY,DZ, or --case "
             "NAME "
             "for a file of cases");
-    if (words.worst) return worst_of_scene(scene, row, words.stop);
-    return {scene,
-            words.ray.empty() ? pixel_of(words, *scene) : OneRay(*scene, given_ray(words), {.stop = words.stop}),
-            row.form,
-            {},
-            words.ray.empty() ? std::optional(pixel_named(words.pixel)) : std::nullopt};
+    if (options.worst) return worst_of_scene(scene, row, options.stop);
+    return {
+        scene,
+        options.ray.empty() ? pixel_of(options, *scene) : OneRay(*scene, given_ray(options), {.stop = options.stop}),
+        row.form,
+        {},
+        options.ray.empty() ? std::optional(pixel_named(options.pixel)) : std::nullopt};
 }
 
 /// A case, and a ray of it: NAME or NAME:K. A text that is itself the name of a case names no ray.
 struct NamedRay {
-    std::size_t number;
+    std::size_t case_index;
     std::optional<int> ray;
 };
 
 NamedRay named_ray(const scene::sweep::CaseFile& file, const std::string& text) {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < file.size(); ++i) names.push_back(file.name(i));
-    const auto place = [&](const std::string& name) {
+    const auto index_of = [&](const std::string& name) {
         return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
     };
-    if (const std::size_t whole = place(text); whole < names.size()) return {whole, {}};
+    if (const std::size_t whole = index_of(text); whole < names.size()) return {whole, {}};
     const auto colon = std::min(text.rfind(':'), text.size());
     const std::string name = text.substr(0, colon), digits = colon < text.size() ? text.substr(colon + 1) : "";
-    const bool counts = !digits.empty() && digits.size() < 8 &&
-                        std::ranges::all_of(digits, [](char c) { return c >= '0' && c <= '9'; });
-    if (const std::size_t found = place(name); counts && found < names.size()) return {found, std::stoi(digits)};
+    const bool has_index = !digits.empty() && digits.size() < 8 &&
+                           std::ranges::all_of(digits, [](char c) { return c >= '0' && c <= '9'; });
+    if (const std::size_t found = index_of(name); has_index && found < names.size()) return {found, std::stoi(digits)};
     throw InputError(fmt::format("--case {}: {} has no case of that name; {}", text, file.id,
-                                 scene::toml::did_you_mean(counts ? name : text, names)));
+                                 scene::toml::did_you_mean(has_index ? name : text, names)));
 }
 
 /// The convention to judge by: that of --convention, else each form's own if the file has it, else the file's first.
-std::optional<intersect::Touching> judged_of(const RayOptions& words, const scene::sweep::CaseFile& file) {
-    if (!words.convention.empty()) return scene::sweep::convention_named(words.convention);
-    const bool own = std::ranges::any_of(file.conventions, [](const auto& judged) { return !judged; });
-    return own ? std::nullopt : file.conventions[0];
+std::optional<intersect::Touching> convention_of(const RayOptions& options, const scene::sweep::CaseFile& file) {
+    if (!options.convention.empty()) return scene::sweep::convention_named(options.convention);
+    const bool has_own = std::ranges::any_of(file.conventions, [](const auto& convention) { return !convention; });
+    return has_own ? std::nullopt : file.conventions[0];
 }
 
 /// The worst of all rays of a sweep. --size, --steps and --set change the sweep as in `lostbits sweep`.
-SelectedRay worst_of_sweep(const RayOptions& words, TestedForm row, const std::filesystem::path& path,
+SelectedRay worst_of_sweep(const RayOptions& options, TestedForm row, const std::filesystem::path& path,
                            const std::filesystem::path& data) {
     using scene::sweep::SweepKind;
     const SweepKind kind = scene::sweep::sweep_kind(path);
     for (const auto& [given, option, why] :
-         {std::tuple{&words.pixel, "--pixel", "names one ray, but --worst searches all of them"},
-          {&words.ray, "--ray", "names one ray, but --worst searches all of them"},
-          {&words.variant, "--variant", "is for a scene, but a sweep names its own"}}) {
+         {std::tuple{&options.pixel, "--pixel", "names one ray, but --worst searches all of them"},
+          {&options.ray, "--ray", "names one ray, but --worst searches all of them"},
+          {&options.variant, "--variant", "is for a scene, but a sweep names its own"}}) {
         if (!given->empty()) throw InputError(fmt::format("{} {} {}; leave out {}", option, *given, why, option));
     }
-    const SweepChangeOptions changes{words.size, words.steps, words.set};
-    if (kind == SweepKind::cases || kind == SweepKind::axes) check_changes(changes, kind, words.subject);
+    const SweepChangeOptions changes{options.size, options.steps, options.set};
+    if (kind == SweepKind::cases || kind == SweepKind::axes) check_changes(changes, kind, options.subject);
     if (kind == SweepKind::cases) {
         const scene::sweep::CaseFile file(path);
         row = row_for(row, "the file of cases " + file.id, [&](Shapes forms) { return file.meets(forms); });
-        row.judged = judged_of(words, file);
-        return worst_of_cases(file, row, words.stop);
+        row.judged = convention_of(options, file);
+        return worst_of_cases(file, row, options.stop);
     }
     if (kind != SweepKind::axes)
-        throw InputError("--worst: " + words.subject +
+        throw InputError("--worst: " + options.subject +
                          " is a sweep over every float, or a search, which takes long; run `lostbits sweep` on it: its "
                          "tables have the command that explains the worst ray");
-    const scene::sweep::SweepFile sweep(path, data, read_changes(changes), words.stop);
+    const scene::sweep::SweepFile sweep(path, data, read_changes(changes), options.stop);
     row = row_for(row, "the sweep " + sweep.id, [&](Shapes forms) { return sweep.meets(forms); });
-    row.judged = words.convention.empty() ? sweep.convention : scene::sweep::convention_named(words.convention);
-    return worst_along(sweep, row, words.stop);
+    row.judged = options.convention.empty() ? sweep.convention : scene::sweep::convention_named(options.convention);
+    return worst_along(sweep, row, options.stop);
 }
 
-SelectedRay of_case(const RayOptions& words, TestedForm row, const std::filesystem::path& data) {
-    const auto path = scene::sweep::find_sweep(words.subject, data);
+SelectedRay ray_of_case(const RayOptions& options, TestedForm row, const std::filesystem::path& data) {
+    const auto path = scene::sweep::find_sweep(options.subject, data);
     if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::cases)
         throw InputError(
-            words.subject +
+            options.subject +
             ": has no [[case]] tables for --case; use --worst for its worst ray, or a command in the column "
             "worst_explain of its samples.csv");
     const scene::sweep::CaseFile file(path);
     row = row_for(row, "the file of cases " + file.id, [&](Shapes forms) { return file.meets(forms); });
-    const auto [number, asked] = named_ray(file, words.named_case);
-    row.judged = judged_of(words, file);
-    const int rays = file.rays_of(number);
-    auto groups = file.rays(number, row.format.parameters);
+    const auto [case_index, ray_index] = named_ray(file, options.named_case);
+    row.judged = convention_of(options, file);
+    const int rays = file.rays_of(case_index);
+    auto groups = file.rays(case_index, row.format.parameters);
     const int count = rays * static_cast<int>(groups.size());
-    if (asked && *asked >= count)
-        throw InputError(fmt::format("--case {}: the case has {}, counted from 0", words.named_case,
+    if (ray_index && *ray_index >= count)
+        throw InputError(fmt::format("--case {}: the case has {}, counted from 0", options.named_case,
                                      scene::toml::counted(count, "ray")));
-    const int k = asked ? *asked : worst_of(groups, rays, row, words.stop);
-    SelectedRay found{
-        nullptr, OneRay(ray_of(std::move(groups), rays, k)), row.form,
-        fmt::format("Case \"{}\", ray {} of {}{}.\n", file.name(number), k, count,
-                    asked || count == 1 ? " (counted from 0)" : " (counted from 0), the worst of them for this form")};
+    const int k = ray_index ? *ray_index : worst_of(groups, rays, row, options.stop);
+    SelectedRay found{nullptr, OneRay(ray_of(std::move(groups), rays, k)), row.form,
+                      fmt::format("Case \"{}\", ray {} of {}{}.\n", file.name(case_index), k, count,
+                                  ray_index || count == 1 ? " (counted from 0)"
+                                                          : " (counted from 0), the worst of them for this form")};
     found.ray.judge_by(row.judged);
     return found;
 }
@@ -223,95 +229,100 @@ intersect::MarchConstants<double> march_of(const std::vector<std::string>& set) 
     scene::toml::Node root, table;
     root.kind = table.kind = scene::toml::Node::Kind::table;
     root.entries.push_back({"march", {}, table});
-    for (const std::string& s : set) {
-        const scene::toml::Override change = scene::toml::parse_override(s);
+    for (const std::string& assignment : set) {
+        const scene::toml::Override change = scene::toml::parse_override(assignment);
         if (!change.path.starts_with("march."))
-            throw InputError("--set " + s + ": no scene was given, so only march.KEY can be set");
+            throw InputError("--set " + assignment + ": no scene was given, so only march.KEY can be set");
         scene::toml::apply_override(root, change);
     }
-    scene::toml::TableReader file(root);
-    return scene::file::round_march(scene::file::read_march(file.table("march"), scene::file::Inputs::own), binary64);
+    scene::toml::TableReader reader(root);
+    return scene::file::round_march(scene::file::read_march(reader.table("march"), scene::file::Inputs::own), binary64);
 }
 
 /// Throws InputError if the range of a ray contains no t, as for `[rays]` of a scene.
-void require_range(const RayOptions& words, const Range<double>& range) {
+void require_range(const RayOptions& options, const Range<double>& range) {
     if (!(range.tmin >= 0 && range.tmin < HUGE_VAL))
-        throw InputError("--tmin " + words.tmin +
+        throw InputError("--tmin " + options.tmin +
                          " is not a start of a range; write a finite t of at least 0, or leave --tmin out for 0");
     if (std::isnan(range.tmax))
-        throw InputError("--tmax " + words.tmax +
+        throw InputError("--tmax " + options.tmax +
                          " is not a t; write the t at which the ray ends, or leave --tmax out for a ray without end");
     if (range.holds_any()) return;
-    const std::string options = (words.tmin.empty() ? "" : "--tmin " + words.tmin + " ") + "--tmax " + words.tmax +
-                                (words.open_ends.empty() ? "" : " --open-ends " + words.open_ends);
-    throw InputError(options +
+    const std::string text = (options.tmin.empty() ? "" : "--tmin " + options.tmin + " ") + "--tmax " + options.tmax +
+                             (options.open_ends.empty() ? "" : " --open-ends " + options.open_ends);
+    throw InputError(text +
                      ": leaves no t between tmin and tmax; write a tmax above tmin, or leave out --tmin or --tmax");
 }
 
-SelectedRay of_own_primitives(const RayOptions& words, const TestedForm& given) {
+SelectedRay ray_of_own_primitives(const RayOptions& options, const TestedForm& given_row) {
     std::vector<Primitive<double>> primitives;
-    for (const auto& [shape, text] : words.primitives.given())
-        primitives.push_back(primitive_phrase(shape, text, format_of(words.as)));
+    for (const auto& [shape, text] : options.primitives.given())
+        primitives.push_back(parse_primitive(shape, text, format_named(options.format)));
     const bool placed =
         std::ranges::any_of(primitives, [](const auto& primitive) { return primitive.placed.has_value(); });
-    const auto is_for = [&given](const Primitive<double>& primitive) {
-        return given.form->shapes().has(primitive.shape);
+    const auto form_takes = [&given_row](const Primitive<double>& primitive) {
+        return given_row.form->shapes().has(primitive.shape);
     };
-    const TestedForm row = std::ranges::all_of(primitives, is_for) && placed == given.form->shapes().are_placed()
-                               ? given
-                               : row_for(given, "the ray", [of = shapes_of(primitives).placed(placed)](Shapes forms) {
-                                     return (forms == Shape::sdf && !of.are_placed()) || forms == of;
-                                 });
-    if (words.ray.empty()) throw InputError("explain: the ray is missing; give --ray OX,OY,OZ,DX,DY,DZ");
-    const Ray<Real> ray = given_ray(words);
-    RayGroup one = scene::rays::group_of(stored(ray));
-    one.primitives = std::move(primitives);
-    const auto put_end = [&](const std::string& text, const char* option, const char* what, std::vector<double>& to) {
+    const TestedForm row =
+        std::ranges::all_of(primitives, form_takes) && placed == given_row.form->shapes().are_placed()
+            ? given_row
+            : row_for(given_row, "the ray", [shapes = shapes_of(primitives).placed(placed)](Shapes forms) {
+                  return (forms == Shape::sdf && !shapes.are_placed()) || forms == shapes;
+              });
+    if (options.ray.empty()) throw InputError("explain: the ray is missing; give --ray OX,OY,OZ,DX,DY,DZ");
+    const Ray<Real> ray = given_ray(options);
+    RayGroup group = scene::rays::group_of(stored(ray));
+    group.primitives = std::move(primitives);
+    const auto add_end = [&](const std::string& text, const char* option, const char* expected,
+                             std::vector<double>& ends) {
         if (!text.empty())
-            to.push_back(stored_number(numbers_of(text, {option, what, 1, true}, format_of(words.as))[0]));
+            ends.push_back(
+                stored_number(numbers_of(text, {option, expected, 1, true}, format_named(options.format))[0]));
     };
-    put_end(words.tmin, "--tmin", "a start of a range; write one number", one.rays.tmin);
-    put_end(words.tmax, "--tmax", "an end of a range; write one number", one.rays.tmax);
-    one.rays.open = open_ends_named(words.open_ends);
-    require_range(words, one.rays.range(0));
-    one.march = march_of(words.set);
-    return {nullptr, OneRay(std::move(one)), row.form};
+    add_end(options.tmin, "--tmin", "a start of a range; write one number", group.rays.tmin);
+    add_end(options.tmax, "--tmax", "an end of a range; write one number", group.rays.tmax);
+    group.rays.open = open_ends_named(options.open_ends);
+    require_range(options, group.rays.range(0));
+    group.march = march_of(options.set);
+    return {nullptr, OneRay(std::move(group)), row.form};
 }
 
-/// Throws InputError for options that do not go together.
-void check(const RayOptions& words) {
-    const bool own = !words.primitives.empty(), a_case = !words.named_case.empty(), a_scene = !own && !a_case;
-    if (own && !words.subject.empty())
-        throw InputError(words.subject + ": a scene has its own primitives; leave out the scene, or leave out " +
-                         words.primitives.names());
-    if (!own && words.subject.empty())
+/// Throws InputError for options that cannot be combined.
+void require_compatible(const RayOptions& options) {
+    const bool has_own_primitives = !options.primitives.empty(), is_case = !options.named_case.empty(),
+               is_scene = !has_own_primitives && !is_case;
+    if (has_own_primitives && !options.subject.empty())
+        throw InputError(options.subject + ": a scene has its own primitives; leave out the scene, or leave out " +
+                         options.primitives.names());
+    if (!has_own_primitives && options.subject.empty())
         throw InputError(
             "explain: the primitives are missing; name a scene, a file of cases with --case, or primitives (--sphere "
             "CX,CY,CZ,R; other shapes: `lostbits explain --help`)");
-    const char* const own_primitives = "primitives given as options (for a scene, --set rays.tmin=VALUE)";
-    struct Row {
+    const char* const needs_own_primitives = "primitives given as options (for a scene, --set rays.tmin=VALUE)";
+    struct Rule {
         const char* option;
         bool given, fits;
         const char* needs;
     };
-    const Row rows[] = {
-        {"--as", !words.as.empty(), !words.ray.empty(), "--ray, whose numbers it rounds"},
-        {"--tmin", !words.tmin.empty(), own, own_primitives},
-        {"--tmax", !words.tmax.empty(), own, own_primitives},
-        {"--open-ends", !words.open_ends.empty(), own, own_primitives},
-        {"--size", !words.size.empty(), words.ray.empty() || own, "--pixel (a ray of --ray belongs to no picture)"},
-        {"--worst", words.worst, a_scene, "a scene or a sweep, whose rays it searches"},
-        {"--pixel", !words.pixel.empty(), a_scene, "a scene"},
-        {"--size", !words.size.empty(), a_scene, "a scene"},
-        {"--variant", !words.variant.empty(), a_scene, "a scene"},
-        {"--case", a_case, !own, "a file of cases"},
-        {"--ray", !words.ray.empty(), own || a_scene,
+    const Rule rules[] = {
+        {"--as", !options.format.empty(), !options.ray.empty(), "--ray, whose numbers it rounds"},
+        {"--tmin", !options.tmin.empty(), has_own_primitives, needs_own_primitives},
+        {"--tmax", !options.tmax.empty(), has_own_primitives, needs_own_primitives},
+        {"--open-ends", !options.open_ends.empty(), has_own_primitives, needs_own_primitives},
+        {"--size", !options.size.empty(), options.ray.empty() || has_own_primitives,
+         "--pixel (a ray of --ray belongs to no picture)"},
+        {"--worst", options.worst, is_scene, "a scene or a sweep, whose rays it searches"},
+        {"--pixel", !options.pixel.empty(), is_scene, "a scene"},
+        {"--size", !options.size.empty(), is_scene, "a scene"},
+        {"--variant", !options.variant.empty(), is_scene, "a scene"},
+        {"--case", is_case, !has_own_primitives, "a file of cases"},
+        {"--ray", !options.ray.empty(), has_own_primitives || is_scene,
          "a scene, or primitives given as options (a case has its own rays)"},
-        {"--steps", !words.steps.empty(), a_scene, "a sweep and --worst"},
-        {"--set", !words.set.empty(), own || a_scene, "a scene, or primitives given as options"}};
-    for (const Row& row : rows)
-        if (row.given && !row.fits)
-            throw InputError(fmt::format("{} needs {}; add it, or leave {} out", row.option, row.needs, row.option));
+        {"--steps", !options.steps.empty(), is_scene, "a sweep and --worst"},
+        {"--set", !options.set.empty(), has_own_primitives || is_scene, "a scene, or primitives given as options"}};
+    for (const Rule& rule : rules)
+        if (rule.given && !rule.fits)
+            throw InputError(fmt::format("{} needs {}; add it, or leave {} out", rule.option, rule.needs, rule.option));
 }
 
 }  // namespace
@@ -329,25 +340,26 @@ std::optional<std::filesystem::path> sweep_named(const std::string& subject, con
     }
 }
 
-SelectedRay find_ray(const RayOptions& words, const TestedForm& row, const std::filesystem::path& data) {
-    check(words);
-    for (const std::string& set : words.set) {
-        if (set.starts_with("march.") && is_primitive(row.form->shape))
+SelectedRay find_ray(const RayOptions& options, const TestedForm& row, const std::filesystem::path& data) {
+    require_compatible(options);
+    for (const std::string& assignment : options.set) {
+        if (assignment.starts_with("march.") && is_primitive(row.form->shape))
             throw InputError(
                 fmt::format("--set {}: {} does not march, so nothing would change; leave out --set, or name a "
                             "form of sdf.*",
-                            set, row.form->info->name));
+                            assignment, row.form->info->name));
     }
-    if (!words.named_case.empty()) return of_case(words, row, data);
-    if (const auto sweep = words.worst ? sweep_named(words.subject, data) : std::nullopt)
-        return worst_of_sweep(words, row, *sweep, data);
-    TestedForm judged = row;
-    judged.judged = scene::sweep::convention_named(words.convention);
-    if (!words.steps.empty())
-        throw InputError("--steps " + words.steps +
+    if (!options.named_case.empty()) return ray_of_case(options, row, data);
+    if (const auto sweep = options.worst ? sweep_named(options.subject, data) : std::nullopt)
+        return worst_of_sweep(options, row, *sweep, data);
+    TestedForm judged_row = row;
+    judged_row.judged = scene::sweep::convention_named(options.convention);
+    if (!options.steps.empty())
+        throw InputError("--steps " + options.steps +
                          " is for the worst ray of a sweep; add --worst, or leave --steps out");
-    SelectedRay found = words.subject.empty() ? of_own_primitives(words, row) : of_scene(words, judged, data);
-    found.ray.judge_by(judged.judged);
+    SelectedRay found =
+        options.subject.empty() ? ray_of_own_primitives(options, row) : ray_of_scene(options, judged_row, data);
+    found.ray.judge_by(judged_row.judged);
     return found;
 }
 

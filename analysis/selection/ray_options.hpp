@@ -1,5 +1,5 @@
-// Finds the ray for `lostbits explain`: of a scene, of a file of cases, or with primitives given as options. Also finds
-// the worst ray of a form: a wrong decision or, if there is none, the largest error.
+// Finds the ray for `lostbits explain`: a ray of a scene, of a file of cases, or of primitives given as options. Also
+// finds the worst ray of a form: a wrong decision or, if there is none, the largest error.
 #pragma once
 
 #include <filesystem>
@@ -24,7 +24,7 @@ struct RayOptions {
     std::string steps;                 ///< of a sweep
     bool worst = false;                ///< the worst of all pixels of a scene, or of all rays of a sweep
     std::string named_case;            ///< NAME or NAME:K, in a file of cases
-    std::string ray, as;               ///< six numbers, and the format to which they are rounded first
+    std::string ray, format;           ///< six numbers, and the format to which they are rounded first
     PrimitiveOptions primitives;
     std::string tmin, tmax, open_ends, convention;
     std::vector<std::string> set;
@@ -37,22 +37,22 @@ struct SelectedRay {
     measure::answer::OneRay ray;
     /// The form to run: that of the row or, for primitives placed by matrices, the same with the usual transform.
     const intersect::table::Intersector* form = nullptr;
-    std::string note = {};                          ///< says which ray it is, if the options leave that open
+    std::string note = {};                          ///< names the ray, if the options do not
     std::optional<std::pair<int, int>> pixel = {};  ///< pixel of the scene, if the ray is that of one
 };
 
 /// Finds the ray that the options name, with the numbers that the form of the row gets: a case has other numbers in
 /// each format. Throws InputError if they name no ray, and for primitives that the form does not take.
-SelectedRay find_ray(const RayOptions& words, const measure::evaluate::TestedForm& row,
+SelectedRay find_ray(const RayOptions& options, const measure::evaluate::TestedForm& row,
                      const std::filesystem::path& data);
 
 /// The file of a sweep if the subject is one: its path, or its name, unless a scene has that name.
 std::optional<std::filesystem::path> sweep_named(const std::string& subject, const std::filesystem::path& data);
 
-/// Ray `k` of a case, counted through its groups of `rays` rays each.
-scene::rays::RayGroup ray_of(std::vector<scene::rays::RayGroup> groups, int rays, int k);
+/// Ray `k` of a case. Each of its groups has `rays_per_group` rays; `k` counts the rays of all groups.
+scene::rays::RayGroup ray_of(std::vector<scene::rays::RayGroup> groups, int rays_per_group, int k);
 /// The index of the worst of these rays, which is the ray that cases.csv names.
-int worst_of(std::vector<scene::rays::RayGroup> groups, int rays, const measure::evaluate::TestedForm& row,
+int worst_of(std::vector<scene::rays::RayGroup> groups, int rays_per_group, const measure::evaluate::TestedForm& row,
              intersect::process::StopToken stop);
 
 /// The worst ray of all pixels of a scene, of all steps of a sweep, or of all cases of a file, with a note that names

@@ -22,29 +22,30 @@ using scene::file::Scene;
 std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem::path& data) {
     scene::file::LoadOptions options{.stop = choice.stop};
     if (!choice.size.empty()) options.size = parse_size(choice.size);
-    for (const auto& s : choice.set) options.overrides.push_back(scene::toml::parse_override(s));
+    for (const auto& assignment : choice.set) options.overrides.push_back(scene::toml::parse_override(assignment));
     std::vector<Scene> scenes;
     std::set<std::string> ids;
-    for (const std::string& word : choice.names) {
-        const scene::file::SceneName name = scene::file::find_scene(word, data);
+    for (const std::string& given_name : choice.names) {
+        const scene::file::SceneName name = scene::file::find_scene(given_name, data);
         if (name.variant && !choice.variant.empty() && *name.variant != choice.variant)
             throw InputError(
-                fmt::format("--variant {}: {} names another variant; leave out --variant", choice.variant, word));
+                fmt::format("--variant {}: {} names another variant; leave out --variant", choice.variant, given_name));
         options.variant = choice.variant.empty() ? name.variant : std::optional(choice.variant);
         for (auto& scene : scene::file::load_scene(name.path, options)) {
-            if (choice.all_ahead && !scene.range.is_whole())
+            if (choice.refuses_ranges && !scene.range.is_whole())
                 throw InputError(
                     fmt::format("{}: the rays of {} have a range, but this command tests rays without end from t = 0; "
                                 "leave out the [rays] table",
-                                word, scene.id));
+                                given_name, scene.id));
             // A title describes the numbers in the file: "… 100 away" would be wrong after --set.
             if (!choice.set.empty()) scene.title += fmt::format(", with {}", fmt::join(choice.set, ", "));
             if (!ids.insert(scene.id).second)
                 throw InputError(
                     fmt::format("{}: scene \"{}\" is given twice, and both would write to the same folder; "
                                 "leave out one of the two",
-                                word, scene.id));
-            for (const std::string& remark : scene.remarks()) fmt::print(stderr, "lostbits: {}: {}\n", word, remark);
+                                given_name, scene.id));
+            for (const std::string& remark : scene.remarks())
+                fmt::print(stderr, "lostbits: {}: {}\n", given_name, remark);
             scenes.push_back(std::move(scene));
         }
     }
@@ -82,9 +83,9 @@ std::filesystem::path data_folder(const std::string& given) {
     if (fs::is_directory("data/scenes")) return "data";
     std::error_code error;
     const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
-    // Beside an unpacked program, in the tree of a build, installed.
-    for (const char* const place : {"data", "../data", "../share/lostbits/data"}) {
-        const fs::path folder = (program / place).lexically_normal();
+    // The data folders beside an unpacked program, in a build tree, and in an installation.
+    for (const char* const relative : {"data", "../data", "../share/lostbits/data"}) {
+        const fs::path folder = (program / relative).lexically_normal();
         if (!program.empty() && fs::is_directory(folder / "scenes", error)) return folder;
     }
     return "data";
@@ -114,14 +115,14 @@ std::vector<measure::evaluate::TestedForm> timed_on(const scene::file::Scene& sc
 }
 
 std::vector<measure::evaluate::TestedForm> timed_on(const std::string& id, const SelectedRows& chosen,
-                                                    const Meets& meets) {
+                                                    const ShapePredicate& meets) {
     // A march tests all primitives at once, and its time depends on its steps, so a time per ray and primitive says
     // nothing.
-    const Meets can = [&meets](Shapes forms) { return are_primitives(forms) && meets(forms); };
-    auto timed = rows_meeting(chosen, id, can);
+    const ShapePredicate can_be_timed = [&meets](Shapes forms) { return are_primitives(forms) && meets(forms); };
+    auto timed = rows_meeting(chosen, id, can_be_timed);
     if (!timed.empty()) return timed;
     throw NothingSelected("none of the selected forms is for the primitives of " + id +
-                          fitting_forms_advice(chosen.rows, can));
+                          fitting_forms_advice(chosen.rows, can_be_timed));
 }
 
 bool are_files(const RayFileOptions& o, const std::vector<std::string>& subjects) {
@@ -136,18 +137,19 @@ bool are_files(const RayFileOptions& o, const std::vector<std::string>& subjects
 }
 
 void refuse_others(const RayFileOptions& o, const std::vector<std::string>& subjects,
-                   const std::vector<std::pair<const char*, bool>>& of_scenes, const char* command) {
-    std::vector<std::pair<std::string, bool>> of_files{{"--answer-format", !o.format.empty()}, {"--skip", o.skip != 0}};
-    for (const RayFileOption& option : ray_file_options()) of_files.emplace_back(option.name, option.is_given(o));
+                   const std::vector<std::pair<const char*, bool>>& scene_options, const char* command) {
+    std::vector<std::pair<std::string, bool>> file_options{{"--answer-format", !o.format.empty()},
+                                                           {"--skip", o.skip != 0}};
+    for (const RayFileOption& option : ray_file_options()) file_options.emplace_back(option.name, option.is_given(o));
     for (const ShapeRow& row : shape_rows)
-        of_files.emplace_back(fmt::format("--{}", row.name), !o.primitives.of(row.shape).empty());
+        file_options.emplace_back(fmt::format("--{}", row.name), !o.primitives.of(row.shape).empty());
     const auto refuse = [](const auto& options, const std::string& why, const std::string& remedy) {
         for (const auto& [name, given] : options) {
             if (given) throw InputError(fmt::format("{0} {1}; leave out {0}{2}", name, why, remedy));
         }
     };
-    if (are_files(o, subjects)) return refuse(of_scenes, "is for a scene, but these are files of rays", "");
-    refuse(of_files, fmt::format("is for files of rays, but {} is taken for a scene", subjects.front()),
+    if (are_files(o, subjects)) return refuse(scene_options, "is for a scene, but these are files of rays", "");
+    refuse(file_options, fmt::format("is for files of rays, but {} is taken for a scene", subjects.front()),
            ", or add --container csv, npy or raw");
     if (subjects.size() > 1)
         throw InputError(
@@ -166,45 +168,44 @@ std::string answers_column(const scene::dump::Layout& layout) {
 
 OpenedRays open_rays(const RayFileOptions& o, const std::vector<std::string>& files,
                      const std::filesystem::path& data) {
-    const auto aimed_at = scene_of(o, data);
-    constexpr std::size_t most = 1024;
-    if (aimed_at && aimed_at->primitive_count() > most)
+    const auto target_scene = scene_of(o, data);
+    constexpr std::size_t max_primitives = 1024;
+    if (target_scene && target_scene->primitive_count() > max_primitives)
         throw InputError(fmt::format(
             "--scene {}: has {} primitives; a sample of the rays is tested with each of them many times, and at most "
             "{} are allowed; use judge, which takes meshes of any size, or give each ray the primitive that it meets "
             "in columns of the file",
-            o.scene, aimed_at->primitive_count(), most));
-    OpenedRays opened{.id = {}, .words = {}, .dump = {}, .terms = {}, .shapes = Shapes()};
-    std::vector<std::unique_ptr<scene::dump::Dump>> each;
+            o.scene, target_scene->primitive_count(), max_primitives));
+    OpenedRays result{.id = {}, .quoted_files = {}, .dump = {}, .terms = {}, .shapes = Shapes()};
+    std::vector<std::unique_ptr<scene::dump::Dump>> dumps;
     for (const std::string& file : files) {
-        each.push_back(open_file(o, file, shape_given(o, aimed_at)));
-        if (each.back()->layout().answers() > scene::dump::AnswerKind::first_hit)
+        dumps.push_back(open_file(o, file, shape_given(o, target_scene)));
+        if (dumps.back()->layout().answers() > scene::dump::AnswerKind::first_hit)
             throw InputError(
                 fmt::format("{}: has answers about the whole surface of a mesh (column {}), which only judge "
                             "takes; name a file of rays",
-                            file, answers_column(each.back()->layout())));
-        opened.id += (opened.id.empty() ? "" : "+") + scene::toml::result_name(file);
-        opened.words += (opened.words.empty() ? "" : " ") + output::attribution::shell_word(file);
+                            file, answers_column(dumps.back()->layout())));
+        result.id += (result.id.empty() ? "" : "+") + scene::toml::result_name(file);
+        result.quoted_files += (result.quoted_files.empty() ? "" : " ") + output::attribution::shell_word(file);
     }
-    opened.dump = scene::dump::join_dumps(std::move(each));
-    opened.terms = {.id = opened.id,
-                    .primitives = primitives_given(o, aimed_at, opened.dump->format()),
-                    .contract = contract_of(o, *opened.dump)};
-    if (aimed_at) opened.terms.mesh = scene::rays::stored_mesh(*aimed_at, opened.dump->format().parameters);
-    const std::vector<Primitive<double>> examples = opened.terms.examples();
-    put_under_matrices(*opened.dump, examples);
-    opened.shapes = shapes_of_rays(opened.dump->layout(), examples);
-    return opened;
+    result.dump = scene::dump::join_dumps(std::move(dumps));
+    result.terms = {.id = result.id,
+                    .primitives = primitives_given(o, target_scene, result.dump->format()),
+                    .contract = contract_of(o, *result.dump)};
+    if (target_scene) result.terms.mesh = scene::rays::stored_mesh(*target_scene, result.dump->format().parameters);
+    const std::vector<Primitive<double>> examples = result.terms.examples();
+    put_under_matrices(*result.dump, examples);
+    result.shapes = shapes_of_rays(result.dump->layout(), examples);
+    return result;
 }
 
-void note_rounded(const std::string& files, std::uint64_t numbers, const Format& format) {
-    if (numbers == 0) return;
+void note_rounded(const std::string& files, std::uint64_t count, const Format& format) {
+    if (count == 0) return;
     fmt::print(
         stderr,
         "lostbits: {}: {} representable in {} and {} rounded; name the format in which the answers were computed "
         "with --answer-format\n",
-        files, scene::toml::counted(numbers, "value is not", "values are not"), format.name,
-        numbers == 1 ? "was" : "were");
+        files, scene::toml::counted(count, "value is not", "values are not"), format.name, count == 1 ? "was" : "were");
 }
 
 }  // namespace lostbits::analysis::selection

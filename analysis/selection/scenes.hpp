@@ -23,7 +23,8 @@ struct SceneChoice {
     std::string size, variant;       ///< empty: the scene's own size, all variants
     std::vector<std::string> set;
     intersect::process::StopToken stop = {};
-    bool all_ahead = false;  ///< for a command without ranges: scenes whose rays have a range are refused
+    bool refuses_ranges =
+        false;  ///< for a command whose rays go from t = 0 to infinity: scenes whose rays have a range are refused
 };
 
 /// Loads the scenes. Throws InputError if a scene is given twice, since its results go to a folder with its name.
@@ -52,32 +53,32 @@ std::filesystem::path form_flags_folder();
 /// Loads one scene. Throws InputError if its file has several variants and none is named.
 scene::file::Scene load_one_scene(const SceneChoice& choice, const std::filesystem::path& data);
 
-/// The rows that can be timed on the scene: forms for its primitives, or sets of them (`rows_meeting`), but no marches.
-/// Throws NothingSelected if there are none.
+/// The rows that can be timed on the scene: forms for its primitives, or sets of such forms (`rows_meeting`), but no
+/// forms that march. Throws NothingSelected if there are none.
 std::vector<measure::evaluate::TestedForm> timed_on(const scene::file::Scene& scene, const SelectedRows& chosen);
-/// The same for anything with primitives, which is called `id`.
+/// The same for any subject with primitives; `id` is its name in messages.
 std::vector<measure::evaluate::TestedForm> timed_on(const std::string& id, const SelectedRows& chosen,
-                                                    const Meets& meets);
+                                                    const ShapePredicate& meets);
 
 /// True if the subjects are files of rays: by their extension, or because --container or --columns is given.
-bool are_files(const RayFileOptions& words, const std::vector<std::string>& subjects);
+bool are_files(const RayFileOptions& options, const std::vector<std::string>& subjects);
 
 /// Throws InputError for an option of files with a scene, for an option of scenes with files, and for several scenes.
-/// `of_scenes` has the options of scenes, each with true if it was given. `command` names the command: `a choice`.
-void refuse_others(const RayFileOptions& words, const std::vector<std::string>& subjects,
-                   const std::vector<std::pair<const char*, bool>>& of_scenes, const char* command);
+/// `scene_options` has the options of scenes, each with true if it was given. `command` names the command: `a choice`.
+void refuse_others(const RayFileOptions& options, const std::vector<std::string>& subjects,
+                   const std::vector<std::pair<const char*, bool>>& scene_options, const char* command);
 
 /// Several files of rays as one, ready to be read.
 struct OpenedRays {
-    std::string id, words;  ///< name of the results, and the files as words of a shell
+    std::string id, quoted_files;  ///< name of the results, and the names of the files, quoted for a shell
     std::unique_ptr<scene::dump::Dump> dump;
     measure::choice::FileTerms terms;
     Shapes shapes;  ///< of the primitives of the rays
 };
-OpenedRays open_rays(const RayFileOptions& words, const std::vector<std::string>& files,
+OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::string>& files,
                      const std::filesystem::path& data);
 
-/// Prints on stderr that `numbers` numbers of files were rounded to the format.
-void note_rounded(const std::string& files, std::uint64_t numbers, const Format& format);
+/// Prints on stderr that `count` numbers of files were rounded to the format.
+void note_rounded(const std::string& files, std::uint64_t count, const Format& format);
 
 }  // namespace lostbits::analysis::selection

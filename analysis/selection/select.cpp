@@ -20,7 +20,7 @@ using measure::metric::Metric;
 
 namespace {
 
-bool is_of_pairs(const Metric* m) { return m->domain == measure::metric::MetricDomain::pairs; }
+bool compares_forms(const Metric* m) { return m->domain == measure::metric::MetricDomain::pairs; }
 
 /// Names that other programs have for the formats.
 constexpr std::pair<std::string_view, const char*> formats_elsewhere[] = {
@@ -41,45 +41,47 @@ constexpr std::pair<std::string_view, const char*> formats_elsewhere[] = {
 
 bool is_glob(const std::string& text) { return text.find_first_of("*?[") != std::string::npos; }
 
-std::vector<std::size_t> places_named(const std::vector<std::string>& words, const std::vector<std::string>& names,
-                                      const std::string& what, const char* option) {
+std::vector<std::size_t> indices_named(const std::vector<std::string>& patterns, const std::vector<std::string>& names,
+                                       const std::string& noun, const char* option) {
     std::vector<bool> chosen(names.size());
-    for (const std::string& word : words) {
-        bool any = false;
+    for (const std::string& pattern : patterns) {
+        bool is_matched = false;
         for (std::size_t i = 0; i < names.size(); ++i) {
             // The names of strategies differ in their last part, so that part alone is enough.
-            if (matches_any({word}, names[i]) || (what == "strategy" && names[i].ends_with("." + word)))
-                chosen[i] = any = true;
+            if (matches_any({pattern}, names[i]) || (noun == "strategy" && names[i].ends_with("." + pattern)))
+                chosen[i] = is_matched = true;
         }
-        if (any) continue;
-        const std::string last = what.substr(what.rfind(' ') + 1);
-        const std::string whats = last == "strategy" ? "strategies" : last == "box" ? "boxes" : last + "s";
-        if (is_glob(word))
+        if (is_matched) continue;
+        const std::string last_word = noun.substr(noun.rfind(' ') + 1);
+        const std::string list_name = last_word == "strategy" ? "strategies"
+                                      : last_word == "box"    ? "boxes"
+                                                              : last_word + "s";
+        if (is_glob(pattern))
             throw NothingSelected(fmt::format("{} {}: no {} matches this pattern; `lostbits list {}` lists all", option,
-                                              word, what, whats));
-        throw InputError(fmt::format("{} {}: unknown {}; {} (`lostbits list {}` lists all)", option, word, what,
-                                     scene::toml::did_you_mean(word, names), whats));
+                                              pattern, noun, list_name));
+        throw InputError(fmt::format("{} {}: unknown {}; {} (`lostbits list {}` lists all)", option, pattern, noun,
+                                     scene::toml::did_you_mean(pattern, names), list_name));
     }
-    std::vector<std::size_t> places;
+    std::vector<std::size_t> indices;
     for (std::size_t i = 0; i < names.size(); ++i)
-        if (chosen[i]) places.push_back(i);
-    return places;
+        if (chosen[i]) indices.push_back(i);
+    return indices;
 }
 
 std::vector<const Intersector*> select_forms(const std::vector<std::string>& globs, const char* option) {
-    std::vector<std::string> alone;
-    std::vector<const Intersector*> forms, sets;
-    for (const std::string& word : globs) {
-        const bool of_several = names_set(word);
-        if (!of_several && !scene::rays::split_composed_name(word)) {
-            alone.push_back(word);
+    std::vector<std::string> form_patterns;
+    std::vector<const Intersector*> forms, composed_forms;
+    for (const std::string& pattern : globs) {
+        const bool is_set = names_set(pattern);
+        if (!is_set && !scene::rays::split_composed_name(pattern)) {
+            form_patterns.push_back(pattern);
             continue;
         }
-        for (const Intersector* const set : of_several ? sets_named(word, option) : select_composed(word, option))
-            add_once(sets, set);
+        for (const Intersector* const set : is_set ? sets_named(pattern, option) : select_composed(pattern, option))
+            add_once(composed_forms, set);
     }
-    forms = select_rows(intersect::table::intersectors(), alone, "form", option);
-    forms.insert(forms.end(), sets.begin(), sets.end());
+    forms = select_rows(intersect::table::intersectors(), form_patterns, "form", option);
+    forms.insert(forms.end(), composed_forms.begin(), composed_forms.end());
     return forms;
 }
 
@@ -88,20 +90,20 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
     std::vector<const Metric*> chosen;
     for (const std::string& glob : globs) {
         if (glob.starts_with("step:") && is_glob(glob)) {
-            bool any = false;
+            bool is_matched = false;
             for (const std::string_view step : intersect::transform::step_names) {
                 const std::string name = "step:" + std::string(step);
                 if (!matches_any({glob}, name)) continue;
-                any = true;
+                is_matched = true;
                 add_once(chosen, metric_set.find(name));
             }
-            if (!any)
+            if (!is_matched)
                 throw NothingSelected(fmt::format("--metric {}: no step matches this pattern; the steps are {}", glob,
                                                   fmt::join(intersect::transform::step_names, ", ")));
             continue;
         }
-        if (const Metric* const one = metric_set.find(glob)) {
-            add_once(chosen, one);
+        if (const Metric* const metric = metric_set.find(glob)) {
+            add_once(chosen, metric);
             continue;
         }
         if (glob == "step:")
@@ -109,11 +111,11 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
                 "--metric step:: the step is missing; write step:NAME, such as step:origin; the steps are {}",
                 fmt::join(intersect::transform::step_names, ", ")));
         if (glob == "contribution" || glob.ends_with(':')) {
-            const std::string of = glob.substr(0, glob.find(':'));
+            const std::string kind = glob.substr(0, glob.find(':'));
             throw InputError(fmt::format(
                 "--metric {}: the operation is missing; write {}:LABEL, such as {}:c; `lostbits list labels` "
                 "shows the labels of every form",
-                glob, of, of));
+                glob, kind, kind));
         }
         for (const Metric* m : select_rows(measure::metric::metrics(), {glob}, "metric", "--metric"))
             add_once(chosen, m);
@@ -133,20 +135,20 @@ bool any_marches(const std::vector<TestedForm>& rows) {
 
 }  // namespace
 
-std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> asked, const std::vector<TestedForm>& rows,
-                                              const std::string& what) {
-    if (!any_against(rows) && !asked.empty()) {
-        std::erase_if(asked, is_of_pairs);
-        if (asked.empty())
+std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> metrics, const std::vector<TestedForm>& rows,
+                                              const std::string& subject) {
+    if (!any_against(rows) && !metrics.empty()) {
+        std::erase_if(metrics, compares_forms);
+        if (metrics.empty())
             throw InputError("--metric against, apart: need --against FORM, the form to compare the others with");
     }
-    if (asked.empty()) return asked;
-    const std::string first = fmt::format("--metric {}: ", asked.front()->name);
+    if (metrics.empty()) return metrics;
+    const std::string first = fmt::format("--metric {}: ", metrics.front()->name);
     // Drops the metrics that `is_about` selects if no row `has` what they need. It is an error if none is left.
     const auto keep_where = [&](const auto& has, const auto& is_about, const std::string& lack) {
         if (std::ranges::any_of(rows, has)) return;
-        std::erase_if(asked, is_about);
-        if (asked.empty()) throw InputError(first + lack);
+        std::erase_if(metrics, is_about);
+        if (metrics.empty()) throw InputError(first + lack);
     };
     using namespace measure::metric;
     keep_where(
@@ -154,17 +156,17 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> asked, 
         [](const Metric* m) { return (m->needs & needs_filter_arithmetic) != 0; },
         fmt::format(
             "none of the selected forms in {} filters, that is, uses a wider format if it must; add -i '*.filtered'",
-            what));
+            subject));
     keep_where([](const TestedForm& row) { return row.form->shapes().are_placed(); },
                [](const Metric* m) { return (m->needs & needs_steps) != 0; },
-               fmt::format("no primitive of {} is placed by a matrix, so no ray has steps of a transform", what));
+               fmt::format("no primitive of {} is placed by a matrix, so no ray has steps of a transform", subject));
     keep_where([](const TestedForm& row) { return intersect::bounding_box::has_box(*row.form); },
                [](const Metric* m) { return m->name == "lost_to" || m->name == "end_margin"; },
-               fmt::format("none of the selected forms in {} is behind a box; select FORM^BOX", what));
+               fmt::format("none of the selected forms in {} is behind a box; select FORM^BOX", subject));
     keep_where([](const TestedForm& row) { return !is_primitive(row.form->shape); },
                [](const Metric* m) { return m->domain == MetricDomain::marches; },
-               fmt::format("none of the selected forms marches in {}; add -i 'sdf.*', or a [march] table", what));
-    return asked;
+               fmt::format("none of the selected forms marches in {}; add -i 'sdf.*', or a [march] table", subject));
+    return metrics;
 }
 
 void compare_against(std::vector<TestedForm>& rows, const std::string& name, bool quiet) {
@@ -174,8 +176,8 @@ void compare_against(std::vector<TestedForm>& rows, const std::string& name, boo
     const Intersector& other = *found.front();
     const auto fits = [&other](const TestedForm& row) {
         // Keep single forms that may become parts of a set.
-        const bool part = other.is_set() && !row.form->is_set() && other.shapes().has(row.form->shape);
-        return (part || row.form->shapes() == other.shapes()) && other.exists_in(row.format);
+        const bool can_be_part = other.is_set() && !row.form->is_set() && other.shapes().has(row.form->shape);
+        return (can_be_part || row.form->shapes() == other.shapes()) && other.exists_in(row.format);
     };
     std::erase_if(rows, [&fits](const TestedForm& row) { return !fits(row); });
     const std::string formats = formats_of(other);
@@ -189,13 +191,13 @@ void compare_against(std::vector<TestedForm>& rows, const std::string& name, boo
         if (quiet || measure::answer::are_comparable(*row.form->info, *other.info)) continue;
         const bool without_t = row.form->info->roots == intersect::Roots::none,
                    other_without_t = other.info->roots == intersect::Roots::none;
-        const bool unit = row.form->info->direction == intersect::Direction::unit;
+        const bool has_unit_directions = row.form->info->direction == intersect::Direction::unit;
         const std::string reason =
             without_t || other_without_t
                 ? fmt::format("{} returns no t", without_t ? row.form->info->name : std::string_view(name))
                 : fmt::format("{} takes unit directions and {} any, so their t have different units",
-                              unit ? row.form->info->name : std::string_view(name),
-                              unit ? std::string_view(name) : row.form->info->name);
+                              has_unit_directions ? row.form->info->name : std::string_view(name),
+                              has_unit_directions ? std::string_view(name) : row.form->info->name);
         fmt::print(stderr, "lostbits: {} against {}: {}; only their decisions are compared\n", row.form->info->name,
                    name, reason);
     }
@@ -203,10 +205,10 @@ void compare_against(std::vector<TestedForm>& rows, const std::string& name, boo
 
 void add_pairs(std::vector<const Metric*>& metrics) {
     for (const Metric& m : measure::metric::metrics())
-        if (is_of_pairs(&m)) add_once(metrics, &m);
+        if (compares_forms(&m)) add_once(metrics, &m);
 }
 
-void note_without_formula(const std::vector<const Metric*>& asked, const std::vector<TestedForm>& rows, bool quiet) {
+void note_without_formula(const std::vector<const Metric*>& metrics, const std::vector<TestedForm>& rows, bool quiet) {
     std::string forms;
     for (const TestedForm& row : rows) {
         const std::string name(row.form->info->name);
@@ -215,7 +217,7 @@ void note_without_formula(const std::vector<const Metric*>& asked, const std::ve
     }
     if (forms.empty()) return;
     const bool all = std::ranges::none_of(rows, [](const TestedForm& row) { return row.form->is_template(); });
-    for (const Metric* m : asked) {
+    for (const Metric* m : metrics) {
         if (!(m->needs & (measure::metric::needs_unrounded | measure::metric::needs_attribution))) continue;
         const std::string why =
             fmt::format("--metric {}: leaves out {}, whose operations are not known", m->name, forms);
@@ -224,16 +226,16 @@ void note_without_formula(const std::vector<const Metric*>& asked, const std::ve
     }
 }
 
-std::vector<const Metric*> measured(const std::vector<const Metric*>& asked, const std::vector<TestedForm>& rows) {
+std::vector<const Metric*> measured(const std::vector<const Metric*>& given, const std::vector<TestedForm>& rows) {
     const bool marches = any_marches(rows);
     std::vector<const Metric*> all;
     for (const Metric& m : measure::metric::metrics()) {
-        const bool named = std::ranges::find(asked, &m) != asked.end();
-        if (is_of_pairs(&m) && !any_against(rows)) continue;
-        if ((m.by_default || named) && (marches || m.domain != measure::metric::MetricDomain::marches))
+        const bool is_given = std::ranges::find(given, &m) != given.end();
+        if (compares_forms(&m) && !any_against(rows)) continue;
+        if ((m.by_default || is_given) && (marches || m.domain != measure::metric::MetricDomain::marches))
             all.push_back(&m);
     }
-    std::ranges::copy_if(asked, std::back_inserter(all), [](const Metric* m) { return !m->label.empty(); });
+    std::ranges::copy_if(given, std::back_inserter(all), [](const Metric* m) { return !m->label.empty(); });
     return all;
 }
 
@@ -251,8 +253,8 @@ std::vector<Format> select_formats(const std::vector<std::string>& names, const 
             continue;
         }
         const auto first = find_format(name.substr(0, dots)), last = find_format(name.substr(dots + 2));
-        const bool widths = first && last && first->name.front() == 'p' && last->name.front() == 'p';
-        if (!widths || first->parameters.precision > last->parameters.precision) unknown_format(name, option);
+        const bool are_widths = first && last && first->name.front() == 'p' && last->name.front() == 'p';
+        if (!are_widths || first->parameters.precision > last->parameters.precision) unknown_format(name, option);
         for (int p = first->parameters.precision; p <= last->parameters.precision; ++p) add("p" + std::to_string(p));
     }
     return formats;
@@ -272,13 +274,13 @@ std::vector<TestedForm> cross(const std::vector<const Intersector*>& forms, cons
         }
     }
     if (rows.empty()) {
-        std::string asked;
-        for (const Format& format : formats) asked += (asked.empty() ? "" : ", ") + format.name;
-        const Intersector& one = *forms.at(0);
+        std::string format_names;
+        for (const Format& format : formats) format_names += (format_names.empty() ? "" : ", ") + format.name;
+        const Intersector& example = *forms.at(0);
         throw NothingSelected(
             fmt::format("none of the selected forms exists in {}; {} exists in {}: choose one of its formats with -f "
                         "(`lostbits list forms` lists the formats of each form)",
-                        asked, one.info->name, formats_of(one)));
+                        format_names, example.info->name, formats_of(example)));
     }
     return rows;
 }
@@ -289,13 +291,13 @@ std::vector<std::string> suspicions_of(
     // A t that is off by 2^-8 counts as wrong. In a narrower format rounding alone explains it: 2^-8 is one ulp of
     // bf16.
     constexpr int least_precision = 16;
-    const auto own = intersect::table::catalogue();
+    const auto catalogue = intersect::table::catalogue();
     std::vector<std::string> lines;
     for (const measure::evaluate::TestedForm& row : rows) {
-        if (row.form >= own.data() && row.form < own.data() + own.size()) continue;
+        if (row.form >= catalogue.data() && row.form < catalogue.data() + catalogue.size()) continue;
         if (row.format.parameters.precision < least_precision) continue;
-        const std::string words = suspicion(row);
-        if (!words.empty()) lines.push_back(fmt::format("{} {}: {}", row.form->info->name, row.format.name, words));
+        const std::string text = suspicion(row);
+        if (!text.empty()) lines.push_back(fmt::format("{} {}: {}", row.form->info->name, row.format.name, text));
     }
     return lines;
 }

@@ -30,8 +30,8 @@ namespace lostbits::analysis::selection {
 
 /// Appends an item that is not in the list yet.
 template <class T>
-void add_once(std::vector<T>& all, const std::type_identity_t<T>& one) {
-    if (std::ranges::find(all, one) == all.end()) all.push_back(one);
+void add_once(std::vector<T>& list, const std::type_identity_t<T>& item) {
+    if (std::ranges::find(list, item) == list.end()) list.push_back(item);
 }
 
 /// The forms whose names match any of the patterns (`sphere.*`, `*press*`), in the order of the catalogue. After them
@@ -44,39 +44,40 @@ std::vector<const intersect::table::Intersector*> select_forms(const std::vector
 /// True if the text has characters of a pattern: `*`, `?` or `[`.
 bool is_glob(const std::string& text);
 
-/// The indices of the names that equal a word or match it as a pattern. `what` names one row, such as `form`; the
-/// plural of its last word is the list of `lostbits list`. Throws InputError, which names the `option` and suggests a
-/// name, for an unknown name, and NothingSelected for a pattern that matches nothing.
-std::vector<std::size_t> places_named(const std::vector<std::string>& words, const std::vector<std::string>& names,
-                                      const std::string& what, const char* option);
+/// Returns the indices of the names that match one of the patterns. `noun` names one item, such as `form`; the plural
+/// of its last word is the list of `lostbits list` that a message advises. Throws InputError, which names the `option`
+/// and suggests a name, for an unknown name, and NothingSelected for a pattern that matches nothing.
+std::vector<std::size_t> indices_named(const std::vector<std::string>& patterns, const std::vector<std::string>& names,
+                                       const std::string& noun, const char* option);
 
-/// The rows of a list, such as `intersect::transform::spaces()`, that the words name, in the order of the list.
+/// The items of a list, such as `intersect::transform::transform_methods()`, that the patterns name, in the order of
+/// the list.
 template <class Row>
-std::vector<const Row*> select_rows(std::span<const Row> list, const std::vector<std::string>& words, const char* what,
-                                    const char* option) {
+std::vector<const Row*> select_rows(std::span<const Row> list, const std::vector<std::string>& patterns,
+                                    const char* noun, const char* option) {
     std::vector<std::string> names;
     for (const Row& row : list) {
         if constexpr (requires { row.info->name; }) names.emplace_back(row.info->name);
         else names.emplace_back(row.name);
     }
     std::vector<const Row*> rows;
-    for (const std::size_t place : places_named(words, names, what, option)) rows.push_back(&list[place]);
+    for (const std::size_t index : indices_named(patterns, names, noun, option)) rows.push_back(&list[index]);
     return rows;
 }
 
 /// The formats of names and ranges `p5..p12`, each once. Throws InputError, which suggests a name, for an unknown one.
 std::vector<Format> select_formats(const std::vector<std::string>& names, const char* option = "-f");
 
-/// The metrics of names and patterns, in the given order. `made` keeps the metrics that are made for labels. Throws
-/// InputError, which suggests a name, for an unknown one.
+/// The metrics of names and patterns, in the given order. `metric_set` owns the metrics that are made for labels.
+/// Throws InputError, which suggests a name, for an unknown one.
 std::vector<const measure::metric::Metric*> select_metrics(const std::vector<std::string>& globs,
                                                            measure::metric::MetricSet& metric_set);
 
 /// The metrics that apply to at least one of the rows: metrics of marches are dropped if no row marches. Throws
-/// InputError if none is left. `what` names the scene or sweep.
-std::vector<const measure::metric::Metric*> applicable_metrics(std::vector<const measure::metric::Metric*> asked,
+/// InputError if none is left. `subject` names the scene or sweep.
+std::vector<const measure::metric::Metric*> applicable_metrics(std::vector<const measure::metric::Metric*> metrics,
                                                                const std::vector<measure::evaluate::TestedForm>& rows,
-                                                               const std::string& what);
+                                                               const std::string& subject);
 
 /// Sets the form, by name, that each row is compared with. Drops rows of other shapes, and rows in formats in which the
 /// form does not exist. Throws InputError if no row is left. Prints on stderr, unless `quiet`, which rows can only be
@@ -88,11 +89,11 @@ void add_pairs(std::vector<const measure::metric::Metric*>& metrics);
 
 /// Prints on stderr which metrics leave out which forms because the operations of the forms are not known. Throws
 /// InputError if a metric leaves out all rows.
-void note_without_formula(const std::vector<const measure::metric::Metric*>& asked,
+void note_without_formula(const std::vector<const measure::metric::Metric*>& metrics,
                           const std::vector<measure::evaluate::TestedForm>& rows, bool quiet);
 
 /// The default metrics and the given ones, as far as they apply, in the order of the table.
-std::vector<const measure::metric::Metric*> measured(const std::vector<const measure::metric::Metric*>& asked,
+std::vector<const measure::metric::Metric*> measured(const std::vector<const measure::metric::Metric*>& given,
                                                      const std::vector<measure::evaluate::TestedForm>& rows);
 
 /// The formats in which a form exists, in words: `all`, `f32`, `f64`, `f32 and f64`.
@@ -103,9 +104,9 @@ std::vector<measure::evaluate::TestedForm> cross(const std::vector<const interse
                                                  const std::vector<Format>& formats);
 
 /// The rows whose forms are for shapes that `meets(Shapes)` accepts.
-template <class Meets>
+template <class ShapePredicate>
 std::vector<measure::evaluate::TestedForm> fitting(const std::vector<measure::evaluate::TestedForm>& rows,
-                                                   const Meets& meets) {
+                                                   const ShapePredicate& meets) {
     std::vector<measure::evaluate::TestedForm> chosen;
     std::ranges::copy_if(rows, std::back_inserter(chosen),
                          [&](const measure::evaluate::TestedForm& row) { return meets(row.form->shapes()); });
@@ -120,16 +121,17 @@ template <class Things, class MeetsThing, class NameOf>
 std::vector<measure::evaluate::TestedForm> drop_unfitting(Things& things, const SelectedRows& chosen, MeetsThing meets,
                                                           NameOf name_of) {
     const std::vector<measure::evaluate::TestedForm>& rows = chosen.rows;
-    std::vector<std::string> left_out;
+    std::vector<std::string> messages;
     std::erase_if(things, [&](const auto& thing) {
-        const Meets can = [&](Shapes forms) { return meets(thing, forms); };
-        if (!rows_meeting(chosen, std::string(name_of(thing)), can).empty()) return false;
-        left_out.push_back("no selected form handles " + std::string(name_of(thing)) + fitting_forms_advice(rows, can));
+        const ShapePredicate meets_thing = [&](Shapes forms) { return meets(thing, forms); };
+        if (!rows_meeting(chosen, std::string(name_of(thing)), meets_thing).empty()) return false;
+        messages.push_back("no selected form handles " + std::string(name_of(thing)) +
+                           fitting_forms_advice(rows, meets_thing));
         return true;
     });
-    if (things.empty()) throw NothingSelected(left_out.front());
-    for (const std::string& each : left_out) {
-        if (!chosen.quiet) std::fprintf(stderr, "lostbits: left out: %s\n", each.c_str());
+    if (things.empty()) throw NothingSelected(messages.front());
+    for (const std::string& message : messages) {
+        if (!chosen.quiet) std::fprintf(stderr, "lostbits: left out: %s\n", message.c_str());
     }
     return fitting(rows, [&](Shapes forms) {
         return std::ranges::any_of(things, [&](const auto& thing) { return meets(thing, forms); });
@@ -162,18 +164,20 @@ void refuse_generated_rays(const std::vector<scene::file::Scene>& scenes, const 
 /// its march do.
 void note_lost_numbers(const scene::file::Scene& scene, const std::vector<measure::evaluate::TestedForm>& rows);
 
-/// The same for every step of a sweep. It makes the rays of every step, which takes 4 s for 4000 steps of 1024 views.
+/// Prints on stderr which lengths, and which constants of a march, vanish or overflow in a format at any step of a
+/// sweep. It makes the rays of every step, which takes 4 s for 4000 steps of 1024 views.
 void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<measure::evaluate::TestedForm>& rows,
                        intersect::process::StopToken stop);
 
-/// The same for the lengths of all cases. Words such as `tiny` stand for numbers of each format and are never lost.
+/// Prints on stderr which lengths of any case vanish or overflow in a format. Words such as `tiny` stand for numbers of
+/// each format and are never lost.
 void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<measure::evaluate::TestedForm>& rows);
 
 /// Prints on stderr which assignments of `--set` change nothing: constants of a march if no row marches.
 void note_idle_settings(const std::vector<std::string>& set, const std::string& id,
                         const std::vector<measure::evaluate::TestedForm>& rows);
 
-/// Prints both notes for a scene that `set` has changed; nothing if `quiet`.
+/// Calls `note_lost_numbers` and `note_idle_settings` for a scene that `set` has changed; does nothing if `quiet`.
 void note_numbers(const scene::file::Scene& scene, const std::vector<std::string>& set,
                   const std::vector<measure::evaluate::TestedForm>& rows, bool quiet);
 

@@ -23,36 +23,36 @@ namespace {
 
 using Forms = std::vector<const Intersector*>;
 
-std::vector<Shape> listed(Shapes shapes) {
-    std::vector<Shape> all;
+std::vector<Shape> shapes_in(Shapes shapes) {
+    std::vector<Shape> result;
     for (const ShapeRow& row : shape_rows)
-        if (shapes.has(row.shape)) all.push_back(row.shape);
-    return all;
+        if (shapes.has(row.shape)) result.push_back(row.shape);
+    return result;
 }
 
 /// "spheres, boxes and cones"
 std::string joined_plurals(const std::vector<Shape>& shapes) {
-    std::vector<std::string> words;
-    for (const Shape shape : shapes) words.emplace_back(row_of(shape).plural);
-    return output::file::enumerated(words);
+    std::vector<std::string> names;
+    for (const Shape shape : shapes) names.emplace_back(row_of(shape).plural);
+    return output::file::enumerated(names);
 }
 
 /// "22 of spheres and 11 of boxes make 242 sets"
 std::string set_counts_text(const std::vector<Forms>& by_shape, std::size_t count) {
-    std::vector<std::string> words;
+    std::vector<std::string> parts;
     for (const Forms& forms : by_shape)
-        words.push_back(fmt::format("{} of {}", forms.size(), row_of(forms.front()->shape).plural));
-    return fmt::format("{} make {} sets, one form for each shape", output::file::enumerated(words), count);
+        parts.push_back(fmt::format("{} of {}", forms.size(), row_of(forms.front()->shape).plural));
+    return fmt::format("{} make {} sets, one form for each shape", output::file::enumerated(parts), count);
 }
 
-/// Every combination of one form of each list that can be a set. Throws InputError, which begins with `who`, for too
-/// many, and if none of them can be a set.
-Forms combinations(const std::vector<Forms>& by_shape, const std::string& who) {
+/// Every combination of one form of each list that can be a set. Throws InputError, which begins with `prefix`, for too
+/// many combinations, and if none of them can be a set.
+Forms combinations(const std::vector<Forms>& by_shape, const std::string& prefix) {
     std::size_t count = 1;
     for (const Forms& forms : by_shape) count *= forms.size();
     if (count > most_sets)
         throw InputError(fmt::format("{}: {}, and at most {} are allowed; name fewer forms, such as -i '{}.*' -i {}",
-                                     who, set_counts_text(by_shape, count), most_sets,
+                                     prefix, set_counts_text(by_shape, count), most_sets,
                                      name_of(by_shape.front().front()->shape), by_shape.back().front()->info->name));
     Forms sets;
     std::string refusal;
@@ -67,15 +67,15 @@ Forms combinations(const std::vector<Forms>& by_shape, const std::string& who) {
         if (why.empty()) sets.push_back(&intersect::table::set_of(parts));
         else if (refusal.empty()) refusal = why;
     }
-    if (sets.empty()) throw InputError(who + ": " + refusal);
+    if (sets.empty()) throw InputError(prefix + ": " + refusal);
     return sets;
 }
 
 /// The forms of the rows for which `which` is true, each once.
-Forms forms_in(const std::vector<TestedForm>& rows, const std::function<bool(const Intersector&)>& which) {
+Forms forms_in(const std::vector<TestedForm>& rows, const std::function<bool(const Intersector&)>& is_wanted) {
     Forms forms;
     for (const TestedForm& row : rows)
-        if (which(*row.form) && std::ranges::find(forms, row.form) == forms.end()) forms.push_back(row.form);
+        if (is_wanted(*row.form) && std::ranges::find(forms, row.form) == forms.end()) forms.push_back(row.form);
     return forms;
 }
 
@@ -86,17 +86,17 @@ Forms forms_for(const std::vector<TestedForm>& rows, Shapes shape) {
 }
 
 /// The shapes of something whose primitives are placed by matrices; nothing if none is.
-std::optional<Shapes> placed_shapes(const Meets& meets) {
+std::optional<Shapes> placed_shapes(const ShapePredicate& meets) {
     for (const ShapeRow& row : shape_rows)
-        if (const Shapes one = Shapes(row.shape).placed(); meets(one)) return one;
+        if (const Shapes shape = Shapes(row.shape).placed(); meets(shape)) return shape;
     const auto several = several_shapes(meets);
     return several && several->are_placed() ? several : std::nullopt;
 }
 
 /// Adds each form for these shapes that has no transform with the usual transform.
 void add_placed(std::vector<TestedForm>& rows, Shapes shapes) {
-    const std::vector<TestedForm> asked = rows;
-    for (TestedForm row : asked) {
+    const std::vector<TestedForm> original_rows = rows;
+    for (TestedForm row : original_rows) {
         if (row.form->is_set() || row.form->is_placed || !shapes.has(row.form->shape)) continue;
         if (scene::rays::generator_of(*row.form)) continue;
         row.form = &intersect::transform::through(intersect::transform::usual_transform_method(), *row.form);
@@ -118,9 +118,9 @@ const Intersector& plain_form(Shape shape) {
 /// Adds the sets in each format of the rows. A set is compared with the same form as the row if that is for the same
 /// shapes.
 void add_rows(std::vector<TestedForm>& rows, const Forms& sets) {
-    const std::vector<TestedForm> asked = rows;
+    const std::vector<TestedForm> original_rows = rows;
     for (const Intersector* const set : sets) {
-        for (TestedForm row : asked) {
+        for (TestedForm row : original_rows) {
             row.form = set;
             const auto same = [&row](const TestedForm& other) {
                 return other.form == row.form && other.format == row.format;
@@ -134,35 +134,35 @@ void add_rows(std::vector<TestedForm>& rows, const Forms& sets) {
 
 /// The shapes that no row is for, and advice.
 std::string missing_shapes_text(const std::vector<TestedForm>& rows, Shapes shapes) {
-    std::vector<Shape> lacking;
+    std::vector<Shape> missing;
     std::string example;
-    for (const Shape shape : listed(shapes)) {
+    for (const Shape shape : shapes_in(shapes)) {
         const Forms forms = forms_for(rows, Shapes(shape).placed(shapes.are_placed()));
-        if (forms.empty()) lacking.push_back(shape);
+        if (forms.empty()) missing.push_back(shape);
         example +=
             (example.empty() ? "" : "+") + std::string((forms.empty() ? plain_form(shape) : *forms.front()).info->name);
     }
-    if (lacking.empty()) return fmt::format("try -i {}", example);
+    if (missing.empty()) return fmt::format("try -i {}", example);
     return fmt::format("it has {}, and no selected form is for {}; try -i {}", selection::plurals(shapes),
-                       joined_plurals(lacking), example);
+                       joined_plurals(missing), example);
 }
 
 /// Adds the sets that `rows_meeting` adds for these shapes.
-void add_sets(const SelectedRows& chosen, const std::string& name, Shapes shapes, const Meets& meets) {
+void add_sets(const SelectedRows& chosen, const std::string& name, Shapes shapes, const ShapePredicate& meets) {
     for (const Intersector* const set : forms_in(chosen.rows, [](const Intersector& form) { return form.is_set(); })) {
         std::vector<TestedForm> parts;
         for (const Intersector* const part : set->parts) parts.push_back({part, chosen.rows.front().format});
-        for (const Shape shape : listed(shapes))
+        for (const Shape shape : shapes_in(shapes))
             if (!set->shapes().has(shape))
                 throw InputError(
                     fmt::format("-i {}: {}: {}", set->info->name, name, missing_shapes_text(parts, shapes)));
     }
     std::vector<Forms> by_shape;
-    for (const Shape shape : listed(shapes))
+    for (const Shape shape : shapes_in(shapes))
         by_shape.push_back(forms_for(chosen.rows, Shapes(shape).placed(shapes.are_placed())));
     if (std::ranges::any_of(by_shape, &Forms::empty)) return;
-    const bool all = std::ranges::find(chosen.words, "*") != chosen.words.end();
-    if (!all) return add_rows(chosen.rows, combinations(by_shape, fmt::format("-i: on {}", name)));
+    const bool chose_all = std::ranges::find(chosen.form_patterns, "*") != chosen.form_patterns.end();
+    if (!chose_all) return add_rows(chosen.rows, combinations(by_shape, fmt::format("-i: on {}", name)));
     if (std::ranges::any_of(chosen.rows, [&meets](const TestedForm& row) { return meets(row.form->shapes()); })) return;
     const Intersector& plain = plain_set(shapes);
     add_rows(chosen.rows, {&plain});
@@ -176,42 +176,42 @@ void add_sets(const SelectedRows& chosen, const std::string& name, Shapes shapes
 
 }  // namespace
 
-std::optional<Shapes> several_shapes(const Meets& meets) {
-    for (std::size_t some = 0; some < std::size_t{1} << shape_rows.size(); ++some) {
+std::optional<Shapes> several_shapes(const ShapePredicate& meets) {
+    for (std::size_t subset = 0; subset < std::size_t{1} << shape_rows.size(); ++subset) {
         Shapes shapes;
         for (const ShapeRow& row : shape_rows)
-            if ((some >> static_cast<unsigned>(row.shape) & 1) != 0) shapes |= row.shape;
-        for (const Shapes all : {shapes, shapes.placed()})
-            if (all.are_several() && meets(all)) return all;
+            if ((subset >> static_cast<unsigned>(row.shape) & 1) != 0) shapes |= row.shape;
+        for (const Shapes candidate : {shapes, shapes.placed()})
+            if (candidate.are_several() && meets(candidate)) return candidate;
     }
     return std::nullopt;
 }
 
-std::string plurals(Shapes shapes) { return joined_plurals(listed(shapes)); }
+std::string plurals(Shapes shapes) { return joined_plurals(shapes_in(shapes)); }
 
-bool names_set(const std::string& word) {
+bool names_set(const std::string& pattern) {
     const auto all = intersect::table::intersectors();
-    return scene::rays::forms_in_name(word).size() > 1 &&
-           std::ranges::none_of(all, [&word](const Intersector& form) { return form.info->name == word; });
+    return scene::rays::forms_in_name(pattern).size() > 1 &&
+           std::ranges::none_of(all, [&pattern](const Intersector& form) { return form.info->name == pattern; });
 }
 
-Forms sets_named(const std::string& word, const char* option) {
+Forms sets_named(const std::string& pattern, const char* option) {
     std::vector<Forms> parts;
-    for (const std::string& part : scene::rays::forms_in_name(word)) {
+    for (const std::string& part : scene::rays::forms_in_name(pattern)) {
         if (part.empty())
             throw InputError(
                 fmt::format("{} {}: the form on one side of a + is missing; name a form for each shape, such as "
                             "sphere.unified+box.signs",
-                            option, word));
+                            option, pattern));
         parts.push_back(select_forms({part}, option));
         for (const Intersector* const form : parts.back()) scene::rays::require_no_generator(*form);
     }
-    return combinations(parts, fmt::format("{} {}", option, word));
+    return combinations(parts, fmt::format("{} {}", option, pattern));
 }
 
 const Intersector& plain_set(Shapes shapes) {
     Forms parts;
-    for (const Shape shape : listed(shapes)) {
+    for (const Shape shape : shapes_in(shapes)) {
         const Intersector& plain = plain_form(shape);
         parts.push_back(shapes.are_placed()
                             ? &intersect::transform::through(intersect::transform::usual_transform_method(), plain)
@@ -220,21 +220,21 @@ const Intersector& plain_set(Shapes shapes) {
     return intersect::table::set_of(parts);
 }
 
-Forms select_composed(const std::string& word, const char* option) {
+Forms select_composed(const std::string& pattern, const char* option) {
     using Kind = scene::rays::ComposedName::Kind;
-    const auto name = scene::rays::split_composed_name(word).value();
+    const auto name = scene::rays::split_composed_name(pattern).value();
     const bool is_box = name.kind == Kind::box, is_contracted = name.kind == Kind::contracted;
     if (is_contracted && name.form.empty())
         throw InputError(fmt::format(
-            "{} {}: the form before +fma is missing; write FORM+fma, such as sphere.schoolbook+fma", option, word));
+            "{} {}: the form before +fma is missing; write FORM+fma, such as sphere.schoolbook+fma", option, pattern));
     if (name.form.empty() || name.last.empty())
         throw InputError(fmt::format(
-            "{} {}: the form or the {} beside the {} is missing; write {}", option, word, is_box ? "box" : "transform",
-            is_box ? "^" : "@",
+            "{} {}: the form or the {} beside the {} is missing; write {}", option, pattern,
+            is_box ? "box" : "transform", is_box ? "^" : "@",
             is_box ? "FORM^BOX or FORM^BOX~METHOD, such as sphere.unified^box.signs~nearest; `lostbits list boxes` "
                      "lists the ways to compute boxes"
                    : "FORM@TRANSFORM, such as sphere.unified@pbrt; `lostbits list transforms` lists them"));
-    const Forms all = rows_of(
+    const Forms composed = rows_of(
         name, {.forms =
                    [&](const std::string& glob) {
                        Forms forms = select_forms({glob}, option);
@@ -259,16 +259,16 @@ Forms select_composed(const std::string& word, const char* option) {
                        return select_rows(intersect::bounding_box::box_methods(), {glob}, "bounding box", option);
                    },
                .contracted = measure::tape::contracted_row});
-    if (all.empty() && is_contracted)
+    if (composed.empty() && is_contracted)
         throw NothingSelected(
             fmt::format("{} {}: every matching form marches, filters or has no known operations, so none can be "
                         "contracted; try 'sphere.schoolbook+fma'",
-                        option, word));
-    if (all.empty())
+                        option, pattern));
+    if (composed.empty())
         throw NothingSelected(
             fmt::format("{} {}: every matching form marches, and forms that march take no transform; try '*@{}'",
-                        option, word, name.last));
-    return all;
+                        option, pattern, name.last));
+    return composed;
 }
 
 void refuse_generators(const Forms& forms, const char* command) {
@@ -307,13 +307,13 @@ void refuse_generated_rays(const std::vector<scene::file::Scene>& scenes, const 
                 command, scene.id, command));
 }
 
-std::vector<TestedForm> rows_meeting(const SelectedRows& chosen, const std::string& name, const Meets& meets) {
+std::vector<TestedForm> rows_meeting(const SelectedRows& chosen, const std::string& name, const ShapePredicate& meets) {
     if (const auto placed = placed_shapes(meets)) add_placed(chosen.rows, *placed);
     if (const auto several = several_shapes(meets)) add_sets(chosen, name, *several, meets);
     return fitting(chosen.rows, meets);
 }
 
-std::string globs_of(const Meets& meets) {
+std::string globs_of(const ShapePredicate& meets) {
     std::string globs;
     const auto add = [&globs](const std::string& glob) { globs += (globs.empty() ? "" : "' -i '") + glob; };
     if (const auto several = several_shapes(meets)) add(std::string(plain_set(*several).info->name));
@@ -322,7 +322,7 @@ std::string globs_of(const Meets& meets) {
     return globs;
 }
 
-std::string fitting_forms_advice(const std::vector<TestedForm>& rows, const Meets& meets) {
+std::string fitting_forms_advice(const std::vector<TestedForm>& rows, const ShapePredicate& meets) {
     if (const auto several = several_shapes(meets)) return ": " + missing_shapes_text(rows, *several);
     return "; try -i '" + globs_of(meets) + "'";
 }

@@ -32,50 +32,50 @@ Shapes shapes_of(const List& primitives) {
 inline bool are_primitives(Shapes forms) { return !forms.has(Shape::sdf); }
 
 /// True if forms for these shapes can test something, such as a scene.
-using Meets = std::function<bool(Shapes)>;
+using ShapePredicate = std::function<bool(Shapes)>;
 
 /// The shapes of something with primitives of several shapes; nothing if they have one shape.
-std::optional<Shapes> several_shapes(const Meets& meets);
+std::optional<Shapes> several_shapes(const ShapePredicate& meets);
 
 /// "spheres and boxes"
 std::string plurals(Shapes shapes);
 
-/// True if a word of -i names a set, as `sphere.unified+box.signs` does, and not a form with a + in its name.
-bool names_set(const std::string& word);
-/// The sets of such a word; its parts are patterns. Throws InputError for parts that cannot form a set and for more
-/// than `most_sets` sets, NothingSelected for a pattern that matches nothing.
-std::vector<const intersect::table::Intersector*> sets_named(const std::string& word, const char* option);
+/// True if a pattern of -i names a set, as `sphere.unified+box.signs` does, and not a form with a + in its name.
+bool names_set(const std::string& pattern);
+/// The sets that such a pattern names; the parts between the + are patterns too. Throws InputError for parts that
+/// cannot form a set and for more than `most_sets` sets, NothingSelected for a part that matches nothing.
+std::vector<const intersect::table::Intersector*> sets_named(const std::string& pattern, const char* option);
 
-/// The rows of a word such as `sphere.*@pbrt` (a form with a transform) or `sphere.*^box.signs~nearest` (a form behind
-/// a bounding box); a word may have several of these. Its parts are patterns. Throws InputError and NothingSelected as
-/// the selection of each part does.
-std::vector<const intersect::table::Intersector*> select_composed(const std::string& word, const char* option);
+/// The rows of a pattern such as `sphere.*@pbrt` (a form with a transform) or `sphere.*^box.signs~nearest` (a form
+/// behind a bounding box), or of a pattern with several such parts. Throws InputError and NothingSelected as the
+/// selection of each part does.
+std::vector<const intersect::table::Intersector*> select_composed(const std::string& pattern, const char* option);
 
-/// The rows that -i and -f select, and the words of -i.
+/// The rows that -i and -f select, and the patterns of -i.
 struct SelectedRows {
     std::vector<measure::evaluate::TestedForm>& rows;
-    const std::vector<std::string>& words;
+    const std::vector<std::string>& form_patterns;
     bool quiet = false;
 };
 
-/// The rows that can test something called `name`. Before that it adds rows to the chosen ones:
+/// Returns the rows that can test a subject called `name`. First it adds rows to the chosen ones:
 ///   - if matrices place its primitives: every chosen form without a transform, with the usual transform;
 ///   - if its primitives have several shapes: every combination of the chosen forms, one per shape, in each chosen
 ///     format. If all forms are chosen (as without -i) and no row can test it, it adds only the plain set, and prints
 ///     that on stderr.
 /// Throws InputError for more than `most_sets` sets, and for a chosen set that lacks a shape.
 std::vector<measure::evaluate::TestedForm> rows_meeting(const SelectedRows& chosen, const std::string& name,
-                                                        const Meets& meets);
+                                                        const ShapePredicate& meets);
 
 /// The set of the first form of each shape that takes any direction and has the default convention (a touch is a hit).
 const intersect::table::Intersector& plain_set(Shapes shapes);
 
 /// `sphere.*' -i 'sdf.*`: the patterns of the forms that can test something, or a set if its primitives have several
 /// shapes.
-std::string globs_of(const Meets& meets);
+std::string globs_of(const ShapePredicate& meets);
 
 /// Advice for the end of a message that no selected form can test something: "; try -i 'sphere.*'", or ": it has
 /// spheres and boxes, and no selected form is for boxes; try -i sphere.press+box.inclusive".
-std::string fitting_forms_advice(const std::vector<measure::evaluate::TestedForm>& rows, const Meets& meets);
+std::string fitting_forms_advice(const std::vector<measure::evaluate::TestedForm>& rows, const ShapePredicate& meets);
 
 }  // namespace lostbits::analysis::selection

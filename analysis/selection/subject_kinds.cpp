@@ -27,7 +27,7 @@ using Kind = SubjectKind;
 struct KindRow {
     Kind kind;
     const char* noun;
-    const char* command;  ///< which takes one; {} is its name
+    const char* command;  ///< the command that takes such a subject; {} stands for its name
 };
 constexpr KindRow kind_rows[] = {
     {Kind::scene, "a scene", "lostbits map {}"},
@@ -71,7 +71,7 @@ const ArgumentKinds taken_rows[] = {
     {"sweep", "SWEEP", "", {Kind::sweep, Kind::cases, Kind::search}},
 };
 
-/// The kind of a sweep file; one that cannot be read is explained by who reads it.
+/// The kind of a sweep file. A file that cannot be read counts as a sweep: the command that reads it reports the error.
 Kind kind_of_sweep(const fs::path& path) {
     using scene::sweep::SweepKind;
     try {
@@ -84,22 +84,23 @@ Kind kind_of_sweep(const fs::path& path) {
     }
 }
 
-/// By the schema in its first lines; without one by the first table that only one kind has.
+/// The kind of a TOML file, by the schema in its first lines or, without a schema, by the first table that only one
+/// kind of file has.
 std::optional<Kind> kind_of_toml(const std::string& begin, const fs::path& path) {
-    static const std::regex named(R"re((?:^|\n)[ \t]*"?schema"?[ \t]*=[ \t]*["']lostbits-([a-z]+)/)re");
+    static const std::regex schema(R"re((?:^|\n)[ \t]*"?schema"?[ \t]*=[ \t]*["']lostbits-([a-z]+)/)re");
     static const std::regex table(R"re((?:^|\n)[ \t]*\[\[?(camera|claim|axis|case|search|edge_search)[\].])re");
     static constexpr std::pair<std::string_view, Kind> kinds[] = {{"scene", Kind::scene},
                                                                   {"camera", Kind::scene},
                                                                   {"claims", Kind::claims},
                                                                   {"claim", Kind::claims},
                                                                   {"report", Kind::choices}};
-    std::smatch part;
-    if (!std::regex_search(begin, part, named) && !std::regex_search(begin, part, table)) return std::nullopt;
-    const std::string word = part[1];
+    std::smatch match;
+    if (!std::regex_search(begin, match, schema) && !std::regex_search(begin, match, table)) return std::nullopt;
+    const std::string word = match[1];
     if (const auto* const found = std::ranges::find(kinds, word, &std::pair<std::string_view, Kind>::first);
         found != std::end(kinds))
         return found->second;
-    if (word == "sweep" || part.str().find('[') != std::string::npos) return kind_of_sweep(path);
+    if (word == "sweep" || match.str().find('[') != std::string::npos) return kind_of_sweep(path);
     return std::nullopt;
 }
 
@@ -111,7 +112,8 @@ std::string beginning_of(const fs::path& path) {
     return text;
 }
 
-/// Kind of the file that the data folder has under this name, where files of kind `wanted` are; nothing without one.
+/// Kind of the file that a name stands for, among the files of kind `wanted` in the data folder; nothing if there is no
+/// such file.
 std::optional<Kind> kind_of_name(const std::string& word, Kind wanted, const fs::path& data) {
     std::error_code ignored;
     const auto is_there = [&](const fs::path& path) { return fs::is_regular_file(path, ignored); };
@@ -126,15 +128,16 @@ std::optional<Kind> kind_of_name(const std::string& word, Kind wanted, const fs:
     return std::nullopt;
 }
 
-/// The kind of a subject; of a name that several kinds have, the first of these.
-std::optional<Kind> kind_of(const std::string& word, std::initializer_list<Kind> taken, const fs::path& data) {
+/// The kind of a subject. A name that files of several kinds have stands for the first of these kinds: those of
+/// `preferred`, then the others.
+std::optional<Kind> kind_of(const std::string& word, std::initializer_list<Kind> preferred, const fs::path& data) {
     std::error_code ignored;
     if (fs::exists(word, ignored) && (fs::path(word).has_extension() || fs::is_regular_file(word, ignored)))
         return kind_of_file(word);
-    std::vector<Kind> order{taken};
+    std::vector<Kind> order{preferred};
     order.insert(order.end(), {Kind::scene, Kind::sweep, Kind::claims});
-    for (const Kind one : order)
-        if (const auto kind = kind_of_name(word, one, data)) return kind;
+    for (const Kind wanted : order)
+        if (const auto kind = kind_of_name(word, wanted, data)) return kind;
     return kind_of_file(word);
 }
 
@@ -205,19 +208,21 @@ std::optional<SubjectKind> kind_of_file(const fs::path& path) {
 void refuse_other_kinds(const shell::Command& command, const fs::path& data) {
     const std::vector<shell::Command> given = command.given();
     const shell::Command& last = given.back();
-    std::vector<std::string> done;  // arguments whose row was found
+    std::vector<std::string> decided_arguments;  // arguments whose row was found
     for (const ArgumentKinds& row : taken_rows) {
-        if (given.size() < 2 || given[1].name() != row.command || std::ranges::find(done, row.argument) != done.end())
+        if (given.size() < 2 || given[1].name() != row.command ||
+            std::ranges::find(decided_arguments, row.argument) != decided_arguments.end())
             continue;
-        if (row.option[0] != '\0' && last.option(row.option).words().empty()) continue;
-        done.emplace_back(row.argument);
+        if (row.option[0] != '\0' && last.option(row.option).given_values().empty()) continue;
+        decided_arguments.emplace_back(row.argument);
         const shell::Option argument = last.option(row.argument);
         if (!argument) continue;
-        for (const std::string& word : argument.words()) refuse_other_kind(word, row, command.command_path(), data);
+        for (const std::string& word : argument.given_values())
+            refuse_other_kind(word, row, command.command_path(), data);
     }
-    if (std::ranges::find(done, usual_row.argument) != done.end()) return;
+    if (std::ranges::find(decided_arguments, usual_row.argument) != decided_arguments.end()) return;
     if (const shell::Option argument = last.option(usual_row.argument))
-        for (const std::string& word : argument.words())
+        for (const std::string& word : argument.given_values())
             refuse_other_kind(word, usual_row, command.command_path(), data);
 }
 

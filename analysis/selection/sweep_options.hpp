@@ -21,20 +21,21 @@ struct SweepChangeOptions {
     std::optional<int> seeds = {};
 
     /// ` (--steps 5, --set views=8)`: the end of the title of a changed sweep.
-    [[nodiscard]] std::string in_title() const;
+    [[nodiscard]] std::string title_suffix() const;
 };
 
 /// Parses the size, the steps and the assignments. Throws InputError for one that is malformed.
-scene::sweep::SweepChanges read_changes(const SweepChangeOptions& words);
+scene::sweep::SweepChanges read_changes(const SweepChangeOptions& options);
 
 /// The files that a sweep is read from: its own and that of its scene, which is looked up in `data`.
 [[nodiscard]] std::vector<std::filesystem::path> files_of(const std::filesystem::path& path,
-                                                          scene::sweep::SweepKind kind, const SweepChangeOptions& words,
+                                                          scene::sweep::SweepKind kind,
+                                                          const SweepChangeOptions& options,
                                                           const std::filesystem::path& data,
                                                           intersect::process::StopToken stop);
 
 /// Throws InputError if a sweep of that kind does not take one of the options; says why and what to do instead.
-void check_changes(const SweepChangeOptions& words, scene::sweep::SweepKind kind, const std::string& name);
+void check_changes(const SweepChangeOptions& options, scene::sweep::SweepKind kind, const std::string& name);
 
 /// The message of an interrupted sweep: where it stopped, and which results are kept.
 [[nodiscard]] std::string interrupted_text(scene::sweep::SweepKind kind, const std::string& name);

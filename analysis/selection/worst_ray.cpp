@@ -27,7 +27,7 @@ std::vector<const measure::metric::Metric*> lost_bits() { return {measure::metri
 /// The worst ray of several summaries, by the same rule as of one. If there are wrong decisions, it is the first ray
 /// with the most frequent kind of them in all summaries; else the ray with the largest error.
 struct WorstOfAll {
-    std::size_t which = 0;
+    std::size_t summary_index = 0;
     const WorstRay* ray = nullptr;  ///< null if there is none
     std::uint64_t rays = 0;
     std::string why = "the largest error";
@@ -44,12 +44,12 @@ struct WorstOfAll {
         if (wrong)
             why = fmt::format("{}, the first of {}", measure::answer::wrong_decision_phrase(*wrong), all.count(*wrong));
         for (std::size_t i = 0; i < summaries.size(); ++i) {
-            const WorstRay* const here = wrong                      ? summaries[i].first_of(*wrong)
-                                         : summaries[i].worst.x < 0 ? nullptr
-                                                                    : &summaries[i].worst;
-            if (here == nullptr || (ray != nullptr && (wrong || here->size <= ray->size))) continue;
-            ray = here;
-            which = i;
+            const WorstRay* const candidate = wrong                      ? summaries[i].first_of(*wrong)
+                                              : summaries[i].worst.x < 0 ? nullptr
+                                                                         : &summaries[i].worst;
+            if (candidate == nullptr || (ray != nullptr && (wrong || candidate->size <= ray->size))) continue;
+            ray = candidate;
+            summary_index = i;
         }
     }
 };
@@ -63,27 +63,27 @@ struct WorstOfAll {
 }
 
 /// The index of a ray among all rays of a step, which are in groups.
-std::size_t place_among(const std::vector<RayGroup>& groups, const WorstRay& ray) {
-    auto place = static_cast<std::size_t>(ray.x);
-    for (int g = 0; g < ray.group; ++g) place += groups[static_cast<std::size_t>(g)].rays.size();
-    return place;
+std::size_t index_among(const std::vector<RayGroup>& groups, const WorstRay& ray) {
+    auto index = static_cast<std::size_t>(ray.x);
+    for (int g = 0; g < ray.group; ++g) index += groups[static_cast<std::size_t>(g)].rays.size();
+    return index;
 }
 
 }  // namespace
 
-RayGroup ray_of(std::vector<RayGroup> groups, int rays, int k) {
-    RayGroup& from = groups[static_cast<std::size_t>(k / rays)];
-    const auto place = static_cast<std::size_t>(k % rays);
-    RayGroup one = scene::rays::group_of(from.rays[place]);
-    one.primitives = std::move(from.primitives);
-    one.rays.push_range(from.rays, place);
-    return one;
+RayGroup ray_of(std::vector<RayGroup> groups, int rays_per_group, int k) {
+    RayGroup& group = groups[static_cast<std::size_t>(k / rays_per_group)];
+    const auto index = static_cast<std::size_t>(k % rays_per_group);
+    RayGroup single_ray = scene::rays::group_of(group.rays[index]);
+    single_ray.primitives = std::move(group.primitives);
+    single_ray.rays.push_range(group.rays, index);
+    return single_ray;
 }
 
-int worst_of(std::vector<RayGroup> groups, int rays, const TestedForm& row, StopToken stop) {
+int worst_of(std::vector<RayGroup> groups, int rays_per_group, const TestedForm& row, StopToken stop) {
     const auto summaries = measure::evaluate::measure_groups(std::move(groups), {row}, lost_bits(), {.stop = stop});
     const WorstRay* const worst = summaries.front().worst_ray();
-    return worst ? worst->group * rays + static_cast<int>(worst->x) : 0;
+    return worst ? worst->group * rays_per_group + static_cast<int>(worst->x) : 0;
 }
 
 SelectedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, const TestedForm& row, StopToken stop) {
@@ -121,13 +121,13 @@ SelectedRay worst_along(const scene::sweep::SweepFile& sweep, const TestedForm& 
     std::string step;
     for (std::size_t a = 0; a < sweep.axes.size(); ++a)
         step += fmt::format("{}{} {}", a > 0 ? ", " : "", sweep.axes[a].name,
-                            output::file::decimal(values[worst.which][a]));
+                            output::file::decimal(values[worst.summary_index][a]));
     SelectedRay found{
         nullptr, OneRay(RayGroup(*ray->given)), row.form,
         fmt::format("Ray {} (counted from 0) of the {} of the step {}, the worst of {} in {} steps for this "
                     "form: {}.\n",
-                    place_among(sweep.rays(values[worst.which]), *ray), summaries[worst.which].rays, step, worst.rays,
-                    summaries.size(), worst.why)};
+                    index_among(sweep.rays(values[worst.summary_index]), *ray), summaries[worst.summary_index].rays,
+                    step, worst.rays, summaries.size(), worst.why)};
     found.ray.judge_by(row.judged);
     return found;
 }
@@ -140,11 +140,12 @@ SelectedRay worst_of_cases(const scene::sweep::CaseFile& file, const TestedForm&
                 .front()));
     const WorstOfAll worst(summaries);
     if (worst.ray == nullptr) refuse(row, "the file of cases " + file.id, worst);
-    const int rays = file.rays_of(worst.which), k = worst.ray->group * rays + static_cast<int>(worst.ray->x);
+    const int rays_per_group = file.rays_of(worst.summary_index),
+              k = worst.ray->group * rays_per_group + static_cast<int>(worst.ray->x);
     SelectedRay found{
-        nullptr, OneRay(ray_of(file.rays(worst.which, row.format.parameters), rays, k)), row.form,
+        nullptr, OneRay(ray_of(file.rays(worst.summary_index, row.format.parameters), rays_per_group, k)), row.form,
         fmt::format("Case \"{}\", ray {} (counted from 0), the worst of {} in {} cases for this form: {}.\n",
-                    file.name(worst.which), k, worst.rays, summaries.size(), worst.why)};
+                    file.name(worst.summary_index), k, worst.rays, summaries.size(), worst.why)};
     found.ray.judge_by(row.judged);
     return found;
 }

@@ -27,22 +27,22 @@ std::optional<std::uint64_t> whole_number(std::string_view text) {
 }
 
 /// The state files of shards in a folder or in its subfolders; or the named file itself.
-std::vector<fs::path> state_files(const fs::path& named) {
+std::vector<fs::path> state_files(const fs::path& path) {
     std::error_code ignored;
-    if (fs::is_regular_file(named, ignored)) return {named};
-    if (fs::is_regular_file(named / output::shard::state_file_name, ignored))
-        return {named / output::shard::state_file_name};
+    if (fs::is_regular_file(path, ignored)) return {path};
+    if (fs::is_regular_file(path / output::shard::state_file_name, ignored))
+        return {path / output::shard::state_file_name};
     std::vector<fs::path> found;
-    for (const fs::directory_entry& entry : fs::directory_iterator(named, ignored)) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(path, ignored)) {
         const fs::path file = entry.path() / output::shard::state_file_name;
         if (fs::is_regular_file(file, ignored)) found.push_back(file);
     }
-    if (!fs::exists(named, ignored))
-        throw InputError(named.string() +
+    if (!fs::exists(path, ignored))
+        throw InputError(path.string() +
                          ": does not exist; name the folder given by -o to the runs with --shard, or the shard-K-of-N "
                          "folders in it");
     if (found.empty())
-        throw InputError(named.string() +
+        throw InputError(path.string() +
                          ": has no shard; name the folder given by -o to the runs with --shard, or the shard-K-of-N "
                          "folders in it");
     std::ranges::sort(found);
@@ -69,16 +69,18 @@ std::string ranges_text(const std::vector<std::uint64_t>& numbers) {
 
 }  // namespace
 
-Share share_named(const std::string& word) {
-    const std::size_t slash = word.find('/');
-    const auto number = whole_number(std::string_view(word).substr(0, slash));
-    const auto of = slash == std::string::npos ? std::nullopt : whole_number(std::string_view(word).substr(slash + 1));
-    if (!number || !of) throw InputError(fmt::format("--shard {} is not a shard; write K/N, as in --shard 3/64", word));
-    if (*of < 1 || *of > Share::most)
-        throw InputError(fmt::format("--shard {}: a run is divided into 1 to {} shards", word, Share::most));
-    if (*number < 1 || *number > *of)
-        throw InputError(fmt::format("--shard {}: the shards of {} are numbered from 1 to {}", word, *of, *of));
-    return {*number, *of};
+Share parse_share(const std::string& text) {
+    const std::size_t slash = text.find('/');
+    const auto number = whole_number(std::string_view(text).substr(0, slash));
+    const auto count =
+        slash == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(slash + 1));
+    if (!number || !count)
+        throw InputError(fmt::format("--shard {} is not a shard; write K/N, as in --shard 3/64", text));
+    if (*count < 1 || *count > Share::most)
+        throw InputError(fmt::format("--shard {}: a run is divided into 1 to {} shards", text, Share::most));
+    if (*number < 1 || *number > *count)
+        throw InputError(fmt::format("--shard {}: the shards of {} are numbered from 1 to {}", text, *count, *count));
+    return {*number, *count};
 }
 
 std::string folder_name(Share share) { return fmt::format("shard-{}-of-{}", share.number, share.count); }
@@ -104,18 +106,18 @@ Shards::Shards(const std::vector<std::string>& folders, const std::string& progr
 void Shards::check_same_run(const std::string& program) const {
     const StateFileReader& first = files_.front();
     for (const StateFileReader& file : files_) {
-        const StateHead &head = file.head(), &of = first.head();
+        const StateHead &head = file.head(), &first_head = first.head();
         const auto refuse = [&file](const std::string& why) {
             throw InputError(file.path().string() + ": " + why + "; nothing was joined");
         };
         if (head.program != program) refuse("was made by " + head.program + ", but this is " + program);
-        if (head.command != of.command)
+        if (head.command != first_head.command)
             refuse(fmt::format("is a shard of another run: of `{}`, but {} is a shard of `{}`", head.command,
-                               first.path().string(), of.command));
-        if (head.share.count != of.share.count)
+                               first.path().string(), first_head.command));
+        if (head.share.count != first_head.share.count)
             refuse(fmt::format("is shard {}, but {} is shard {}: the run was divided in two ways",
-                               shard_text(head.share), first.path().string(), shard_text(of.share)));
-        if (head.inputs != of.inputs)
+                               shard_text(head.share), first.path().string(), shard_text(first_head.share)));
+        if (head.inputs != first_head.inputs)
             refuse(fmt::format(
                 "was measured with other files than {}: a scene, a sweep, a file of rays or of claims, or a "
                 "library changed between them",
@@ -124,25 +126,25 @@ void Shards::check_same_run(const std::string& program) const {
 }
 
 void Shards::check_complete() const {
-    const std::uint64_t of = files_.front().head().share.count;
+    const std::uint64_t count = files_.front().head().share.count;
     for (std::size_t i = 1; i < files_.size(); ++i) {
         if (files_[i].head().share == files_[i - 1].head().share)
             throw InputError(fmt::format("{}: is shard {}, and so is {}; name one of them; nothing was joined",
                                          files_[i].path().string(), shard_text(files_[i].head().share),
                                          files_[i - 1].path().string()));
     }
-    if (files_.size() == of) return;
+    if (files_.size() == count) return;
     std::vector<std::uint64_t> missing;
-    std::size_t at = 0;
-    for (std::uint64_t number = 1; number <= of && missing.size() < 1000; ++number) {
-        if (at < files_.size() && files_[at].head().share.number == number) ++at;
+    std::size_t index = 0;
+    for (std::uint64_t number = 1; number <= count && missing.size() < 1000; ++number) {
+        if (index < files_.size() && files_[index].head().share.number == number) ++index;
         else missing.push_back(number);
     }
-    const bool one = of - files_.size() == 1;
+    const bool is_one = count - files_.size() == 1;
     throw InputError(fmt::format(
         "{} of {} shards {} missing: {}; nothing was joined. Run `{} --shard {}/{}` for {}, with the {} of the others",
-        of - files_.size(), of, one ? "is" : "are", ranges_text(missing), command(),
-        one ? std::to_string(missing.front()) : "K", of, one ? "it" : "each of them",
+        count - files_.size(), count, is_one ? "is" : "are", ranges_text(missing), command(),
+        is_one ? std::to_string(missing.front()) : "K", count, is_one ? "it" : "each of them",
         command().starts_with("lostbits check ") ? "--report" : "-o"));
 }
 
@@ -159,12 +161,12 @@ void Shards::check_jobs(const std::vector<std::string>& jobs) const {
     }
 }
 
-void Shards::each(const std::string& name, const std::function<void(output::shard::BitReader&)>& take) {
+void Shards::for_each_record(const std::string& name, const std::function<void(output::shard::BitReader&)>& take) {
     for (StateFileReader& file : files_) {
-        bool any = false;
-        while (file.next(name, take)) any = true;
+        bool has_records = false;
+        while (file.next(name, take)) has_records = true;
         file.rest();
-        if (!any) file.damaged();
+        if (!has_records) file.damaged();
     }
 }
 
@@ -179,7 +181,7 @@ Division::Division(const fs::path& folder, const StateHead& head)
       file_(std::make_unique<output::shard::StateFileWriter>(folder / output::shard::state_file_name, head)) {}
 
 void Division::finish() {
-    if (joined_) joined_->check_end();
+    if (shards_to_join_) shards_to_join_->check_end();
     if (file_) file_->close();
 }
 

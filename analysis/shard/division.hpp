@@ -1,5 +1,6 @@
-// Divides the work of a run. A run is either whole, or one shard of several, or the run of `lostbits merge`, which
-// joins finished shards: it runs the command of the shards once more, with their measurements instead of its own.
+// Divides the work of a run. There are three kinds of run: a whole run, one shard of several, and the run of `lostbits
+// merge`, which joins finished shards. The last runs the command of the shards once more, with their measurements
+// instead of its own.
 #pragma once
 
 #include <filesystem>
@@ -20,7 +21,7 @@
 namespace lostbits::analysis::shard {
 
 /// Parses `3/64`. Throws InputError for a text that is not a shard.
-measure::shard::Share share_named(const std::string& word);
+measure::shard::Share parse_share(const std::string& text);
 
 /// Name of a shard's folder inside the folder of its run: `shard-3-of-64`.
 std::string folder_name(measure::shard::Share share);
@@ -39,7 +40,7 @@ public:
     /// Throws InputError if a shard has other jobs than these. Call it before any result is written.
     void check_jobs(const std::vector<std::string>& jobs) const;
     /// Calls `take` for every record of this name, one shard after another.
-    void each(const std::string& name, const std::function<void(output::shard::BitReader&)>& take);
+    void for_each_record(const std::string& name, const std::function<void(output::shard::BitReader&)>& take);
     /// Throws InputError if a shard has records that were not read.
     void check_end() const;
 
@@ -57,12 +58,12 @@ public:
     /// A shard. Its file appears in the folder when it is finished.
     Division(const std::filesystem::path& folder, const output::shard::StateHead& head);
     /// A run that joins shards.
-    explicit Division(std::shared_ptr<Shards> joined) : joined_(std::move(joined)) {}
+    explicit Division(std::shared_ptr<Shards> shards) : shards_to_join_(std::move(shards)) {}
 
     /// The share of the work that this run does.
     [[nodiscard]] measure::shard::Share share() const { return share_; }
     [[nodiscard]] bool is_shard() const { return file_ != nullptr; }
-    [[nodiscard]] bool joins() const { return joined_ != nullptr; }
+    [[nodiscard]] bool joins() const { return shards_to_join_ != nullptr; }
 
     /// The units of a shard, of as many as `count` returns; nothing in other runs, where it is not called.
     template <class Count>
@@ -70,45 +71,45 @@ public:
         return is_shard() ? std::optional(share_.of_units(count())) : std::nullopt;
     }
 
-    /// In a shard: records what it found, under the name of a job.
+    /// Records what a shard found, under the name of a job. Call it only in a shard.
     template <class... T>
     void put(const std::string& job, const T&... found) {
         file_->put(job, output::shard::bits_of(found...));
     }
-    /// In a run that joins shards: calls `take` for the records of the job, in the order of the shards.
-    void each(const std::string& job, const std::function<void(output::shard::BitReader&)>& take) {
-        joined_->each(job, take);
+    /// Calls `take` for the records of the job, in the order of the shards. Call it only in a run that joins shards.
+    void for_each_record(const std::string& job, const std::function<void(output::shard::BitReader&)>& take) {
+        shards_to_join_->for_each_record(job, take);
     }
 
     /// The result of a job: measured here, or joined from the records of the shards. A shard calls `measure`, records
     /// the result as its part of the job, and returns nothing. `measure` takes no arguments; it measures only the units
-    /// of work that belong to `share()`. `require` throws std::out_of_range if a record cannot
-    /// be a part of the job.
+    /// of work that belong to `share()`. `require_part` throws std::out_of_range if a record cannot be a part of the
+    /// job.
     template <class Measure>
     auto result_of(const std::string& job, const Measure& measure,
-                   const std::function<void(const std::invoke_result_t<Measure>&)>& require = {})
+                   const std::function<void(const std::invoke_result_t<Measure>&)>& require_part = {})
         -> std::optional<std::invoke_result_t<Measure>> {
         using Result = std::invoke_result_t<Measure>;
         if (joins()) {
             std::optional<Result> all;
-            each(job, [&](output::shard::BitReader& bits) {
+            for_each_record(job, [&](output::shard::BitReader& bits) {
                 Result part{};
                 bits(part);
-                if (require) require(part);
+                if (require_part) require_part(part);
                 if (all) append(*all, std::move(part));
                 else all = std::move(part);
             });
             return all;
         }
-        Result here = measure();
-        if (!is_shard()) return here;
-        put(job, here);
+        Result result = measure();
+        if (!is_shard()) return result;
+        put(job, result);
         return std::nullopt;
     }
 
     /// Names all jobs of the run. Throws InputError if shards that are joined have other jobs.
     void expect(const std::vector<std::string>& jobs) const {
-        if (joined_) joined_->check_jobs(jobs);
+        if (shards_to_join_) shards_to_join_->check_jobs(jobs);
     }
 
     /// Ends the run: the file of a shard gets its final name.
@@ -126,11 +127,11 @@ private:
 
     measure::shard::Share share_ = {};
     std::unique_ptr<output::shard::StateFileWriter> file_;
-    std::shared_ptr<Shards> joined_;
+    std::shared_ptr<Shards> shards_to_join_;
 };
 
-/// Runs the command of these words with the measurements of the shards.
-using RunOfShards = std::function<Exit(std::vector<std::string> words, std::shared_ptr<Shards> shards)>;
+/// Runs the command that the arguments name with the measurements of the shards.
+using RunOfShards = std::function<Exit(std::vector<std::string> arguments, std::shared_ptr<Shards> shards)>;
 
 /// Registers the subcommand; `version` is the program's.
 void add_merge(const shell::Command& program, const std::string& version, const RunOfShards& run_again);

@@ -14,20 +14,20 @@ struct MergeOptions {
     std::string junit, csv, json;  ///< for shards of `lostbits check` only
 };
 
-/// The words of the command whose shards are joined, with the folder of this run.
+/// The arguments of the command whose shards are joined, with the folder of this run.
 std::vector<std::string> arguments_of_run(const std::string& command, const MergeOptions& o) {
-    std::vector<std::string> words = selection::split_shell_words(command);
-    const bool checks = words.size() > 1 && words[1] == "check";
-    words.insert(words.end(), {checks ? "--report" : "-o", o.out});
+    std::vector<std::string> arguments = selection::split_shell_words(command);
+    const bool is_check = arguments.size() > 1 && arguments[1] == "check";
+    arguments.insert(arguments.end(), {is_check ? "--report" : "-o", o.out});
     for (const auto& [option, file] :
          {std::pair("--junit", o.junit), {"--export-csv", o.csv}, {"--export-json", o.json}}) {
         if (file.empty()) continue;
-        if (!checks)
+        if (!is_check)
             throw InputError(std::string(option) + " " + file + " is for claims, but these are shards of `" + command +
                              "`; leave out " + option);
-        words.insert(words.end(), {option, file});
+        arguments.insert(arguments.end(), {option, file});
     }
-    return words;
+    return arguments;
 }
 
 }  // namespace

@@ -14,8 +14,8 @@ namespace lostbits::analysis::shard {
 /// The kind of a record: a piece of a row's files, or the summaries at the end.
 enum class RecordKind : std::uint8_t { piece, end };
 
-/// A function that records the pieces of a job's rows in a shard; empty in other runs.
-inline output::pixel::KeepPiece keep_in(Division& division, const std::string& job) {
+/// Returns a function that records the pieces of a job's rows in a shard; an empty function in other runs.
+inline output::pixel::KeepPiece piece_recorder(Division& division, const std::string& job) {
     if (!division.is_shard()) return {};
     return [&division, job](std::size_t row, output::pixel::Piece&& piece) {
         if (!piece.is_empty()) division.put(job, RecordKind::piece, std::uint64_t{row}, piece);
@@ -24,7 +24,7 @@ inline output::pixel::KeepPiece keep_in(Division& division, const std::string& j
 
 /// Passes a piece to its row's files. Returns false if the record is not a piece but the summaries.
 template <class Files>
-bool joined_piece(output::shard::BitReader& bits, Files& files) {
+bool pass_piece(output::shard::BitReader& bits, Files& files) {
     RecordKind kind{};
     bits(kind);
     if (kind == RecordKind::end) return false;
@@ -35,20 +35,20 @@ bool joined_piece(output::shard::BitReader& bits, Files& files) {
     return true;
 }
 
-/// The result of a job that writes files: what `measure` returns, or the sum of what shards found. Returns nothing in a
-/// shard, which records its part. `none` is the result of no work. `files` take the pieces of the rows that shards
-/// kept.
+/// The result of a job that writes files: what `measure` returns or, in a run that joins shards, the sum of what the
+/// shards found. Returns nothing in a shard, which records its part. `none` is the result of no work. `files` takes the
+/// pieces of the rows that the shards recorded.
 template <class Result, class Files, class Measure>
 std::optional<Result> result_with_files(Result none, Files& files, Division& division, const std::string& job,
                                         const Measure& measure) {
     if (!division.joins()) {
-        Result here = measure();
-        if (!division.is_shard()) return here;
-        division.put(job, RecordKind::end, here);
+        Result result = measure();
+        if (!division.is_shard()) return result;
+        division.put(job, RecordKind::end, result);
         return std::nullopt;
     }
-    division.each(job, [&](output::shard::BitReader& bits) {
-        if (joined_piece(bits, files)) return;
+    division.for_each_record(job, [&](output::shard::BitReader& bits) {
+        if (pass_piece(bits, files)) return;
         Result part;
         bits(part);
         measure::study::add_up(none, std::move(part));
@@ -68,8 +68,8 @@ void fields(Bits& bits, StudyResult<Summary>& found) {
     bits(rows, stages);
 }
 
-/// Measures a study, or a part of it in a shard, or joins what shards found. Returns nothing in a shard, which keeps
-/// its part. `files` take the pieces of the rows. A study with `stages` gets the counts of all parts there.
+/// Measures a study, and passes the pieces of its rows to `files`. A shard measures and records its part and returns
+/// nothing; a run that joins shards adds up their parts. A study with `stages` gets the counts of all parts there.
 template <measure::study::Study S, class Files>
 std::optional<std::vector<typename S::Summary>> run_divided(S study, Files& files, Division& division,
                                                             const std::string& job) {
@@ -77,9 +77,9 @@ std::optional<std::vector<typename S::Summary>> run_divided(S study, Files& file
     study.share = division.share();
     std::optional<Result> found =
         result_with_files(Result{measure::study::begin_all(study)}, files, division, job, [&] {
-            Result here{measure::study::run_share(study, files.show())};
-            if constexpr (requires { here.stages = *study.stages; }) here.stages = *study.stages;
-            return here;
+            Result result{measure::study::run_share(study, files.show())};
+            if constexpr (requires { result.stages = *study.stages; }) result.stages = *study.stages;
+            return result;
         });
     if (!found) return std::nullopt;
     if constexpr (requires { *study.stages = found->stages; }) *study.stages = found->stages;

@@ -20,21 +20,21 @@ namespace {
 
 constexpr const char* list_type = "TEXT,TEXT";  ///< in the help of an option
 
-std::string not_one_of(const std::string& option, const std::string& word, const std::vector<std::string>& known) {
-    const auto near = scene::toml::closest(word, known);
-    return fmt::format("{} {} is not one of {}{}", option, word, fmt::join(known, ", "),
-                       near ? "; did you mean " + *near + "?" : "");
+std::string not_one_of(const std::string& option, const std::string& value, const std::vector<std::string>& known) {
+    const auto suggestion = scene::toml::closest(value, known);
+    return fmt::format("{} {} is not one of {}{}", option, value, fmt::join(known, ", "),
+                       suggestion ? "; did you mean " + *suggestion + "?" : "");
 }
 
 template <class T>
 ValueRule in_range(T low, T high) {
     const auto text = [](T end) { return fmt::format("{:.10g}", static_cast<double>(end)); };  // every int in full
-    const auto wrong = [=](const std::string& option, const std::string& word) {
-        T value{};
-        const bool fits = CLI::detail::lexical_cast(word, value) && low <= value && value <= high;
-        return fits ? "" : fmt::format("{} {} is not a number from {} to {}", option, word, text(low), text(high));
+    const auto problem_of = [=](const std::string& option, const std::string& value) {
+        T number{};
+        const bool fits = CLI::detail::lexical_cast(value, number) && low <= number && number <= high;
+        return fits ? "" : fmt::format("{} {} is not a number from {} to {}", option, value, text(low), text(high));
     };
-    return {wrong, fmt::format("{} in [{} - {}]", CLI::detail::type_name<T>(), text(low), text(high))};
+    return {problem_of, fmt::format("{} in [{} - {}]", CLI::detail::type_name<T>(), text(low), text(high))};
 }
 
 std::string trimmed(const std::string& word) {
@@ -46,83 +46,83 @@ std::string trimmed(const std::string& word) {
 template <class Split>
 CLI::Option* add_split(CLI::App& app, const std::string& names, std::vector<std::string>& into, const Split& split,
                        const std::string& help) {
-    const auto take = [&into, split](const std::vector<std::string>& words) {
+    const auto store = [&into, split](const std::vector<std::string>& values) {
         into.clear();
-        for (const std::string& word : words) std::ranges::move(split(word), std::back_inserter(into));
+        for (const std::string& value : values) std::ranges::move(split(value), std::back_inserter(into));
     };
-    return app.add_option_function<std::vector<std::string>>(names, take, help)->allow_extra_args(false);
+    return app.add_option_function<std::vector<std::string>>(names, store, help)->allow_extra_args(false);
 }
 
-/// The option, with one value each time and with the check.
-Option finished(CLI::Option* option, const ValueRule& check) {
+/// Sets the option to take one value each time and to check it. Returns the option.
+Option with_check(CLI::Option* option, const ValueRule& check) {
     if (!option->get_positional() && option->get_expected_max() > 1) option->allow_extra_args(false);
-    const auto hold = [wrong = check.wrong, option](const std::string& word) {
+    const auto check_value = [problem_of = check.problem_of, option](const std::string& value) {
         // Throw: the parser would put the option's name in front of a returned text.
-        if (std::string text = wrong(option->get_name(), word); !text.empty())
-            throw CommandLineError(CommandLineError::said, text);
+        if (std::string problem = problem_of(option->get_name(), value); !problem.empty())
+            throw CommandLineError(CommandLineError::finished_text, problem);
         return std::string();
     };
-    if (check.wrong) option->check(hold, check.description);
+    if (check.problem_of) option->check(check_value, check.description);
     return Option(option);
 }
 
 CommandLineError::Kind kind_of(const CLI::ParseError& error) {
     using Code = CLI::ExitCodes;
     switch (static_cast<Code>(error.get_exit_code())) {
-        case Code::ExtrasError: return CommandLineError::nothing_takes_it;
+        case Code::ExtrasError: return CommandLineError::unknown_word;
         case Code::RequiredError: return CommandLineError::missing;
-        case Code::ConversionError: return CommandLineError::unread;
+        case Code::ConversionError: return CommandLineError::unreadable_value;
         case Code::ArgumentMismatch: return CommandLineError::wrong_count;
-        default: return CommandLineError::said;
+        default: return CommandLineError::finished_text;
     }
 }
 
 }  // namespace
 
 ValueRule one_of(const std::vector<std::string>& known) {
-    const auto wrong = [known](const std::string& option, const std::string& word) {
-        return std::ranges::find(known, word) == known.end() ? not_one_of(option, word, known) : "";
+    const auto problem_of = [known](const std::string& option, const std::string& value) {
+        return std::ranges::find(known, value) == known.end() ? not_one_of(option, value, known) : "";
     };
-    return {wrong, fmt::format("{{{}}}", fmt::join(known, ","))};
+    return {problem_of, fmt::format("{{{}}}", fmt::join(known, ","))};
 }
 
 ValueRule whole_from(int low, int high) { return in_range(low, high); }
 ValueRule number_from(double low, double high) { return in_range(low, high); }
 
-std::vector<std::string> items_in(const std::string& word, const std::string& option) {
+std::vector<std::string> items_in(const std::string& value, const std::string& option) {
     std::vector<std::string> all;
-    for (std::size_t begin = 0; begin <= word.size();) {
-        const std::size_t end = std::min(word.find(',', begin), word.size());
-        all.push_back(trimmed(word.substr(begin, end - begin)));
+    for (std::size_t begin = 0; begin <= value.size();) {
+        const std::size_t end = std::min(value.find(',', begin), value.size());
+        all.push_back(trimmed(value.substr(begin, end - begin)));
         if (all.back().empty())
             throw InputError(
-                word.find(',') == std::string::npos
+                value.find(',') == std::string::npos
                     ? option + ": its value is empty"
-                    : option + " " + output::attribution::shell_word(word) +
+                    : option + " " + output::attribution::shell_word(value) +
                           ": has an empty value before, between or after its commas; remove the extra comma");
         begin = end + 1;
     }
     return all;
 }
 
-std::vector<std::string> assignments_in(const std::string& word) {
+std::vector<std::string> assignments_in(const std::string& value) {
     std::vector<std::string> all;
     std::size_t begin = 0;
     int depth = 0;
-    for (std::size_t i = 0; i < word.size(); ++i) {
-        depth += (word[i] == '[' || word[i] == '(') - (word[i] == ']' || word[i] == ')');
-        if (word[i] != ',' || depth > 0) continue;
+    for (std::size_t i = 0; i < value.size(); ++i) {
+        depth += (value[i] == '[' || value[i] == '(') - (value[i] == ']' || value[i] == ')');
+        if (value[i] != ',' || depth > 0) continue;
         // In `box[0].lo=9,9,9` a comma starts another assignment only if what follows it has a = of its own.
-        const std::size_t next = word.find(',', i + 1), equals = word.find('=', i + 1);
-        if (begin < i && word.find('=', begin) < i && equals > next)
+        const std::size_t next = value.find(',', i + 1), equals = value.find('=', i + 1);
+        if (begin < i && value.find('=', begin) < i && equals > next)
             throw InputError(
                 fmt::format("--set {}: the text after the comma is not an assignment; write several numbers in "
                             "brackets, as in {}",
-                            word, "'box[0].lo=[9, 9, 9]'"));
-        all.push_back(trimmed(word.substr(begin, i - begin)));
+                            value, "'box[0].lo=[9, 9, 9]'"));
+        all.push_back(trimmed(value.substr(begin, i - begin)));
         begin = i + 1;
     }
-    all.push_back(trimmed(word.substr(begin)));
+    all.push_back(trimmed(value.substr(begin)));
     return all;
 }
 
@@ -145,23 +145,24 @@ bool Option::takes_value() const { return option_->get_expected_max() > 0; }
 bool Option::takes_several() const {
     return option_->get_expected_max() > 1 && (is_argument() || type().starts_with(list_type));
 }
-const std::vector<std::string>& Option::words() const { return option_->results(); }
+const std::vector<std::string>& Option::given_values() const { return option_->results(); }
 
-void Option::replace(const std::vector<std::string>& words) const {
+void Option::replace(const std::vector<std::string>& values) const {
     option_->clear();
-    for (const std::string& word : words) option_->add_result(word);
+    for (const std::string& value : values) option_->add_result(value);
     option_->run_callback();
 }
 
 template <class T>
 Option Command::add(const std::string& names, T& into, const std::string& help, const ValueRule& check) const {
     if constexpr (std::is_unsigned_v<T>) {  // the parser reads -1 as the largest number
-        const auto minus = [](const std::string& option, const std::string& word) {
-            return word.starts_with('-') ? fmt::format("{} {} is not a whole number of at least 0", option, word) : "";
+        const auto refuse_minus = [](const std::string& option, const std::string& value) {
+            return value.starts_with('-') ? fmt::format("{} {} is not a whole number of at least 0", option, value)
+                                          : "";
         };
-        return finished(app_->add_option(names, into, help), check.wrong ? check : ValueRule{minus, ""});
+        return with_check(app_->add_option(names, into, help), check.problem_of ? check : ValueRule{refuse_minus, ""});
     }
-    return finished(app_->add_option(names, into, help), check);
+    return with_check(app_->add_option(names, into, help), check);
 }
 template Option Command::add(const std::string&, std::string&, const std::string&, const ValueRule&) const;
 template Option Command::add(const std::string&, std::vector<std::string>&, const std::string&, const ValueRule&) const;
@@ -176,44 +177,45 @@ Option Command::add(const std::string& names, bool& into, const std::string& hel
 
 Option Command::add_list(const std::string& names, std::vector<std::string>& into, const std::string& help,
                          const ValueRule& check) const {
-    const auto items = [option = names.substr(0, names.find(','))](const std::string& word) {
-        return items_in(word, option);
+    const auto items = [option = names.substr(0, names.find(','))](const std::string& value) {
+        return items_in(value, option);
     };
     // The parser's own delimiter would drop empty items and keep blanks.
     auto* const list = add_split(*app_, names, into, items, help)->type_name(list_type);
-    if (!check.wrong) return Option(list);
-    const auto each = [check](const std::string& option, const std::string& word) {
-        for (const std::string& item : items_in(word, option)) {
-            if (std::string text = check.wrong(option, item); !text.empty()) return text;
+    if (!check.problem_of) return Option(list);
+    const auto check_items = [check](const std::string& option, const std::string& value) {
+        for (const std::string& item : items_in(value, option)) {
+            if (std::string problem = check.problem_of(option, item); !problem.empty()) return problem;
         }
         return std::string();
     };
-    return finished(list, {each, check.description});
+    return with_check(list, {check_items, check.description});
 }
 
 Option Command::add_set(std::vector<std::string>& into, const std::string& help) const {
-    return finished(add_split(*app_, "--set", into, assignments_in, help), {});
+    return with_check(add_split(*app_, "--set", into, assignments_in, help), {});
 }
 
 Option Command::add_named(const std::string& option, const std::vector<std::string>& names,
                           const std::function<void(int)>& take, const std::string& help) const {
-    std::map<std::string, int> places;
-    for (const std::string& name : names) places.emplace(name, places.size());
-    const CLI::CheckedTransformer mapped(places);
-    const auto map = [=](std::string& word) {
-        if (!mapped(word).empty()) throw CommandLineError(CommandLineError::said, not_one_of(option, word, names));
+    std::map<std::string, int> indices;
+    for (const std::string& name : names) indices.emplace(name, indices.size());
+    const CLI::CheckedTransformer to_index(indices);
+    const auto validate = [=](std::string& value) {
+        if (!to_index(value).empty())
+            throw CommandLineError(CommandLineError::finished_text, not_one_of(option, value, names));
         return std::string();
     };
     return Option(app_->add_option_function<int>(option, take, help)
                       ->type_name("ENUM")
                       ->default_str(names.front())
-                      ->transform(CLI::Validator(map, mapped.get_description())));
+                      ->transform(CLI::Validator(validate, to_index.get_description())));
 }
 
 Command Command::add_command(const std::string& name, const std::string& help) const {
     app_->require_subcommand(1);
     CLI::App* const added = app_->add_subcommand(name, help);
-    added->footer("")->group("Subcommands");  // neither those of the command above: examples, and that it is hidden
+    added->footer("")->group("Subcommands");  // inherit neither the examples of the command above nor that it is hidden
     return {added, chosen_};
 }
 
@@ -225,12 +227,12 @@ Command Command::add_group(const std::string& name, const std::string& help) con
 
 std::function<std::vector<std::size_t>()> Command::order_of(const std::vector<Option>& options) const {
     return [app = app_, options] {
-        std::vector<std::size_t> places;
+        std::vector<std::size_t> indices;
         for (CLI::Option* const given : app->parse_order()) {
             const auto found = std::ranges::find(options, Option(given));
-            if (found != options.end()) places.push_back(static_cast<std::size_t>(found - options.begin()));
+            if (found != options.end()) indices.push_back(static_cast<std::size_t>(found - options.begin()));
         }
-        return places;
+        return indices;
     };
 }
 
@@ -241,16 +243,17 @@ void Command::runs(const std::function<Exit()>& run) const {
 const std::string& Command::name() const { return app_->get_name(); }
 std::string Command::help() const { return app_->get_description(); }
 
-void Command::shows(const std::vector<Example>& examples) const {
+void Command::set_examples(const std::vector<Example>& examples) const {
     std::string text;
-    for (const Example& example : examples) text += example.line + "\n" + example.does + "\n";
+    for (const Example& example : examples) text += example.line + "\n" + example.description + "\n";
     app_->footer(text);
 }
 
 std::vector<Example> Command::examples() const {
     std::vector<Example> all;
     std::istringstream text(app_->get_footer());
-    for (Example one; std::getline(text, one.line) && std::getline(text, one.does);) all.push_back(one);
+    for (Example example; std::getline(text, example.line) && std::getline(text, example.description);)
+        all.push_back(example);
     return all;
 }
 
@@ -267,7 +270,8 @@ Option Command::option(const std::string& name) const { return Option(app_->get_
 
 std::vector<Command> Command::inner(bool named) const {
     std::vector<Command> all;
-    for (CLI::App* app : app_->get_subcommands([named](CLI::App* one) { return one->get_name().empty() != named; }))
+    for (CLI::App* app :
+         app_->get_subcommands([named](CLI::App* inner_app) { return inner_app->get_name().empty() != named; }))
         all.push_back({app, chosen_});
     return all;
 }
@@ -287,9 +291,9 @@ std::vector<Command> Command::given() const {
 }
 
 std::string Command::command_path() const {
-    std::string words;
-    for (const Command& command : given()) words += (words.empty() ? "" : " ") + command.name();
-    return words;
+    std::string path;
+    for (const Command& command : given()) path += (path.empty() ? "" : " ") + command.name();
+    return path;
 }
 
 CommandLine::CommandLine(const std::string& name, const std::string& version, const std::string& help)
@@ -307,14 +311,14 @@ CommandLine::Parsed CommandLine::parse(const std::vector<std::string>& words) {
     try {
         app_->parse(static_cast<int>(argv.size()), argv.data());
         return Parsed::command;
-    } catch (const CLI::CallForHelp& asked) {
+    } catch (const CLI::CallForHelp& request) {
         // A word that should name a command, but does not, has no help.
         const std::vector<std::string> words_left = leftover();
         if (!words_left.empty() && !words_left.front().starts_with('-') && !given().back().names_of_commands().empty())
-            throw CommandLineError(CommandLineError::nothing_takes_it, asked.what());
+            throw CommandLineError(CommandLineError::unknown_word, request.what());
         return Parsed::help;
-    } catch (const CLI::Success& asked) {  // --version
-        app_->exit(asked);
+    } catch (const CLI::Success& request) {  // --version
+        app_->exit(request);
         return Parsed::version;
     } catch (const CLI::ParseError& error) {
         throw CommandLineError(kind_of(error), error.what());
@@ -325,23 +329,23 @@ std::vector<std::string> CommandLine::leftover() const { return app_->remaining(
 
 /// The absolute path of a file, which need not exist. (weakly_canonical alone leaves a relative path as it is if none
 /// of its folders exists.)
-static std::filesystem::path place_of(const std::string& file) {
+static std::filesystem::path absolute_path(const std::string& file) {
     return std::filesystem::weakly_canonical(std::filesystem::absolute(file));
 }
 
 void require_different_files(const std::vector<NamedFile>& files, const NamedFile& folder) {
-    const auto taken_folder = folder.file.empty() ? std::filesystem::path() : place_of(folder.file);
-    std::map<std::filesystem::path, const char*> taken;
+    const auto folder_path = folder.file.empty() ? std::filesystem::path() : absolute_path(folder.file);
+    std::map<std::filesystem::path, const char*> option_of_path;
     for (const auto& [option, file] : files) {
         if (file.empty()) continue;
-        const auto at = place_of(file);
-        if (!taken_folder.empty() && at.parent_path() == taken_folder)
+        const auto path = absolute_path(file);
+        if (!folder_path.empty() && path.parent_path() == folder_path)
             throw InputError(fmt::format("{} {} is in the folder of {} {}; choose another folder", option, file,
                                          folder.option, folder.file));
-        const auto [place, fresh] = taken.emplace(at, option);
-        if (!fresh)
+        const auto [entry, is_new] = option_of_path.emplace(path, option);
+        if (!is_new)
             throw InputError(
-                fmt::format("{} {}: {} names the same file; give each its own file", option, file, place->second));
+                fmt::format("{} {}: {} names the same file; give each its own file", option, file, entry->second));
     }
 }
 

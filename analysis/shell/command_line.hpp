@@ -21,8 +21,8 @@ namespace lostbits::analysis::shell {
 
 /// The check of a value.
 struct ValueRule {
-    /// Says in a sentence what is wrong with a word of an option; empty if the word is right.
-    std::function<std::string(const std::string& option, const std::string& word)> wrong;
+    /// Says in a sentence what is wrong with a value of an option; empty if the value is allowed.
+    std::function<std::string(const std::string& option, const std::string& value)> problem_of;
     std::string description;  ///< for the help: `{none,csv}`
 };
 ValueRule one_of(const std::vector<std::string>& known);
@@ -32,9 +32,9 @@ ValueRule number_from(double low, double high);
 
 /// The items between the commas of a list, without the blanks around them. Throws InputError, which names the `option`,
 /// for an empty item.
-std::vector<std::string> items_in(const std::string& word, const std::string& option);
-/// The assignments in a word: `a=1,b=[2,3]` has two.
-std::vector<std::string> assignments_in(const std::string& word);
+std::vector<std::string> items_in(const std::string& value, const std::string& option);
+/// The assignments in a value: `a=1,b=[2,3]` has two.
+std::vector<std::string> assignments_in(const std::string& value);
 
 /// An option of a command, or an argument if its name has no hyphen. A copy refers to the same option.
 class Option {
@@ -46,7 +46,7 @@ public:
     Option required() const;
     Option excludes(Option other) const;
     Option needs(Option other) const;
-    /// Shown in the help below a heading of its own, with the others that are.
+    /// Shows the option in the help below this heading, together with the other options of that heading.
     Option below(const std::string& heading) const;
 
     [[nodiscard]] std::string name() const;
@@ -58,11 +58,11 @@ public:
     [[nodiscard]] bool is_argument() const;
     [[nodiscard]] bool is_required() const;
     [[nodiscard]] bool takes_value() const;
-    [[nodiscard]] bool takes_several() const;                     ///< in one place
-    [[nodiscard]] const std::vector<std::string>& words() const;  ///< as they were given
+    [[nodiscard]] bool takes_several() const;                            ///< one occurrence takes several values
+    [[nodiscard]] const std::vector<std::string>& given_values() const;  ///< the texts as they were given
 
-    /// Replaces the words that were given.
-    void replace(const std::vector<std::string>& words) const;
+    /// Replaces the values that were given.
+    void replace(const std::vector<std::string>& values) const;
 
 private:
     CLI::Option* option_;
@@ -70,7 +70,7 @@ private:
 
 /// An example in a help: a command line, and a sentence that says what it does.
 struct Example {
-    std::string line, does;
+    std::string line, description;
 };
 
 /// A command, the program, or a group of options. A copy refers to the same command.
@@ -101,7 +101,7 @@ public:
     [[nodiscard]] std::function<std::vector<std::size_t>()> order_of(const std::vector<Option>& options) const;
 
     /// Adds the examples that the help shows.
-    void shows(const std::vector<Example>& examples) const;
+    void set_examples(const std::vector<Example>& examples) const;
     /// Leaves the command out of every help and list: the program starts it by itself.
     void hide() const;
 
@@ -113,8 +113,8 @@ public:
     [[nodiscard]] std::vector<Example> examples() const;
     [[nodiscard]] bool is_hidden() const;
     [[nodiscard]] std::vector<Option> options() const;                           ///< without those of groups
-    [[nodiscard]] Option option(const std::string& name) const;                  ///< false if there is none
-    [[nodiscard]] std::vector<Command> commands() const { return inner(true); }  ///< its own
+    [[nodiscard]] Option option(const std::string& name) const;                  ///< an empty option if there is none
+    [[nodiscard]] std::vector<Command> commands() const { return inner(true); }  ///< its own subcommands
     [[nodiscard]] std::vector<Command> groups() const { return inner(false); }
     [[nodiscard]] std::vector<std::string> names_of_commands() const;  ///< without hidden ones
     [[nodiscard]] std::vector<Command> given() const;  ///< itself, its subcommand that was given, and so on
@@ -123,7 +123,7 @@ public:
 protected:
     Command(CLI::App* app, std::function<Exit()>* chosen) : app_(app), chosen_(chosen) {}
     CLI::App* app_;
-    std::function<Exit()>* chosen_;  ///< of the program
+    std::function<Exit()>* chosen_;  ///< the action of the program's chosen command
 
 private:
     [[nodiscard]] std::vector<Command> inner(bool named) const;
@@ -131,9 +131,9 @@ private:
 
 /// An error in the words of a command line, with the text of the parser.
 struct CommandLineError : std::runtime_error {
-    enum Kind { nothing_takes_it, missing, unread, wrong_count, said };
-    CommandLineError(Kind which, const std::string& text) : std::runtime_error(text), kind(which) {}
-    Kind kind;  ///< `said`: the text is already a finished message
+    enum Kind { unknown_word, missing, unreadable_value, wrong_count, finished_text };
+    CommandLineError(Kind kind_of_error, const std::string& text) : std::runtime_error(text), kind(kind_of_error) {}
+    Kind kind;  ///< `finished_text`: the text is already a finished message
 };
 
 class CommandLine : public Command {
@@ -156,7 +156,7 @@ private:
 };
 
 /// A message for what the parser threw: what is wrong, why, and what to try.
-std::string describe_misread(const CommandLine& program, const CommandLineError& error);
+std::string describe_error(const CommandLine& program, const CommandLineError& error);
 
 /// The message, with line breaks that come from one of the words written as `\n`. The line breaks of the message itself
 /// stay.

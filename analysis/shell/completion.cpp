@@ -12,9 +12,9 @@ using Kind = Values::Kind;
 
 namespace {
 
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-    for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
-        text.replace(at, what.size(), by);
+std::string replace_all(std::string text, const std::string& from, const std::string& to) {
+    for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+        text.replace(at, from.size(), to);
     return text;
 }
 
@@ -74,10 +74,10 @@ std::string zsh_action(const OptionRow& option) {
 /// `'*'{-i,--form}'[help]:forms:_lostbits_names forms'`
 std::string zsh_spec(const OptionRow& option) {
     std::string help = short_help(option.help);
-    for (const char* special : {"\\", "[", "]", ":"}) help = replaced(help, special, std::string("\\") + special);
+    for (const char* special : {"\\", "[", "]", ":"}) help = replace_all(help, special, std::string("\\") + special);
     const std::string names =
         option.names.size() == 1 ? option.names.front() : fmt::format("'{{{}}}'", fmt::join(option.names, ","));
-    const std::string body = replaced(help, "'", "'\\''");
+    const std::string body = replace_all(help, "'", "'\\''");
     const std::string value = option.takes_value ? fmt::format(":value:{}", zsh_action(option)) : "";
     return fmt::format("'*{}[{}]{}'", names, body, value);
 }
@@ -105,7 +105,7 @@ std::string fish_option(const std::string& condition, const OptionRow& option) {
     std::string text = "complete -c lostbits" + condition;
     for (const std::string& name : option.names)
         text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
-    return text + " -d " + replaced(shell_word(short_help(option.help)), "'\\''", "\\'") +
+    return text + " -d " + replace_all(shell_word(short_help(option.help)), "'\\''", "\\'") +
            (option.takes_value ? fish_values(option.values) : "") + "\n";
 }
 
@@ -131,17 +131,17 @@ std::string bash_completion(const Command& program) {
     for (const CommandRow& command : commands) {
         text += fmt::format("        {})\n            case $previous in\n{}            esac\n", command.name,
                             bash_cases(command.options, "                "));
-        std::string here = fmt::format("options=\"{}\"", fmt::join(names_of(command.options), " "));
+        std::string offers = fmt::format("options=\"{}\"", fmt::join(names_of(command.options), " "));
         if (!command.commands.empty())
-            here += fmt::format("; words=\"{}\"", fmt::join(command.names_of_commands(), " "));
-        else if (!command.arguments.empty()) here += "; " + bash_values(command.arguments.front().values);
+            offers += fmt::format("; words=\"{}\"", fmt::join(command.names_of_commands(), " "));
+        else if (!command.arguments.empty()) offers += "; " + bash_values(command.arguments.front().values);
         // A subject that has a name may be given as a file too.
-        if (!command.arguments.empty()) here += "; files=-f";
-        text += fmt::format("            {} ;;\n", here);
+        if (!command.arguments.empty()) offers += "; files=-f";
+        text += fmt::format("            {} ;;\n", offers);
     }
     text += fmt::format(
         "        *) words=\"{}\" ;;\n    esac\n    case $previous in\n{}    esac\n    options+=\" {}\"\n}}\n\n",
-        fmt::join(names, " "), replaced(bash_cases(common, "        "), ") ", ") options=; words=; files=; "),
+        fmt::join(names, " "), replace_all(bash_cases(common, "        "), ") ", ") options=; words=; files=; "),
         fmt::join(names_of(common), " "));
     text += fmt::format(
         "_lostbits() {{\n"
@@ -187,7 +187,7 @@ std::string zsh_completion(const Command& program) {
         "    local command\n"
         "    local -a commands=(\n";
     for (const CommandRow& command : commands)
-        text += "        " + shell_word(command.name + ":" + replaced(short_help(command.help), ":", "\\:")) + "\n";
+        text += "        " + shell_word(command.name + ":" + replace_all(short_help(command.help), ":", "\\:")) + "\n";
     text += "    )\n    command=${words[(r)(";
     for (const CommandRow& command : commands) text += (&command == &commands.front() ? "" : "|") + command.name;
     text += ")]}\n    case $command in\n";
@@ -219,7 +219,7 @@ std::string fish_completion(const Command& program) {
     for (const OptionRow& option : common_options(program)) text += fish_option("", option);
     for (const CommandRow& command : command_table(program)) {
         text += fmt::format("complete -c lostbits -f -n __fish_use_subcommand -a {} -d {}\n", command.name,
-                            replaced(shell_word(short_help(command.help)), "'\\''", "\\'"));
+                            replace_all(shell_word(short_help(command.help)), "'\\''", "\\'"));
         const std::string condition = fmt::format(" -n '__fish_seen_subcommand_from {}'", command.name);
         for (const OptionRow& option : command.options) text += fish_option(condition, option);
         if (!command.commands.empty())

@@ -11,43 +11,44 @@ namespace {
 
 constexpr std::size_t help_width = 110, help_column = 30;
 
-/// The text behind `indent` blanks, the first line of which is `started` characters long already.
+/// Wraps the text, with `indent` blanks in front of each line but the first. The first line has `started` characters
+/// already.
 std::string wrapped(const std::string& text, std::size_t indent, std::size_t started) {
     std::string out;
-    std::size_t at = started;
+    std::size_t column = started;
     for (std::size_t begin = 0; begin < text.size();) {
         const std::size_t end = std::min(text.find(' ', begin), text.size());
-        if (at > indent && at + 1 + (end - begin) > help_width) {
+        if (column > indent && column + 1 + (end - begin) > help_width) {
             out += "\n" + std::string(indent, ' ');
-            at = indent;
-        } else if (at > indent) {
+            column = indent;
+        } else if (column > indent) {
             out += ' ';
-            ++at;
+            ++column;
         }
         out += text.substr(begin, end - begin);
-        at += end - begin;
+        column += end - begin;
         begin = end + 1;
     }
     return out;
 }
 
 /// `  -f,--format NAME,...       Formats: …`
-std::string help_line(const std::string& word, const std::string& help) {
-    std::string line = "  " + word;
+std::string help_line(const std::string& subject, const std::string& help) {
+    std::string line = "  " + subject;
     if (help.empty()) return line + "\n";
     if (line.size() + 2 > help_column) line += "\n" + std::string(help_column, ' ');
     else line.resize(help_column, ' ');
     return line + wrapped(help, help_column, help_column) + "\n";
 }
 
-std::string option_word(const OptionRow& option) {
+std::string option_text(const OptionRow& option) {
     return fmt::format("{}", fmt::join(option.names, ",")) + (option.value.empty() ? "" : " " + option.value);
 }
 
 /// `SCENE...`, `[CLAIMS...]`
-std::string argument_word(const OptionRow& argument) {
-    const std::string word = argument.names.front() + (argument.several ? "..." : "");
-    return argument.required ? word : "[" + word + "]";
+std::string argument_text(const OptionRow& argument) {
+    const std::string text = argument.names.front() + (argument.several ? "..." : "");
+    return argument.required ? text : "[" + text + "]";
 }
 
 /// Lists the options by their headings, in the order of the headings.
@@ -59,23 +60,23 @@ std::string option_sections(const std::vector<OptionRow>& options) {
     for (const std::string& heading : headings) {
         text += "\n" + (heading.empty() ? "Options" : heading) + ":\n";
         for (const OptionRow& option : options)
-            if (option.heading == heading) text += help_line(option_word(option), option.help);
+            if (option.heading == heading) text += help_line(option_text(option), option.help);
     }
     return text;
 }
 
 std::string example_lines(const std::vector<Example>& examples) {
     std::string text = examples.empty() ? "" : "\nExamples:\n";
-    for (const Example& example : examples) text += fmt::format("  {}\n      {}\n", example.line, example.does);
+    for (const Example& example : examples) text += fmt::format("  {}\n      {}\n", example.line, example.description);
     return text;
 }
 
-/// Their names, without what they do.
+/// The names of the common options, without their help.
 std::string common_lines(const std::vector<OptionRow>& common) {
     std::string names;
     for (const OptionRow& option : common)
         if (option.names.back() != "--help" && option.names.back() != "--version")
-            names += (names.empty() ? "" : ", ") + option_word(option);
+            names += (names.empty() ? "" : ", ") + option_text(option);
     return "\nOptions of every command:\n  " + wrapped(names, 2, 2) + "\n";
 }
 
@@ -85,8 +86,8 @@ std::string command_list(const std::vector<CommandRow>& commands) {
     return text;
 }
 
-/// A command, or one of a command's own.
-CommandRow row_given(const Command& program) {
+/// The row of the command that was given, which may be a subcommand.
+CommandRow given_command_row(const Command& program) {
     const std::vector<Command> given = program.given();
     std::vector<CommandRow> rows = command_table(given[given.size() - 2], true);
     return *std::ranges::find(rows, given.back().name(), &CommandRow::name);
@@ -99,18 +100,18 @@ std::string help_page(const Command& program, const std::string& footer) {
     if (program.given().size() == 1)
         return program.help() + "\nUsage: lostbits COMMAND [OPTIONS]\n" + command_list(command_table(program)) +
                option_sections(common) + "\n" + footer;
-    const CommandRow row = row_given(program);
+    const CommandRow row = given_command_row(program);
     std::string text = wrapped(row.help, 0, 0) + "\nUsage: " + program.command_path();
     if (!row.commands.empty()) text += " COMMAND";
     else
-        for (const OptionRow& argument : row.arguments) text += " " + argument_word(argument);
+        for (const OptionRow& argument : row.arguments) text += " " + argument_text(argument);
     // The examples of `plugin check` are stored with `plugin`.
     const std::vector<Command> given = program.given();
     text += " [OPTIONS]\n" + example_lines(given[1].examples()) + command_list(row.commands);
     if (row.commands.empty() && !row.arguments.empty()) {
         text += "\nArguments:\n";
         for (const OptionRow& argument : row.arguments)
-            text += help_line(argument_word(argument),
+            text += help_line(argument_text(argument),
                               argument.value.empty() ? argument.help : argument.help + ": " + argument.value);
     }
     return text + option_sections(row.options) + common_lines(common) +

@@ -32,17 +32,18 @@ std::string heading(const OptionRow& option) {
 
 std::string paragraphs(const std::vector<OptionRow>& options) {
     std::string text;
-    std::string above;
+    std::string previous_heading;
     for (const OptionRow& option : options) {
-        if (option.heading != above && !option.heading.empty()) text += ".PP\n" + roff(option.heading) + ":\n";
-        above = option.heading;
+        if (option.heading != previous_heading && !option.heading.empty())
+            text += ".PP\n" + roff(option.heading) + ":\n";
+        previous_heading = option.heading;
         text += ".TP\n" + heading(option) + "\n" + roff(option.help) + "\n";
     }
     return text;
 }
 
 /// `SCENE... [OPTION]...`
-std::string words_after(const CommandRow& command) {
+std::string arguments_text(const CommandRow& command) {
     std::string text;
     for (const OptionRow& argument : command.arguments) {
         const std::string name = "\\fI" + argument.names.front() + "\\fR";
@@ -54,12 +55,12 @@ std::string words_after(const CommandRow& command) {
 /// The lines of the synopsis of a command. There is one per subcommand if the subcommands take arguments.
 std::vector<std::string> synopsis(const CommandRow& command) {
     const std::string name = "\\fBlostbits " + command.name;
-    if (command.commands.empty()) return {name + "\\fR" + words_after(command)};
+    if (command.commands.empty()) return {name + "\\fR" + arguments_text(command)};
     if (command.arguments.empty())
         return {name + fmt::format("\\fR {} [\\fIOPTION\\fR]...", fmt::join(command.names_of_commands(), "|"))};
     std::vector<std::string> lines;
     for (const CommandRow& inner : command.commands)
-        lines.push_back(name + " " + inner.name + "\\fR" + words_after(inner));
+        lines.push_back(name + " " + inner.name + "\\fR" + arguments_text(inner));
     return lines;
 }
 
@@ -79,7 +80,7 @@ std::string manual_page(const Command& program, const std::string& version, cons
         text += paragraphs(command.arguments) + paragraphs(command.options);
         if (!command.examples.empty()) text += ".PP\nExamples:\n";
         for (const Example& example : command.examples)
-            text += ".TP\n\\fB" + roff(example.line) + "\\fR\n" + roff(example.does) + "\n";
+            text += ".TP\n\\fB" + roff(example.line) + "\\fR\n" + roff(example.description) + "\n";
     }
     text += ".SH OPTIONS OF EVERY COMMAND\n" + paragraphs(common_options(program));
     // Adds the sections of the footer; their headings end with a colon.

@@ -38,40 +38,42 @@ Values known_values(const std::string& name) {
     return found == std::end(known) ? Values{} : found->values;
 }
 
-/// The allowed words of an option. Its type shows them as `TEXT:{none,csv}` or, if they are mapped to numbers, as
-/// `ENUM:value in {bar->1,none->2} OR {1,2}`.
-std::vector<std::string> set_of(const Option& option) {
+/// The values that an option allows. The type of the option shows them as `TEXT:{none,csv}` or, if they are mapped to
+/// numbers, as `ENUM:value in {bar->1,none->2} OR {1,2}`.
+std::vector<std::string> allowed_values(const Option& option) {
     const std::string type = option.type();
     const auto open = type.find('{'), close = type.find('}');
     if (open == std::string::npos || close == std::string::npos) return {};
-    std::vector<std::string> words = items_in(type.substr(open + 1, close - open - 1), option.name());
-    for (std::string& word : words) word.erase(std::min(word.find("->"), word.size()));
-    return words;
+    std::vector<std::string> values = items_in(type.substr(open + 1, close - open - 1), option.name());
+    for (std::string& value : values) value.erase(std::min(value.find("->"), value.size()));
+    return values;
 }
 
 std::string joined(const std::vector<std::string>& words, const char* between) {
     return fmt::format("{}", fmt::join(words, between));
 }
 
-/// The way to write the value of an option, whose type may say between which ends it lies: `INT:INT in [1 - 1024]`.
-std::string written(const OptionRow& row, const std::string& type) {
+/// How the help writes the value of an option. The type of the option may have the limits of the value: `INT:INT in [1
+/// - 1024]`.
+std::string value_text(const OptionRow& row, const std::string& type) {
     using Kind = Values::Kind;
-    static const std::map<std::string_view, const char*> forms{
+    static const std::map<std::string_view, const char*> placeholders{
         {"--size", "WxH"},           {"--pipe", "COMMAND"}, {"--set", "KEY=VALUE"}, {"--shard", "K/N"},
         {"--pixel", "X,Y"},          {"--range", "LO:HI"},  {"--by", "COLUMN"},     {"--unit", "UNIT"},
         {"--function", "FILE:NAME"}, {"--case", "NAME[:K]"}};
-    const char* const more = row.several ? ",..." : "";
-    if (row.values.kind == Kind::words) return joined(row.values.words, "|") + more;
-    if (const auto form = forms.find(row.names.back()); form != forms.end()) return form->second;
-    static const std::regex ends(R"(.* in \[(.*) - (.*)\])");
+    const char* const suffix = row.several ? ",..." : "";
+    if (row.values.kind == Kind::words) return joined(row.values.words, "|") + suffix;
+    if (const auto placeholder = placeholders.find(row.names.back()); placeholder != placeholders.end())
+        return placeholder->second;
+    static const std::regex limits(R"(.* in \[(.*) - (.*)\])");
     std::smatch part;
-    if (std::regex_match(type, part, ends)) return part[1].str() + ".." + part[2].str();
-    const std::string one = row.values.kind == Kind::names     ? "NAME"
-                            : row.values.kind == Kind::files   ? "FILE"
-                            : row.values.kind == Kind::folders ? "FOLDER"
-                            : type == "UINT"                   ? "COUNT"
-                                                               : "VALUE";
-    return one + more;
+    if (std::regex_match(type, part, limits)) return part[1].str() + ".." + part[2].str();
+    const std::string noun = row.values.kind == Kind::names     ? "NAME"
+                             : row.values.kind == Kind::files   ? "FILE"
+                             : row.values.kind == Kind::folders ? "FOLDER"
+                             : type == "UINT"                   ? "COUNT"
+                                                                : "VALUE";
+    return noun + suffix;
 }
 
 OptionRow row_of(const Option& option) {
@@ -81,17 +83,17 @@ OptionRow row_of(const Option& option) {
     row.heading = option.heading();
     row.several = option.takes_several();
     row.required = option.is_required();
-    std::vector<std::string> bare;
-    if (option.is_argument()) row.names = bare = {option.name()};
-    for (const std::string& name : option.short_names()) row.names.push_back("-" + name), bare.push_back(name);
-    for (const std::string& name : option.long_names()) row.names.push_back("--" + name), bare.push_back(name);
+    std::vector<std::string> bare_names;
+    if (option.is_argument()) row.names = bare_names = {option.name()};
+    for (const std::string& name : option.short_names()) row.names.push_back("-" + name), bare_names.push_back(name);
+    for (const std::string& name : option.long_names()) row.names.push_back("--" + name), bare_names.push_back(name);
     if (!row.takes_value) return row;
-    row.values.words = set_of(option);
+    row.values.words = allowed_values(option);
     if (!row.values.words.empty()) row.values.kind = Values::Kind::words;
-    for (const std::string& name : bare) {
+    for (const std::string& name : bare_names) {
         if (row.values.kind == Values::Kind::anything) row.values = known_values(name);
     }
-    if (!option.is_argument()) row.value = written(row, option.type());
+    if (!option.is_argument()) row.value = value_text(row, option.type());
     else if (row.values.kind == Values::Kind::words) row.value = joined(row.values.words, "|");
     return row;
 }
@@ -125,8 +127,8 @@ std::vector<std::string> CommandRow::names_of_commands() const {
 }
 
 std::vector<OptionRow> common_options(const Command& program) {
-    std::vector<OptionRow> options, none;
-    add_options(program, options, none);
+    std::vector<OptionRow> options, arguments;
+    add_options(program, options, arguments);
     return options;
 }
 

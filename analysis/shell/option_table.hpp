@@ -22,7 +22,7 @@ struct OptionRow {
     std::string heading;  ///< under which the help shows it with others; empty: none of its own
     std::string value;    ///< how its value is written: `auto|bar|none`, `1..1024`, FILE; empty: it takes none
     bool takes_value = false;
-    bool several = false;  ///< between commas, or one argument after another
+    bool several = false;  ///< it takes several values, between commas or one argument after another
     bool required = false;
     Values values;
 };
@@ -41,8 +41,8 @@ std::vector<OptionRow> common_options(const Command& program);
 /// The commands of the program, or the subcommands of a command; with hidden ones if `hidden_too`.
 std::vector<CommandRow> command_table(const Command& program, bool hidden_too = false);
 
-/// Text that `--help` prints for the command that was given, or for the program. `footer` stands below that of the
-/// program.
+/// Text that `--help` prints for the command that was given, or for the program. `footer` is printed below the text of
+/// the program.
 std::string help_page(const Command& program, const std::string& footer);
 
 /// Completion scripts for bash, zsh and fish. They ask the program for names of forms, scenes and so on when they need

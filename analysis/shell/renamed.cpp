@@ -28,44 +28,46 @@ constexpr RenamedOption renamed[] = {
     {"list", "spaces", "transforms"},
 };
 
-/// The place of the command among the words, behind the program's own options and their values.
-std::size_t index_of_command(const Command& program, const std::vector<std::string>& words) {
-    std::size_t at = 1;
-    for (; at < words.size() && words[at].starts_with("-"); ++at) {
-        const Option option = program.option(words[at]);
-        if (option && option.takes_value()) ++at;
+/// The index of the command among the arguments: it comes after the program's own options and their values.
+std::size_t index_of_command(const Command& program, const std::vector<std::string>& arguments) {
+    std::size_t index = 1;
+    for (; index < arguments.size() && arguments[index].starts_with("-"); ++index) {
+        const Option option = program.option(arguments[index]);
+        if (option && option.takes_value()) ++index;
     }
-    return at;
+    return index;
 }
 
 }  // namespace
 
 std::span<const RenamedOption> renamed_options() { return renamed; }
 
-UpdatedArguments with_new_names(const Command& program, const std::vector<std::string>& words) {
-    UpdatedArguments found{words, {}};
-    const std::size_t command = index_of_command(program, words);
-    if (command >= words.size()) return found;
-    for (std::size_t i = command + 1; i < found.words.size() && found.words[i] != "--"; ++i) {
-        std::string& word = found.words[i];
-        const std::size_t end = std::min(word.find('='), word.size());
-        const auto row = std::ranges::find_if(renamed, [&](const RenamedOption& one) {
-            const bool is_of_command = one.command == every_command || words[command] == one.command;
-            return is_of_command && word.substr(0, end) == one.before;
+UpdatedArguments with_new_names(const Command& program, const std::vector<std::string>& arguments) {
+    UpdatedArguments result{arguments, {}};
+    const std::size_t command = index_of_command(program, arguments);
+    if (command >= arguments.size()) return result;
+    for (std::size_t i = command + 1; i < result.arguments.size() && result.arguments[i] != "--"; ++i) {
+        std::string& argument = result.arguments[i];
+        const std::size_t end = std::min(argument.find('='), argument.size());
+        const auto row = std::ranges::find_if(renamed, [&](const RenamedOption& option) {
+            const bool is_of_command = option.command == every_command || arguments[command] == option.command;
+            return is_of_command && argument.substr(0, end) == option.old_name;
         });
         if (row == std::end(renamed)) continue;
-        const bool is_value = row->before[0] != '-', is_argument = !is_value && row->now[0] != '-';
-        std::string says =
-            is_value      ? fmt::format("{} {}: the list is called {} now", words[command], row->before, row->now)
-            : is_argument ? fmt::format("{} {}: the option is not needed any more; write {} without it", words[command],
-                                        row->before, row->now)
-                          : fmt::format("{} {}: the option is called {} now", words[command], row->before, row->now);
-        if (std::ranges::find(found.advice, says) == found.advice.end()) found.advice.push_back(std::move(says));
-        if (!is_argument) word.replace(0, end, row->now);
-        else if (end < word.size()) word.erase(0, end + 1);
-        else found.words.erase(found.words.begin() + static_cast<std::ptrdiff_t>(i)), --i;
+        const bool is_value = row->old_name[0] != '-', is_argument = !is_value && row->new_name[0] != '-';
+        std::string sentence =
+            is_value ? fmt::format("{} {}: the list is called {} now", arguments[command], row->old_name, row->new_name)
+            : is_argument
+                ? fmt::format("{} {}: the option is not needed any more; write {} without it", arguments[command],
+                              row->old_name, row->new_name)
+                : fmt::format("{} {}: the option is called {} now", arguments[command], row->old_name, row->new_name);
+        if (std::ranges::find(result.advice, sentence) == result.advice.end())
+            result.advice.push_back(std::move(sentence));
+        if (!is_argument) argument.replace(0, end, row->new_name);
+        else if (end < argument.size()) argument.erase(0, end + 1);
+        else result.arguments.erase(result.arguments.begin() + static_cast<std::ptrdiff_t>(i)), --i;
     }
-    return found;
+    return result;
 }
 
 }  // namespace lostbits::analysis::shell

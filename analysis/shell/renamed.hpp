@@ -1,4 +1,4 @@
-// Options that had another name: the old one is read, with a line of advice.
+// Old names of options: they are still read, and a line of advice tells the new name.
 #pragma once
 
 #include <span>
@@ -11,16 +11,16 @@ namespace lostbits::analysis::shell {
 
 struct RenamedOption {
     const char* command;  ///< "*" for every command
-    const char* before;
-    const char* now;  ///< an option, or the name of an argument
+    const char* old_name;
+    const char* new_name;  ///< an option, or the name of an argument
 };
-/// All of them; CHANGELOG.md has the same table.
+/// All renamed options; CHANGELOG.md has the same table.
 std::span<const RenamedOption> renamed_options();
 
-/// Words with the names of today, and a sentence for each old name that was read.
+/// Arguments with the names of today, and a sentence for each old name among them.
 struct UpdatedArguments {
-    std::vector<std::string> words, advice;
+    std::vector<std::string> arguments, advice;
 };
-UpdatedArguments with_new_names(const Command& program, const std::vector<std::string>& words);
+UpdatedArguments with_new_names(const Command& program, const std::vector<std::string>& arguments);
 
 }  // namespace lostbits::analysis::shell

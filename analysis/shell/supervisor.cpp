@@ -42,7 +42,7 @@ struct Message {
 };
 constexpr std::size_t longest_path = 4096 - sizeof(Message);
 
-/// Processes and pipe of a worker, as it was told them; `pipe` is -1 in a program without a supervisor.
+/// The processes and the pipe, as the worker knows them; `pipe` is -1 in a program without a supervisor.
 struct WorkerLink {
     int pipe = -1;
     pid_t worker = 0, supervisor = 0;
@@ -50,20 +50,20 @@ struct WorkerLink {
 };
 WorkerLink worker_link;
 
-void tell(Message::Kind kind, std::uint32_t value, const char* path = nullptr) noexcept {
+void send_message(Message::Kind kind, std::uint32_t value, const char* path = nullptr) noexcept {
     if (worker_link.pipe < 0 || getpid() != worker_link.worker || value > longest_path) return;
-    const int before = errno;
+    const int saved_errno = errno;
     std::array<char, 4096> bytes;
     const Message message{worker_link.token, kind, value};
     std::memcpy(bytes.data(), &message, sizeof message);
     std::size_t size = sizeof message;
     if (path != nullptr) std::memcpy(bytes.data() + size, path, value), size += value;
     while (write(worker_link.pipe, bytes.data(), size) < 0 && errno == EINTR) {}
-    errno = before;
+    errno = saved_errno;
 }
 
 void tell_partial(const char* path) noexcept {
-    tell(Message::partial_file, static_cast<std::uint32_t>(std::strlen(path)), path);
+    send_message(Message::partial_file, static_cast<std::uint32_t>(std::strlen(path)), path);
 }
 
 sigset_t forwarded_signals() {
@@ -86,7 +86,7 @@ bool has_no_reader() {
 class Supervisor {
 public:
     Supervisor(int pipe, std::uint64_t token, pid_t worker, std::string libraries, double seconds)
-        : pipe_(pipe), token_(token), worker_(worker), libraries_(std::move(libraries)), patience_(seconds) {
+        : pipe_(pipe), token_(token), worker_(worker), libraries_(std::move(libraries)), time_limit_(seconds) {
         const sigset_t signals = forwarded_signals();
         signals_ = signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
         fcntl(pipe_, F_SETFL, fcntl(pipe_, F_GETFL) | O_NONBLOCK);
@@ -98,11 +98,11 @@ public:
             poll(sources.data(), sources.size(), status_ ? 50 : 1000);
             read_messages();
             read_signals();
-            if (status_ && Clock::now() > told_at_ + patience_ && !was_slow_) {
+            if (status_ && Clock::now() > status_time_ + time_limit_ && !was_slow_) {
                 was_slow_ = true;
                 kill(worker_, SIGKILL);
             }
-            end_where_stopped();
+            kill_if_stopped_too_long();
         }
         read_messages();
         read_signals();
@@ -112,10 +112,10 @@ public:
 
 private:
     bool has_ended() {
-        int how = 0;
-        while (waitpid(worker_, &how, WNOHANG | WUNTRACED | WCONTINUED) == worker_) {
-            if (!WIFSTOPPED(how) && !WIFCONTINUED(how)) return how_ = how, true;
-            is_stopped_ = WIFSTOPPED(how);
+        int wait_status = 0;
+        while (waitpid(worker_, &wait_status, WNOHANG | WUNTRACED | WCONTINUED) == worker_) {
+            if (!WIFSTOPPED(wait_status) && !WIFCONTINUED(wait_status)) return wait_status_ = wait_status, true;
+            is_stopped_ = WIFSTOPPED(wait_status);
             stopped_for_ = {};
         }
         return false;
@@ -123,11 +123,11 @@ private:
 
     /// Kills a worker that has been stopped for longer than the limit, since a stopped worker enforces no time limit.
     /// Only time in which the supervisor runs counts: a terminal stops the whole job, and the supervisor with it.
-    void end_where_stopped() {
+    void kill_if_stopped_too_long() {
         const auto now = Clock::now();
-        if (is_stopped_) stopped_for_ += std::min<Clock::duration>(now - looked_at_, std::chrono::seconds(1));
-        looked_at_ = now;
-        if (!is_stopped_ || stopped_for_ < patience_ || was_stopped_) return;
+        if (is_stopped_) stopped_for_ += std::min<Clock::duration>(now - last_check_, std::chrono::seconds(1));
+        last_check_ = now;
+        if (!is_stopped_ || stopped_for_ < time_limit_ || was_stopped_) return;
         was_stopped_ = true;
         kill(worker_, SIGKILL);
     }
@@ -136,7 +136,7 @@ private:
         for (signalfd_siginfo info; read(signals_, &info, sizeof info) == sizeof info;) {
             const auto signal = static_cast<int>(info.ssi_signo);
             if (signal == SIGCHLD) continue;
-            heard_.insert(signal);
+            received_signals_.insert(signal);
             // The terminal and the kernel signal both processes, so only signals from a process are passed on.
             if (info.ssi_code == SI_USER || info.ssi_code == SI_QUEUE || info.ssi_code == SI_TKILL)
                 kill(worker_, signal);
@@ -144,28 +144,28 @@ private:
     }
 
     void read_messages() {
-        std::array<char, 65536> piece;
-        for (ssize_t got; (got = read(pipe_, piece.data(), piece.size())) > 0;)
-            unread_.append(piece.data(), static_cast<std::size_t>(got));
-        std::size_t at = 0;
-        for (Message message; unread_.size() - at >= sizeof message;) {
-            std::memcpy(&message, unread_.data() + at, sizeof message);
+        std::array<char, 65536> buffer;
+        for (ssize_t byte_count; (byte_count = read(pipe_, buffer.data(), buffer.size())) > 0;)
+            unread_.append(buffer.data(), static_cast<std::size_t>(byte_count));
+        std::size_t offset = 0;
+        for (Message message; unread_.size() - offset >= sizeof message;) {
+            std::memcpy(&message, unread_.data() + offset, sizeof message);
             const std::size_t path = message.kind == Message::partial_file ? message.value : 0;
             if (message.token != token_ || path > longest_path) return unread_.clear();
-            if (unread_.size() - at < sizeof message + path) break;
-            if (path > 0) partial_.emplace_back(unread_, at + sizeof message, path);
+            if (unread_.size() - offset < sizeof message + path) break;
+            if (path > 0) partial_files_.emplace_back(unread_, offset + sizeof message, path);
             else if (!status_ || message.kind == Message::broken)
-                status_ = static_cast<int>(message.value), told_at_ = Clock::now(),
+                status_ = static_cast<int>(message.value), status_time_ = Clock::now(),
                 is_broken_ = message.kind == Message::broken;
-            at += sizeof message + path;
+            offset += sizeof message + path;
         }
-        unread_.erase(0, at);
+        unread_.erase(0, offset);
     }
 
     /// Kills the processes that the worker, or a copy of it, started. They are children of this process now.
     static void kill_orphans() {
-        const auto until = Clock::now() + std::chrono::seconds(5);
-        while (Clock::now() < until) {
+        const auto deadline = Clock::now() + std::chrono::seconds(5);
+        while (Clock::now() < deadline) {
             while (waitpid(-1, nullptr, WNOHANG) > 0) {}
             if (errno == ECHILD) return;
             for (const int child : intersect::process::children()) kill(child, SIGKILL);
@@ -174,17 +174,17 @@ private:
     }
 
     [[noreturn]] void end() {
-        if (status_ && WIFEXITED(how_) && !is_broken_) _exit(*status_);
-        for (const std::string& path : partial_) unlink(path.c_str());
-        const int signal = WIFSIGNALED(how_) ? WTERMSIG(how_) : 0;
+        if (status_ && WIFEXITED(wait_status_) && !is_broken_) _exit(*status_);
+        for (const std::string& path : partial_files_) unlink(path.c_str());
+        const int signal = WIFSIGNALED(wait_status_) ? WTERMSIG(wait_status_) : 0;
         // A signal from outside ended the worker, or the reader of its output has ended: end by the same signal.
-        if (!status_ && (heard_.contains(signal) || (signal == SIGPIPE && has_no_reader()))) {
+        if (!status_ && (received_signals_.contains(signal) || (signal == SIGPIPE && has_no_reader()))) {
             ::signal(signal, SIG_DFL);
-            sigset_t one;
-            sigemptyset(&one);
-            sigaddset(&one, signal);
+            sigset_t signal_set;
+            sigemptyset(&signal_set);
+            sigaddset(&signal_set, signal);
             raise(signal);
-            sigprocmask(SIG_UNBLOCK, &one, nullptr);
+            sigprocmask(SIG_UNBLOCK, &signal_set, nullptr);
         }
         const std::string text =
             fmt::format("lostbits: {}: {}; try --isolate, which runs each library in its own process\n", libraries_,
@@ -195,7 +195,7 @@ private:
     }
 
     [[nodiscard]] std::string crash_text(int signal) const {
-        const char* const named = signal != 0 ? strsignal(signal) : "";
+        const char* const signal_name = signal != 0 ? strsignal(signal) : "";
         if (is_broken_)
             return "an uncaught exception ended the program: in a thread that the library started, or while it was "
                    "loaded or unloaded";
@@ -204,38 +204,39 @@ private:
             return fmt::format(
                 "crashed while the program ended (signal {}, {}), in a destructor or a function given to atexit(); "
                 "the results are complete",
-                signal, named);
+                signal, signal_name);
         if (was_stopped_)
             return fmt::format(
                 "stopped the program (as SIGSTOP does), and nothing continued it within {:g} seconds; its results are "
                 "not complete",
-                patience_.count());
+                time_limit_.count());
         if (signal == SIGKILL) return "the program was killed in the middle of its work, perhaps for lack of memory";
         if (signal != 0)
             return fmt::format(
                 "the program crashed outside of every call (signal {}, {}), perhaps in a thread that the "
                 "library started; its results are not complete",
-                signal, named);
+                signal, signal_name);
         return fmt::format(
             "ended the program in the middle of its work, by _exit(), quick_exit() or the like, or closed file "
             "descriptors of the program (status {}); its results are not complete",
-            WEXITSTATUS(how_));
+            WEXITSTATUS(wait_status_));
     }
 
-    int pipe_, signals_ = -1, how_ = 0;
+    int pipe_, signals_ = -1, wait_status_ = 0;
     std::uint64_t token_;
     pid_t worker_;
     std::string libraries_, unread_;
-    std::chrono::duration<double> patience_;
-    Clock::time_point told_at_{}, looked_at_ = Clock::now();
+    std::chrono::duration<double> time_limit_;
+    Clock::time_point status_time_{}, last_check_ = Clock::now();
     Clock::duration stopped_for_{};
     std::optional<int> status_;
-    std::vector<std::string> partial_;  ///< told so far; many have their final names by now
-    std::set<int> heard_;
+    std::vector<std::string>
+        partial_files_;  ///< names received so far; many of these files have their final names by now
+    std::set<int> received_signals_;
     bool was_slow_ = false, is_broken_ = false, is_stopped_ = false, was_stopped_ = false;
 };
 
-std::uint64_t drawn_token() {
+std::uint64_t random_token() {
     std::uint64_t token = 0;
     if (getrandom(&token, sizeof token, GRND_NONBLOCK) != sizeof token)
         token = static_cast<std::uint64_t>(Clock::now().time_since_epoch().count());
@@ -246,38 +247,38 @@ std::uint64_t drawn_token() {
 
 void supervise(const std::string& libraries, double seconds) {
     if (worker_link.pipe >= 0) return;
-    std::array<int, 2> ends{};
-    if (std::fflush(stdout) != 0 || pipe2(ends.data(), O_CLOEXEC) != 0)
+    std::array<int, 2> pipe_ends{};
+    if (std::fflush(stdout) != 0 || pipe2(pipe_ends.data(), O_CLOEXEC) != 0)
         throw EnvironmentError(std::string("cannot start a second process: ") + std::strerror(errno));
-    const WorkerLink ours{.pipe = ends[1], .supervisor = getpid(), .token = drawn_token()};
+    const WorkerLink link{.pipe = pipe_ends[1], .supervisor = getpid(), .token = random_token()};
     signal(SIGCHLD, SIG_DFL);  // if it were ignored, waitpid could not tell how the worker ended
     const sigset_t signals = forwarded_signals();
-    sigset_t before;
-    sigprocmask(SIG_BLOCK, &signals, &before);
+    sigset_t previous_mask;
+    sigprocmask(SIG_BLOCK, &signals, &previous_mask);
     prctl(PR_SET_CHILD_SUBREAPER, 1);  // before fork: the worker may start processes at once
     const pid_t worker = fork();
     if (worker < 0)
         throw EnvironmentError(std::string("cannot start a second process: ") + std::strerror(errno) +
                                "; try --isolate");
     if (worker > 0) {
-        close(ends[1]);
-        Supervisor(ends[0], ours.token, worker, libraries, seconds).run();
+        close(pipe_ends[1]);
+        Supervisor(pipe_ends[0], link.token, worker, libraries, seconds).run();
     }
-    close(ends[0]);
-    worker_link = ours;
+    close(pipe_ends[0]);
+    worker_link = link;
     worker_link.worker = getpid();
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != ours.supervisor) _exit(static_cast<int>(Exit::environment));
+    if (getppid() != link.supervisor) _exit(static_cast<int>(Exit::environment));
     output::file::listen_to_partial_files(tell_partial);
-    sigprocmask(SIG_SETMASK, &before, nullptr);
+    sigprocmask(SIG_SETMASK, &previous_mask, nullptr);
 }
 
 bool tell_broken(int status) noexcept {
-    tell(Message::broken, static_cast<std::uint32_t>(status));
+    send_message(Message::broken, static_cast<std::uint32_t>(status));
     return worker_link.pipe >= 0;
 }
 
-void tell_status(int status) noexcept { tell(Message::status, static_cast<std::uint32_t>(status)); }
+void tell_status(int status) noexcept { send_message(Message::status, static_cast<std::uint32_t>(status)); }
 
 bool is_from_supervisor(int sender) noexcept { return worker_link.supervisor != 0 && sender == worker_link.supervisor; }
 

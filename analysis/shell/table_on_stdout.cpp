@@ -35,7 +35,7 @@ TableOnStdout::TableOnStdout(const Command& program) {
     Option chosen;
     for (const char* name : outputs) {
         const Option option = command.option(name);
-        if (!option || option.words() != std::vector<std::string>{"-"}) continue;
+        if (!option || option.given_values() != std::vector<std::string>{"-"}) continue;
         if (chosen) throw InputError(std::string(name) + " -: standard output takes one table, not two");
         chosen = option;
         is_folder_ = std::string_view(name) == "--out";
@@ -43,7 +43,7 @@ TableOnStdout::TableOnStdout(const Command& program) {
     if (!chosen) return;
     if (is_folder_ && command_ == "report")
         throw InputError("-o -: a page is not a table; name a folder for index.html");
-    if (const Option shard = command.option("--shard"); shard && !shard.words().empty())
+    if (const Option shard = command.option("--shard"); shard && !shard.given_values().empty())
         throw InputError(
             "-o -: a shard has no table; name the folder of the shards, and give -o - to `lostbits merge`");
     redirect(is_folder_);
@@ -59,8 +59,8 @@ TableOnStdout::~TableOnStdout() {
 void TableOnStdout::redirect(bool to_nothing) {
     std::fflush(stdout);
     stdout_ = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3);
-    const int instead = to_nothing ? ::open("/dev/null", O_WRONLY | O_CLOEXEC) : STDERR_FILENO;
-    if (stdout_ < 0 || instead < 0 || dup2(instead, STDOUT_FILENO) < 0)
+    const int replacement = to_nothing ? ::open("/dev/null", O_WRONLY | O_CLOEXEC) : STDERR_FILENO;
+    if (stdout_ < 0 || replacement < 0 || dup2(replacement, STDOUT_FILENO) < 0)
         throw EnvironmentError("standard output: is closed, so the table cannot be written to it");
 }
 
@@ -89,13 +89,13 @@ void TableOnStdout::write() {
     const fs::path file = table();
     std::ifstream in(file, std::ios::binary);
     // If the reader has ended (`| head`), end with SIGPIPE, but remove the folder first.
-    const auto usual = std::signal(SIGPIPE, SIG_IGN);
+    const auto previous_handler = std::signal(SIGPIPE, SIG_IGN);
     std::array<char, 65536> bytes{};
     while (in.read(bytes.data(), bytes.size()), in.gcount() > 0)
         std::fwrite(bytes.data(), 1, static_cast<std::size_t>(in.gcount()), stdout);
     const bool is_gone = std::fflush(stdout) != 0 && errno == EPIPE;
-    std::signal(SIGPIPE, usual);
-    if (!is_gone || usual == SIG_IGN) return;
+    std::signal(SIGPIPE, previous_handler);
+    if (!is_gone || previous_handler == SIG_IGN) return;
     std::error_code ignored;
     fs::remove_all(scratch_, ignored);
     std::signal(SIGPIPE, SIG_DFL);

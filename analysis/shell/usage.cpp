@@ -15,9 +15,9 @@ namespace lostbits::analysis::shell {
 
 namespace {
 
-/// The option as the only command that has it writes it: `lostbits explain --pixel X,Y`; empty if several have it, or
+/// Usage of an option that only one command has: `lostbits explain --pixel X,Y`; empty if several commands have it, or
 /// none.
-std::string written_elsewhere(const Command& program, const std::string& bare) {
+std::string usage_elsewhere(const Command& program, const std::string& bare) {
     std::vector<std::string> lines;
     for (const CommandRow& command : command_table(program)) {
         for (const OptionRow& option : command.options) {
@@ -33,17 +33,17 @@ std::string written_elsewhere(const Command& program, const std::string& bare) {
 std::string unknown_option(const Command& program, const std::string& word) {
     const Command command = program.given().back();
     std::vector<std::string> names;
-    std::vector<Command> asked = command.groups();
-    asked.insert(asked.end(), {command, program});
-    for (const Command& one : asked) {
-        for (const Option& option : one.options()) std::ranges::copy(option.long_names(), std::back_inserter(names));
+    std::vector<Command> searched = command.groups();
+    searched.insert(searched.end(), {command, program});
+    for (const Command& owner : searched) {
+        for (const Option& option : owner.options()) std::ranges::copy(option.long_names(), std::back_inserter(names));
     }
     const std::string bare = word.substr(word.find_first_not_of('-'), word.find('=') - word.find_first_not_of('-'));
-    const auto near = scene::toml::closest(bare, names);
-    const std::string hint = written_elsewhere(program, bare);
+    const auto suggestion = scene::toml::closest(bare, names);
+    const std::string hint = usage_elsewhere(program, bare);
     return fmt::format("{} is not an option of `{}`{}", word, program.command_path(),
                        !hint.empty() ? "; try `" + hint + "`"
-                       : near        ? "; did you mean --" + *near + "?"
+                       : suggestion  ? "; did you mean --" + *suggestion + "?"
                                      : "");
 }
 
@@ -60,7 +60,7 @@ std::string missing_text(const Option& option) {
 }
 
 /// A message about the first word that no option or argument takes.
-std::string leftover(const CommandLine& program, const std::string& fallback) {
+std::string leftover_text(const CommandLine& program, const std::string& fallback) {
     const Command command = program.given().back();
     const bool is_program = program.given().size() == 1;
     const std::vector<std::string> words = program.leftover();
@@ -72,10 +72,10 @@ std::string leftover(const CommandLine& program, const std::string& fallback) {
     if (is_program && word == "version") return "version is not a command; write `lostbits --version`";
     const std::vector<std::string> inner = command.names_of_commands();
     if (is_program) return fmt::format("\"{}\" is not a command; {}", word, scene::toml::did_you_mean(word, inner));
-    const auto near = scene::toml::closest(word, inner);
+    const auto suggestion = scene::toml::closest(word, inner);
     if (!inner.empty())
         return fmt::format("{} {} is not one of {}{}", command.name(), word, fmt::join(inner, ", "),
-                           near ? "; did you mean " + *near + "?" : "");
+                           suggestion ? "; did you mean " + *suggestion + "?" : "");
     return fmt::format(
         "{}: `{}` does not take this argument; an option takes one value at a time: repeat the option, or write "
         "commas (-i A,B)",
@@ -84,34 +84,34 @@ std::string leftover(const CommandLine& program, const std::string& fallback) {
 
 }  // namespace
 
-std::string describe_misread(const CommandLine& program, const CommandLineError& error) {
+std::string describe_error(const CommandLine& program, const CommandLineError& error) {
     const std::string text = output::file::terminal_line(error.what());
     // A misspelt name makes something else seem to be missing, so the name is reported.
-    if (error.kind == CommandLineError::nothing_takes_it ||
+    if (error.kind == CommandLineError::unknown_word ||
         (error.kind == CommandLineError::missing && !program.leftover().empty()))
-        return leftover(program, text);
+        return leftover_text(program, text);
     const Command command = program.given().back();
     std::smatch part;
-    const auto says = [&](CommandLineError::Kind kind, const char* pattern) {
+    const auto matches = [&](CommandLineError::Kind kind, const char* pattern) {
         return error.kind == kind && std::regex_match(text, part, std::regex(pattern));
     };
-    /// The option in the first part of the match, of the command or of the program.
+    /// The option that the first part of the match names: an option of the command, or else of the program.
     const auto option = [&] {
         const Option own = command.option(part[1]);
         return own ? own : program.option(part[1]);
     };
-    if (says(CommandLineError::missing, "A subcommand.*"))
+    if (matches(CommandLineError::missing, "A subcommand.*"))
         return fmt::format("name a command: {}{}", fmt::join(command.names_of_commands(), ", "),
                            program.given().size() == 1 ? "; start with map, explain or judge" : "");
-    if (says(CommandLineError::missing, R"(.*at most 1 options be given from \[(.*)\])"))
+    if (matches(CommandLineError::missing, R"(.*at most 1 options be given from \[(.*)\])"))
         return std::regex_replace(part[1].str(), std::regex(","), ", ") + ": give only one of them";
-    if (says(CommandLineError::missing, "(.*) is required")) return missing_text(option());
-    if (says(CommandLineError::unread, "Could not convert: (.*) = (.*)"))
+    if (matches(CommandLineError::missing, "(.*) is required")) return missing_text(option());
+    if (matches(CommandLineError::unreadable_value, "Could not convert: (.*) = (.*)"))
         return fmt::format("{} {} is not a {}number, or is too large", part[1].str(), part[2].str(),
                            option().type().find("INT") == std::string::npos ? "" : "whole ");
-    if (says(CommandLineError::wrong_count, "(.*?): [0-9]+ required .* missing"))
+    if (matches(CommandLineError::wrong_count, "(.*?): [0-9]+ required .* missing"))
         return fmt::format("{}: its value is missing: {}", part[1].str(), option().help());
-    if (says(CommandLineError::wrong_count, "(.*?): At Most 1 required but received ([0-9]+)"))
+    if (matches(CommandLineError::wrong_count, "(.*?): At Most 1 required but received ([0-9]+)"))
         return fmt::format("{} is given {} times but takes one value", part[1].str(), part[2].str());
     return text;
 }
@@ -119,16 +119,17 @@ std::string describe_misread(const CommandLine& program, const CommandLineError&
 std::string escape_line_breaks(const std::string& message, const std::vector<std::string>& words) {
     std::string out;
     for (std::size_t at = 0; at < message.size(); ++at) {
-        // A line break comes from a word if its neighbours are the same there. A piece cut out of a word keeps them.
-        const auto typed = [&](const std::string& word) {
-            for (std::size_t in = 0; (in = word.find('\n', in)) != std::string::npos; ++in) {
-                const bool before = in == 0 || (at > 0 && message[at - 1] == word[in - 1]);
-                const bool after = in + 1 == word.size() || message.substr(at + 1, 1) == word.substr(in + 1, 1);
-                if (before && after) return true;
+        // A line break comes from a word if the characters around it are the same in the word, which also holds for a
+        // part cut out of the word.
+        const auto comes_from = [&](const std::string& word) {
+            for (std::size_t i = 0; (i = word.find('\n', i)) != std::string::npos; ++i) {
+                const bool same_before = i == 0 || (at > 0 && message[at - 1] == word[i - 1]);
+                const bool same_after = i + 1 == word.size() || message.substr(at + 1, 1) == word.substr(i + 1, 1);
+                if (same_before && same_after) return true;
             }
             return false;
         };
-        if (message[at] == '\n' && std::ranges::any_of(words, typed)) out += "\\n";
+        if (message[at] == '\n' && std::ranges::any_of(words, comes_from)) out += "\\n";
         else out += message[at];
     }
     return out;

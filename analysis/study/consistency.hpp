@@ -1,4 +1,4 @@
-// One question put to a form in two ways, as a study.
+// The study that asks a form one question in two ways.
 #pragma once
 
 #include <fmt/format.h>
@@ -22,7 +22,7 @@ struct ConsistencyAdapter {
     using Study = View::Study;
     using Summaries = std::vector<Study::Summary>;
     static constexpr const char* name = "consistency";
-    static constexpr const char* none_taken =
+    static constexpr const char* no_form_message =
         "consistency needs forms for spheres or boxes, and none is selected; try -i 'sphere.*'";
     static constexpr const char* title =
         "Check if a form gives the same answer to a question asked in two ways: closest and any hit, one ray and "
@@ -44,12 +44,14 @@ struct ConsistencyAdapter {
 
     static std::vector<std::string> usual_forms() { return {"*"}; }
 
-    static bool takes(const intersect::table::Intersector& form) { return measure::consistency::can_be_compared(form); }
+    static bool can_measure(const intersect::table::Intersector& form) {
+        return measure::consistency::can_be_compared(form);
+    }
 
     static void require(const scene::file::Scene& scene) { measure::offset::require_few_primitives(scene); }
 
-    static Study on(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
-                    const StudyValues& values, intersect::process::StopToken stop) {
+    static Study make_study(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
+                            const StudyValues& values, intersect::process::StopToken stop) {
         auto checks = measure::consistency::checks_for(
             scene, rows,
             selection::select_rows(measure::consistency::checks(), values.at("check"), "check", "--check"));
@@ -61,18 +63,18 @@ struct ConsistencyAdapter {
         return {.scene = scene, .rows = std::move(rows), .checks = std::move(checks), .limit = {.stop = stop}};
     }
 
-    static void say(const Study& study, const Summaries& rows, bool) {
-        for (std::size_t r = 0; r < rows.size(); ++r) say_row(study, study.rows[r], rows[r]);
+    static void print_results(const Study& study, const Summaries& rows, bool) {
+        for (std::size_t r = 0; r < rows.size(); ++r) print_row(study, study.rows[r], rows[r]);
         fmt::print("  Each check asks one question in two ways; `lostbits list checks` shows both questions\n");
     }
 
     /// The number of questions whose exact answer is not proved.
     static std::uint64_t unproved(const Summaries& rows) {
-        std::uint64_t all = 0;
+        std::uint64_t count = 0;
         for (const measure::consistency::RowChecks& row : rows)
             for (const measure::consistency::CheckSummary& s : row)
-                all += s.of(measure::consistency::CheckResult::unresolved);
-        return all;
+                count += s.of(measure::consistency::CheckResult::unresolved);
+        return count;
     }
 
     static std::uint64_t unproved(const View::SummaryRow& row) {
@@ -103,7 +105,7 @@ private:
     static std::string check_text(const measure::consistency::Check& check,
                                   const measure::consistency::CheckSummary& s) {
         std::string text;
-        const auto add = [&text](const std::string& words) { text += (text.empty() ? "" : "; ") + words; };
+        const auto add = [&text](const std::string& sentence) { text += (text.empty() ? "" : "; ") + sentence; };
         if (check.name == "end") {
             const auto yes = s.of(measure::consistency::CheckResult::second_alone);
             if (s.asked() > 0 && yes > 0 && yes < s.asked())
@@ -111,29 +113,30 @@ private:
             return text;
         }
         if (s.decisions() > 0) add("decisions differ for " + share_text(s.decisions(), s.asked()));
-        const double apart = s.excess.quantile(1);  // NaN if no numbers are compared
-        if (s.of(measure::consistency::CheckResult::other_number) > 0 && !(apart > 0))
+        const double excess_ulps = s.excess.quantile(1);  // NaN if no numbers are compared
+        if (s.of(measure::consistency::CheckResult::other_number) > 0 && !(excess_ulps > 0))
             add("numbers differ for " + share_text(s.of(measure::consistency::CheckResult::other_number), s.asked()));
         if (s.of(measure::consistency::CheckResult::by_inputs) > 0 && !check.numbers)
             add("decisions differ because of rounded inputs, not the form, for " +
                 share_text(s.of(measure::consistency::CheckResult::by_inputs), s.asked()));
-        if (apart > 0)
+        if (excess_ulps > 0)
             add(fmt::format("{} are up to {:.3g} ulps further apart than the exact ones",
-                            check.name == "placed" ? "both t" : "both ends", apart));
+                            check.name == "placed" ? "both t" : "both ends", excess_ulps));
         return text;
     }
 
-    static void say_row(const Study& study, const measure::evaluate::TestedForm& row,
-                        const measure::consistency::RowChecks& checks) {
-        const std::string of = fmt::format("{} {}", row.form->info->name, row.format.name);
-        std::string alike;
+    static void print_row(const Study& study, const measure::evaluate::TestedForm& row,
+                          const measure::consistency::RowChecks& checks) {
+        const std::string prefix = fmt::format("{} {}", row.form->info->name, row.format.name);
+        std::string same_checks;
         for (std::size_t c = 0; c < checks.size(); ++c) {
             if (checks[c].asked() == 0) continue;
             const std::string text = check_text(*study.checks[c], checks[c]);
-            if (text.empty()) alike += fmt::format("{}{}", alike.empty() ? "" : ", ", study.checks[c]->name);
-            else fmt::print("  {} {}: {}\n", of, study.checks[c]->name, text);
+            if (text.empty())
+                same_checks += fmt::format("{}{}", same_checks.empty() ? "" : ", ", study.checks[c]->name);
+            else fmt::print("  {} {}: {}\n", prefix, study.checks[c]->name, text);
         }
-        if (!alike.empty()) fmt::print("  {} gives the same answers: {}\n", of, alike);
+        if (!same_checks.empty()) fmt::print("  {} gives the same answers: {}\n", prefix, same_checks);
     }
 };
 

@@ -19,26 +19,27 @@ using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 
 measure::evaluate::MapStudy map_of(const scene::file::Scene& scene, std::vector<TestedForm> rows,
-                                   const std::vector<const Metric*>& asked, measure::metric::MetricSet& metric_set,
+                                   const std::vector<const Metric*>& metrics, measure::metric::MetricSet& metric_set,
                                    intersect::process::StopToken stop) {
     measure::evaluate::MapStudy map{.scene = &scene, .rows = std::move(rows), .metrics = {}, .limit = {.stop = stop}};
-    map.metrics = metric_set.for_forms(selection::measured(asked, map.rows), measure::evaluate::forms_of(map.rows),
+    map.metrics = metric_set.for_forms(selection::measured(metrics, map.rows), measure::evaluate::forms_of(map.rows),
                                        [&scene] { return OwnedSetting(scene); });
     map.metrics = measure::evaluate::order_culprits(map, metric_set);
     return map;
 }
 
 measure::sweep::SweepRequest sweep_of(const scene::sweep::SweepFile& sweep, std::vector<TestedForm> rows,
-                                      std::vector<const Metric*> asked, measure::metric::MetricSet& metric_set,
+                                      std::vector<const Metric*> metrics, measure::metric::MetricSet& metric_set,
                                       intersect::process::StopToken stop) {
     measure::sweep::SweepRequest request{
         .sweep = sweep, .rows = std::move(rows), .metrics = {}, .limit = {.stop = stop}};
     // Forms that march stop short on purpose, so the error alone says little: it is split in two.
     if (std::ranges::any_of(request.rows, [](const TestedForm& row) { return !is_primitive(row.form->shape); })) {
-        for (const char* name : {"model_error", "rounding_error"}) asked.push_back(measure::metric::find_metric(name));
+        for (const char* name : {"model_error", "rounding_error"})
+            metrics.push_back(measure::metric::find_metric(name));
     }
     request.metrics =
-        metric_set.for_forms(selection::measured(asked, request.rows), measure::evaluate::forms_of(request.rows),
+        metric_set.for_forms(selection::measured(metrics, request.rows), measure::evaluate::forms_of(request.rows),
                              [&sweep] { return OwnedSetting(sweep.first_rays()); });
     for (TestedForm& row : request.rows) row.judged = sweep.convention;
     request.further_draws = 2;
@@ -50,16 +51,16 @@ namespace {
 
 constexpr std::string_view default_shape = "sphere";
 
-std::vector<TestedForm> rows_of_shape(const std::string& typed, const std::vector<TestedForm>& all) {
-    const std::string shape_name = typed.empty() ? std::string(default_shape) : typed;
-    const auto named = shape_named(shape_name);
-    if (!named || !is_primitive(*named)) {
+std::vector<TestedForm> rows_of_shape(const std::string& given_name, const std::vector<TestedForm>& all) {
+    const std::string shape_name = given_name.empty() ? std::string(default_shape) : given_name;
+    const auto parsed = shape_named(shape_name);
+    if (!parsed || !is_primitive(*parsed)) {
         std::vector<std::string> names;
         for (const ShapeRow& row : shape_rows) names.emplace_back(row.name);
         throw InputError(
             fmt::format("shape \"{}\" is unknown; {}", shape_name, scene::toml::did_you_mean(shape_name, names)));
     }
-    const Shape shape = *named;
+    const Shape shape = *parsed;
     const auto rows = selection::fitting(all, [shape](Shapes forms) { return forms == shape; });
     if (rows.empty() &&
         !selection::fitting(all, [shape](Shapes forms) { return forms == Shapes(shape).placed(); }).empty())
@@ -67,7 +68,7 @@ std::vector<TestedForm> rows_of_shape(const std::string& typed, const std::vecto
             "--shape {}: its primitive is not placed by a matrix, so a form with a transform has nothing to do; name "
             "a scene with matrices, as in `lostbits trade instance-far.{}`",
             shape_name, shape_name));
-    if (rows.empty() && typed.empty())
+    if (rows.empty() && given_name.empty())
         throw NothingSelected(fmt::format(
             "no selected form is for a {0}, the default shape; name the shape of the forms, as in --shape box, or "
             "choose forms by -i '{0}.*'",
@@ -78,7 +79,7 @@ std::vector<TestedForm> rows_of_shape(const std::string& typed, const std::vecto
     return rows;
 }
 
-void require_timed(const std::vector<TestedForm>& rows) {
+void require_timeable(const std::vector<TestedForm>& rows) {
     const auto emulated =
         std::ranges::find_if(rows, [](const TestedForm& row) { return selection::is_emulated(row.format); });
     if (emulated != rows.end())
@@ -92,7 +93,7 @@ void require_timed(const std::vector<TestedForm>& rows) {
 
 measure::speed::TradeRequest trade_of(const scene::file::Scene* scene, const std::string& shape,
                                       const selection::SelectedRows& all) {
-    require_timed(all.rows);
+    require_timeable(all.rows);
     const auto rows = scene ? selection::timed_on(*scene, all) : rows_of_shape(shape, all.rows);
     return {.shape = rows.front().form->shape,
             .scene = scene,

@@ -1,4 +1,5 @@
-// The measurements of a scene, of a sweep along axes and of speed, which the program and the library make alike.
+// The measurements of a scene, of a sweep along axes and of speed. The program and the library make them in the same
+// way.
 #pragma once
 
 #include <string>
@@ -13,24 +14,24 @@
 
 namespace lostbits::analysis::study {
 
-/// The map of a scene with the metrics that are asked for, and those of every map, as far as they apply to the rows.
-/// `metric_set` owns the metrics that are made for it. The scene must outlive the result.
+/// The map of a scene with the given metrics and the default metrics of a map, as far as these apply to the rows.
+/// `metric_set` owns the metrics that are made for the map. The scene must outlive the result.
 measure::evaluate::MapStudy map_of(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
-                                   const std::vector<const measure::metric::Metric*>& asked,
+                                   const std::vector<const measure::metric::Metric*>& metrics,
                                    measure::metric::MetricSet& metric_set, intersect::process::StopToken stop);
 
-/// The same for a sweep along axes, judged by the convention of its file, with three draws of random rays for the
-/// spread of onsets. The sweep must outlive the result.
+/// The request of a sweep along axes, with the metrics as in `map_of`. It is judged by the convention of the sweep's
+/// file, and has three draws of random rays for the spread of onsets. The sweep must outlive the result.
 measure::sweep::SweepRequest sweep_of(const scene::sweep::SweepFile& sweep,
                                       std::vector<measure::evaluate::TestedForm> rows,
-                                      std::vector<const measure::metric::Metric*> asked,
+                                      std::vector<const measure::metric::Metric*> metrics,
                                       measure::metric::MetricSet& metric_set, intersect::process::StopToken stop);
 
 /// The speed and accuracy of forms: on the rays of a scene or, if it is null, on rays of known kinds at a shape (empty:
 /// sphere). Throws InputError for forms that cannot be timed, and NothingSelected if none fits. The scene must outlive
 /// the result.
 measure::speed::TradeRequest trade_of(const scene::file::Scene* scene, const std::string& shape,
-                                      const selection::SelectedRows& rows);
+                                      const selection::SelectedRows& all);
 
 /// Few and short measurements, for a first look.
 measure::speed::TimingPlan quick_plan();

@@ -1,4 +1,5 @@
-// Studies of one number per pixel. Such a study is a struct that finds the number; everything else is here. It has
+// Studies of one number per pixel. A struct defines such a study and computes the number; everything else is here. The
+// struct has
 //
 //   name, title           its command, and what it does
 //   unit, meaning         of the number
@@ -80,16 +81,16 @@ struct NumberStudy {
     [[nodiscard]] static NumberSummary begin(std::size_t) { return {}; }
     [[nodiscard]] static const measure::truth::Band& prepare(const measure::truth::Band& band) { return band; }
     NumberBand measure(const measure::truth::Band& band, std::size_t row, NumberSummary& summary) const {
-        const measure::consistency::FormOnBand on(scene, rows[row], band);
-        NumberBand out{band.y0(), band.rows(), scene.width, std::vector(on.pixels(), measure::truth::missing)};
-        for (std::size_t i = 0; i < on.pixels(); ++i) {
+        const measure::consistency::FormOnBand on_band(scene, rows[row], band);
+        NumberBand result{band.y0(), band.rows(), scene.width, std::vector(on_band.pixels(), measure::truth::missing)};
+        for (std::size_t i = 0; i < on_band.pixels(); ++i) {
             const measure::truth::Truth truth = band.truth(i, rows[row].convention());
             if (truth.decision == measure::truth::Truth::Decision::unresolved) ++summary.unresolved;
-            if (!truth.is_hit() || on.closest.hit[i] == 0 || on.closest.object[i] != truth.object) continue;
-            out.numbers[i] = number(RightHit{on, i, truth});
-            summary.numbers.add(out.numbers[i]);
+            if (!truth.is_hit() || on_band.closest.hit[i] == 0 || on_band.closest.object[i] != truth.object) continue;
+            result.numbers[i] = number(RightHit{on_band, i, truth});
+            summary.numbers.add(result.numbers[i]);
         }
-        return out;
+        return result;
     }
 };
 
@@ -111,7 +112,7 @@ struct NumberAdapter {
     using Summaries = std::vector<NumberSummary>;
     static constexpr const char* name = Quantity::name;
     static constexpr const char* title = Quantity::title;
-    static constexpr const char* none_taken = "none of the selected forms is for a primitive; try -i 'sphere.*'";
+    static constexpr const char* no_form_message = "none of the selected forms is for a primitive; try -i 'sphere.*'";
     static constexpr const char* kinds = "; primitives of any kind";
     static constexpr const char* form_help = "Forms, by name or glob (default: all that fit)";
     static constexpr const char* example = "sphere[0].radius=10";
@@ -125,13 +126,13 @@ struct NumberAdapter {
             {fmt::format("lostbits {} box-one -i box.signs -f f64 --size 32x32", name), "Measures a form in double"}};
     }
     static std::vector<std::string> usual_forms() { return {"*"}; }
-    static bool takes(const intersect::table::Intersector& form) { return is_primitive(form.shape); }
+    static bool can_measure(const intersect::table::Intersector& form) { return is_primitive(form.shape); }
     static void require(const scene::file::Scene&) {}
-    static Study on(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
-                    const StudyValues& values, intersect::process::StopToken stop) {
+    static Study make_study(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
+                            const StudyValues& values, intersect::process::StopToken stop) {
         return {.scene = scene, .rows = std::move(rows), .number = Quantity(values), .limit = {.stop = stop}};
     }
-    static void say(const Study& study, const Summaries& rows, bool) {
+    static void print_results(const Study& study, const Summaries& rows, bool) {
         for (std::size_t r = 0; r < rows.size(); ++r)
             fmt::print("  {} {}: {}\n", study.rows[r].form->info->name, study.rows[r].format.name, in_words(rows[r]));
     }

@@ -1,4 +1,4 @@
-// Offsets of next rays, as a study.
+// The study of offsets: how far the origins of the next rays must move.
 #pragma once
 
 #include <fmt/format.h>
@@ -21,7 +21,7 @@ struct OffsetsAdapter {
     using Study = View::Study;
     using Summaries = std::vector<Study::Summary>;
     static constexpr const char* name = "offsets";
-    static constexpr const char* none_taken =
+    static constexpr const char* no_form_message =
         "offsets needs forms that return t for a primitive, and none is selected; try -i 'sphere.*'";
     static constexpr const char* title =
         "Measure how far the origin of the next ray must move, point by point, and what published strategies do";
@@ -50,29 +50,31 @@ struct OffsetsAdapter {
         return {usual.begin(), usual.end()};
     }
 
-    static bool takes(const intersect::table::Intersector& form) { return measure::offset::can_measure_offsets(form); }
+    static bool can_measure(const intersect::table::Intersector& form) {
+        return measure::offset::can_measure_offsets(form);
+    }
 
     static void require(const scene::file::Scene& scene) { measure::offset::require_few_primitives(scene); }
 
-    static Study on(const scene::file::Scene& scene, const std::vector<measure::evaluate::TestedForm>& rows,
-                    const StudyValues& values, intersect::process::StopToken stop) {
+    static Study make_study(const scene::file::Scene& scene, const std::vector<measure::evaluate::TestedForm>& rows,
+                            const StudyValues& values, intersect::process::StopToken stop) {
         using measure::offset::HitPoint;
         Study study{.scene = scene,
                     .rows = {},
                     .strategies = selection::select_rows(measure::offset::strategies(), values.at("strategy"),
                                                          "strategy", "--strategy"),
                     .limit = {.stop = stop}};
-        const auto is_asked = [&points = values.at("points")](HitPoint point) {
+        const auto is_selected = [&points = values.at("points")](HitPoint point) {
             return std::ranges::any_of(
-                points, [&](const std::string& word) { return word == "both" || word == name_of(point); });
+                points, [&](const std::string& value) { return value == "both" || value == name_of(point); });
         };
         for (const measure::evaluate::TestedForm& row : rows)
             for (const HitPoint point : {HitPoint::computed, HitPoint::projected})
-                if (is_asked(point)) study.rows.push_back({row, point});
+                if (is_selected(point)) study.rows.push_back({row, point});
         return study;
     }
 
-    static void say(const Study& study, const Summaries& summaries, bool) {
+    static void print_results(const Study& study, const Summaries& summaries, bool) {
         for (std::size_t r = 0; r < study.rows.size(); ++r)
             for (const std::string& line : output::offset::summary_lines(study, r, summaries[r]))
                 fmt::print("  {}\n", line);
@@ -93,10 +95,10 @@ struct OffsetsAdapter {
             columns, [](const std::string& column) { return column.find("quiet") != std::string::npos; });
     }
 
-    /// The ray with the fault that a column counts; for any other column, a self-hit if there is one. With the
-    /// primitive that it leaves, in a form that `lostbits explain` accepts.
+    /// A ray with the fault that a column counts or, for any other column, a ray with any fault, self-hits first. It
+    /// comes with the primitive that it leaves, in a form that `lostbits explain` accepts.
     static std::optional<measure::evaluate::WorstRay> witness(const View::SummaryRow& row, const std::string& column) {
-        const auto bad = ray_shown(row.summary->side_summary(row.side).strategies[row.place], column);
+        const auto bad = find_bad_ray(row.summary->side_summary(row.side).strategies[row.place], column);
         if (!bad) return std::nullopt;
         const auto given = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(bad->ray.ray));
         given->primitives = {bad->primitive};
@@ -110,8 +112,8 @@ struct OffsetsAdapter {
     }
 
 private:
-    static std::optional<measure::offset::BadRay> ray_shown(const measure::offset::StrategySummary& s,
-                                                            const std::string& column) {
+    static std::optional<measure::offset::BadRay> find_bad_ray(const measure::offset::StrategySummary& s,
+                                                               const std::string& column) {
         using measure::offset::Fault;
         for (std::size_t f = 0; f < measure::offset::fault_names.size(); ++f)
             if (column == std::string(measure::offset::fault_names[f]) + "_fraction") return s.first[f];

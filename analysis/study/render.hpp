@@ -1,4 +1,4 @@
-// Rendered pictures, as a study.
+// The study of rendered pictures.
 #pragma once
 
 #include <fmt/format.h>
@@ -20,7 +20,7 @@ struct RenderAdapter {
     using Study = View::Study;
     using Summaries = std::vector<Study::Summary>;
     static constexpr const char* name = "render";
-    static constexpr const char* none_taken =
+    static constexpr const char* no_form_message =
         "render draws spheres, and none of the selected forms is for a sphere; try -i 'sphere.*'";
     static constexpr const char* title =
         "Draw a scene, stage by stage, with a form in a format, and compare with the certified picture";
@@ -46,7 +46,9 @@ struct RenderAdapter {
     /// The form of the source.
     static std::vector<std::string> usual_forms() { return {"sphere.expanded"}; }
 
-    static bool takes(const intersect::table::Intersector& form) { return form.shape == scene::file::rendered_shape; }
+    static bool can_measure(const intersect::table::Intersector& form) {
+        return form.shape == scene::file::rendered_shape;
+    }
 
     /// Refuses scenes that do not consist of spheres with colours.
     static void require(const scene::file::Scene& scene) {
@@ -63,11 +65,11 @@ struct RenderAdapter {
     }
 
     /// Draws a stage that the scene does not have as the last one before it that the scene has.
-    static Study on(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
-                    const StudyValues& values, intersect::process::StopToken stop) {
+    static Study make_study(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
+                            const StudyValues& values, intersect::process::StopToken stop) {
         std::set<scene::file::Stage> stages;
-        for (const std::string& word : values.at("stage"))
-            stages.insert(scene.appearance.last_up_to(stage_of_word(word)));
+        for (const std::string& stage_name : values.at("stage"))
+            stages.insert(scene.appearance.last_up_to(parse_stage(stage_name)));
         if (stages.empty()) stages.insert(scene.appearance.furthest());
         return {
             .scene = scene, .stages = {stages.begin(), stages.end()}, .rows = std::move(rows), .limit = {.stop = stop}};
@@ -75,15 +77,15 @@ struct RenderAdapter {
 
     /// Prints which stages a scene does not have.
     static void note(const scene::file::Scene& scene, const StudyValues& values) {
-        for (const std::string& word : values.at("stage")) {
-            const auto asked = stage_of_word(word), drawn = scene.appearance.last_up_to(asked);
-            if (drawn != asked)
-                fmt::print(stderr, "lostbits: scene {} has no stage {}; drawing stage {} instead\n", scene.id, word,
-                           name_of(drawn));
+        for (const std::string& stage_name : values.at("stage")) {
+            const auto requested = parse_stage(stage_name), drawn = scene.appearance.last_up_to(requested);
+            if (drawn != requested)
+                fmt::print(stderr, "lostbits: scene {} has no stage {}; drawing stage {} instead\n", scene.id,
+                           stage_name, name_of(drawn));
         }
     }
 
-    static void say(const Study& study, const Summaries& summaries, bool verbose) {
+    static void print_results(const Study& study, const Summaries& summaries, bool verbose) {
         if (verbose) print_rendered(study, summaries);
     }
 
@@ -99,9 +101,9 @@ struct RenderAdapter {
 
 private:
     /// The stage of this name, which must be known.
-    static scene::file::Stage stage_of_word(const std::string& word) {
+    static scene::file::Stage parse_stage(const std::string& stage_name) {
         const auto& names = scene::file::stage_names;
-        return static_cast<scene::file::Stage>(std::ranges::find(names, word) - names.begin());
+        return static_cast<scene::file::Stage>(std::ranges::find(names, stage_name) - names.begin());
     }
 
     static void print_rendered(const Study& study, const Summaries& summaries) {

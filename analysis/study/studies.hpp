@@ -13,13 +13,13 @@ namespace lostbits::analysis::study {
 
 /// An adapter of a study for the command line and the library: a struct with its view, its name, its options, its forms
 /// where none is named, and
-///   takes(form), none_taken       true for a form that can be measured; the message if none can
+///   can_measure(form)             true for a form that can be measured; `no_form_message` is the message if none can
 ///   require(scene)                throws InputError for a scene that cannot be measured
-///   on(scene, rows, values, stop) the study of a scene with these rows. Throws InputError
+///   make_study(scene, rows, values, stop)  the study of a scene with these rows. Throws InputError
 ///   title, kinds, form_help, example    texts of the help: the command; the scenes that it takes; the forms that -i
 ///                                 selects by default; an assignment for --set
 ///   examples()                    two command lines for the help, which a test runs
-///   say(study, summaries, verbose)      prints the results of a scene
+///   print_results(study, summaries, verbose)  prints the results of a scene
 ///   unproved(summaries), unproved(row)  the number of pixels without a proof, of all rows and of a row of the summary
 ///   witness(row, column)          optional: a ray behind a number of a row of the summary, for claims
 ///   leave_out(study, columns)     optional: leaves out the work that these columns of the summary do not need

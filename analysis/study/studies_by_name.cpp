@@ -20,17 +20,19 @@ namespace {
 
 /// The study that a claim asks. Work that no column of the question needs is left out.
 template <class Adapter>
-typename Adapter::View::Study study_on(const StudyQuestion& asked) {
-    for (const measure::evaluate::TestedForm& row : asked.rows)
-        if (!Adapter::takes(*row.form))
-            throw InputError(
-                fmt::format("{}: is not a form for {}; {}", row.form->info->name, Adapter::name, Adapter::none_taken));
-    Adapter::require(asked.scene);
+typename Adapter::View::Study study_on(const StudyQuestion& question) {
+    for (const measure::evaluate::TestedForm& row : question.rows)
+        if (!Adapter::can_measure(*row.form))
+            throw InputError(fmt::format("{}: is not a form for {}; {}", row.form->info->name, Adapter::name,
+                                         Adapter::no_form_message));
+    Adapter::require(question.scene);
     std::vector<std::string> given;
-    for (const auto& [name, words] : asked.options)
-        for (const std::string& word : words) given.push_back(name + "=" + word);
-    auto study = Adapter::on(asked.scene, asked.rows, study_values(Adapter::options(), given), asked.stop);
-    if constexpr (requires { Adapter::leave_out(study, asked.columns); }) Adapter::leave_out(study, asked.columns);
+    for (const auto& [name, values] : question.options)
+        for (const std::string& value : values) given.push_back(name + "=" + value);
+    auto study =
+        Adapter::make_study(question.scene, question.rows, study_values(Adapter::options(), given), question.stop);
+    if constexpr (requires { Adapter::leave_out(study, question.columns); })
+        Adapter::leave_out(study, question.columns);
     return study;
 }
 
@@ -66,12 +68,13 @@ std::optional<output::page::StudyPart> part_of(const scene::file::Scene& scene, 
                                                std::vector<std::string> formats, intersect::process::StopToken stop) {
     if (forms.empty()) forms = Adapter::usual_forms();
     if (formats.empty()) formats = {usual_format};
-    auto all = selection::cross(selection::select_forms(forms), selection::select_formats(formats));
-    std::erase_if(all, [](const auto& row) { return !Adapter::takes(*row.form); });
-    StudyQuestion question{.scene = scene,
-                           .rows = selection::fitting(
-                               all, [&scene](Shapes of) { return selection::are_primitives(of) && scene.meets(of); }),
-                           .stop = stop};
+    auto rows = selection::cross(selection::select_forms(forms), selection::select_formats(formats));
+    std::erase_if(rows, [](const auto& row) { return !Adapter::can_measure(*row.form); });
+    StudyQuestion question{
+        .scene = scene,
+        .rows = selection::fitting(
+            rows, [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.meets(shapes); }),
+        .stop = stop};
     if (question.rows.empty()) return std::nullopt;
     const auto study = study_on<Adapter>(question);
     typename std::vector<typename Adapter::View::Study::Summary> summaries;
@@ -102,24 +105,24 @@ StudyNames StudiesByName::names(const std::string& study) const {
     });
 }
 
-std::vector<StudyRow> StudiesByName::measure(const std::string& study, const StudyQuestion& asked) const {
+std::vector<StudyRow> StudiesByName::measure(const std::string& study, const StudyQuestion& question) const {
     return with_study(study, [&](auto adapter) {
         using Adapter = decltype(adapter);
-        const auto on = study_on<Adapter>(asked);
-        const auto summaries = measure::study::run_study(on);
+        const auto study_to_measure = study_on<Adapter>(question);
+        const auto summaries = measure::study::run_study(study_to_measure);
         const auto table = Adapter::View::summary_table();
         std::vector<StudyRow> rows;
-        for (const auto& row : Adapter::View::summary_rows(on, summaries))
-            rows.push_back(study_row<Adapter>(table, row, asked.columns));
+        for (const auto& row : Adapter::View::summary_rows(study_to_measure, summaries))
+            rows.push_back(study_row<Adapter>(table, row, question.columns));
         return rows;
     });
 }
 
-void StudiesByName::draw(const std::string& study, const StudyQuestion& asked,
+void StudiesByName::draw(const std::string& study, const StudyQuestion& question,
                          const std::filesystem::path& file) const {
     with_study(study, [&](auto adapter) {
         using Adapter = decltype(adapter);
-        draw_sheet<Adapter>(study_on<Adapter>(asked), file);
+        draw_sheet<Adapter>(study_on<Adapter>(question), file);
         return true;
     });
 }

@@ -1,4 +1,4 @@
-// Studies by their names, for what is not written for one of them: claims and the page.
+// Calls studies by their names, for code that is not written for one study: claims and the page.
 #pragma once
 
 #include <optional>
@@ -12,13 +12,13 @@
 
 namespace lostbits::analysis::study {
 
-/// The studies of the list, as claims see them.
+/// All studies, as claims see them.
 class StudiesByName final : public measure::claim::ClaimStudies {
 public:
     [[nodiscard]] measure::claim::StudyNames names(const std::string& study) const override;
     [[nodiscard]] std::vector<measure::claim::StudyRow> measure(
-        const std::string& study, const measure::claim::StudyQuestion& asked) const override;
-    void draw(const std::string& study, const measure::claim::StudyQuestion& asked,
+        const std::string& study, const measure::claim::StudyQuestion& question) const override;
+    void draw(const std::string& study, const measure::claim::StudyQuestion& question,
               const std::filesystem::path& file) const override;
 };
 

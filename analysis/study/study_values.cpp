@@ -13,18 +13,18 @@ namespace lostbits::analysis::study {
 
 StudyValues study_values(const std::vector<StudyOption>& options, const std::vector<std::string>& given) {
     StudyValues values;
-    for (const std::string& each : given) {
-        const std::size_t equals = std::min(each.find('='), each.size());
-        const std::string name = each.substr(0, equals), word = each.substr(std::min(equals + 1, each.size()));
+    for (const std::string& text : given) {
+        const std::size_t equals = std::min(text.find('='), text.size());
+        const std::string name = text.substr(0, equals), value = text.substr(std::min(equals + 1, text.size()));
         const auto option = std::ranges::find(options, name, &StudyOption::name);
         if (option == options.end()) {
             std::vector<std::string> names;
             for (const StudyOption& known : options) names.push_back(known.name);
             throw InputError(fmt::format("option \"{}\" is unknown; {}", name, scene::toml::did_you_mean(name, names)));
         }
-        if (!option->known.empty() && std::ranges::find(option->known, word) == option->known.end())
-            throw InputError(fmt::format("{} is \"{}\"; write one of {}", name, word, fmt::join(option->known, ", ")));
-        values[name].push_back(word);
+        if (!option->known.empty() && std::ranges::find(option->known, value) == option->known.end())
+            throw InputError(fmt::format("{} is \"{}\"; write one of {}", name, value, fmt::join(option->known, ", ")));
+        values[name].push_back(value);
     }
     for (const StudyOption& option : options)
         if (values[option.name].empty()) values[option.name] = option.usual;

@@ -19,8 +19,8 @@ struct StudyOption {
 /// Values of the options of a study, by name.
 using StudyValues = std::map<std::string, std::vector<std::string>>;
 
-/// Parses options, each `NAME=VALUE`; those that are not given get their usual values. Throws InputError for an
-/// unknown name or word.
+/// Parses options, each `NAME=VALUE`; those that are not given get their usual values. Throws InputError for an unknown
+/// name or value.
 StudyValues study_values(const std::vector<StudyOption>& options, const std::vector<std::string>& given);
 
 /// The format of studies where none is named.
