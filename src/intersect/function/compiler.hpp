@@ -46,8 +46,8 @@ private:
     fs::path write(const std::string& text);
     [[nodiscard]] process::ProgramArguments c_arguments() const;
     [[nodiscard]] process::ProgramArguments rust_arguments(const std::string& kind) const;
-    void run(process::ProgramArguments words, const fs::path& source, const fs::path& made,
-             const process::ProgramArguments& last = {});
+    void run(process::ProgramArguments arguments, const fs::path& source, const fs::path& output,
+             const process::ProgramArguments& last_arguments = {});
     void require_in_path(const std::string& program, const std::string& package) const;
 
     fs::path file_;
