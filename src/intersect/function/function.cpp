@@ -235,7 +235,7 @@ std::vector<NamedNumber> names_of(const UserSignature& s, const Walk& walk, cons
                          .input = std::atoi(input_slot.source.c_str() + bracket + 3),
                          .is_inverse = bracket > 0});
     }
-    for (const Walk::Stored& stored : walk.stored())
+    for (const Walk::StoredNumber& stored : walk.stored())
         if (const NodeId operation = operation_of[static_cast<std::size_t>(stored.node)]; operation != no_node)
             names.push_back(
                 {.text = stored.name, .operation = operation, .place = stored.place, .declared = stored.declared});
@@ -298,8 +298,8 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
     Module probe(is_ir ? file.ir : probed_ir(compiler, language, parts, user_function->source));
     UserSignature signature = signature_of(probe, user_function->path, parts.function, language);
     guess(signature,
-          parts.signature.empty() ? stated_in(user_function->source, user_function->path, signature.line)
-                                  : stated_by(parts.signature, "--function " + option),
+          parts.signature.empty() ? signature_in_comments(user_function->source, user_function->path, signature.line)
+                                  : stated_signature(parts.signature, "--function " + option),
           subject);
     const std::string wrapper =
         is_ir ? ir_wrapper_of(signature, probe, subject)

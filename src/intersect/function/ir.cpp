@@ -272,8 +272,8 @@ const IrFunction* Module::function(const std::string& name) const {
     return entry == functions.end() ? nullptr : &entry->second;
 }
 
-std::string_view Module::metadata(int number) const {
-    const auto entry = metadata_.find(number);
+std::string_view Module::metadata(int index) const {
+    const auto entry = metadata_.find(index);
     return entry == metadata_.end() ? std::string_view() : entry->second;
 }
 

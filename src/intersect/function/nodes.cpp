@@ -204,8 +204,8 @@ Mask Nodes::compare(TapeOp op, NodeId a, NodeId b) {
         return no;
     if (x.wide) {
         auto left = unconverted(a), right = unconverted(b);
-        // A converted number is compared with a constant that lies between two numbers of its format. Its neighbour on
-        // the right side gives the same decision.
+        // A converted number is compared with a constant that lies between two numbers of its format. The one of them
+        // on the side that `op` needs gives the same decision.
         const auto neighbour = [&](double c, bool up) {
             float f = static_cast<float>(c);
             if (up && f < c) f = std::nextafterf(f, std::numeric_limits<float>::infinity());
