@@ -203,10 +203,10 @@ void Compiler::run(process::ProgramArguments arguments, const fs::path& source, 
     const std::string subject = file_.string() + ": " + arguments[0];
     process::Child child(arguments,
                          {.who = subject, .timeout_advice = "", .seconds = terms_.seconds, .stop = terms_.stop});
-    const process::Child::Ended ended = child.read_to_end();
-    if (ended.status == 0 && (output.empty() || fs::exists(output))) return;
-    std::string messages = cleaned_messages(ended.output, folder_.path.string());
-    if (WIFSIGNALED(ended.status)) messages += "\nit crashed (signal " + std::to_string(WTERMSIG(ended.status)) + ")";
+    const process::Child::EndResult result = child.read_to_end();
+    if (result.status == 0 && (output.empty() || fs::exists(output))) return;
+    std::string messages = cleaned_messages(result.output, folder_.path.string());
+    if (WIFSIGNALED(result.status)) messages += "\nit crashed (signal " + std::to_string(WTERMSIG(result.status)) + ")";
     throw InputError(subject + " does not compile it:\n" + messages +
                      (language_ == SourceLanguage::llvm && !is_shader(file_)
                           ? "\nLLVM IR can be read by the same major version of LLVM or a newer one; put its " +

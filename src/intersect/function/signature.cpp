@@ -454,7 +454,7 @@ void guess(UserSignature& s, const StatedSignature& stated, const std::string& s
                         stated.where + ": miss is " + external::shown_text(text) +
                         "; it must be -1, 0, inf, nan, crossed, none, or the number from which on t means a miss");
             }
-        } else if (!external::set_word(c, key, text, stated.where)) {
+        } else if (!external::set_property(c, key, text, stated.where)) {
             throw InputError(stated.where + ": unknown word " + external::shown_text(key) +
                              "; known are miss, roots, direction, touching, at_origin, inside, facing and flags");
         }

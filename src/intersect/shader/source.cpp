@@ -215,7 +215,7 @@ void obey(const Word& word, ShaderSource& shader) {
     else if (word.key == "max_dist") shader.march.max_dist = positive(word);
     else if (word.key == "max_steps") shader.march.max_steps = static_cast<int>(std::min(positive(word), 1e9));
     else if ((word.key == "shape" && !own_primitives) || word.key == "source" ||
-             !external::set_word(shader.contract, word.key, word.value, word.where))
+             !external::set_property(shader.contract, word.key, word.value, word.where))
         throw InputError(word.where + ": unknown key " + external::shown_text(word.key) +
                          "; known keys are function, name, title, direction, roots, touching, at_origin, inside, "
                          "facing, flags, miss "
