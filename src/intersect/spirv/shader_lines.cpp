@@ -77,9 +77,7 @@ std::string split_program(const std::string& text, device::Language language, Sh
     for (const shader::Token& t : tokens) {
         if (t.kind == shader::Token::Kind::comment) continue;
         if (t.in_directive && t.text == "#" && &t != &tokens.back() && (&t)[1].text == "line") line_directive = t.line;
-        if (t.in_directive && t.line == line_directive)
-            continue;  // the lines that we count are those of the file
-                       // itself
+        if (t.in_directive && t.line == line_directive) continue;  // lines are counted in the file itself
         // A directive is one line; a backslash at the end of a line joins the next line to it.
         if (t.in_directive) {
             if (t.line != line) begin_line(t);

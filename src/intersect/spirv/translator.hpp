@@ -137,7 +137,7 @@ private:
     bool is_opaque_;
     std::map<std::string, SpirvType> types_;
     std::map<std::string, TypedText> values_;
-    std::map<std::string, double> integer_constants_;  ///< integer constants
+    std::map<std::string, double> integer_constants_;  ///< by id
     std::map<std::string, std::string> names_, strings_;
     struct VariableWrites {
         int count = 0;      ///< number of instructions that write to a variable
