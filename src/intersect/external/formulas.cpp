@@ -91,7 +91,7 @@ void rename(Formula& formula, const std::string& prefix) {
 
 void register_formulas(const std::vector<Formula>& formulas) {
     std::vector<table::Intersector> rows;
-    std::vector<simd::OwnPacks> packs;
+    std::vector<simd::ExternalPacks> packs;
     for (const Formula& formula : formulas) {
         rows.push_back(formula.row);
         packs.push_back({formula.row.info, formula.packed});
