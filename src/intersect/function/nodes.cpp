@@ -48,7 +48,7 @@ bool Nodes::fits(double x) const {
     return bits_ == 64 || std::isnan(x) || static_cast<double>(static_cast<float>(x)) == x;
 }
 
-std::optional<NodeId> Nodes::narrowed(NodeId x) {
+std::optional<NodeId> Nodes::unconverted(NodeId x) {
     const ProgramNode& n = (*this)[x];
     if (!n.wide) return {};
     if (n.op == TapeOp::convert) return n.operands[0];
