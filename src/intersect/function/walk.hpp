@@ -227,8 +227,8 @@ inline bool holds(std::string_view predicate, std::int64_t a, std::int64_t b, in
     return x >= y;
 }
 
-inline constexpr std::array whole_operations{"add", "sub",  "mul",  "udiv", "sdiv", "urem", "srem",
-                                             "shl", "lshr", "ashr", "and",  "or",   "xor"};
+inline constexpr std::array integer_operations{"add", "sub",  "mul",  "udiv", "sdiv", "urem", "srem",
+                                               "shl", "lshr", "ashr", "and",  "or",   "xor"};
 
 /// The name of a function in the source, for messages.
 inline std::string source_name(const std::string& name) {
