@@ -221,7 +221,7 @@ std::uint32_t reached_count(Device& device, bool nested, std::uint32_t count, st
 }
 
 /// Finds the number of iterations after which the device leaves a loop. The program does not count one of the 2^32
-/// states of its generator, so a count that is one short is complete.
+/// states of its generator, so a count that is too small by one is complete.
 void probe_loops(Device& device, Arithmetic& arithmetic) {
     constexpr std::uint32_t tried_iterations = 1U << 20, repetitions = 4;
     const std::uint32_t single_limit = reached_count(device, false, tried_iterations, 1);

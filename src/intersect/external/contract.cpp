@@ -11,7 +11,7 @@
 namespace lostbits::intersect::external {
 namespace {
 
-/// "sphere., box. or sdf."
+/// Returns the prefixes of the names of shipped forms, such as "sphere., box. or sdf.".
 std::string shipped_prefixes() {
     std::string prefixes;
     for (const std::string_view& name : shape_names)

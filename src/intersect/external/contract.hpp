@@ -38,7 +38,7 @@ struct ForeignForm {
     bool isolated = false;  ///< true if the form answers from another process, so that its crash does not end this one
 };
 
-/// `LIBRARY: form "NAME"`, for messages.
+/// Returns `LIBRARY: form "NAME"`, for messages.
 inline std::string name_in_messages(const ForeignForm& form) {
     return form.from + ": form \"" + form.contract.name + "\"";
 }

@@ -88,7 +88,7 @@ struct GuardTerms {
     /// If a stop is requested, the program ends as soon as a batch has taken a second, since foreign code does not
     /// check for a stop.
     process::StopToken stop = {};
-    /// Called from a signal handler, before the program ends for a fault of foreign code.
+    /// Called, possibly from a signal handler, before the program ends for a fault of foreign code.
     void (*clean_up)() = nullptr;
     void (*ends_with)(int status) = nullptr;  ///< called last, with the exit status, before the program ends for a
                                               ///< fault of foreign code

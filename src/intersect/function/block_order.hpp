@@ -7,9 +7,9 @@
 
 namespace lostbits::intersect::function {
 
-/// Positions of the blocks: all blocks of a loop come before those after it, and each block before those that it leads
-/// to. The block with the lowest position runs next (F. Bourdoncle, Efficient chaotic iteration strategies with
-/// widenings, 1993: a weak topological order).
+/// Positions of the blocks: all blocks of a loop come before the blocks after the loop, and each block comes before its
+/// successors, except along edges back to the head of a loop. The block with the lowest position runs next (F.
+/// Bourdoncle, Efficient chaotic iteration strategies with widenings, 1993: a weak topological order).
 class BlockOrder {
 public:
     explicit BlockOrder(std::vector<std::vector<int>> successors)

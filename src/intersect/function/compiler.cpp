@@ -141,7 +141,7 @@ fs::path Compiler::spirv_of_shader(std::string& source, spirv::ShaderLines& line
     require_in_path(program, "the Debian package glslang-tools");
     process::ProgramArguments arguments{
         program, "-V", "-g", "-Od", "--keep-uncalled", "-e", device::entry_of(language), "-S", "comp"};
-    // Textures and uniforms of the file may have no places, since nothing is bound to them here.
+    // Textures and uniforms of the file may have no bindings and locations, since nothing is bound to them here.
     arguments.insert(arguments.end(), {"--auto-map-bindings", "--auto-map-locations"});
     if (language == Language::hlsl) arguments.emplace_back("-D");
     const fs::path copied_source = folder_.path / file_.filename(), output = folder_.path / "function.spv";
@@ -156,7 +156,7 @@ fs::path Compiler::spirv_of_shader(std::string& source, spirv::ShaderLines& line
     return output;
 }
 
-/// True if clang writes pointers without their targets.
+/// True if clang writes pointers without the types of their targets.
 bool Compiler::has_opaque_pointers() {
     const fs::path source = folder_.path / "pointer.c", output = folder_.path / "pointer.ll";
     write_text(source, "void f(float* p) { *p = 0; }\n");

@@ -15,7 +15,7 @@ namespace lostbits::intersect::function {
 
 namespace fs = std::filesystem;
 
-/// The text of a user's file. InputError if it cannot be read or is longer than 50 MB.
+/// Returns the text of a user's file. Throws InputError if the file cannot be read or is longer than 50 MB.
 std::string text_of(const fs::path& path);
 /// True for a file of GLSL, HLSL or SPIR-V.
 bool is_shader(const fs::path& file);

@@ -1,5 +1,5 @@
-// Functions of users in C, C++, Rust, GLSL, HLSL, SPIR-V and LLVM IR as intersectors: compiled for their answers, and
-// read as LLVM IR for everything that looks at operations.
+// Functions of users in C, C++, Rust, GLSL, HLSL, SPIR-V and LLVM IR as intersectors. A function is compiled to compute
+// its answers; its LLVM IR is read for all measurements of operations.
 #pragma once
 
 #include <filesystem>

@@ -284,7 +284,7 @@ int Module::line_of(std::string_view part) {
     return static_cast<int>(std::ranges::lower_bound(line_ends_, part.data()) - line_ends_.begin()) + 1;
 }
 
-/// `@name = private constant [3 x float] [...], align 4`
+/// Reads `@name = private constant [3 x float] [...], align 4`.
 void Module::read_global(Cursor& cursor) {
     cursor.expect("@");
     const std::string name = cursor.name();
@@ -304,7 +304,7 @@ void Module::read_global(Cursor& cursor) {
     }
 }
 
-/// `define ATTRIBUTES TYPE @name(PARAMETERS) ATTRIBUTES !dbg !4 {`
+/// Reads `define ATTRIBUTES TYPE @name(PARAMETERS) ATTRIBUTES !dbg !4 {`.
 IrFunction* Module::read_header(Cursor& cursor) {
     IrFunction function_header;
     std::string_view returned_text;

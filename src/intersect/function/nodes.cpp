@@ -64,9 +64,9 @@ NodeId Nodes::widen(NodeId x) {
     return entry->second;
 }
 
-/// Rounds a double to the function's format. An operation on converted numbers is instead done in that format. That
-/// gives the same number: binary64 has more than twice the digits of binary32 and two more (S. A. Figueroa, When is
-/// double rounding innocuous?, 1995).
+/// Rounds a double to the function's format. If the double is an operation on converted numbers, the operation is done
+/// in that format instead. The result is the same number: binary64 has more than twice the digits of binary32 and two
+/// more (S. A. Figueroa, When is double rounding innocuous?, 1995).
 NodeId Nodes::narrow(NodeId x) {
     if (const auto exact = unconverted(x)) return *exact;
     const ProgramNode n = (*this)[x];

@@ -1,4 +1,4 @@
-// The operations of a function while they are recorded. Parts that no rounding depends on are simplified: decisions
+// The operations of a function while they are recorded. Parts on which no rounding depends are simplified: decisions
 // with a known result, choices between equal sides, numbers that are widened and narrowed again.
 #pragma once
 

@@ -258,7 +258,7 @@ void give_roles(std::vector<Part>& parts, Shape shape) {
     }
     for (std::size_t k = 0; k < keys.size(); ++k) {
         const std::string role = "k" + std::to_string(k);
-        // A number is an inner radius only by its name: more often it is an epsilon.
+        // A number is an inner radius only if its name says so: more often it is an epsilon.
         if (has(role) || keys[k].name == "inner_radius") continue;
         for (Part& p : parts)
             if (p.role.empty() && !p.is_out && !p.slot.is_integer && p.is_vector == (keys[k].count() == 3)) {
@@ -357,8 +357,7 @@ void guess(UserSignature& s, const StatedSignature& stated, const std::string& s
     const Shape shape = guessed_shape(s, stated, parts.all, subject);
     if (stated.has_roles) take_roles(parts.all, shape, stated);
     else give_roles(parts.all, shape);
-    // Many C functions take their arrays without const. So a float* that is not part of the question receives an
-    // answer.
+    // Many C functions take their arrays without const. So a float* without a role as an input receives an answer.
     for (Part& p : parts.all)
         if (p.role.empty() && p.points_to_numbers && p.is_vector &&
             !s.arguments[static_cast<std::size_t>(p.slot.argument)].type.is_const)

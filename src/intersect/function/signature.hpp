@@ -1,5 +1,6 @@
-// The signature of a user's function by its debug information: which argument is the ray's, which the primitive's, and
-// how it answers. Guessed from names and types; a comment of the file or the option overrides the guess.
+// The signature of a user's function, from its debug information: which arguments belong to the ray and to the
+// primitive, and how the function answers. It is guessed from names and types; a comment of the file or the option
+// overrides the guess.
 #pragma once
 
 #include <optional>
@@ -107,8 +108,8 @@ std::string no_function(const std::string& ir, const std::string& path, const st
                         SourceLanguage language);
 /// The number at an offset of an argument, as the source writes it: `ray->origin[1]`.
 std::string text_of_part(const Argument& argument, std::size_t offset);
-/// Reads the signature from the debug information of a module. LLVM IR without debug information gives its types.
-/// InputError if the function does not exist.
+/// Reads the signature from the debug information of a module. Without debug information, the types are those of the
+/// LLVM IR. Throws InputError if the function does not exist.
 UserSignature signature_of(Module& module, const std::string& path, const std::string& name, SourceLanguage language);
 /// Guesses the roles of the arguments and the answers. Throws InputError with the text to write if an argument's
 /// meaning cannot be guessed.

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t max_cases = 128;
 constexpr int max_visits = 3000;
 
-/// Names after `label %` in the last instruction of a block.
+/// Returns the names after `label %` in the last instruction of a block.
 std::vector<std::string> labels_in(std::string_view line) {
     std::vector<std::string> labels;
     constexpr std::string_view mark = "label %";

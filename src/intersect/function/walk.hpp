@@ -1,5 +1,6 @@
-// Runs a function of LLVM IR over recorded numbers. An integer or a pointer is known, or is one of a few that decisions
-// choose from. Other numbers are operations. Both sides of a branch are run, and their results are joined by choices.
+// Runs a function of LLVM IR over recorded numbers. An integer or a pointer is known, or is one of a few values between
+// which decisions choose. Floating-point numbers are operations. Both sides of a branch are run, and choices join their
+// results.
 #pragma once
 
 #include <array>
@@ -124,7 +125,7 @@ private:
     Value address_of(State& state, const std::string& global);
     Value element_address(State& state, Cursor& cursor);
     NodeId literal(const Type& type, Cursor& cursor);
-    /// False if the block ends.
+    /// Runs one instruction. Returns false if the block ends.
     bool step(Frame& frame, State& state, std::string_view line);
     bool end_block(Frame& frame, State& state, std::string_view op, Cursor& cursor);
     Value compute(Frame& frame, State& state, std::string_view op, Cursor& cursor);

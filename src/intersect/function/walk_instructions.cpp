@@ -200,7 +200,7 @@ Value Walk::arithmetic(State& state, std::string_view op, Cursor& cursor) {
     return each_lane(*type, [&](const Type& lane, std::size_t offset) {
         const NodeId x = number_of(part_of(a, offset, lane.size), lane),
                      y = number_of(part_of(b, offset, lane.size), lane);
-        // -0 - x is how older compilers write -x.
+        // Older compilers write -x as -0 - x.
         if (tape_op == TapeOp::sub && nodes_[x].op == TapeOp::constant && nodes_[x].value == 0 &&
             std::signbit(nodes_[x].value))
             return number(nodes_.number(TapeOp::neg, y));

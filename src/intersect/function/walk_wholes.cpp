@@ -115,7 +115,7 @@ Value Walk::integer_arithmetic(State& state, std::string_view op, Cursor& cursor
     });
 }
 
-/// `TYPE VALUE to TYPE`
+/// Reads and performs a conversion, `TYPE VALUE to TYPE`.
 Value Walk::convert(State& state, std::string_view op, Cursor& cursor) {
     skip_flags(cursor);
     const Type* const source_type = module_.type(cursor);

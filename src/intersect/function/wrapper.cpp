@@ -1,5 +1,5 @@
-// The file that calls a user's function with the numbers of a ray and a primitive. The compiler then follows the
-// calling convention: structures in registers, references, results in memory.
+// Writes the file that calls a user's function with the numbers of a ray and a primitive. The compiler of this file
+// then takes care of the calling convention: structures in registers, references, results in memory.
 #include <algorithm>
 
 #include "intersect/function/signature.hpp"
@@ -133,7 +133,7 @@ std::string rust_wrapper(const UserSignature& s, const std::string& text_of_file
     return text + (s.hit_is_optional ? "    } }\n" : "") + "} }\n";
 }
 
-// LLVM IR: each parameter gets the bytes of the argument that it is a part of, by the debug information.
+// LLVM IR: each parameter receives the bytes of an argument of which it is a part, by the debug information.
 
 std::string ir_number_type(std::size_t size) { return size == 4 ? "float" : "double"; }
 

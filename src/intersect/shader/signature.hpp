@@ -11,8 +11,9 @@
 
 namespace lostbits::intersect::shader {
 
-/// The call of a function that is an intersector. Its expressions use the names that the program around it declares:
-/// `lb_origin`, `lb_direction`, `lb_point`, `lb_primitive[k]` (number k of the primitive), `lb_tmin` and `lb_tmax`.
+/// The call of a function that is an intersector. The expressions of the call use names that the surrounding program
+/// declares: `lb_origin`, `lb_direction`, `lb_point`, `lb_primitive[k]` (number k of the primitive), `lb_tmin` and
+/// `lb_tmax`.
 struct Signature {
     /// intersector: takes a ray and a primitive. march: takes only a ray and has its own primitives. field: takes a
     /// point and returns a distance; the program around it marches. If a file has several kinds, the first counts.

@@ -28,7 +28,7 @@ struct Sentinel {
 };
 
 /// Constants of the loop that marches a field: d = map(ro + rd t); a hit at that t if d < hit_eps; else t += d; a miss
-/// if t > max_dist, or after max_steps. The defaults are those of SDF Sphere Marching (lesson P0-C1).
+/// if t > max_dist, or after max_steps. The defaults are those of lesson P0-C1 of SDF Sphere Marching.
 struct ShaderMarch {
     double hit_eps = 0.001, max_dist = 20;
     int max_steps = 64;

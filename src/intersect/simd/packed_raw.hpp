@@ -15,7 +15,7 @@ struct RawTarget {
     const F* numbers;            ///< `most_numbers` numbers for each primitive, in the order of `Primitive`
     const std::uint8_t* shapes;  ///< the shape of each primitive, as the integer value of `Shape`
     std::size_t primitives;      ///< number of primitives; 1 for a form that does not march
-    MarchConstants<F> march;     ///< for the forms that march
+    MarchConstants<F> march;     ///< only for forms that march
 };
 
 /// Whole packs of rays, structure of arrays: `size` is a multiple of the lanes.

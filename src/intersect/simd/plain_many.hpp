@@ -1,5 +1,5 @@
 // One ray against many boxes by the simplest loop: a form's scalar source for each box in turn. The compiler may
-// vectorise it with the instructions that the packs use. It is the baseline that shows what packs gain.
+// vectorise the loop with the instructions that the packs use. The loop is the baseline that shows what packs gain.
 #pragma once
 
 #include <cstddef>

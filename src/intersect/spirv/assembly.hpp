@@ -1,4 +1,4 @@
-// The text that spirv-dis writes, as instructions.
+// Reads the text that spirv-dis writes as instructions.
 #pragma once
 
 #include <string>

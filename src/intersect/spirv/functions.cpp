@@ -1,4 +1,4 @@
-// Functions, their blocks, memory, and parts of values.
+// Translates functions, their blocks, accesses to memory, and parts of values.
 #include <algorithm>
 #include <array>
 

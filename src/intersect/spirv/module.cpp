@@ -1,4 +1,4 @@
-// Types, constants and variables of a module, and its debug information.
+// Translates types, constants and variables of a module, and writes its debug information.
 #include <algorithm>
 #include <array>
 #include <bit>
