@@ -47,7 +47,7 @@ std::atomic<const char*> running_probe{nullptr};
 /// Changes of the processor's state, by the name of the library or form that made them.
 struct StateChanges {
     std::mutex lock;
-    std::map<std::string, std::string> all;
+    std::map<std::string, std::string> by_name;
 };
 /// Never destroyed: exit handlers may add to it.
 StateChanges& state_changes() {
@@ -223,20 +223,20 @@ LoadsForeignCode::~LoadsForeignCode() {
 
 void note_change(const std::string& who, const std::string& change) {
     const std::scoped_lock lock(state_changes().lock);
-    state_changes().all.try_emplace(who, change);
+    state_changes().by_name.try_emplace(who, change);
 }
 
 std::vector<std::string> changes_noted() {
     const std::scoped_lock lock(state_changes().lock);
     std::vector<std::string> sentences;
-    for (const auto& [who, change] : state_changes().all) sentences.push_back(who + ": " + change);
+    for (const auto& [who, change] : state_changes().by_name) sentences.push_back(who + ": " + change);
     return sentences;
 }
 
 std::string change_noted(const std::string& who) {
     const std::scoped_lock lock(state_changes().lock);
-    const auto entry = state_changes().all.find(who);
-    return entry == state_changes().all.end() ? "" : entry->second;
+    const auto entry = state_changes().by_name.find(who);
+    return entry == state_changes().by_name.end() ? "" : entry->second;
 }
 
 const char* foreign_code_here() noexcept { return running_code.load(); }

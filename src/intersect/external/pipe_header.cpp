@@ -53,7 +53,7 @@ std::string flags_of(const Contract& c) {
 }
 
 const std::vector<Key>& keys() {
-    static const std::vector<Key> all{
+    static const std::vector<Key> key_list{
         text_key("name", &Contract::name),
         text_key("title", &Contract::title),
         text_key("source", &Contract::source),
@@ -67,7 +67,7 @@ const std::vector<Key>& keys() {
         enumeration_key("inside", insides, &Contract::inside),
         enumeration_key("facing", facings, &Contract::facing),
         text_key("state", &Contract::state)};
-    return all;
+    return key_list;
 }
 
 std::string joined(Texts texts) {

@@ -272,8 +272,8 @@ void require_same(const table::Kernel<S>& native, const table::Kernel<S>& record
 std::string plain_name(const std::string& function) {
     std::string name;
     for (const char c : function) {
-        const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
-        if (plain) name += c;
+        const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
+        if (is_plain) name += c;
         else if (!name.empty() && name.back() != '.') name += '.';
     }
     while (!name.empty() && name.back() == '.') name.pop_back();

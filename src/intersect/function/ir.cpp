@@ -169,8 +169,8 @@ const Type* Module::named(const std::string& name) {
     if (definition == definitions_.end()) return named_[name] = add({});
     named_[name] = nullptr;  // while it is read; a pointer to itself needs no size
     Cursor cursor(definition->second);
-    const Type* const found = type(cursor);
-    return named_[name] = found;
+    const Type* const definition_type = type(cursor);
+    return named_[name] = definition_type;
 }
 
 const Type* Module::simple_type(Cursor& cursor) {
@@ -178,9 +178,9 @@ const Type* Module::simple_type(Cursor& cursor) {
     if (c == '%') {
         cursor.expect("%");
         const std::string name = cursor.name();
-        const Type* const found = named(name);
-        if (found == nullptr) return add({});
-        return found;
+        const Type* const named_type = named(name);
+        if (named_type == nullptr) return add({});
+        return named_type;
     }
     if (cursor.take("{")) return structure_of(cursor, '}', false);
     if (c == '[' || c == '<') {
@@ -350,20 +350,20 @@ IrFunction* Module::read_header(Cursor& cursor) {
 
 Module::Module(std::string text) : text_(std::move(text)) {
     pointer_ = add({.kind = Type::Kind::pointer, .size = 8, .align = 8, .bits = 64});
-    const std::string_view all = text_;
-    if (all.find('\0') != std::string_view::npos)
+    const std::string_view whole_text = text_;
+    if (whole_text.find('\0') != std::string_view::npos)
         throw InputError("the LLVM IR is not a text; write .bc after the name of a file of bitcode");
     IrFunction* function_body = nullptr;
     std::vector<std::string_view> headers;
     // Named types come first, since functions may use types that are defined below them.
     const auto for_each_line = [&](const auto& action) {
-        for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end + 1) {
-            end = std::min(all.find('\n', begin), all.size());
+        for (std::size_t begin = 0, end = 0; begin < whole_text.size(); begin = end + 1) {
+            end = std::min(whole_text.find('\n', begin), whole_text.size());
             action(begin, end);
         }
     };
     for_each_line([&](std::size_t begin, std::size_t& end) {
-        const std::string_view line = all.substr(begin, end - begin);
+        const std::string_view line = whole_text.substr(begin, end - begin);
         if (!line.starts_with('%')) return;
         Cursor cursor(line);
         cursor.expect("%");
@@ -371,7 +371,7 @@ Module::Module(std::string text) : text_(std::move(text)) {
         if (cursor.take("=") && cursor.take("type")) definitions_[name] = cursor.rest();
     });
     for_each_line([&](std::size_t begin, std::size_t& end) {
-        std::string_view line = all.substr(begin, end - begin);
+        std::string_view line = whole_text.substr(begin, end - begin);
         Cursor cursor(line);
         if (function_body == nullptr) {
             if (line.starts_with("define ")) {
@@ -409,14 +409,15 @@ Module::Module(std::string text) : text_(std::move(text)) {
                 line.find("\n  ]") == std::string_view::npos && !line.ends_with(']') &&
                 line.find("], !") == std::string_view::npos)
                 return true;
-            if (end + 1 >= all.size()) return false;
-            Cursor next(all.substr(end + 1, std::min(all.find('\n', end + 1), all.size()) - end - 1));
+            if (end + 1 >= whole_text.size()) return false;
+            Cursor next(
+                whole_text.substr(end + 1, std::min(whole_text.find('\n', end + 1), whole_text.size()) - end - 1));
             return next.take("to label") || next.take("catch ") || next.take("filter ") || next.take("cleanup") ||
                    next.take("unwind label");
         };
-        while (end < all.size() && continues()) {
-            end = std::min(all.find('\n', end + 1), all.size());
-            line = all.substr(begin, end - begin);
+        while (end < whole_text.size() && continues()) {
+            end = std::min(whole_text.find('\n', end + 1), whole_text.size());
+            line = whole_text.substr(begin, end - begin);
         }
         function_body->blocks.back().lines.push_back(line);
     });

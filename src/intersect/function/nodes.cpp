@@ -148,7 +148,7 @@ NodeId Nodes::least(TapeOp op, NodeId a, NodeId b) {
 /// Subtracts from |x| each power of two that fits, the largest first. Each partial sum consists of leading digits of
 /// |x|. So it is exact in every format, and the decisions are right in exact arithmetic, too. A number of p digits is
 /// whole from 2^(p-1) on.
-NodeId Nodes::whole(WholeNumber which, NodeId x) {
+NodeId Nodes::whole(WholeNumber rounding, NodeId x) {
     const bool wide = (*this)[x].wide;
     const int digits = bits_ == 64 || wide ? 53 : 24;
     const auto constant_of = [&](double c) { return constant(c, wide); };
@@ -166,12 +166,12 @@ NodeId Nodes::whole(WholeNumber which, NodeId x) {
         return select(when, number(op, truncated, constant_of(1)), truncated);
     };
     NodeId rounded = truncated;
-    switch (which) {
+    switch (rounding) {
         case WholeNumber::towards_zero: break;
         case WholeNumber::below: rounded = moved_by_one(compare(TapeOp::less, x, truncated), TapeOp::sub); break;
         case WholeNumber::above: rounded = moved_by_one(compare(TapeOp::less, truncated, x), TapeOp::add); break;
         default: {
-            const Mask rounds_away = which == WholeNumber::nearest_or_away
+            const Mask rounds_away = rounding == WholeNumber::nearest_or_away
                                          ? compare_with_half(TapeOp::greater_equal)
                                          : either(compare_with_half(TapeOp::greater),
                                                   both(compare_with_half(TapeOp::greater_equal), is_odd));

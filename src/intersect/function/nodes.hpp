@@ -56,7 +56,7 @@ public:
 
     /// How to round to a whole number: floor, ceil, trunc, round, roundeven.
     enum class WholeNumber { below, above, towards_zero, nearest_or_away, nearest_or_even };
-    NodeId whole(WholeNumber which, NodeId x);
+    NodeId whole(WholeNumber rounding, NodeId x);
 
     Mask compare(TapeOp op, NodeId a, NodeId b);
     Mask both(Mask a, Mask b);

@@ -170,14 +170,14 @@ private:
 Shape guessed_shape(const UserSignature& s, const StatedSignature& stated, const std::vector<Part>& parts,
                     const std::string& subject) {
     if (!stated.shape.empty()) {
-        const auto known = std::ranges::find(shape_names, std::string_view(stated.shape));
-        if (known == shape_names.end() || *known == "sdf") {
+        const auto shape_name = std::ranges::find(shape_names, std::string_view(stated.shape));
+        if (shape_name == shape_names.end() || *shape_name == "sdf") {
             std::string all_names;
             for (const std::string_view name : shape_names)
                 if (name != "sdf") all_names += (all_names.empty() ? "" : ", ") + std::string(name);
             throw InputError(stated.where + ": " + external::shown_text(stated.shape) + " is not one of " + all_names);
         }
-        return static_cast<Shape>(known - shape_names.begin());
+        return static_cast<Shape>(shape_name - shape_names.begin());
     }
     if (const auto named = shape_named(normalized_name(s.call))) return *named;
     for (const Argument& a : s.arguments)

@@ -178,20 +178,20 @@ void set_ir_types(UserSignature& s, Module& module, const IrFunction& f, const s
         for (const std::string_view line : b.lines)
             if (line.find(" float ") != std::string_view::npos) default_size = 4;
     const std::function<SourceType(const Type&)> source_type = [&](const Type& t) {
-        SourceType made{.name = {}, .size = t.size};
+        SourceType result{.name = {}, .size = t.size};
         if (t.kind == Type::Kind::number) return number(t.size);
-        if (t.kind == Type::Kind::integer) made.kind = Kind::integer;
-        if (t.kind == Type::Kind::nothing) made.kind = Kind::nothing;
+        if (t.kind == Type::Kind::integer) result.kind = Kind::integer;
+        if (t.kind == Type::Kind::nothing) result.kind = Kind::nothing;
         if (t.kind == Type::Kind::sequence)
-            made.kind = Kind::sequence, made.parts = {source_type(*t.parts[0])}, made.count = t.count;
+            result.kind = Kind::sequence, result.parts = {source_type(*t.parts[0])}, result.count = t.count;
         if (t.kind == Type::Kind::structure) {
-            made.kind = Kind::structure;
+            result.kind = Kind::structure;
             for (std::size_t k = 0; k < t.parts.size(); ++k) {
-                made.parts.push_back(source_type(*t.parts[k]));
-                made.parts.back().member = std::to_string(k), made.parts.back().offset = t.offsets[k];
+                result.parts.push_back(source_type(*t.parts[k]));
+                result.parts.back().member = std::to_string(k), result.parts.back().offset = t.offsets[k];
             }
         }
-        return made;
+        return result;
     };
     for (const IrParameter& p : f.parameters) {
         const bool has_name = p.name.find_first_not_of("0123456789") != std::string::npos;
@@ -217,8 +217,9 @@ void set_ir_types(UserSignature& s, Module& module, const IrFunction& f, const s
 }  // namespace
 
 bool mentions(const std::string& source, const std::string& name) {
-    const std::string plain = name.substr(0, name.find('<'));
-    const std::string last_part = plain.substr(plain.rfind(':') == std::string::npos ? 0 : plain.rfind(':') + 1);
+    const std::string untemplated_name = name.substr(0, name.find('<'));
+    const std::string last_part =
+        untemplated_name.substr(untemplated_name.rfind(':') == std::string::npos ? 0 : untemplated_name.rfind(':') + 1);
     const auto is_word_character = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
     for (std::size_t position = source.find(last_part); position != std::string::npos;
          position = source.find(last_part, position + 1)) {

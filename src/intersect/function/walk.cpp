@@ -71,7 +71,7 @@ NodeId Walk::number_of(const Value& value, const Type& type) {
     if (cell.scalar.kind == Scalar::Kind::undefined) return nodes_.constant(0, nodes_.bits() < type.bits);
     if (value.size() == 1 && offset == 0 && cell.size == type.size) {
         if (cell.scalar.kind == Scalar::Kind::number) return cell.scalar.node;
-        if (const auto known = from_bits(cell.scalar, cell.size)) return *known;
+        if (const auto bits_number = from_bits(cell.scalar, cell.size)) return *bits_number;
     }
     fail("a number is made of the bits of others");
 }

@@ -39,7 +39,7 @@ std::optional<Value> Walk::known_call(State& state, const std::string& name, con
         if (is_function("fabs")) return lanes(1, [&](const auto& x) { return nodes_.number(TapeOp::abs, x[0]); });
         struct RoundingFunction {
             const char* name;
-            Nodes::WholeNumber which;
+            Nodes::WholeNumber rounding;
         };
         constexpr std::array rounding_functions{RoundingFunction{"floor", Nodes::WholeNumber::below},
                                                 RoundingFunction{"ceil", Nodes::WholeNumber::above},
@@ -49,7 +49,7 @@ std::optional<Value> Walk::known_call(State& state, const std::string& name, con
                                                 RoundingFunction{"rint", Nodes::WholeNumber::nearest_or_even},
                                                 RoundingFunction{"nearbyint", Nodes::WholeNumber::nearest_or_even}};
         for (const RoundingFunction& r : rounding_functions)
-            if (is_function(r.name)) return lanes(1, [&](const auto& x) { return nodes_.whole(r.which, x[0]); });
+            if (is_function(r.name)) return lanes(1, [&](const auto& x) { return nodes_.whole(r.rounding, x[0]); });
         if (arguments.size() >= 2) {
             const auto is_two = [&](const Value& exponent) {
                 const Scalar s = exponent.empty() ? Scalar() : exponent.begin()->second.scalar;
@@ -187,7 +187,7 @@ std::optional<Value> Walk::call_instruction(Frame& frame, State& state, Cursor& 
         if (!argument_cursor.take(",")) break;
     }
     if (name.starts_with(spirv::refusal)) fail(name.substr(std::string_view(spirv::refusal).size()));
-    if (auto known = known_call(state, name, *type, arguments, types)) return known;
+    if (auto known_result = known_call(state, name, *type, arguments, types)) return known_result;
     if (const IrFunction* const f = module_.function(name)) {
         auto result = call(*f, std::move(arguments), std::move(state), call_place);
         nodes_.place = call_place;

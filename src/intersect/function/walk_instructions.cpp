@@ -83,9 +83,9 @@ bool Walk::end_block(Frame& frame, State& state, std::string_view op, Cursor& cu
         const Type* const type = module_.type(cursor);
         const Mask when = mask_of(value(state, *type, cursor));
         cursor.expect(",");
-        const std::string left = label();
+        const std::string true_label = label();
         cursor.expect(",");
-        branch(frame, state, when, left);
+        branch(frame, state, when, true_label);
         branch(frame, state, nodes_.opposite(when), label());
         return false;
     }
@@ -261,7 +261,7 @@ Value Walk::compare_integers(State& state, Cursor& cursor) {
     cursor.expect(",");
     const Value b = value(state, *type, cursor);
     const auto decide = [&](const Value& p, const Value& q, const Type& lane) {
-        Mask all = no;
+        Mask mask = no;
         const int bits = lane.kind == Type::Kind::pointer ? 64 : lane.bits;
         for (const Case& x : cases_of(p, lane))
             for (const Case& y : cases_of(q, lane)) {
@@ -269,18 +269,18 @@ Value Walk::compare_integers(State& state, Cursor& cursor) {
                 if (x.object == y.object) result = holds(predicate, x.value, y.value, bits);
                 else if (predicate == "eq" || predicate == "ne") result = predicate == "ne";
                 else fail("addresses of different objects are compared");
-                if (result) all = nodes_.either(all, nodes_.both(x.when, y.when));
+                if (result) mask = nodes_.either(mask, nodes_.both(x.when, y.when));
             }
-        return from_mask(all);
+        return from_mask(mask);
     };
     if (!type->is_vector) return decide(a, b, *type);
-    Value all;
+    Value masks;
     for (std::size_t k = 0; k < type->count; ++k) {
         std::size_t offset = 0;
         const Type& lane = *type->part(k, offset);
-        write_bytes(all, k, 1, decide(part_of(a, offset, lane.size), part_of(b, offset, lane.size), lane));
+        write_bytes(masks, k, 1, decide(part_of(a, offset, lane.size), part_of(b, offset, lane.size), lane));
     }
-    return all;
+    return masks;
 }
 
 }  // namespace lostbits::intersect::function

@@ -42,10 +42,10 @@ std::optional<Value> Walk::bit_operation(std::string_view op, const Type& type, 
     }();
     if (!has_numbers) return {};
     const auto zero_filled = [&](Value v) {
-        Value all;
-        write_bytes(all, 0, type.size, from_cases({{yes, 0, 0}}, type.size));
-        for (const auto& [offset, cell] : v) write_bytes(all, offset, cell.size, {{0, cell}});
-        return all;
+        Value result;
+        write_bytes(result, 0, type.size, from_cases({{yes, 0, 0}}, type.size));
+        for (const auto& [offset, cell] : v) write_bytes(result, offset, cell.size, {{0, cell}});
+        return result;
     };
     if ((op == "lshr" || op == "shl") && mask && *mask % 8 == 0 && *mask / 8 < type.size) {
         const std::size_t byte_count = *mask / 8;
@@ -60,7 +60,7 @@ std::optional<Value> Walk::bit_operation(std::string_view op, const Type& type, 
             return cell.scalar.kind == Scalar::Kind::integer && cell.scalar.cases.size() == 1 &&
                    cell.scalar.cases[0].object == 0 && cell.scalar.cases[0].value == 0;
         };
-        Value all = zero_filled({});
+        Value result = zero_filled({});
         std::vector<bool> used(type.size);
         for (const Value* v : {&a, &b})
             for (const auto& [offset, cell] : *v) {
@@ -69,9 +69,9 @@ std::optional<Value> Walk::bit_operation(std::string_view op, const Type& type, 
                     if (used[k]) return {};
                     used[k] = true;
                 }
-                write_bytes(all, offset, cell.size, {{0, cell}});
+                write_bytes(result, offset, cell.size, {{0, cell}});
             }
-        return all;
+        return result;
     }
     return {};
 }
@@ -86,7 +86,7 @@ Value Walk::combine(std::string_view op, const Type& type, const Value& a, const
         if (op == "or") return from_mask(nodes_.either(x, y));
         return from_mask(nodes_.choose(x, nodes_.opposite(y), y));
     }
-    std::vector<Case> all;
+    std::vector<Case> cases;
     for (const Case& x : cases_of(a, type))
         for (const Case& y : cases_of(b, type)) {
             int object = 0;
@@ -98,9 +98,9 @@ Value Walk::combine(std::string_view op, const Type& type, const Value& a, const
             }
             const auto result = integer_result(op, x.value, y.value, type.bits);
             if (!result && nodes_.both(x.when, y.when) == yes) fail("an integer is divided by zero");
-            all.push_back({nodes_.both(x.when, y.when), object, result.value_or(0)});
+            cases.push_back({nodes_.both(x.when, y.when), object, result.value_or(0)});
         }
-    return from_cases(distinct(std::move(all)), type.size);
+    return from_cases(distinct(std::move(cases)), type.size);
 }
 
 Value Walk::integer_arithmetic(State& state, std::string_view op, Cursor& cursor) {

@@ -117,13 +117,13 @@ std::string shell_command(const ProgramArguments& arguments) {
 }
 
 std::vector<int> children() {
-    std::vector<int> all;
+    std::vector<int> process_ids;
     std::error_code error;
     for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", error)) {
         std::ifstream list(thread.path() / "children");
-        for (int child = 0; list >> child;) all.push_back(child);
+        for (int child = 0; list >> child;) process_ids.push_back(child);
     }
-    return all;
+    return process_ids;
 }
 
 Child::Child(const std::string& command, ChildTerms terms) : terms_(std::move(terms)) {

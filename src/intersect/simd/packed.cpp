@@ -76,9 +76,9 @@ std::optional<Isa> isa_named(std::string_view name) {
 }
 
 std::vector<Isa> available_isas() {
-    std::vector<Isa> all{Isa::scalar, Isa::w128, Isa::w256, Isa::w512};
-    std::erase_if(all, [](Isa isa) { return !is_available(isa); });
-    return all;
+    std::vector<Isa> isas{Isa::scalar, Isa::w128, Isa::w256, Isa::w512};
+    std::erase_if(isas, [](Isa isa) { return !is_available(isa); });
+    return isas;
 }
 
 Isa best_isa() { return available_isas().back(); }
