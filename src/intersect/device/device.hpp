@@ -1,4 +1,4 @@
-// A driver that runs compute programs, by either interface.
+// A driver that runs compute programs, through OpenGL or Vulkan.
 #pragma once
 
 #include <cstddef>
@@ -20,21 +20,21 @@ struct DeviceDescription {
 };
 
 struct DeviceLimits {
-    std::size_t buffer_bytes = 0;  ///< size of one buffer
-    std::size_t groups = 0;        ///< work groups of one run
+    std::size_t buffer_bytes = 0;  ///< largest size of one buffer
+    std::size_t groups = 0;        ///< largest number of work groups in one run
     bool doubles = false;
-    int glsl = 430;  ///< the version of GLSL that it gets
+    int glsl = 430;  ///< version of GLSL that programs for the device state
 };
 
-/// The compiler's messages about a program that it rejects.
+/// Thrown for a program that the compiler rejects, with the compiler's messages.
 struct CompileError : InputError {
     using InputError::InputError;
 };
 
-/// Elements that one work group of our programs answers.
+/// Number of elements that one work group of our programs answers.
 inline constexpr std::size_t group_size = 64;
 
-/// A buffer as it is before a run, and after it where the program writes it.
+/// A buffer of a run. It is read before the run, and written back after the run if the program writes it.
 struct Buffer {
     std::span<std::byte> bytes;
     bool written = false;
@@ -62,13 +62,14 @@ public:
 
     [[nodiscard]] virtual const DeviceDescription& description() const = 0;
     [[nodiscard]] virtual const DeviceLimits& limits() const = 0;
-    /// A compute program. CompileError if the compiler rejects it; EnvironmentError if the compiler itself fails or
-    /// does not know the language.
+    /// Compiles a compute program. Throws CompileError if the compiler rejects the program, and EnvironmentError if the
+    /// compiler itself fails or does not know the language.
     [[nodiscard]] std::unique_ptr<Program> compile(const std::string& text, Language language) {
         const process::FloatingPointGuard guard;
         return compile_here(text, language);
     }
-    /// Runs this many work groups; buffer k has binding k, and no buffer is empty. EnvironmentError for a lost device.
+    /// Runs this many work groups. Buffer k has binding k, and no buffer is empty. Throws EnvironmentError for a lost
+    /// device.
     void run(Program& program, std::span<const Buffer> buffers, std::size_t groups) {
         const process::FloatingPointGuard guard;
         run_here(program, buffers, groups);
@@ -79,7 +80,7 @@ protected:
     virtual void run_here(Program& program, std::span<const Buffer> buffers, std::size_t groups) = 0;
 };
 
-/// Interfaces, the default first.
+/// The kinds of driver interfaces, the default first.
 inline constexpr std::string_view device_kinds[] = {"opengl", "vulkan"};
 
 /// Version of a driver module: it exports `lostbits_device_build`, which must equal `device_build`, and
@@ -88,9 +89,10 @@ inline constexpr int device_build = 3;
 using OpenDevice = Device* (*)();
 
 /// Loads the module of that kind and opens its first device that can run compute programs. Call it in a separate
-/// process: a driver brings a compiler, threads and signal handlers. EnvironmentError that says what is missing.
+/// process, since a driver brings a compiler, threads and signal handlers. Throws EnvironmentError that says what is
+/// missing.
 std::unique_ptr<Device> open_device(std::string_view kind);
-/// Opens the first kind that can be opened. EnvironmentError that lists what each of them lacks.
+/// Opens a device of the first kind that can be opened. Throws EnvironmentError that lists what each kind lacks.
 std::unique_ptr<Device> open_any_device();
 
 }  // namespace lostbits::intersect::device

@@ -13,14 +13,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Path of the module of a kind: in $LOSTBITS_DEVICE_MODULES, in the program's own folder (a build folder), or in the
-/// installed `lib/lostbits`. EnvironmentError if none of these folders has the module.
+/// Returns the path of the module of a kind: in $LOSTBITS_DEVICE_MODULES, in the program's own folder (a build folder),
+/// or in the installed `lib/lostbits`. Throws EnvironmentError if none of these folders has the module.
 fs::path module_of(std::string_view kind) {
     const std::string name = "lostbits_" + std::string(kind) + ".so";
     std::error_code error;
-    const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
-    const char* const named = process::own_environment("LOSTBITS_DEVICE_MODULES");
-    for (const fs::path& folder : {fs::path(named != nullptr ? named : ""), here, here / "../lib/lostbits"}) {
+    const fs::path program_folder = fs::read_symlink("/proc/self/exe", error).parent_path();
+    const char* const module_folder = process::own_environment("LOSTBITS_DEVICE_MODULES");
+    for (const fs::path& folder : {fs::path(module_folder != nullptr ? module_folder : ""), program_folder,
+                                   program_folder / "../lib/lostbits"}) {
         if (!folder.empty() && fs::exists(folder / name, error)) return folder / name;
     }
     throw EnvironmentError(std::string(kind) + ": this program was built without its module; install " +
@@ -31,12 +32,12 @@ fs::path module_of(std::string_view kind) {
 
 std::unique_ptr<Device> open_device(std::string_view kind) {
     const fs::path path = module_of(kind);
-    const auto fail = [&](const char* why) -> EnvironmentError {
-        if (why != nullptr && lacks_memory(why))
-            return EnvironmentError(std::string(kind) + ": cannot load " + path.string() + ": " + why +
+    const auto fail = [&](const char* reason) -> EnvironmentError {
+        if (reason != nullptr && lacks_memory(reason))
+            return EnvironmentError(std::string(kind) + ": cannot load " + path.string() + ": " + reason +
                                     "; raise `ulimit -v`, or free memory");
         return EnvironmentError(
-            std::string(kind) + ": cannot load " + path.string() + ": " + (why != nullptr ? why : "unknown") +
+            std::string(kind) + ": cannot load " + path.string() + ": " + (reason != nullptr ? reason : "unknown") +
             "; install its libraries (Debian: " + (kind == "opengl" ? "libegl1 libopengl0" : "libvulkan1") + ")");
     };
     const process::FloatingPointGuard guard;
@@ -51,15 +52,15 @@ std::unique_ptr<Device> open_device(std::string_view kind) {
 }
 
 std::unique_ptr<Device> open_any_device() {
-    std::string lacks;
+    std::string problems;
     for (const std::string_view kind : device_kinds) {
         try {
             return open_device(kind);
         } catch (const EnvironmentError& error) {
-            lacks += std::string("\n  ") + error.what();
+            problems += std::string("\n  ") + error.what();
         }
     }
-    throw EnvironmentError("no driver can run shaders here:" + lacks);
+    throw EnvironmentError("no driver can run shaders here:" + problems);
 }
 
 }  // namespace lostbits::intersect::device

@@ -17,14 +17,16 @@
 namespace lostbits::intersect::device {
 namespace {
 
-[[noreturn]] void lacking(const std::string& what) { throw EnvironmentError("opengl: " + what); }
+[[noreturn]] void fail(const std::string& problem) { throw EnvironmentError("opengl: " + problem); }
 
 /// The displays that need no window, in the order in which they are tried: one for each device, Mesa's surfaceless
 /// platform, the default display.
 std::vector<std::function<EGLDisplay()>> displays() {
-    std::vector<std::function<EGLDisplay()>> all;
-    const char* const known = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
-    const auto has = [known](const char* name) { return known != nullptr && std::strstr(known, name) != nullptr; };
+    std::vector<std::function<EGLDisplay()>> result;
+    const char* const extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+    const auto has = [extensions](const char* name) {
+        return extensions != nullptr && std::strstr(extensions, name) != nullptr;
+    };
     const auto display_of =
         reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(eglGetProcAddress("eglGetPlatformDisplayEXT"));
     if (has("EGL_EXT_platform_device") && has("EGL_EXT_device_enumeration") && display_of != nullptr) {
@@ -33,42 +35,45 @@ std::vector<std::function<EGLDisplay()>> displays() {
         EGLint count = 0;
         if (query != nullptr && query(static_cast<EGLint>(devices.size()), devices.data(), &count) == EGL_TRUE) {
             for (EGLint i = 0; i < count; ++i)
-                all.emplace_back([device = devices[static_cast<std::size_t>(i)], display_of] {
+                result.emplace_back([device = devices[static_cast<std::size_t>(i)], display_of] {
                     return display_of(EGL_PLATFORM_DEVICE_EXT, device, nullptr);
                 });
         }
     }
     if (has("EGL_MESA_platform_surfaceless") && display_of != nullptr)
-        all.emplace_back(
+        result.emplace_back(
             [display_of] { return display_of(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr); });
-    all.emplace_back([] { return eglGetDisplay(EGL_DEFAULT_DISPLAY); });
-    return all;
+    result.emplace_back([] { return eglGetDisplay(EGL_DEFAULT_DISPLAY); });
+    return result;
 }
 
 /// Minor versions of OpenGL 4 in the order in which they are tried, each first with notification of a lost device, then
 /// without.
-constexpr std::array<std::pair<EGLint, bool>, 8> contexts{
+constexpr std::array<std::pair<EGLint, bool>, 8> context_versions{
     {{6, true}, {6, false}, {5, true}, {5, false}, {4, true}, {4, false}, {3, true}, {3, false}}};
 
-/// Makes a context that can run compute programs current. False if the display has none.
+/// Makes a context that can run compute programs current. Returns false if the display has no such context.
 bool make_current(EGLDisplay display) {
     if (display == EGL_NO_DISPLAY || eglInitialize(display, nullptr, nullptr) != EGL_TRUE) return false;
     if (eglBindAPI(EGL_OPENGL_API) != EGL_TRUE) return false;
-    for (const auto& [minor, notice] : contexts) {
-        const std::array<EGLint, 9> wanted{EGL_CONTEXT_MAJOR_VERSION,
-                                           4,
-                                           EGL_CONTEXT_MINOR_VERSION,
-                                           minor,
-                                           EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                           EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                           notice ? EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_KHR : EGL_NONE,
-                                           EGL_LOSE_CONTEXT_ON_RESET_KHR,
-                                           EGL_NONE};
+    for (const auto& [minor, with_notification] : context_versions) {
+        const std::array<EGLint, 9> context_attributes{
+            EGL_CONTEXT_MAJOR_VERSION,
+            4,
+            EGL_CONTEXT_MINOR_VERSION,
+            minor,
+            EGL_CONTEXT_OPENGL_PROFILE_MASK,
+            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+            with_notification ? EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_KHR : EGL_NONE,
+            EGL_LOSE_CONTEXT_ON_RESET_KHR,
+            EGL_NONE};
         EGLConfig config = nullptr;
-        EGLint configs = 0;
-        const std::array<EGLint, 3> any{EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
-        if (eglChooseConfig(display, any.data(), &config, 1, &configs) != EGL_TRUE || configs == 0) config = nullptr;
-        const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, wanted.data());
+        EGLint config_count = 0;
+        const std::array<EGLint, 3> config_attributes{EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
+        if (eglChooseConfig(display, config_attributes.data(), &config, 1, &config_count) != EGL_TRUE ||
+            config_count == 0)
+            config = nullptr;
+        const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, context_attributes.data());
         if (context == EGL_NO_CONTEXT) continue;
         if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context) == EGL_TRUE) return true;
         eglDestroyContext(display, context);
@@ -94,10 +99,10 @@ private:
 class GlDevice : public Device {
 public:
     GlDevice() {
-        const auto all = displays();
-        const auto works = [](const auto& display) { return make_current(display()); };
-        if (std::ranges::none_of(all, works))
-            lacking(
+        const auto candidates = displays();
+        const auto can_be_current = [](const auto& display) { return make_current(display()); };
+        if (std::ranges::none_of(candidates, can_be_current))
+            fail(
                 "no driver with OpenGL 4.3 works without a window; install one (Debian: libegl-mesa0 "
                 "libgl1-mesa-dri, which compute on the processor)");
         description_ = {"opengl", text_of(GL_RENDERER), text_of(GL_VENDOR), "OpenGL " + text_of(GL_VERSION), "EGL"};
@@ -120,9 +125,9 @@ public:
         const char* const text = glsl.c_str();
         glShaderSource(shader, 1, &text, nullptr);
         glCompileShader(shader);
-        GLint good = 0;
-        glGetShaderiv(shader, GL_COMPILE_STATUS, &good);
-        if (good == 0) {
+        GLint status = 0;
+        glGetShaderiv(shader, GL_COMPILE_STATUS, &status);
+        if (status == 0) {
             const std::string log = log_of(shader, glGetShaderiv, glGetShaderInfoLog);
             glDeleteShader(shader);
             throw CompileError(log);
@@ -131,48 +136,48 @@ public:
         glAttachShader(program->name(), shader);
         glLinkProgram(program->name());
         glDeleteShader(shader);
-        glGetProgramiv(program->name(), GL_LINK_STATUS, &good);
-        if (good == 0) throw CompileError(log_of(program->name(), glGetProgramiv, glGetProgramInfoLog));
+        glGetProgramiv(program->name(), GL_LINK_STATUS, &status);
+        if (status == 0) throw CompileError(log_of(program->name(), glGetProgramiv, glGetProgramInfoLog));
         return program;
     }
 
     void run_here(Program& program, std::span<const Buffer> buffers, std::size_t groups) override {
-        while (names_.size() < buffers.size()) glGenBuffers(1, &names_.emplace_back());
+        while (buffer_names_.size() < buffers.size()) glGenBuffers(1, &buffer_names_.emplace_back());
         for (std::size_t k = 0; k < buffers.size(); ++k) {
             const auto bytes = static_cast<GLsizeiptr>(buffers[k].bytes.size());
-            glBindBuffer(GL_SHADER_STORAGE_BUFFER, names_[k]);
+            glBindBuffer(GL_SHADER_STORAGE_BUFFER, buffer_names_[k]);
             glBufferData(GL_SHADER_STORAGE_BUFFER, bytes, buffers[k].bytes.data(), GL_STREAM_READ);
-            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, static_cast<GLuint>(k), names_[k]);
+            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, static_cast<GLuint>(k), buffer_names_[k]);
         }
         glUseProgram(static_cast<GlProgram&>(program).name());
         glDispatchCompute(static_cast<GLuint>(groups), 1, 1);
         glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
         for (std::size_t k = 0; k < buffers.size(); ++k) {
             if (!buffers[k].written) continue;
-            glBindBuffer(GL_SHADER_STORAGE_BUFFER, names_[k]);
+            glBindBuffer(GL_SHADER_STORAGE_BUFFER, buffer_names_[k]);
             glGetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, static_cast<GLsizeiptr>(buffers[k].bytes.size()),
                                buffers[k].bytes.data());
         }
         if (const GLenum error = glGetError(); error != GL_NO_ERROR)
-            lacking(error == GL_OUT_OF_MEMORY
-                        ? std::string("the device has no memory left")
-                        : "the device is lost (error " + std::to_string(error) + "); does the shader run too long?");
+            fail(error == GL_OUT_OF_MEMORY
+                     ? std::string("the device has no memory left")
+                     : "the device is lost (error " + std::to_string(error) + "); does the shader run too long?");
     }
 
 private:
-    template <class Ask, class Read>
-    static std::string log_of(GLuint name, const Ask& ask, const Read& read) {
+    template <class GetValue, class GetLog>
+    static std::string log_of(GLuint name, const GetValue& get_value, const GetLog& get_log) {
         GLint length = 0;
-        ask(name, GL_INFO_LOG_LENGTH, &length);
+        get_value(name, GL_INFO_LOG_LENGTH, &length);
         std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
-        read(name, length, nullptr, log.data());
+        get_log(name, length, nullptr, log.data());
         log.resize(std::strlen(log.c_str()));
         return log;
     }
 
     DeviceDescription description_;
     DeviceLimits limits_;
-    std::vector<GLuint> names_;
+    std::vector<GLuint> buffer_names_;
 };
 
 }  // namespace

@@ -12,25 +12,25 @@
 namespace lostbits::intersect::device {
 namespace {
 
-[[noreturn]] void lacking(const std::string& what) { throw EnvironmentError("vulkan: " + what); }
+[[noreturn]] void fail(const std::string& problem) { throw EnvironmentError("vulkan: " + problem); }
 
-void require(VkResult result, const char* what) {
+void require_success(VkResult result, const char* action) {
     if (result == VK_SUCCESS) return;
-    if (result == VK_ERROR_DEVICE_LOST) lacking("the device is lost; does the shader run too long?");
+    if (result == VK_ERROR_DEVICE_LOST) fail("the device is lost; does the shader run too long?");
     if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY)
-        lacking("the device has no memory left");
-    lacking(std::string("cannot ") + what + " (error " + std::to_string(result) + ")");
+        fail("the device has no memory left");
+    fail(std::string("cannot ") + action + " (error " + std::to_string(result) + ")");
 }
 
 /// Reads a list that Vulkan returns in two calls: the count, then the entries.
-template <class T, class Ask>
-std::vector<T> listed(const Ask& ask) {
+template <class T, class Enumerate>
+std::vector<T> list_of(const Enumerate& enumerate) {
     std::uint32_t count = 0;
-    ask(&count, static_cast<T*>(nullptr));
-    std::vector<T> all(count);
-    ask(&count, all.data());
-    all.resize(count);
-    return all;
+    enumerate(&count, static_cast<T*>(nullptr));
+    std::vector<T> list(count);
+    enumerate(&count, list.data());
+    list.resize(count);
+    return list;
 }
 
 VkInstance make_instance() {
@@ -46,54 +46,54 @@ VkInstance make_instance() {
     info.pApplicationInfo = &program;
     VkInstance instance = VK_NULL_HANDLE;
     if (vkCreateInstance(&info, nullptr, &instance) != VK_SUCCESS)
-        lacking("no driver works; install one (Debian: mesa-vulkan-drivers, which also computes on the processor)");
+        fail("no driver works; install one (Debian: mesa-vulkan-drivers, which also computes on the processor)");
     return instance;
 }
 
-/// A device, and the family of its first queue that can run compute programs.
-struct Found {
+/// A device, and the index of its first queue family that can run compute programs.
+struct SelectedDevice {
     VkPhysicalDevice device = VK_NULL_HANDLE;
     std::uint32_t queue_family = 0;
 };
 
-/// The first device with such a queue that is not a processor; if there is none, the first processor.
-Found find_device(VkInstance instance) {
-    const auto devices =
-        listed<VkPhysicalDevice>([&](auto* count, auto* into) { vkEnumeratePhysicalDevices(instance, count, into); });
-    std::optional<Found> best;
+/// Finds the first device with such a queue family that is not a processor; if there is none, the first processor.
+SelectedDevice find_device(VkInstance instance) {
+    const auto devices = list_of<VkPhysicalDevice>(
+        [&](auto* count, auto* entries) { vkEnumeratePhysicalDevices(instance, count, entries); });
+    std::optional<SelectedDevice> best;
     for (const VkPhysicalDevice device : devices) {
-        const auto families = listed<VkQueueFamilyProperties>(
-            [&](auto* count, auto* into) { vkGetPhysicalDeviceQueueFamilyProperties(device, count, into); });
+        const auto families = list_of<VkQueueFamilyProperties>(
+            [&](auto* count, auto* entries) { vkGetPhysicalDeviceQueueFamilyProperties(device, count, entries); });
         VkPhysicalDeviceProperties properties;
         vkGetPhysicalDeviceProperties(device, &properties);
         for (std::uint32_t k = 0; k < families.size(); ++k) {
             if ((families[k].queueFlags & VK_QUEUE_COMPUTE_BIT) == 0) continue;
             if (!best || properties.deviceType != VK_PHYSICAL_DEVICE_TYPE_CPU) {
-                const bool first_card = !best || [&] {
-                    VkPhysicalDeviceProperties other;
-                    vkGetPhysicalDeviceProperties(best->device, &other);
-                    return other.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+                const bool replaces_best = !best || [&] {
+                    VkPhysicalDeviceProperties best_properties;
+                    vkGetPhysicalDeviceProperties(best->device, &best_properties);
+                    return best_properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
                 }();
-                if (first_card) best = Found{device, k};
+                if (replaces_best) best = SelectedDevice{device, k};
             }
             break;
         }
     }
     if (!best)
-        lacking(
+        fail(
             "no device can run compute programs; install a driver (Debian: mesa-vulkan-drivers, which also computes "
             "on the processor)");
     return *best;
 }
 
-/// A buffer that the device and the processor share. It grows to the largest size that was needed so far.
+/// A buffer that the device and the processor share. It grows to the largest size needed so far.
 class HostBuffer {
 public:
     HostBuffer() = default;
     HostBuffer(const HostBuffer&) = delete;
     HostBuffer& operator=(const HostBuffer&) = delete;
 
-    void hold(VkDevice device, const VkPhysicalDeviceMemoryProperties& kinds, std::size_t bytes) {
+    void grow_to(VkDevice device, const VkPhysicalDeviceMemoryProperties& memory_kinds, std::size_t bytes) {
         if (bytes <= size_) return;
         if (size_ > 0) {
             vkDestroyBuffer(device, buffer_, nullptr);
@@ -104,23 +104,24 @@ public:
         info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
         info.size = bytes;
         info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-        require(vkCreateBuffer(device, &info, nullptr, &buffer_), "create a buffer");
-        VkMemoryRequirements needs;
-        vkGetBufferMemoryRequirements(device, buffer_, &needs);
+        require_success(vkCreateBuffer(device, &info, nullptr, &buffer_), "create a buffer");
+        VkMemoryRequirements requirements;
+        vkGetBufferMemoryRequirements(device, buffer_, &requirements);
         VkMemoryAllocateInfo allocation{};
         allocation.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
-        allocation.allocationSize = needs.size;
-        constexpr VkMemoryPropertyFlags wanted =
+        allocation.allocationSize = requirements.size;
+        constexpr VkMemoryPropertyFlags required_flags =
             VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-        while (allocation.memoryTypeIndex < kinds.memoryTypeCount &&
-               ((needs.memoryTypeBits >> allocation.memoryTypeIndex & 1U) == 0 ||
-                (kinds.memoryTypes[allocation.memoryTypeIndex].propertyFlags & wanted) != wanted))
+        while (
+            allocation.memoryTypeIndex < memory_kinds.memoryTypeCount &&
+            ((requirements.memoryTypeBits >> allocation.memoryTypeIndex & 1U) == 0 ||
+             (memory_kinds.memoryTypes[allocation.memoryTypeIndex].propertyFlags & required_flags) != required_flags))
             ++allocation.memoryTypeIndex;
-        if (allocation.memoryTypeIndex == kinds.memoryTypeCount)
-            lacking("the device has no memory that the processor can access");
-        require(vkAllocateMemory(device, &allocation, nullptr, &memory_), "allocate memory");
-        require(vkBindBufferMemory(device, buffer_, memory_, 0), "bind memory");
-        require(vkMapMemory(device, memory_, 0, VK_WHOLE_SIZE, 0, &mapped_), "map memory");
+        if (allocation.memoryTypeIndex == memory_kinds.memoryTypeCount)
+            fail("the device has no memory that the processor can access");
+        require_success(vkAllocateMemory(device, &allocation, nullptr, &memory_), "allocate memory");
+        require_success(vkBindBufferMemory(device, buffer_, memory_, 0), "bind memory");
+        require_success(vkMapMemory(device, memory_, 0, VK_WHOLE_SIZE, 0, &mapped_), "map memory");
         size_ = bytes;
     }
     [[nodiscard]] void* mapped() const { return mapped_; }
@@ -144,30 +145,31 @@ private:
     VkPipeline pipeline_;
 };
 
-/// Lives until the process ends. So do its handles, which are never destroyed.
+/// The device lives until the process ends. So do its handles, which are never destroyed.
 class VkComputer : public Device {
 public:
-    VkComputer() : instance_(make_instance()), found_(find_device(instance_)) {
-        VkPhysicalDeviceProperties p;
-        vkGetPhysicalDeviceProperties(found_.device, &p);
-        vkGetPhysicalDeviceMemoryProperties(found_.device, &memory_kinds_);
-        VkPhysicalDeviceFeatures has;
-        vkGetPhysicalDeviceFeatures(found_.device, &has);
+    VkComputer() : instance_(make_instance()), selected_(find_device(instance_)) {
+        VkPhysicalDeviceProperties properties;
+        vkGetPhysicalDeviceProperties(selected_.device, &properties);
+        vkGetPhysicalDeviceMemoryProperties(selected_.device, &memory_kinds_);
+        VkPhysicalDeviceFeatures available_features;
+        vkGetPhysicalDeviceFeatures(selected_.device, &available_features);
         VkPhysicalDeviceDriverProperties driver{};
         driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES;
-        VkPhysicalDeviceProperties2 more{};
-        more.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
-        more.pNext = &driver;
-        vkGetPhysicalDeviceProperties2(found_.device, &more);
-        description_ = {"vulkan", p.deviceName, "vendor " + std::to_string(p.vendorID),
-                        "Vulkan " + std::to_string(VK_API_VERSION_MAJOR(p.apiVersion)) + "." +
-                            std::to_string(VK_API_VERSION_MINOR(p.apiVersion)) + " (" + driver.driverInfo + ")",
+        VkPhysicalDeviceProperties2 extended_properties{};
+        extended_properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
+        extended_properties.pNext = &driver;
+        vkGetPhysicalDeviceProperties2(selected_.device, &extended_properties);
+        description_ = {"vulkan", properties.deviceName, "vendor " + std::to_string(properties.vendorID),
+                        "Vulkan " + std::to_string(VK_API_VERSION_MAJOR(properties.apiVersion)) + "." +
+                            std::to_string(VK_API_VERSION_MINOR(properties.apiVersion)) + " (" + driver.driverInfo +
+                            ")",
                         std::string(driver.driverName) + " " + driver.driverInfo};
-        limits_ = {.buffer_bytes = p.limits.maxStorageBufferRange,
-                   .groups = p.limits.maxComputeWorkGroupCount[0],
-                   .doubles = has.shaderFloat64 == VK_TRUE,
+        limits_ = {.buffer_bytes = properties.limits.maxStorageBufferRange,
+                   .groups = properties.limits.maxComputeWorkGroupCount[0],
+                   .doubles = available_features.shaderFloat64 == VK_TRUE,
                    .glsl = 450};
-        make_device(has);
+        make_device(available_features);
         make_layout();
         make_commands();
     }
@@ -182,7 +184,7 @@ public:
         info.codeSize = code.size() * sizeof(std::uint32_t);
         info.pCode = code.data();
         VkShaderModule module = VK_NULL_HANDLE;
-        require(vkCreateShaderModule(device_, &info, nullptr, &module), "load a program");
+        require_success(vkCreateShaderModule(device_, &info, nullptr, &module), "load a program");
         VkComputePipelineCreateInfo pipeline{};
         pipeline.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
         pipeline.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
@@ -190,26 +192,27 @@ public:
         pipeline.stage.module = module;
         pipeline.stage.pName = entry_of(language);
         pipeline.layout = layout_;
-        VkPipeline made = VK_NULL_HANDLE;
-        const VkResult result = vkCreateComputePipelines(device_, VK_NULL_HANDLE, 1, &pipeline, nullptr, &made);
+        VkPipeline pipeline_handle = VK_NULL_HANDLE;
+        const VkResult result =
+            vkCreateComputePipelines(device_, VK_NULL_HANDLE, 1, &pipeline, nullptr, &pipeline_handle);
         vkDestroyShaderModule(device_, module, nullptr);
-        require(result, "compile a program");
-        return std::make_unique<VkProgram>(device_, made);
+        require_success(result, "compile a program");
+        return std::make_unique<VkProgram>(device_, pipeline_handle);
     }
 
     void run_here(Program& program, std::span<const Buffer> buffers, std::size_t groups) override {
-        std::array<VkDescriptorBufferInfo, most_buffers> places{};
-        std::array<VkWriteDescriptorSet, most_buffers> writes{};
+        std::array<VkDescriptorBufferInfo, max_buffers> buffer_infos{};
+        std::array<VkWriteDescriptorSet, max_buffers> writes{};
         for (std::size_t k = 0; k < buffers.size(); ++k) {
-            buffers_[k].hold(device_, memory_kinds_, buffers[k].bytes.size());
+            buffers_[k].grow_to(device_, memory_kinds_, buffers[k].bytes.size());
             std::memcpy(buffers_[k].mapped(), buffers[k].bytes.data(), buffers[k].bytes.size());
-            places[k] = {buffers_[k].name(), 0, VK_WHOLE_SIZE};
+            buffer_infos[k] = {buffers_[k].name(), 0, VK_WHOLE_SIZE};
             writes[k].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
             writes[k].dstSet = set_;
             writes[k].dstBinding = static_cast<std::uint32_t>(k);
             writes[k].descriptorCount = 1;
             writes[k].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-            writes[k].pBufferInfo = &places[k];
+            writes[k].pBufferInfo = &buffer_infos[k];
         }
         vkUpdateDescriptorSets(device_, static_cast<std::uint32_t>(buffers.size()), writes.data(), 0, nullptr);
         submit(static_cast<VkProgram&>(program).pipeline(), static_cast<std::uint32_t>(groups));
@@ -219,102 +222,103 @@ public:
     }
 
 private:
-    static constexpr std::size_t most_buffers = 7;
+    static constexpr std::size_t max_buffers = 7;
 
-    void make_device(const VkPhysicalDeviceFeatures& has) {
+    void make_device(const VkPhysicalDeviceFeatures& available_features) {
         const float priority = 1;
         VkDeviceQueueCreateInfo queue{};
         queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
-        queue.queueFamilyIndex = found_.queue_family;
+        queue.queueFamilyIndex = selected_.queue_family;
         queue.queueCount = 1;
         queue.pQueuePriorities = &priority;
-        VkPhysicalDeviceFeatures wanted{};
-        wanted.shaderFloat64 = has.shaderFloat64;
+        VkPhysicalDeviceFeatures enabled_features{};
+        enabled_features.shaderFloat64 = available_features.shaderFloat64;
         VkDeviceCreateInfo info{};
         info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
         info.queueCreateInfoCount = 1;
         info.pQueueCreateInfos = &queue;
-        info.pEnabledFeatures = &wanted;
-        require(vkCreateDevice(found_.device, &info, nullptr, &device_), "open the device");
-        vkGetDeviceQueue(device_, found_.queue_family, 0, &queue_);
+        info.pEnabledFeatures = &enabled_features;
+        require_success(vkCreateDevice(selected_.device, &info, nullptr, &device_), "open the device");
+        vkGetDeviceQueue(device_, selected_.queue_family, 0, &queue_);
     }
 
     void make_layout() {
-        std::array<VkDescriptorSetLayoutBinding, most_buffers> bindings{};
-        for (std::size_t k = 0; k < most_buffers; ++k)
+        std::array<VkDescriptorSetLayoutBinding, max_buffers> bindings{};
+        for (std::size_t k = 0; k < max_buffers; ++k)
             bindings[k] = {static_cast<std::uint32_t>(k), VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1,
                            VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
         VkDescriptorSetLayoutCreateInfo info{};
         info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
-        info.bindingCount = most_buffers;
+        info.bindingCount = max_buffers;
         info.pBindings = bindings.data();
-        VkDescriptorSetLayout of_set = VK_NULL_HANDLE;
-        require(vkCreateDescriptorSetLayout(device_, &info, nullptr, &of_set), "lay out buffers");
-        VkPipelineLayoutCreateInfo all{};
-        all.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
-        all.setLayoutCount = 1;
-        all.pSetLayouts = &of_set;
-        require(vkCreatePipelineLayout(device_, &all, nullptr, &layout_), "lay out buffers");
-        const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, most_buffers};
+        VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
+        require_success(vkCreateDescriptorSetLayout(device_, &info, nullptr, &set_layout), "lay out buffers");
+        VkPipelineLayoutCreateInfo pipeline_layout{};
+        pipeline_layout.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
+        pipeline_layout.setLayoutCount = 1;
+        pipeline_layout.pSetLayouts = &set_layout;
+        require_success(vkCreatePipelineLayout(device_, &pipeline_layout, nullptr, &layout_), "lay out buffers");
+        const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, max_buffers};
         VkDescriptorPoolCreateInfo pool{};
         pool.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
         pool.maxSets = 1;
         pool.poolSizeCount = 1;
         pool.pPoolSizes = &size;
-        VkDescriptorPool made = VK_NULL_HANDLE;
-        require(vkCreateDescriptorPool(device_, &pool, nullptr, &made), "lay out buffers");
-        VkDescriptorSetAllocateInfo one{};
-        one.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO;
-        one.descriptorPool = made;
-        one.descriptorSetCount = 1;
-        one.pSetLayouts = &of_set;
-        require(vkAllocateDescriptorSets(device_, &one, &set_), "lay out buffers");
+        VkDescriptorPool descriptor_pool = VK_NULL_HANDLE;
+        require_success(vkCreateDescriptorPool(device_, &pool, nullptr, &descriptor_pool), "lay out buffers");
+        VkDescriptorSetAllocateInfo allocation{};
+        allocation.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO;
+        allocation.descriptorPool = descriptor_pool;
+        allocation.descriptorSetCount = 1;
+        allocation.pSetLayouts = &set_layout;
+        require_success(vkAllocateDescriptorSets(device_, &allocation, &set_), "lay out buffers");
     }
 
     void make_commands() {
         VkCommandPoolCreateInfo pool{};
         pool.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
         pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
-        pool.queueFamilyIndex = found_.queue_family;
-        VkCommandPool made = VK_NULL_HANDLE;
-        require(vkCreateCommandPool(device_, &pool, nullptr, &made), "create commands");
-        VkCommandBufferAllocateInfo one{};
-        one.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
-        one.commandPool = made;
-        one.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
-        one.commandBufferCount = 1;
-        require(vkAllocateCommandBuffers(device_, &one, &commands_), "create commands");
+        pool.queueFamilyIndex = selected_.queue_family;
+        VkCommandPool command_pool = VK_NULL_HANDLE;
+        require_success(vkCreateCommandPool(device_, &pool, nullptr, &command_pool), "create commands");
+        VkCommandBufferAllocateInfo allocation{};
+        allocation.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
+        allocation.commandPool = command_pool;
+        allocation.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+        allocation.commandBufferCount = 1;
+        require_success(vkAllocateCommandBuffers(device_, &allocation, &commands_), "create commands");
         VkFenceCreateInfo fence{};
         fence.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
-        require(vkCreateFence(device_, &fence, nullptr, &done_), "create commands");
+        require_success(vkCreateFence(device_, &fence, nullptr, &fence_), "create commands");
     }
 
-    /// Runs the program and waits for its end without a limit. The process that asked has a time limit.
+    /// Runs the program and waits for its end without a limit, since the process that started this process has a time
+    /// limit.
     void submit(VkPipeline pipeline, std::uint32_t groups) {
         VkCommandBufferBeginInfo begin{};
         begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
-        require(vkBeginCommandBuffer(commands_, &begin), "create commands");
+        require_success(vkBeginCommandBuffer(commands_, &begin), "create commands");
         vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
         vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, layout_, 0, 1, &set_, 0, nullptr);
         vkCmdDispatch(commands_, groups, 1, 1);
-        VkMemoryBarrier seen{};
-        seen.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
-        seen.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT;
-        seen.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
-        vkCmdPipelineBarrier(commands_, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &seen,
-                             0, nullptr, 0, nullptr);
-        require(vkEndCommandBuffer(commands_), "create commands");
-        VkSubmitInfo work{};
-        work.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
-        work.commandBufferCount = 1;
-        work.pCommandBuffers = &commands_;
-        require(vkResetFences(device_, 1, &done_), "run a program");
-        require(vkQueueSubmit(queue_, 1, &work, done_), "run a program");
-        require(vkWaitForFences(device_, 1, &done_, VK_TRUE, UINT64_MAX), "run a program");
+        VkMemoryBarrier barrier{};
+        barrier.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
+        barrier.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT;
+        barrier.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
+        vkCmdPipelineBarrier(commands_, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1,
+                             &barrier, 0, nullptr, 0, nullptr);
+        require_success(vkEndCommandBuffer(commands_), "create commands");
+        VkSubmitInfo submission{};
+        submission.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
+        submission.commandBufferCount = 1;
+        submission.pCommandBuffers = &commands_;
+        require_success(vkResetFences(device_, 1, &fence_), "run a program");
+        require_success(vkQueueSubmit(queue_, 1, &submission, fence_), "run a program");
+        require_success(vkWaitForFences(device_, 1, &fence_, VK_TRUE, UINT64_MAX), "run a program");
     }
 
     VkInstance instance_;
-    Found found_;
+    SelectedDevice selected_;
     VkPhysicalDeviceMemoryProperties memory_kinds_{};
     DeviceDescription description_;
     DeviceLimits limits_;
@@ -323,8 +327,8 @@ private:
     VkPipelineLayout layout_ = VK_NULL_HANDLE;
     VkDescriptorSet set_ = VK_NULL_HANDLE;
     VkCommandBuffer commands_ = VK_NULL_HANDLE;
-    VkFence done_ = VK_NULL_HANDLE;
-    std::array<HostBuffer, most_buffers> buffers_;
+    VkFence fence_ = VK_NULL_HANDLE;
+    std::array<HostBuffer, max_buffers> buffers_;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// GLSL and HLSL made SPIR-V by glslang's own program.
+// Compiles GLSL and HLSL to SPIR-V by the program glslang.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace lostbits::intersect::device {
 
-/// Compiles a compute program to SPIR-V by glslang. CompileError with its messages, also for HLSL that reads a variable
-/// without a value; EnvironmentError if glslang is missing.
+/// Compiles a compute program to SPIR-V by glslang. Throws CompileError with the messages of glslang, also for HLSL
+/// that reads a variable without a value; EnvironmentError if glslang is missing.
 std::vector<std::uint32_t> spirv_of(const std::string& text, Language language);
 
 }  // namespace lostbits::intersect::device

@@ -13,38 +13,38 @@
 namespace lostbits::intersect::device {
 namespace {
 
-/// Number of inputs, each of six numbers.
+/// Number of inputs; each input is six numbers.
 constexpr std::size_t elements = 1 << 14;
 
 template <class S>
-using Six = std::array<S, 6>;
+using SixNumbers = std::array<S, 6>;
 
-/// The inputs. The first `chosen` are fixed; the others have random significands, exponents from -16 to 16 and both
-/// signs.
+/// Returns the inputs. The first `fixed_count` inputs are fixed; the others have random significands, exponents from
+/// -16 to 16 and both signs.
 template <class S>
-std::vector<Six<S>> numbers_to_try() {
+std::vector<SixNumbers<S>> probe_inputs() {
     constexpr S least = std::numeric_limits<S>::min(), tiny = std::numeric_limits<S>::denorm_min();
     constexpr S infinity = std::numeric_limits<S>::infinity();
-    std::vector<Six<S>> all{{3 * tiny, 0, 0, 1, 1, 1},
-                            {3 * tiny, 1, 0, 1, 1, 1},
-                            {3 * least, S(0.25), 0, 1, 1, 1},
-                            {1, 0, 0, 1, 1, 1},
-                            {infinity, 1, -infinity, 1, 1, 1}};
+    std::vector<SixNumbers<S>> inputs{{3 * tiny, 0, 0, 1, 1, 1},
+                                      {3 * tiny, 1, 0, 1, 1, 1},
+                                      {3 * least, S(0.25), 0, 1, 1, 1},
+                                      {1, 0, 0, 1, 1, 1},
+                                      {infinity, 1, -infinity, 1, 1, 1}};
     std::uint64_t state = 1;
     const auto random = [&state] { return (state = state * 6364136223846793005U + 1442695040888963407U) >> 11; };
-    while (all.size() < elements) {
-        Six<S> six;
-        for (S& x : six) {
+    while (inputs.size() < elements) {
+        SixNumbers<S> numbers;
+        for (S& x : numbers) {
             const S significand = 1 + static_cast<S>(std::ldexp(static_cast<long double>(random()), -53));
             const int exponent = static_cast<int>(random() % 33) - 16;
             x = std::ldexp(std::min(significand, std::nextafter(S(2), S(0))), exponent) *
                 (random() % 2 == 0 ? S(1) : S(-1));
         }
-        all.push_back(six);
+        inputs.push_back(numbers);
     }
-    return all;
+    return inputs;
 }
-constexpr std::size_t chosen = 5;
+constexpr std::size_t fixed_count = 5;
 
 template <class S>
 S two_sum_error(S a, S b) {
@@ -53,7 +53,7 @@ S two_sum_error(S a, S b) {
 }
 
 template <class S>
-S kahan_sum(const Six<S>& numbers) {
+S kahan_sum(const SixNumbers<S>& numbers) {
     S sum = 0, c = 0;
     for (const S x : numbers) {
         const S y = x - c, t = sum + y;
@@ -64,164 +64,178 @@ S kahan_sum(const Six<S>& numbers) {
 }
 
 template <class S>
-class Probing {
+class FormatProbe {
 public:
-    explicit Probing(Device& device) : given_(numbers_to_try<S>()), told_(elements) {
+    explicit FormatProbe(Device& device) : inputs_(probe_inputs<S>()), answers_(elements) {
         const auto program = device.compile(probe_program(8 * sizeof(S), device.limits().glsl), Language::glsl);
         const std::array<Buffer, 2> buffers{
-            {{std::as_writable_bytes(std::span(given_))}, {std::as_writable_bytes(std::span(told_)), true}}};
+            {{std::as_writable_bytes(std::span(inputs_))}, {std::as_writable_bytes(std::span(answers_)), true}}};
         device.run(*program, buffers, elements / group_size);
     }
 
-    void add_to(Arithmetic& all) const {
+    void add_to(Arithmetic& arithmetic) const {
         const auto add = [&](const char* key, std::string value) {
-            all.facts.push_back({(sizeof(S) == 4 ? "f32." : "f64.") + std::string(key), std::move(value)});
+            arithmetic.facts.push_back({(sizeof(S) == 4 ? "f32." : "f64.") + std::string(key), std::move(value)});
         };
         using Real = long double;
         using std::abs;
-        add("add", rounding(Probed::add, [](const Six<S>& n) { return Real(n[0]) + Real(n[1]); }));
-        add("multiply", rounding(
-                            Probed::multiply, [](const Six<S>& n) { return Real(n[0]) * Real(n[1]); },
-                            [](const Six<S>& n) { return n[0] * n[1]; }));
-        add("divide", rounding(
-                          Probed::divide, [](const Six<S>& n) { return Real(n[0]) / Real(n[1]); },
-                          [](const Six<S>& n) { return n[0] / n[1]; }));
-        add("sqrt", rounding(
-                        Probed::square_root, [](const Six<S>& n) { return std::sqrt(Real(abs(n[0]))); },
-                        [](const Six<S>& n) { return std::sqrt(abs(n[0])); }));
+        add("add", rounding_text(Probed::add, [](const SixNumbers<S>& n) { return Real(n[0]) + Real(n[1]); }));
+        add("multiply", rounding_text(
+                            Probed::multiply, [](const SixNumbers<S>& n) { return Real(n[0]) * Real(n[1]); },
+                            [](const SixNumbers<S>& n) { return n[0] * n[1]; }));
+        add("divide", rounding_text(
+                          Probed::divide, [](const SixNumbers<S>& n) { return Real(n[0]) / Real(n[1]); },
+                          [](const SixNumbers<S>& n) { return n[0] / n[1]; }));
+        add("sqrt", rounding_text(
+                        Probed::square_root, [](const SixNumbers<S>& n) { return std::sqrt(Real(abs(n[0]))); },
+                        [](const SixNumbers<S>& n) { return std::sqrt(abs(n[0])); }));
         add("inversesqrt",
-            rounding(Probed::inverse_root, [](const Six<S>& n) { return 1 / std::sqrt(Real(abs(n[0]))); }));
-        add("length", rounding(Probed::length, [](const Six<S>& n) { return length_of(n); }));
-        add("normalize", rounding(Probed::normalize, [](const Six<S>& n) { return Real(n[0]) / length_of(n); }));
+            rounding_text(Probed::inverse_root, [](const SixNumbers<S>& n) { return 1 / std::sqrt(Real(abs(n[0]))); }));
+        add("length", rounding_text(Probed::length, [](const SixNumbers<S>& n) { return length_of(n); }));
+        add("normalize",
+            rounding_text(Probed::normalize, [](const SixNumbers<S>& n) { return Real(n[0]) / length_of(n); }));
         add("dot", dot_order());
-        add("fma", products(Probed::fma));
-        add("fma, precise", products(Probed::fma_precise));
-        add("a*b+c", products(Probed::contraction));
-        add("a*b+c, precise", products(Probed::contraction_precise));
-        const auto two_sum = [](const Six<S>& n) { return two_sum_error(n[0], n[1]); };
-        add("two_sum", survives(Probed::two_sum, two_sum));
-        add("two_sum, precise", survives(Probed::two_sum_precise, two_sum));
-        add("Kahan", survives(Probed::kahan, kahan_sum<S>));
-        add("Kahan, precise", survives(Probed::kahan_precise, kahan_sum<S>));
-        add("a*b+a*c", survives(Probed::factored, [](const Six<S>& n) { return n[0] * n[1] + n[0] * n[2]; }));
-        add("sqrt(x)*sqrt(x)", survives(Probed::root_squared, [](const Six<S>& n) {
+        add("fma", contraction_text(Probed::fma));
+        add("fma, precise", contraction_text(Probed::fma_precise));
+        add("a*b+c", contraction_text(Probed::contraction));
+        add("a*b+c, precise", contraction_text(Probed::contraction_precise));
+        const auto two_sum = [](const SixNumbers<S>& n) { return two_sum_error(n[0], n[1]); };
+        add("two_sum", rewriting_text(Probed::two_sum, two_sum));
+        add("two_sum, precise", rewriting_text(Probed::two_sum_precise, two_sum));
+        add("Kahan", rewriting_text(Probed::kahan, kahan_sum<S>));
+        add("Kahan, precise", rewriting_text(Probed::kahan_precise, kahan_sum<S>));
+        add("a*b+a*c",
+            rewriting_text(Probed::factored, [](const SixNumbers<S>& n) { return n[0] * n[1] + n[0] * n[2]; }));
+        add("sqrt(x)*sqrt(x)", rewriting_text(Probed::root_squared, [](const SixNumbers<S>& n) {
                 const S root = std::sqrt(abs(n[0]));
                 return root * root;
             }));
         add("subnormal given",
-            told(0, Probed::add) == given_[0][0] && told(1, Probed::multiply) == given_[1][0] ? "kept" : "flushed");
-        add("subnormal result", told(2, Probed::multiply) == given_[2][0] * S(0.25) ? "kept" : "flushed");
-        add("1/0", std::isinf(told(3, Probed::divide)) ? "infinity" : "not infinity");
-        add("inf-inf", std::isnan(told(4, Probed::contraction)) ? "NaN" : "not NaN");
+            answer_to(0, Probed::add) == inputs_[0][0] && answer_to(1, Probed::multiply) == inputs_[1][0] ? "kept"
+                                                                                                          : "flushed");
+        add("subnormal result", answer_to(2, Probed::multiply) == inputs_[2][0] * S(0.25) ? "kept" : "flushed");
+        add("1/0", std::isinf(answer_to(3, Probed::divide)) ? "infinity" : "not infinity");
+        add("inf-inf", std::isnan(answer_to(4, Probed::contraction)) ? "NaN" : "not NaN");
     }
 
     void add_digest(std::uint64_t& digest) const {
-        for (const std::byte byte : std::as_bytes(std::span(told_))) {
+        for (const std::byte byte : std::as_bytes(std::span(answers_))) {
             digest ^= static_cast<std::uint64_t>(byte);
             digest *= 1099511628211U;
         }
     }
 
 private:
-    [[nodiscard]] S told(std::size_t i, Probed what) const { return told_[i][static_cast<std::size_t>(what)]; }
+    [[nodiscard]] S answer_to(std::size_t i, Probed operation) const {
+        return answers_[i][static_cast<std::size_t>(operation)];
+    }
 
-    static long double length_of(const Six<S>& n) {
+    static long double length_of(const SixNumbers<S>& n) {
         const auto square = [](S x) { return static_cast<long double>(x) * static_cast<long double>(x); };
         return std::sqrt(square(n[0]) + square(n[1]) + square(n[2]));
     }
 
-    /// `correctly rounded`, or the largest error in units of the last place of the true value. `right` gives the
-    /// correctly rounded value. Without it the true value, computed in long double, is rounded, which may round twice;
-    /// only a sum is computed in S directly.
-    [[nodiscard]] std::string rounding(Probed what, const std::function<long double(const Six<S>&)>& exact,
-                                       const std::function<S(const Six<S>&)>& right = {}) const {
-        std::size_t wrong = 0;
-        long double worst = 0;
-        for (std::size_t i = chosen; i < elements; ++i) {
-            const long double truth = exact(given_[i]);
-            const S rounded = right                 ? right(given_[i])
-                              : what == Probed::add ? given_[i][0] + given_[i][1]
-                                                    : static_cast<S>(truth);
-            const S answer = told(i, what);
-            wrong += answer != rounded;
+    /// Returns `correctly rounded`, or the largest error in units of the last place of the true value.
+    /// `correctly_rounded` gives the correctly rounded value. Without it the true value, computed in long double, is
+    /// rounded, which may round twice; only a sum is computed in S directly.
+    [[nodiscard]] std::string rounding_text(
+        Probed operation, const std::function<long double(const SixNumbers<S>&)>& exact,
+        const std::function<S(const SixNumbers<S>&)>& correctly_rounded = {}) const {
+        std::size_t wrong_count = 0;
+        long double worst_error = 0;
+        for (std::size_t i = fixed_count; i < elements; ++i) {
+            const long double truth = exact(inputs_[i]);
+            const S rounded = correctly_rounded          ? correctly_rounded(inputs_[i])
+                              : operation == Probed::add ? inputs_[i][0] + inputs_[i][1]
+                                                         : static_cast<S>(truth);
+            const S answer = answer_to(i, operation);
+            wrong_count += answer != rounded;
             const long double ulp = std::ldexp(1.0L, std::ilogb(truth) - std::numeric_limits<S>::digits + 1);
-            worst = std::max(worst, std::fabs(static_cast<long double>(answer) - truth) / ulp);
+            worst_error = std::max(worst_error, std::fabs(static_cast<long double>(answer) - truth) / ulp);
         }
-        if (wrong == 0) return "correctly rounded";
+        if (wrong_count == 0) return "correctly rounded";
         std::array<char, 80> text{};
-        std::snprintf(text.data(), text.size(), "up to %.2Lf ulp; %.1f %% not correctly rounded", worst,
-                      100.0 * static_cast<double>(wrong) / static_cast<double>(elements - chosen));
+        std::snprintf(text.data(), text.size(), "up to %.2Lf ulp; %.1f %% not correctly rounded", worst_error,
+                      100.0 * static_cast<double>(wrong_count) / static_cast<double>(elements - fixed_count));
         return text.data();
     }
 
-    /// Fraction of the random inputs for which the device returns what these operations give, each rounded by itself.
-    [[nodiscard]] double share(Probed what, const std::function<S(const Six<S>&)>& as_written) const {
-        std::size_t same = 0;
-        for (std::size_t i = chosen; i < elements; ++i) same += told(i, what) == as_written(given_[i]);
-        return static_cast<double>(same) / static_cast<double>(elements - chosen);
+    /// Fraction of the random inputs for which the device returns the result of the operations as written, each rounded
+    /// by itself.
+    [[nodiscard]] double share_as_written(Probed operation,
+                                          const std::function<S(const SixNumbers<S>&)>& as_written) const {
+        std::size_t same_count = 0;
+        for (std::size_t i = fixed_count; i < elements; ++i)
+            same_count += answer_to(i, operation) == as_written(inputs_[i]);
+        return static_cast<double>(same_count) / static_cast<double>(elements - fixed_count);
     }
 
-    [[nodiscard]] std::string survives(Probed what, const std::function<S(const Six<S>&)>& as_written) const {
-        const double same = share(what, as_written);
-        if (same == 1) return "as written";
+    [[nodiscard]] std::string rewriting_text(Probed operation,
+                                             const std::function<S(const SixNumbers<S>&)>& as_written) const {
+        const double share = share_as_written(operation, as_written);
+        if (share == 1) return "as written";
         std::array<char, 60> text{};
-        std::snprintf(text.data(), text.size(), "rewritten: %.1f %% have the bits as written", 100 * same);
+        std::snprintf(text.data(), text.size(), "rewritten: %.1f %% have the bits as written", 100 * share);
         return text.data();
     }
 
-    [[nodiscard]] std::string products(Probed what) const {
-        if (share(what, [](const Six<S>& n) { return std::fma(n[0], n[1], n[2]); }) == 1) return "rounds once";
-        if (share(what, [](const Six<S>& n) { return n[0] * n[1] + n[2]; }) == 1) return "rounds twice";
+    [[nodiscard]] std::string contraction_text(Probed operation) const {
+        if (share_as_written(operation, [](const SixNumbers<S>& n) { return std::fma(n[0], n[1], n[2]); }) == 1)
+            return "rounds once";
+        if (share_as_written(operation, [](const SixNumbers<S>& n) { return n[0] * n[1] + n[2]; }) == 1)
+            return "rounds twice";
         return "neither rounds once nor twice throughout";
     }
 
     [[nodiscard]] std::string dot_order() const {
-        using Order = std::pair<const char*, S (*)(const Six<S>&)>;
+        using Order = std::pair<const char*, S (*)(const SixNumbers<S>&)>;
         static constexpr std::array<Order, 6> orders{
-            {{"(x+y)+z", [](const Six<S>& n) { return n[0] * n[3] + n[1] * n[4] + n[2] * n[5]; }},
-             {"x+(y+z)", [](const Six<S>& n) { return n[0] * n[3] + (n[1] * n[4] + n[2] * n[5]); }},
-             {"(x+z)+y", [](const Six<S>& n) { return n[0] * n[3] + n[2] * n[5] + n[1] * n[4]; }},
+            {{"(x+y)+z", [](const SixNumbers<S>& n) { return n[0] * n[3] + n[1] * n[4] + n[2] * n[5]; }},
+             {"x+(y+z)", [](const SixNumbers<S>& n) { return n[0] * n[3] + (n[1] * n[4] + n[2] * n[5]); }},
+             {"(x+z)+y", [](const SixNumbers<S>& n) { return n[0] * n[3] + n[2] * n[5] + n[1] * n[4]; }},
              {"fma(z, fma(y, x))",
-              [](const Six<S>& n) { return std::fma(n[2], n[5], std::fma(n[1], n[4], n[0] * n[3])); }},
+              [](const SixNumbers<S>& n) { return std::fma(n[2], n[5], std::fma(n[1], n[4], n[0] * n[3])); }},
              {"fma(x, fma(y, z))",
-              [](const Six<S>& n) { return std::fma(n[0], n[3], std::fma(n[1], n[4], n[2] * n[5])); }},
-             {"fma(z, x+y)", [](const Six<S>& n) { return std::fma(n[2], n[5], n[0] * n[3] + n[1] * n[4]); }}}};
-        for (const auto& [words, order] : orders) {
-            if (share(Probed::dot, order) == 1) return words;
+              [](const SixNumbers<S>& n) { return std::fma(n[0], n[3], std::fma(n[1], n[4], n[2] * n[5])); }},
+             {"fma(z, x+y)", [](const SixNumbers<S>& n) { return std::fma(n[2], n[5], n[0] * n[3] + n[1] * n[4]); }}}};
+        for (const auto& [order_name, order] : orders) {
+            if (share_as_written(Probed::dot, order) == 1) return order_name;
         }
         return "another order";
     }
 
-    std::vector<Six<S>> given_;
-    std::vector<std::array<S, probed_count>> told_;
+    std::vector<SixNumbers<S>> inputs_;
+    std::vector<std::array<S, probed_count>> answers_;
 };
 
-/// The count that a loop to `count` reaches; if `nested`, `times` such loops in a loop.
-std::uint32_t counted(Device& device, bool nested, std::uint32_t count, std::uint32_t times) {
-    std::array<std::uint32_t, 3> given{count, 1, times};
-    std::array<std::uint32_t, 2> told{0, 0};
+/// Returns the count that a loop to `count` reaches. With `nested`, the loop runs `repetitions` times inside an outer
+/// loop.
+std::uint32_t reached_count(Device& device, bool nested, std::uint32_t count, std::uint32_t repetitions) {
+    std::array<std::uint32_t, 3> input{count, 1, repetitions};
+    std::array<std::uint32_t, 2> output{0, 0};
     const auto program = device.compile(loop_program(device.limits().glsl, nested), Language::glsl);
     const std::array<Buffer, 2> buffers{
-        {{std::as_writable_bytes(std::span(given))}, {std::as_writable_bytes(std::span(told)), true}}};
+        {{std::as_writable_bytes(std::span(input))}, {std::as_writable_bytes(std::span(output)), true}}};
     device.run(*program, buffers, 1);
-    return told[0];
+    return output[0];
 }
 
 /// Finds the number of iterations after which the device leaves a loop. The program does not count one of the 2^32
-/// states of its generator, so a count that is one short is complete.
-void probe_loops(Device& device, Arithmetic& all) {
-    constexpr std::uint32_t tried = 1U << 20, times = 4;
-    const std::uint32_t one = counted(device, false, tried, 1);
-    if (one + 1 >= tried) {
-        all.facts.push_back({"loops end after", "no limit up to 1048576 iterations"});
+/// states of its generator, so a count that is too small by one is complete.
+void probe_loops(Device& device, Arithmetic& arithmetic) {
+    constexpr std::uint32_t tried_iterations = 1U << 20, repetitions = 4;
+    const std::uint32_t single_limit = reached_count(device, false, tried_iterations, 1);
+    if (single_limit + 1 >= tried_iterations) {
+        arithmetic.facts.push_back({"loops end after", "no limit up to 1048576 iterations"});
         return;
     }
-    all.loop_limit = one;
-    // If all loops share one budget, it runs out in the second of these.
-    const std::uint32_t each = one / 8 * 5;
-    all.loops_together = counted(device, true, each, times) + 1 < each * times;
-    all.facts.push_back({"loops end after", std::to_string(one) + " iterations, silently" +
-                                                (all.loops_together ? "; all loops of a call count together" : "")});
+    arithmetic.loop_limit = single_limit;
+    // If all loops share one limit, the second of these loops reaches it.
+    const std::uint32_t iterations = single_limit / 8 * 5;
+    arithmetic.loops_together = reached_count(device, true, iterations, repetitions) + 1 < iterations * repetitions;
+    arithmetic.facts.push_back(
+        {"loops end after", std::to_string(single_limit) + " iterations, silently" +
+                                (arithmetic.loops_together ? "; all loops of a call count together" : "")});
 }
 
 }  // namespace
@@ -236,27 +250,27 @@ std::string Arithmetic::value_of(std::string_view key) const {
 }
 
 Arithmetic probe(Device& device) {
-    Arithmetic all;
-    all.digest = 14695981039346656037U;
-    const Probing<float> floats(device);
-    floats.add_to(all);
-    floats.add_digest(all.digest);
+    Arithmetic arithmetic;
+    arithmetic.digest = 14695981039346656037U;
+    const FormatProbe<float> floats(device);
+    floats.add_to(arithmetic);
+    floats.add_digest(arithmetic.digest);
     if (device.limits().doubles) {
-        const Probing<double> doubles(device);
-        doubles.add_to(all);
-        doubles.add_digest(all.digest);
+        const FormatProbe<double> doubles(device);
+        doubles.add_to(arithmetic);
+        doubles.add_digest(arithmetic.digest);
     } else {
-        all.facts.push_back({"f64", "none"});
+        arithmetic.facts.push_back({"f64", "none"});
     }
-    probe_loops(device, all);
-    all.digest = (all.digest ^ static_cast<std::uint64_t>(all.loop_limit)) * 1099511628211U;
-    return all;
+    probe_loops(device, arithmetic);
+    arithmetic.digest = (arithmetic.digest ^ static_cast<std::uint64_t>(arithmetic.loop_limit)) * 1099511628211U;
+    return arithmetic;
 }
 
-std::string line_of(const DeviceDescription& words, const Arithmetic& arithmetic) {
+std::string line_of(const DeviceDescription& description, const Arithmetic& arithmetic) {
     std::array<char, 17> digest{};
     std::snprintf(digest.data(), digest.size(), "%016llx", static_cast<unsigned long long>(arithmetic.digest));
-    return words.renderer + ", " + words.version + ", arithmetic " + digest.data();
+    return description.renderer + ", " + description.version + ", arithmetic " + digest.data();
 }
 
 }  // namespace lostbits::intersect::device

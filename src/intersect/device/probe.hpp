@@ -1,5 +1,4 @@
-// The rounding of a device, measured by a program that does each operation on numbers whose right answers are computed
-// here.
+// Measures how a device rounds, by a program that does each operation on numbers whose right answers are computed here.
 #pragma once
 
 #include <cstdint>
@@ -15,23 +14,23 @@ struct Fact {
     std::string value;  ///< `x+(y+z)`
 };
 
-/// Description of the numbers that the operations are tried on.
+/// Description of the numbers on which the operations are tried.
 extern const std::string_view probed_set;
 
 struct Arithmetic {
     std::vector<Fact> facts;
     long long loop_limit = 0;     ///< iterations after which a loop is left silently; 0: no limit found
-    bool loops_together = false;  ///< the limit is on all loops of a function together, not on each
-    std::uint64_t digest = 0;     ///< digest of every bit of the answers
+    bool loops_together = false;  ///< true if the limit is on the sum over all loops of a function, not on each loop
+    std::uint64_t digest = 0;     ///< digest of all bits of the answers
 
-    /// Value of a key; empty if it was not probed.
+    /// Value of a key; empty if the key was not probed.
     [[nodiscard]] std::string value_of(std::string_view key) const;
 };
 
-/// Probes a device; EnvironmentError if it does not compute at all.
+/// Probes a device. Throws EnvironmentError if the device does not compute at all.
 Arithmetic probe(Device& device);
 
 /// One line for the results: `llvmpipe (LLVM 15.0.6), OpenGL 4.5, arithmetic 0123456789abcdef`.
-std::string line_of(const DeviceDescription& words, const Arithmetic& arithmetic);
+std::string line_of(const DeviceDescription& description, const Arithmetic& arithmetic);
 
 }  // namespace lostbits::intersect::device

@@ -75,9 +75,9 @@ std::string version_line(int version) { return "#version " + std::to_string(vers
 }  // namespace
 
 std::string probe_program(int bits, int version) {
-    const bool doubles = bits == 64;
-    return version_line(version) + "#define R " + (doubles ? "double" : "float") + "\n#define V " +
-           (doubles ? "dvec3" : "vec3") + "\n#define COUNTu " + std::to_string(probed_count) + "u\n" + operations;
+    const bool is_double = bits == 64;
+    return version_line(version) + "#define R " + (is_double ? "double" : "float") + "\n#define V " +
+           (is_double ? "dvec3" : "vec3") + "\n#define COUNTu " + std::to_string(probed_count) + "u\n" + operations;
 }
 
 std::string loop_program(int version, bool nested) {

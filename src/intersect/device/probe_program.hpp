@@ -30,11 +30,12 @@ enum class Probed : unsigned {
 };
 inline constexpr std::size_t probed_count = static_cast<std::size_t>(Probed::count);
 
-/// GLSL: reads six numbers an element at binding 0, writes `probed_count` answers an element at binding 1.
+/// Returns GLSL that reads six numbers for each element at binding 0, and writes `probed_count` answers for each
+/// element at binding 1.
 std::string probe_program(int bits, int version);
 
-/// GLSL: counts to the first number at binding 0 and writes the count reached at binding 1. `nested`: repeats that in
-/// an outer loop, as many times as the third number there says.
+/// Returns GLSL that counts to the first number at binding 0 and writes the count at binding 1. With `nested`, an outer
+/// loop repeats this as many times as the third number at binding 0 says.
 std::string loop_program(int version, bool nested);
 
 }  // namespace lostbits::intersect::device

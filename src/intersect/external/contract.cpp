@@ -11,99 +11,101 @@
 namespace lostbits::intersect::external {
 namespace {
 
-/// "sphere., box. or sdf."
+/// Returns the prefixes of the names of shipped forms, such as "sphere., box. or sdf.".
 std::string shipped_prefixes() {
-    std::string words;
+    std::string prefixes;
     for (const std::string_view& name : shape_names)
-        words += (words.empty() ? "" : &name == &shape_names.back() ? " or " : ", ") + std::string(name) + '.';
-    return words;
+        prefixes += (prefixes.empty() ? "" : &name == &shape_names.back() ? " or " : ", ") + std::string(name) + '.';
+    return prefixes;
 }
 
-/// Converts a field of `lb_form` to its enumeration. InputError unless 0 <= number < count.
+/// Converts a field of `lb_form` to its enumeration. Throws InputError unless 0 <= number < count.
 template <class Value>
-Value word(int number, int count, const char* field, const std::string& from) {
+Value enum_of(int number, int count, const char* field, const std::string& subject) {
     if (number >= 0 && number < count) return static_cast<Value>(number);
-    throw InputError(from + ": " + field + " is " + std::to_string(number) + "; it must be from 0 to " +
+    throw InputError(subject + ": " + field + " is " + std::to_string(number) + "; it must be from 0 to " +
                      std::to_string(count - 1) + ", see lostbits_plugin.h");
 }
 
 std::string text_of(const char* text) { return text == nullptr ? std::string() : std::string(text); }
 
-/// True if the name is safe as part of a folder, a column and a shell command: ASCII letters, digits and . _ - alone,
-/// at most 64, a letter first, no dot at the end and no two dots in a row.
+/// True if the name is safe as part of a folder, a column and a shell command: at most 64 ASCII letters, digits, dots,
+/// underscores and hyphens, a letter first, no dot at the end and no two dots in a row.
 bool is_plain(const std::string& name) {
-    const auto plain = [](char c) {
+    const auto is_allowed = [](char c) {
         return (std::isalnum(static_cast<unsigned char>(c)) != 0 && static_cast<unsigned char>(c) < 128) || c == '.' ||
                c == '_' || c == '-';
     };
     return !name.empty() && name.size() <= 64 && std::isalpha(static_cast<unsigned char>(name[0])) != 0 &&
-           name.back() != '.' && name.find("..") == std::string::npos && std::ranges::all_of(name, plain);
+           name.back() != '.' && name.find("..") == std::string::npos && std::ranges::all_of(name, is_allowed);
 }
 
-/// Requires one line of text without control characters, as tables and captions show it on a terminal.
-void require_line(const std::string& text, const char* field, const std::string& from) {
-    const auto control = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
-    if (text.size() <= 400 && std::ranges::none_of(text, control)) return;
-    throw InputError(from + ": " + field + " must be one line of at most 400 bytes without control characters");
+/// Throws InputError unless the text is one line without control characters, as tables and captions show it on a
+/// terminal.
+void require_line(const std::string& text, const char* field, const std::string& subject) {
+    const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
+    if (text.size() <= 400 && std::ranges::none_of(text, is_control)) return;
+    throw InputError(subject + ": " + field + " must be one line of at most 400 bytes without control characters");
 }
 
-/// Requires that the other properties of a contract agree with the roots that the form yields.
-void require_roots(const Contract& c, const std::string& from) {
-    const bool both = c.roots == Roots::both, near = c.roots == Roots::near_only;
-    if ((c.flags & LB_LINE) != 0 && !both && !near)
-        throw InputError(from +
+/// Throws InputError if another property of a contract contradicts the roots that the form yields.
+void require_roots(const Contract& c, const std::string& subject) {
+    const bool has_both = c.roots == Roots::both, near_only = c.roots == Roots::near_only;
+    if ((c.flags & LB_LINE) != 0 && !has_both && !near_only)
+        throw InputError(subject +
                          ": line needs roots = both or near: lostbits takes the first of these roots that lies ahead; "
                          "set roots, or leave line out");
-    if ((c.flags & LB_CLIPPED) != 0 && !both)
-        throw InputError(from + ": clipped describes an interval, so it needs roots = both");
-    const bool exits = !inside_returns_zero(c.shape) || c.inside == Inside::exit;
-    if ((c.flags & LB_CLIPPED) != 0 && exits && c.at_origin == AtOrigin::hit)
-        throw InputError(from +
+    if ((c.flags & LB_CLIPPED) != 0 && !has_both)
+        throw InputError(subject + ": clipped describes an interval, so it needs roots = both");
+    const bool exits_from_inside = !inside_returns_zero(c.shape) || c.inside == Inside::exit;
+    if ((c.flags & LB_CLIPPED) != 0 && exits_from_inside && c.at_origin == AtOrigin::hit)
+        throw InputError(subject +
                          ": with near clipped to 0, a surface at the origin looks the same as one behind it; set "
                          "at_origin = exit or miss");
-    if ((c.flags & LB_RANGE) != 0 && (both || near))
+    if ((c.flags & LB_RANGE) != 0 && (has_both || near_only))
         throw InputError(
-            from +
+            subject +
             ": range needs roots = first or none: the form itself answers within the range; leave range out, "
             "and lostbits takes the first of near and far that lies in the range");
     if ((c.flags & LB_RANGE) != 0 && (c.flags & LB_NO_END) != 0)
-        throw InputError(from +
+        throw InputError(subject +
                          ": range and no_end contradict each other: with range, the form takes the end of the ray into "
                          "account; leave one of them out");
-    if (c.inside == Inside::near && !near) throw InputError(from + ": inside = near needs roots = near");
-    if (c.inside == Inside::exit && near)
+    if (c.inside == Inside::near && !near_only) throw InputError(subject + ": inside = near needs roots = near");
+    if (c.inside == Inside::exit && near_only)
         throw InputError(
-            from +
+            subject +
             ": inside = exit contradicts roots = near: from inside the near root lies behind the origin; set "
             "roots = first");
 }
 
 }  // namespace
 
-void require_front(Facing facing, Shape shape, const std::string& from) {
+void require_front(Facing facing, Shape shape, const std::string& subject) {
     if (facing == Facing::both || is_flat(shape)) return;
-    std::string flat;
+    std::string flat_shapes;
     for (const ShapeRow& row : shape_rows)
-        if (row.flat) flat += (flat.empty() ? "" : ", ") + std::string(row.plural);
-    throw InputError(from + ": facing is only for shapes with a front and a back (" + flat + "); leave it out for " +
-                     with_article(shape));
+        if (row.flat) flat_shapes += (flat_shapes.empty() ? "" : ", ") + std::string(row.plural);
+    throw InputError(subject + ": facing is only for shapes with a front and a back (" + flat_shapes +
+                     "); leave it out for " + with_article(shape));
 }
 
 Contract contract_of(const lb_form& form, const std::string& library) {
     if (form.name == nullptr) throw InputError(library + ": a form has no name");
-    const std::string from = library + ": form \"" + form.name + "\"";
+    const std::string subject = library + ": form \"" + form.name + "\"";
     Contract c{.name = form.name, .title = text_of(form.title), .source = text_of(form.source)};
-    c.shape = word<Shape>(form.shape, static_cast<int>(shape_rows.size()), "shape", from);
+    c.shape = enum_of<Shape>(form.shape, static_cast<int>(shape_rows.size()), "shape", subject);
     c.bits = form.format;
-    c.direction = word<Direction>(form.direction, 2, "direction", from);
-    c.roots = word<Roots>(form.roots, 4, "roots", from);
-    c.touching = word<Touching>(form.touching, 2, "touching", from);
-    c.at_origin = word<AtOrigin>(form.at_origin, 3, "at_origin", from);
-    c.inside = word<Inside>(static_cast<int>((form.flags & LB_INSIDE) / LB_INSIDE_EXIT), 5, "LB_INSIDE in flags", from);
+    c.direction = enum_of<Direction>(form.direction, 2, "direction", subject);
+    c.roots = enum_of<Roots>(form.roots, 4, "roots", subject);
+    c.touching = enum_of<Touching>(form.touching, 2, "touching", subject);
+    c.at_origin = enum_of<AtOrigin>(form.at_origin, 3, "at_origin", subject);
+    c.inside =
+        enum_of<Inside>(static_cast<int>((form.flags & LB_INSIDE) / LB_INSIDE_EXIT), 5, "LB_INSIDE in flags", subject);
     c.facing =
-        word<Facing>(static_cast<int>((form.flags & LB_FACING) / LB_FACING_FRONT), 3, "LB_FACING in flags", from);
+        enum_of<Facing>(static_cast<int>((form.flags & LB_FACING) / LB_FACING_FRONT), 3, "LB_FACING in flags", subject);
     c.flags = form.flags & ~static_cast<unsigned>(LB_INSIDE | LB_FACING);
-    if (form.run == nullptr) throw InputError(from + ": run is NULL; set it to the function that answers a batch");
+    if (form.run == nullptr) throw InputError(subject + ": run is NULL; set it to the function that answers a batch");
     require_sense(c, library);
     return c;
 }
@@ -115,26 +117,26 @@ void require_sense(const Contract& c, const std::string& library) {
             ": a form's name must begin with a letter and consist of at most 64 letters, digits and . _ -, "
             "without two dots in a row or a dot at the end: columns, folders and pictures are named after "
             "it");
-    const std::string from = library + ": form \"" + c.name + "\"";
+    const std::string subject = library + ": form \"" + c.name + "\"";
     const std::size_t dot = c.name.find('.');
     if (dot == std::string::npos || std::ranges::find(shape_names, c.name.substr(0, dot)) != shape_names.end())
-        throw InputError(from + ": a name is LIBRARY.FORM, such as \"mylib.sphere\"; names that begin with " +
+        throw InputError(subject + ": a name is LIBRARY.FORM, such as \"mylib.sphere\"; names that begin with " +
                          shipped_prefixes() + " belong to the forms that ship with lostbits");
-    require_line(c.title, "title", from);
-    require_line(c.source, "source", from);
+    require_line(c.title, "title", subject);
+    require_line(c.source, "source", subject);
     if (process::FloatingPoint ignored; !process::FloatingPoint::read(c.state, ignored))
-        throw InputError(from +
+        throw InputError(subject +
                          ": state has an unknown value; leave it out if the processor computes as IEEE 754 asks");
     if (c.bits != 32 && c.bits != 64)
-        throw InputError(from + ": format is " + std::to_string(c.bits) + "; it must be 32 (float) or 64 (double)");
-    constexpr unsigned known = LB_LINE | LB_NO_END | LB_ONE_THREAD | LB_CLIPPED | LB_RANGE;
-    if ((c.flags & ~known) != 0)
-        throw InputError(from +
+        throw InputError(subject + ": format is " + std::to_string(c.bits) + "; it must be 32 (float) or 64 (double)");
+    constexpr unsigned known_flags = LB_LINE | LB_NO_END | LB_ONE_THREAD | LB_CLIPPED | LB_RANGE;
+    if ((c.flags & ~known_flags) != 0)
+        throw InputError(subject +
                          ": flags has bits that this version does not know; rebuild the library with this version's "
                          "lostbits_plugin.h");
-    require_roots(c, from);
-    require_front(c.facing, c.shape, from);
-    require_origin(c.at_origin, inside_of(c), c.shape, from);
+    require_roots(c, subject);
+    require_front(c.facing, c.shape, subject);
+    require_origin(c.at_origin, inside_of(c), c.shape, subject);
 }
 
 Info info_of(const Contract& c) {

@@ -13,22 +13,22 @@
 namespace lostbits::intersect::external {
 namespace {
 
-/// The NaN with this payload fills the answer buffers before a call. No form answers it, so where it remains nothing
-/// was written.
 template <class S>
 using Bits = std::conditional_t<sizeof(S) == 4, std::uint32_t, std::uint64_t>;
+/// Bits of the NaN that fills the answer buffers before a call. No form answers this NaN, so where it remains, the form
+/// has written nothing.
 template <class S>
 constexpr Bits<S> unwritten = sizeof(S) == 4 ? static_cast<Bits<S>>(0x7FCAFE15U)
                                              : static_cast<Bits<S>>(0x7FFCAFE15BAD5EEDULL);
-constexpr std::uint8_t neither = 0xEE;
+constexpr std::uint8_t unwritten_hit = 0xEE;
 
-/// The columns of a batch, interleaved ray by ray, and buffers for the answers. Each thread keeps one.
+/// The columns of a batch interleaved ray by ray, and buffers for the answers. Each thread has its own.
 template <class S>
 struct Interleaved {
     std::vector<S> rays, near_far, primitives, starts, ends;
     std::vector<std::uint8_t> hit;
 
-    void set(const table::RayBatch<S>& batch, const Target<S>& target) {
+    void fill_from(const table::RayBatch<S>& batch, const Target<S>& target) {
         const std::size_t n = batch.size();
         rays.resize(6 * n);
         const std::array columns{batch.ox.data(), batch.oy.data(), batch.oz.data(),
@@ -49,9 +49,9 @@ struct Interleaved {
     }
 };
 
-/// Appends the closed range of each ray: where it begins and where it ends.
+/// Appends where the closed range of each ray begins and ends.
 template <class S>
-void tell_ranges(const table::RayBatch<S>& rays, std::vector<S>& starts, std::vector<S>& ends) {
+void append_ranges(const table::RayBatch<S>& rays, std::vector<S>& starts, std::vector<S>& ends) {
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Range<S> range = rays.range(i).closed();
         starts.push_back(range.tmin);
@@ -69,29 +69,30 @@ bool is_unwritten(S x) {
 template <class S>
 void mark_unwritten(std::span<S> near_far, std::span<std::uint8_t> hit) {
     std::ranges::fill(near_far, std::bit_cast<S>(unwritten<S>));
-    std::ranges::fill(hit, neither);
+    std::ranges::fill(hit, unwritten_hit);
 }
 template void mark_unwritten(std::span<float>, std::span<std::uint8_t>);
 template void mark_unwritten(std::span<double>, std::span<std::uint8_t>);
 
 template <class S>
-Hit<S> hit_of(const Contract& contract, std::uint8_t said, const S* near_far, S end) {
-    if (said == 0) return {false, 0, 0, 0};
+Hit<S> hit_of(const Contract& contract, std::uint8_t hit_byte, const S* near_far, S end) {
+    if (hit_byte == 0) return {false, 0, 0, 0};
     if (contract.roots == Roots::none) {
-        constexpr S nothing = std::numeric_limits<S>::quiet_NaN();
-        return {true, nothing, nothing, nothing};
+        constexpr S no_t = std::numeric_limits<S>::quiet_NaN();
+        return {true, no_t, no_t, no_t};
     }
     const S near = near_far[0], far = contract.roots == Roots::both ? near_far[1] : near_far[0];
     if (contract.roots != Roots::both) {
-        const bool behind = contract.roots == Roots::near_only && near < 0;
-        return {!behind && ((contract.flags & LB_NO_END) == 0 || !(near > end)), near, near, far};
+        const bool near_is_behind = contract.roots == Roots::near_only && near < 0;
+        return {!near_is_behind && ((contract.flags & LB_NO_END) == 0 || !(near > end)), near, near, far};
     }
     const bool hit_at_0 = contract.at_origin == AtOrigin::hit, passes_0 = contract.at_origin == AtOrigin::miss;
-    const bool ahead = std::isnan(near) || (hit_at_0 ? near >= 0 : near > 0);
+    const bool near_is_ahead = std::isnan(near) || (hit_at_0 ? near >= 0 : near > 0);
     const Inside inside = inside_of(contract);
-    const bool at_0 = inside == Inside::zero || (inside == Inside::usual && inside_returns_zero(contract.shape));
-    const S t = ahead ? near : at_0 ? S(0) : far;
-    bool hit = ahead || inside != Inside::miss;
+    const bool inside_gives_zero =
+        inside == Inside::zero || (inside == Inside::usual && inside_returns_zero(contract.shape));
+    const S t = near_is_ahead ? near : inside_gives_zero ? S(0) : far;
+    bool hit = near_is_ahead || inside != Inside::miss;
     if (passes_0 && far <= 0) hit = false;
     if ((contract.flags & LB_LINE) != 0 && far < 0) hit = false;
     if ((contract.flags & LB_NO_END) != 0) hit = hit && !(t > end);
@@ -102,7 +103,7 @@ template Hit<double> hit_of(const Contract&, std::uint8_t, const double*, double
 
 void ForeignBatch::evaluate(const lb_batch& batch) {
     if ((form_.contract.flags & LB_ONE_THREAD) == 0) return form_.answer(batch);
-    const std::scoped_lock alone(one_at_a_time_);
+    const std::scoped_lock lock(one_at_a_time_);
     form_.answer(batch);
 }
 
@@ -111,38 +112,38 @@ void ForeignBatch::answer_in(const table::RayBatch<S>& rays, const Target<S>& ta
     thread_local Interleaved<S> buffers;
     const std::size_t n = rays.size();
     if (n == 0) return;
-    buffers.set(rays, target);
-    const bool ranged = (form_.contract.flags & LB_RANGE) != 0 && rays.have_ranges();
-    if (ranged) tell_ranges(rays, buffers.starts, buffers.ends);
-    const bool ends = !ranged && takes_tmax(form_.contract.shape) && !rays.tmax.empty();
+    buffers.fill_from(rays, target);
+    const bool has_ranges = (form_.contract.flags & LB_RANGE) != 0 && rays.have_ranges();
+    if (has_ranges) append_ranges(rays, buffers.starts, buffers.ends);
+    const bool has_ends = !has_ranges && takes_tmax(form_.contract.shape) && !rays.tmax.empty();
     evaluate({.size = n,
               .rays = buffers.rays.data(),
-              .ends = ranged ? buffers.ends.data()
-                      : ends ? rays.tmax.data()
-                             : nullptr,
+              .ends = has_ranges ? buffers.ends.data()
+                      : has_ends ? rays.tmax.data()
+                                 : nullptr,
               .primitives = buffers.primitives.data(),
               .primitive_stride = target.primitives.size() == 1 ? 0 : target.primitives.front().used().size(),
               .near_far = buffers.near_far.data(),
               .hit = buffers.hit.data(),
               .own = nullptr,
-              .starts = ranged ? buffers.starts.data() : nullptr});
+              .starts = has_ranges ? buffers.starts.data() : nullptr});
     const Contract& contract = form_.contract;
-    const auto fail = [&](std::size_t i, const std::string& what) {
-        throw EnvironmentError(form_.from + ": form \"" + contract.name + "\" " + what + " (ray " + std::to_string(i) +
-                               " of " + std::to_string(n) + " in a batch)");
+    const auto fail = [&](std::size_t i, const std::string& problem) {
+        throw EnvironmentError(form_.from + ": form \"" + contract.name + "\" " + problem + " (ray " +
+                               std::to_string(i) + " of " + std::to_string(n) + " in a batch)");
     };
     for (std::size_t i = 0; i < n; ++i) {
-        const std::uint8_t said = buffers.hit[i];
-        if (said == neither) fail(i, "did not write `hit`; it must be 1 or 0 for every ray");
-        if (said > 1) fail(i, "wrote " + std::to_string(said) + " to `hit`; it must be 1 or 0");
+        const std::uint8_t hit_byte = buffers.hit[i];
+        if (hit_byte == unwritten_hit) fail(i, "did not write `hit`; it must be 1 or 0 for every ray");
+        if (hit_byte > 1) fail(i, "wrote " + std::to_string(hit_byte) + " to `hit`; it must be 1 or 0");
         const S* const near_far = &buffers.near_far[2 * i];
-        if (said == 1 && contract.roots != Roots::none &&
+        if (hit_byte == 1 && contract.roots != Roots::none &&
             (is_unwritten(near_far[0]) || (contract.roots == Roots::both && is_unwritten(near_far[1]))))
             fail(i, contract.roots == Roots::both ? "reported a hit but did not write both near and far; if it yields "
                                                     "one root, set `roots` accordingly"
                                                   : "reported a hit but did not write t");
-        const S end = ends ? rays.tmax[i] : std::numeric_limits<S>::infinity();
-        const Hit<S> hit = hit_of(contract, said, near_far, end);
+        const S end = has_ends ? rays.tmax[i] : std::numeric_limits<S>::infinity();
+        const Hit<S> hit = hit_of(contract, hit_byte, near_far, end);
         hits.hit[i] = hit.hit;
         hits.t[i] = hit.t;
         hits.near[i] = hit.near;

@@ -1,4 +1,4 @@
-// Converts a batch of the table to one for an external form, and its answers back.
+// Converts a batch of the table to a batch for an external form, and converts its answers back.
 #pragma once
 
 #include <cstdint>
@@ -10,21 +10,22 @@
 
 namespace lostbits::intersect::external {
 
-/// Fills the answer buffers with a marker that no form writes, so that a missing answer is seen.
+/// Fills the answer buffers with a marker that no form writes, so that a missing answer is detected.
 template <class S>
 void mark_unwritten(std::span<S> near_far, std::span<std::uint8_t> hit);
 
-/// One answer as the table takes it: the first of the roots that counts, or the contract's answer for a ray from
-/// inside. `said` is `hit`; `end` is the end of the ray, for shapes whose forms take it.
+/// Converts one answer to the fields of the table. t is the first of the roots that counts, or the contract's answer
+/// for a ray from inside. `hit_byte` is the form's `hit`; `end` is the end of the ray, for shapes whose forms take
+/// tmax.
 template <class S>
-Hit<S> hit_of(const Contract& contract, std::uint8_t said, const S* near_far, S end);
+Hit<S> hit_of(const Contract& contract, std::uint8_t hit_byte, const S* near_far, S end);
 
 class ForeignBatch {
 public:
     explicit ForeignBatch(ForeignForm form) : form_(std::move(form)) {}
 
-    /// Asks the form and checks its answers against its contract. EnvironmentError if it leaves an answer out or writes
-    /// a `hit` that is neither 1 nor 0; otherwise whatever the form throws.
+    /// Calls the form and checks its answers against its contract. Throws EnvironmentError if the form leaves an answer
+    /// out or writes a `hit` that is neither 1 nor 0; otherwise whatever the form throws.
     void answer(const table::RayBatch<float>& rays, const Target<float>& target, const table::HitBatch<float>& hits);
     void answer(const table::RayBatch<double>& rays, const Target<double>& target, const table::HitBatch<double>& hits);
 
@@ -39,8 +40,8 @@ private:
     std::mutex one_at_a_time_;
 };
 
-/// The forms of one name, one or one for each of two formats, as a row of the table. It must not move: the row points
-/// into it.
+/// The forms of one name, in one format or in both, as a row of the table. It must not move, since the row points into
+/// it.
 struct ForeignRow {
     Info info = {};
     std::unique_ptr<ForeignBatch> of32 = {}, of64 = {};
@@ -48,12 +49,13 @@ struct ForeignRow {
     explicit ForeignRow(ForeignForm first);
     ForeignRow(const ForeignRow&) = delete;
     ForeignRow& operator=(const ForeignRow&) = delete;
-    /// Adds the same form in the other format. InputError if that is there already, or has another contract.
+    /// Adds the same form in the other format. Throws InputError if there is already a form in that format, or if its
+    /// contract differs.
     void add(ForeignForm other);
     [[nodiscard]] table::Intersector row() const;
 
 private:
-    void put(ForeignForm form);
+    void store(ForeignForm form);
 };
 
 }  // namespace lostbits::intersect::external

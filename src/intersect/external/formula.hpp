@@ -10,7 +10,8 @@
 
 namespace lostbits::intersect::external {
 
-/// Calls by which a library reports that a form begins and ends, so that a crash or a hang can be attributed to it.
+/// Functions of the program by which a library reports that a form begins and ends, so that a crash or a hang can be
+/// attributed to the form.
 struct FormulaWatch {
     void (*enter)(const char* who);
     void (*leave)();
@@ -19,22 +20,22 @@ struct FormulaWatch {
 /// A form as the library compiled it.
 struct Formula {
     table::Intersector row;
-    std::array<simd::RawRow, 3> packed;  ///< registers of 128, 256 and 512 bits; null: not compiled
+    std::array<simd::RawRow, 3> packed;  ///< registers of 128, 256 and 512 bits; null where not compiled
     const char** who;                    ///< the name passed to `FormulaWatch::enter`, set by the program
-    /// In float and in double: the t of its hits, for which the C interface has no field beside near and far. Null if
-    /// the form yields only t.
+    /// The t of the hits as a form of its own, in float and in double: the C interface has no field for t beside near
+    /// and far. Null if the form yields only t.
     std::array<const lb_form*, 2> first;
 };
 
-/// The list that `lostbits_formulas` returns. `build` stands first and is compared before anything else is read: the
-/// layout of everything that follows depends on the build of the headers.
+/// The list that `lostbits_formulas` returns. `build` comes first and is compared before anything else is read, since
+/// the layout of all other members depends on the build of the headers.
 struct FormulaList {
     const char* build;
     const Formula* all;
     std::size_t count;
-    bool contracts;  ///< compiled so that a·b + c is rounded once
+    bool is_contracted;  ///< true if the library was compiled so that a·b + c is rounded once
 };
 
-using AskForFormulas = const FormulaList* (*)(const FormulaWatch*);
+using FormulasFunction = const FormulaList* (*)(const FormulaWatch*);
 
 }  // namespace lostbits::intersect::external

@@ -1,5 +1,5 @@
-// Converts a form written once for every number into a library's row in every arithmetic, and into answers through the
-// C interface. It is compiled into the library with all that it needs; nothing here refers to the program.
+// Converts a form that is written once for every number into a library's row in every arithmetic, and into answers
+// through the C interface. It is compiled into the library with all that it needs; nothing here refers to the program.
 #pragma once
 
 #include <exception>
@@ -17,7 +17,7 @@ inline const FormulaWatch* formula_watch = nullptr;
 template <class Form>
 inline const char* name_for_messages = nullptr;
 
-/// Calls `function` and reports the running form to the program.
+/// Calls `function`, and reports the running form to the program.
 template <class Form, auto function, class = std::decay_t<decltype(function)>>
 struct ReportingCall;
 template <class Form, auto function, class R, class... A>
@@ -30,11 +30,11 @@ struct ReportingCall<Form, function, R (*)(A...)> {
             ~CallReport() {
                 if (formula_watch != nullptr) formula_watch->leave();
             }
-        } telling;
+        } report;
         try {
             return function(arguments...);
-        } catch (const std::exception& thrown) {
-            throw EnvironmentError(std::string(name_for_messages<Form>) + ": threw an exception: " + thrown.what() +
+        } catch (const std::exception& exception) {
+            throw EnvironmentError(std::string(name_for_messages<Form>) + ": threw an exception: " + exception.what() +
                                    "; a form must answer every ray, with a miss or a NaN if it has no better answer");
         } catch (...) {
             throw EnvironmentError(std::string(name_for_messages<Form>) +
@@ -44,7 +44,7 @@ struct ReportingCall<Form, function, R (*)(A...)> {
     }
 };
 
-/// A field and a watch, to test the arguments that a form takes.
+/// A distance field, to test which arguments a form takes.
 struct AnyField {
     template <class T>
     T operator()(const Vec<T>& p) const {
@@ -58,19 +58,21 @@ concept TakesAPrimitive =
     Form::intersect(ray, AnyField(), c, w);
 };
 
-/// True if this library was compiled so that a·b − c is rounded once: then it computes in float and double what no tape
-/// records. (1 + 2^-12)² is 1 + 2^-11 + 2^-24, half an ulp beyond its rounding.
-inline bool contracts() {
+/// True if this library was compiled so that a·b − c is rounded once. Then its float and double answers contain
+/// operations that no tape records. The test computes x·x − y for x = 1 + 2^-12 and y = 1 + 2^-11: x² is 1 + 2^-11 +
+/// 2^-24, which rounds to y.
+inline bool is_contracted() {
     volatile float a = 1 + 0x1p-12F, c = 1 + 0x1p-11F;
     const float x = a, y = c;
     return x * x - y != 0;
 }
 
-/// Compiled but never run. Operations that no number of the laboratory has (a constant that is not whole, a call of
-/// std::, a number without a value) have no place in a formula, yet some of them would compile over all numbers.
+/// Compiled but never run. A formula must not use operations that no number of the laboratory has: a constant that is
+/// not whole, a call of std::, a number without a value. Some of these operations would compile over all numbers, but
+/// not over the archetype.
 template <class Form>
-void obey_the_rules(const Ray<Archetype>* ray, const Primitive<Archetype>* primitive,
-                    const MarchConstants<Archetype>* c) {
+void compile_with_archetype(const Ray<Archetype>* ray, const Primitive<Archetype>* primitive,
+                            const MarchConstants<Archetype>* c) {
     if constexpr (marches<Form>) {
         sdf::Unwatched unwatched;
         static_cast<void>(Form::intersect(*ray, AnyField(), *c, unwatched));
@@ -81,15 +83,15 @@ void obey_the_rules(const Ray<Archetype>* ray, const Primitive<Archetype>* primi
     }
 }
 
-/// Sets the working precision of intervals. It is a thread variable in each binary: the library's own follows the
-/// program's through its numbers.
+/// Computes with the program's precision of intervals. The precision is a thread variable in each binary; the library
+/// sets its own from the precision of the numbers that the program passes.
 template <class Form>
 Hit<Interval> enclosed_by_intervals(const Ray<Interval>& ray, const Target<Interval>& target) {
-    const Interval::Precision same(mpfr_get_prec(ray.origin.x.lower()));
+    const Interval::Precision precision(mpfr_get_prec(ray.origin.x.lower()));
     return table::enclosed<Form, Interval>(ray, target);
 }
 
-/// Kernels from the objects of the register widths.
+/// Kernels from the object files of the register widths.
 template <class Form>
 inline std::array<simd::RawRow, 3> compiled_packs{};
 
@@ -106,16 +108,17 @@ simd::RawRow reporting_pack() {
             compiled.f64 ? ReportingCall<Form, run_pack<Form, width, double>>::run : nullptr};
 }
 
-/// Checks the rules by this many calls. Compilers report last what is called last, and for an `if` on a comparison the
-/// message of the masks (see `NotABool`) should come before the archetype's errors.
+/// Compiles the form with the archetype, behind this many nested calls. Compilers report last what is called last, and
+/// for an `if` on a comparison the message of the masks (see `NotABool`) should come before the archetype's errors.
 template <class Form, int calls = 12>
 void check_rules_last() {
     if constexpr (calls > 0) check_rules_last<Form, calls - 1>();
-    else obey_the_rules<Form>(nullptr, nullptr, nullptr);
+    else compile_with_archetype<Form>(nullptr, nullptr, nullptr);
 }
 
-/// The answers in S through the C interface; `told`: only t, or near and far.
-template <class Form, class S, Roots told = Form::info.roots>
+/// Answers a batch in S through the C interface. `stated_roots` selects the roots that the form states: only t, or near
+/// and far.
+template <class Form, class S, Roots stated_roots = Form::info.roots>
 const char* answer_batch_of(const lb_batch* batch) {
     const auto* const rays = static_cast<const S*>(batch->rays);
     const auto* const ends = static_cast<const S*>(batch->ends);
@@ -128,13 +131,13 @@ const char* answer_batch_of(const lb_batch* batch) {
         const Hit<S> hit = intersect_numbers<Form>(
             ray, [n](std::size_t k) { return n[k]; }, end);
         batch->hit[i] = hit.hit ? 1 : 0;
-        near_far[2 * i] = told == Roots::both ? hit.near : hit.t;
+        near_far[2 * i] = stated_roots == Roots::both ? hit.near : hit.t;
         near_far[2 * i + 1] = hit.far;
     }
     return nullptr;
 }
 
-template <class Form, class S, Roots told = Form::info.roots>
+template <class Form, class S, Roots stated_roots = Form::info.roots>
 constexpr lb_form plain_form() {
     return {.name = Form::info.name.data(),
             .title = Form::info.title.data(),
@@ -142,7 +145,7 @@ constexpr lb_form plain_form() {
             .shape = static_cast<int>(shape_of<Form>),
             .format = 8 * sizeof(S),
             .direction = static_cast<int>(Form::info.direction),
-            .roots = static_cast<int>(told),
+            .roots = static_cast<int>(stated_roots),
             .touching = static_cast<int>(Form::info.touching),
             .at_origin = static_cast<int>(Form::info.at_origin),
             .flags = (!takes_tmax(shape_of<Form>) && Form::info.roots != Roots::none ? unsigned{LB_NO_END} : 0U) |
@@ -150,10 +153,10 @@ constexpr lb_form plain_form() {
                      static_cast<unsigned>(Form::info.inside) * LB_INSIDE_EXIT |
                      static_cast<unsigned>(Form::info.facing) * LB_FACING_FRONT,
             .own = nullptr,
-            .run = answer_batch_of<Form, S, told>};
+            .run = answer_batch_of<Form, S, stated_roots>};
 }
 
-/// The t of its hits, as a form of the first root.
+/// The t of a form's hits, as a form of the first root.
 template <class Form, class S>
 inline constexpr lb_form first_form = plain_form<Form, S, Roots::first_only>();
 
@@ -177,15 +180,15 @@ Formula formula_of() {
         row.rounded = ReportingCall<Form, table::rounded_batch<Form>>::run;
     }
     if (false) check_rules_last<Form>();
-    std::array<const lb_form*, 2> first{};
+    std::array<const lb_form*, 2> first_root_forms{};
     if constexpr (!marches<Form> && Form::info.roots == Roots::both) {
-        first[0] = &first_form<Form, float>;
-        if constexpr (Form::info.formats == Formats::all) first[1] = &first_form<Form, double>;
+        first_root_forms[0] = &first_form<Form, float>;
+        if constexpr (Form::info.formats == Formats::all) first_root_forms[1] = &first_form<Form, double>;
     }
     return {row,
             {reporting_pack<Form, 0>(), reporting_pack<Form, 1>(), reporting_pack<Form, 2>()},
             &name_for_messages<Form>,
-            first};
+            first_root_forms};
 }
 
 /// Exports a list of forms from a library.
@@ -201,15 +204,16 @@ struct Formulas {
             std::size_t i = 0;
             ((compiled_packs<Form>[width] = rows[i++]), ...);
         }
-        static const std::array<Formula, sizeof...(Form)> all{formula_of<Form>()...};
-        static const FormulaList told{build, all.data(), all.size(), contracts()};
-        return &told;
+        static const std::array<Formula, sizeof...(Form)> formulas{formula_of<Form>()...};
+        static const FormulaList formula_list{build, formulas.data(), formulas.size(), is_contracted()};
+        return &formula_list;
     }
 
-    /// In float and in double. Forms that march are left out: they take no primitive that the C interface could name.
+    /// The forms in float and in double for the C interface. Forms that march are left out, since they take no
+    /// primitive that the C interface could name.
     static const lb_form* plain(int abi, std::size_t* count) {
         if (abi != LOSTBITS_PLUGIN_ABI) return nullptr;
-        static const std::vector<lb_form> all = [] {
+        static const std::vector<lb_form> forms_of_all = [] {
             std::vector<lb_form> forms;
             const auto add = [&forms]<class F>() {
                 if constexpr (!marches<F>) {
@@ -220,8 +224,8 @@ struct Formulas {
             (add.template operator()<Form>(), ...);
             return forms;
         }();
-        *count = all.size();
-        return all.data();
+        *count = forms_of_all.size();
+        return forms_of_all.data();
     }
 };
 

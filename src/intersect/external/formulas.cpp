@@ -13,13 +13,13 @@
 namespace lostbits::intersect::external {
 namespace {
 
-/// One entry for each running formula of this thread: a formula may call another.
-thread_local std::deque<InForeignCode> inside_formulas;
+/// One entry for each running formula of this thread, since a formula may call another.
+thread_local std::deque<InForeignCode> running_formulas;
 
-constexpr FormulaWatch name_of_running{[](const char* who) { inside_formulas.emplace_back(who); },
-                                       [] { inside_formulas.pop_back(); }};
+constexpr FormulaWatch running_formula_watch{[](const char* who) { running_formulas.emplace_back(who); },
+                                             [] { running_formulas.pop_back(); }};
 
-Contract stated_by(const Formula& formula) {
+Contract contract_of_formula(const Formula& formula) {
     const Info& info = *formula.row.info;
     return {.name = std::string(info.name),
             .title = std::string(info.title),
@@ -36,62 +36,62 @@ Contract stated_by(const Formula& formula) {
 }  // namespace
 
 std::vector<Formula> load_formulas(const std::filesystem::path& library) {
-    const std::string from = library.string();
-    const char* const who = lasting_text(from);
+    const std::string path = library.string();
+    const char* const lasting_path = lasting_text(path);
     const Library loaded = load_library(library);
-    const auto ask = entry_of<AskForFormulas>(loaded, "lostbits_formulas");
-    if (ask == nullptr) return {};
+    const auto list_formulas = entry_of<FormulasFunction>(loaded, "lostbits_formulas");
+    if (list_formulas == nullptr) return {};
     // Formulas also run in arithmetics that prove and record, which need the standard state.
-    if (const std::string words = loaded.fp_state.differences(); !words.empty())
-        note_change(who, "changes how the processor computes (" + words +
-                             ") when it is loaded; its formulas are still evaluated as IEEE 754 requires");
-    const FormulaList* const list = call_of(who, [&] {
-        const LoadsForeignCode here(who);
-        return ask(&name_of_running);
+    if (const std::string changes = loaded.fp_state.differences(); !changes.empty())
+        note_change(lasting_path, "changes how the processor computes (" + changes +
+                                      ") when it is loaded; its formulas are still evaluated as IEEE 754 requires");
+    const FormulaList* const list = call_of(lasting_path, [&] {
+        const LoadsForeignCode loading(lasting_path);
+        return list_formulas(&running_formula_watch);
     });
     if (list == nullptr || list->build == nullptr)
         throw InputError(
-            from + ": lostbits_formulas returns no list; define it by LOSTBITS_FORMULAS(...) of lostbits_form.hpp");
+            path + ": lostbits_formulas returns no list; define it by LOSTBITS_FORMULAS(...) of lostbits_form.hpp");
     if (std::string_view(list->build) != build_id)
-        throw InputError(from + ": its forms were compiled with the headers of " + list->build +
+        throw InputError(path + ": its forms were compiled with the headers of " + list->build +
                          ", but this program is " + build_id + "; compile it again with this program's headers");
-    if (list->contracts)
-        throw InputError(from +
+    if (list->is_contracted)
+        throw InputError(path +
                          ": its forms were compiled so that a*b + c is rounded once, but their tapes round twice; "
                          "compile it with -ffp-contract=off, as lostbits_add_formulas does");
     if (list->all == nullptr || list->count == 0 || list->count > 4096)
-        throw InputError(from + ": states " + std::to_string(list->count) +
+        throw InputError(path + ": states " + std::to_string(list->count) +
                          " forms; the number must be from 1 to 4096");
     std::vector<Formula> formulas(list->all, list->all + list->count);
     for (Formula& formula : formulas) {
-        require_sense(stated_by(formula), from);
-        *formula.who = lasting_text(from + ": form \"" + std::string(formula.row.info->name) + "\"");
+        require_sense(contract_of_formula(formula), path);
+        *formula.who = lasting_text(path + ": form \"" + std::string(formula.row.info->name) + "\"");
     }
     return formulas;
 }
 
 std::optional<ForeignForm> first_of(const std::vector<Formula>& formulas, const ForeignForm& form) {
     for (const Formula& formula : formulas) {
-        const lb_form* const first = formula.first[form.contract.bits == 64 ? 1 : 0];
-        if (formula.row.info->name != form.contract.name || first == nullptr) continue;
-        ForeignForm made = foreign(*first, form.from, process::FloatingPoint::standard());
-        made.contract = form.contract;
-        made.contract.roots = Roots::first_only;
-        made.contract.inside = formula.row.info->inside;
-        return made;
+        const lb_form* const c_form = formula.first[form.contract.bits == 64 ? 1 : 0];
+        if (formula.row.info->name != form.contract.name || c_form == nullptr) continue;
+        ForeignForm first_root_form = foreign(*c_form, form.from, process::FloatingPoint::standard());
+        first_root_form.contract = form.contract;
+        first_root_form.contract.roots = Roots::first_only;
+        first_root_form.contract.inside = formula.row.info->inside;
+        return first_root_form;
     }
     return {};
 }
 
 void rename(Formula& formula, const std::string& prefix) {
-    Info* const info = new Info(*formula.row.info);  // never freed, like `lasting_text`: exit handlers may ask for it
+    Info* const info = new Info(*formula.row.info);  // never freed, like `lasting_text`: exit handlers may read it
     info->name = lasting_text(prefix + std::string(info->name));
     formula.row.info = info;
 }
 
 void register_formulas(const std::vector<Formula>& formulas) {
     std::vector<table::Intersector> rows;
-    std::vector<simd::OwnPacks> packs;
+    std::vector<simd::ExternalPacks> packs;
     for (const Formula& formula : formulas) {
         rows.push_back(formula.row);
         packs.push_back({formula.row.info, formula.packed});

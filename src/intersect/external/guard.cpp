@@ -24,41 +24,42 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Read by signal handlers and by the watching thread, and therefore never freed.
-const GuardTerms usual_terms;
-std::atomic<const GuardTerms*> terms_now{&usual_terms};
-const GuardTerms& terms() { return *terms_now.load(); }
+/// The terms are read by signal handlers and by the watching thread, and therefore never freed.
+const GuardTerms default_terms;
+std::atomic<const GuardTerms*> current_terms{&default_terms};
+const GuardTerms& terms() { return *current_terms.load(); }
 
-/// A running call as the watching thread sees it. If there are more calls at once than slots, the rest go unwatched.
-struct Slot {
+/// A running call as the watching thread sees it. If more calls run at once than fit in the array, the rest are not
+/// watched.
+struct WatchedCall {
     std::atomic<const char*> who{nullptr};
-    std::atomic<Clock::rep> since{0};
+    std::atomic<Clock::rep> start_time{0};
 };
-std::array<Slot, 256> slots;
+std::array<WatchedCall, 256> watched_calls;
 /// Name of the foreign code that runs in this thread. Signal handlers read it, so it is initialised at compile
 /// time: a lazy initialisation could otherwise run inside a handler.
-constinit thread_local std::atomic<const char*> inside{nullptr};
+constinit thread_local std::atomic<const char*> running_code{nullptr};
 static_assert(std::atomic<const char*>::is_always_lock_free);
 
 /// Name of the running probe, whichever thread runs it; null if none runs.
-std::atomic<const char*> probe{nullptr};
+std::atomic<const char*> running_probe{nullptr};
 
-/// Changes of the processor's state, by the library or form that makes them.
-struct Notes {
+/// Changes of the processor's state, by the name of the library or form that made them.
+struct StateChanges {
     std::mutex lock;
-    std::map<std::string, std::string> all;
+    std::map<std::string, std::string> by_name;
 };
 /// Never destroyed: exit handlers may add to it.
-Notes& notes() {
-    static auto* const kept = new Notes;
-    return *kept;
+StateChanges& state_changes() {
+    static auto* const instance = new StateChanges;
+    return *instance;
 }
 
 /// Prints a message by write(2) alone, since a signal handler may not allocate.
-void say(const char* who, const char* what, const char* remedy) {
-    const char* const asked = probe.load();
-    for (const char* part : {"lostbits: ", who, asked ? ", in the probe \"" : "", asked ? asked : "", asked ? "\"" : "",
-                             ": ", what, "; ", remedy, "\n"}) {
+void print_message(const char* who, const char* problem, const char* remedy) {
+    const char* const probe_name = running_probe.load();
+    for (const char* part : {"lostbits: ", who, probe_name ? ", in the probe \"" : "", probe_name ? probe_name : "",
+                             probe_name ? "\"" : "", ": ", problem, "; ", remedy, "\n"}) {
         if (write(STDERR_FILENO, part, std::strlen(part)) < 0) return;
     }
 }
@@ -68,20 +69,20 @@ void clean_up() {
     if (terms().clean_up && !process::is_a_copy()) terms().clean_up();
 }
 
-[[noreturn]] void leave(Exit code) {
+[[noreturn]] void exit_program(Exit code) {
     if (terms().ends_with) terms().ends_with(static_cast<int>(code));
     _exit(static_cast<int>(code));
 }
 
-[[noreturn]] void end(const char* who, const char* what, const char* remedy) {
+[[noreturn]] void end_with_message(const char* who, const char* problem, const char* remedy) {
     clean_up();
-    say(who, what, remedy);
-    leave(Exit::environment);
+    print_message(who, problem, remedy);
+    exit_program(Exit::environment);
 }
 
-constexpr const char* try_child = "try --isolate, which runs it in a separate process, or a debugger";
+constexpr const char* isolation_advice = "try --isolate, which runs it in a separate process, or a debugger";
 
-const char* crash_of(int signal) {
+const char* crash_text(int signal) {
     switch (signal) {
         case SIGSEGV: return "crashed: it read or wrote memory that is not its own (SIGSEGV), or used up its stack";
         case SIGBUS: return "crashed: it accessed memory that does not exist (SIGBUS)";
@@ -92,15 +93,15 @@ const char* crash_of(int signal) {
 }
 
 void on_crash(int signal) {
-    if (const char* const who = inside.load()) end(who, crash_of(signal), try_child);
+    if (const char* const who = running_code.load()) end_with_message(who, crash_text(signal), isolation_advice);
     clean_up();
     ::signal(signal, SIG_DFL);
     raise(signal);
 }
 
-void on_exit_inside() {
-    if (const char* const who = inside.load())
-        end(who, "called exit()", "a form must return, with an error text if it cannot answer");
+void report_exit_inside() {
+    if (const char* const who = running_code.load())
+        end_with_message(who, "called exit()", "a form must return, with an error text if it cannot answer");
 }
 
 /// A separate stack for signal handlers, so that a stack overflow can still be reported. The destructor restores the
@@ -112,57 +113,57 @@ public:
         stack_t stack{};
         stack.ss_sp = memory_.get();
         stack.ss_size = size;
-        sigaltstack(&stack, &before_);
+        sigaltstack(&stack, &stack_before_);
     }
-    ~SignalStack() { sigaltstack(&before_, nullptr); }
+    ~SignalStack() { sigaltstack(&stack_before_, nullptr); }
     SignalStack(const SignalStack&) = delete;
     SignalStack& operator=(const SignalStack&) = delete;
 
 private:
     static constexpr std::size_t size = 64 * 1024;
     std::unique_ptr<char[]> memory_;
-    stack_t before_{};
+    stack_t stack_before_{};
 };
 
-void have_signal_stack() { thread_local const SignalStack here; }
+void set_up_signal_stack() { thread_local const SignalStack signal_stack; }
 
 /// Restores lowered limits; ends the program if the system refuses. If `who` is null, the message names some code that
-/// runs now, which need not be the culprit.
-void put_back_limits(const char* who) {
-    const char* const refused = process::put_back_limits();
-    if (refused == nullptr) return;
-    for (const Slot& slot : slots)
-        if (who == nullptr) who = slot.who.load();
-    const std::string what = std::string("lowered a hard limit of the program, ") + refused;
-    end(who != nullptr ? who : "a library", what.c_str(), try_child);
+/// is running now, which need not be the code that lowered the limit.
+void restore_limits_or_end(const char* who) {
+    const char* const lowered_limit = process::put_back_limits();
+    if (lowered_limit == nullptr) return;
+    for (const WatchedCall& call : watched_calls)
+        if (who == nullptr) who = call.who.load();
+    const std::string problem = std::string("lowered a hard limit of the program, ") + lowered_limit;
+    end_with_message(who != nullptr ? who : "a library", problem.c_str(), isolation_advice);
 }
 
 /// Restores limits after a call, at most every 50 ms: the next output may go to a file, whose size may be limited.
-void put_back_limits_at_times(const char* who) {
-    static std::atomic<Clock::rep> looked{0};
+void restore_limits_sometimes(const char* who) {
+    static std::atomic<Clock::rep> last_check{0};
     const auto now = Clock::now().time_since_epoch();
-    if (now - Clock::duration(looked.load(std::memory_order_relaxed)) < std::chrono::milliseconds(50)) return;
-    looked.store(now.count(), std::memory_order_relaxed);
-    put_back_limits(who);
+    if (now - Clock::duration(last_check.load(std::memory_order_relaxed)) < std::chrono::milliseconds(50)) return;
+    last_check.store(now.count(), std::memory_order_relaxed);
+    restore_limits_or_end(who);
 }
 
 [[noreturn]] void watch_over_calls() {
     for (;;) {
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
-        put_back_limits(nullptr);
+        restore_limits_or_end(nullptr);
         const auto now = Clock::now().time_since_epoch().count();
-        for (const Slot& slot : slots) {
-            const char* const who = slot.who.load();
+        for (const WatchedCall& call : watched_calls) {
+            const char* const who = call.who.load();
             if (who == nullptr) continue;
-            const std::chrono::duration<double> taken = Clock::duration(now - slot.since.load());
-            if (terms().stop.is_asked() && taken.count() > 1) {
+            const std::chrono::duration<double> duration = Clock::duration(now - call.start_time.load());
+            if (terms().stop.is_asked() && duration.count() > 1) {
                 clean_up();
-                say(who, "was interrupted in the middle of a batch", "finished files are kept");
-                leave(Exit::interrupted);
+                print_message(who, "was interrupted in the middle of a batch", "finished files are kept");
+                exit_program(Exit::interrupted);
             }
-            if (taken.count() > terms().seconds)
-                end(who, "has not answered a batch within the time limit",
-                    "raise --time-limit SECONDS, or check the code for an endless loop");
+            if (duration.count() > terms().seconds)
+                end_with_message(who, "has not answered a batch within the time limit",
+                                 "raise --time-limit SECONDS, or check the code for an endless loop");
         }
     }
 }
@@ -170,17 +171,20 @@ void put_back_limits_at_times(const char* who) {
 }  // namespace
 
 InForeignCode::InForeignCode(const char* who, const process::FloatingPoint& fp_state)
-    : who_(who), outer_(inside.load()), before_(process::FloatingPoint::current()), fp_state_(fp_state) {
-    have_signal_stack();
+    : who_(who),
+      outer_code_(running_code.load()),
+      state_before_(process::FloatingPoint::current()),
+      fp_state_(fp_state) {
+    set_up_signal_stack();
     process::give_thread_own_folder();
-    inside = who;
+    running_code = who;
     fp_state.set();
     const auto now = Clock::now().time_since_epoch().count();
-    for (std::size_t i = 0; i < slots.size(); ++i) {
-        const char* nobody = nullptr;
-        if (slots[i].who.load(std::memory_order_relaxed) != nullptr) continue;
-        slots[i].since.store(now);
-        if (!slots[i].who.compare_exchange_strong(nobody, who)) continue;
+    for (std::size_t i = 0; i < watched_calls.size(); ++i) {
+        const char* no_code = nullptr;
+        if (watched_calls[i].who.load(std::memory_order_relaxed) != nullptr) continue;
+        watched_calls[i].start_time.store(now);
+        if (!watched_calls[i].who.compare_exchange_strong(no_code, who)) continue;
         slot_ = static_cast<int>(i);
         return;
     }
@@ -188,66 +192,67 @@ InForeignCode::InForeignCode(const char* who, const process::FloatingPoint& fp_s
 
 InForeignCode::~InForeignCode() {
     if (!process::put_back_own_state(who_))
-        end(who_, "closed descriptors that are the program's own",
-            "close only what it opened, each descriptor by its number");
-    put_back_limits_at_times(who_);
-    const auto left = process::FloatingPoint::current();
-    before_.set();
-    if (left != fp_state_)
-        note_change(who_, "changes how the processor computes during a call (" +
-                              (left.differences().empty() ? "back to the standard state" : left.differences()) +
-                              "); lostbits undoes that after each call; let the code call fegetenv first and fesetenv "
-                              "last");
-    inside = outer_;
-    if (slot_ >= 0) slots[static_cast<std::size_t>(slot_)].who.store(nullptr);
+        end_with_message(who_, "closed descriptors that are the program's own",
+                         "close only what it opened, each descriptor by its number");
+    restore_limits_sometimes(who_);
+    const auto state_after = process::FloatingPoint::current();
+    state_before_.set();
+    if (state_after != fp_state_)
+        note_change(who_,
+                    "changes how the processor computes during a call (" +
+                        (state_after.differences().empty() ? "back to the standard state" : state_after.differences()) +
+                        "); lostbits undoes that after each call; let the code call fegetenv first and fesetenv "
+                        "last");
+    running_code = outer_code_;
+    if (slot_ >= 0) watched_calls[static_cast<std::size_t>(slot_)].who.store(nullptr);
 }
 
-ProbeScope::ProbeScope(const char* name) { probe = name; }
+ProbeScope::ProbeScope(const char* name) { running_probe = name; }
 ProbeScope::~ProbeScope() {
-    probe = nullptr;
-    put_back_limits(nullptr);  // every time, as probes are not timed: the report may go to a file
+    running_probe = nullptr;
+    restore_limits_or_end(nullptr);  // every time, as probes are not timed: the report may go to a file
 }
 
 LoadsForeignCode::~LoadsForeignCode() {
     fp_state_.set();
     process::put_back_after_loading();
-    put_back_limits(foreign_code_here());
+    restore_limits_or_end(foreign_code_here());
     uselocale(LC_GLOBAL_LOCALE);
     std::locale::global(std::locale::classic());  // sets the C locale, too
 }
 
-void note_change(const std::string& who, const std::string& what) {
-    const std::scoped_lock lock(notes().lock);
-    notes().all.try_emplace(who, what);
+void note_change(const std::string& who, const std::string& change) {
+    const std::scoped_lock lock(state_changes().lock);
+    state_changes().by_name.try_emplace(who, change);
 }
 
 std::vector<std::string> changes_noted() {
-    const std::scoped_lock lock(notes().lock);
+    const std::scoped_lock lock(state_changes().lock);
     std::vector<std::string> sentences;
-    for (const auto& [who, what] : notes().all) sentences.push_back(who + ": " + what);
+    for (const auto& [who, change] : state_changes().by_name) sentences.push_back(who + ": " + change);
     return sentences;
 }
 
 std::string change_noted(const std::string& who) {
-    const std::scoped_lock lock(notes().lock);
-    const auto found = notes().all.find(who);
-    return found == notes().all.end() ? "" : found->second;
+    const std::scoped_lock lock(state_changes().lock);
+    const auto entry = state_changes().by_name.find(who);
+    return entry == state_changes().by_name.end() ? "" : entry->second;
 }
 
-const char* foreign_code_here() noexcept { return inside.load(); }
+const char* foreign_code_here() noexcept { return running_code.load(); }
 
-void guard_foreign_code(const GuardTerms& wanted) {
-    static bool on = false;
-    static std::deque<GuardTerms> kept;
-    terms_now = &kept.emplace_back(wanted);
-    if (on) return;
-    on = true;
+void guard_foreign_code(const GuardTerms& new_terms) {
+    static bool is_guarding = false;
+    static std::deque<GuardTerms> all_terms;
+    current_terms = &all_terms.emplace_back(new_terms);
+    if (is_guarding) return;
+    is_guarding = true;
     process::keep_own_state();
     struct sigaction action {};
     action.sa_handler = on_crash;
     action.sa_flags = SA_ONSTACK;
     for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) sigaction(signal, &action, nullptr);
-    std::atexit(on_exit_inside);
+    std::atexit(report_exit_inside);
     std::thread(watch_over_calls).detach();
 }
 

@@ -10,9 +10,9 @@
 
 namespace lostbits::intersect::external {
 
-/// While one lives, this thread is inside foreign code and computes as that code's users have it. Guards may be nested.
-/// Afterwards the thread computes as before; if the code left another state, that is noted (see `changes_noted`). `who`
-/// outlives it.
+/// While a guard lives, this thread is inside foreign code and computes as the users of that code do. Guards may be
+/// nested. Afterwards the thread computes as before. If the code left another state, the change is noted (see
+/// `changes_noted`). `who` must outlive the guard.
 class InForeignCode {
 public:
     explicit InForeignCode(const char* who,
@@ -23,16 +23,16 @@ public:
 
 private:
     int slot_ = -1;
-    const char *who_, *outer_;
-    process::FloatingPoint before_, fp_state_;
+    const char *who_, *outer_code_;
+    process::FloatingPoint state_before_, fp_state_;
 };
 
-/// While one lives, this thread loads foreign code or asks for its list. It restores what that code sets for the
-/// process: the locale (with a decimal comma, strtod() would read 0.5 as 0, and %g would write it as two cells of a
-/// table), and how the processor computes, which `left` returns until the end.
+/// While a guard lives, this thread loads foreign code or calls the function that returns its list. The guard restores
+/// what the code sets for the process: the locale (with a decimal comma, strtod() would read 0.5 as 0, and %g would
+/// write it as two cells of a table), and the processor's state, which `left` returns until the guard ends.
 class LoadsForeignCode {
 public:
-    /// `fp_state`: the state that loading the library left, if loading is over.
+    /// `fp_state` is the state that loading the library left, if loading is over.
     explicit LoadsForeignCode(const char* who,
                               const process::FloatingPoint& fp_state = process::FloatingPoint::standard())
         : inside_(who, fp_state), fp_state_(fp_state) {}
@@ -40,7 +40,7 @@ public:
     LoadsForeignCode(const LoadsForeignCode&) = delete;
     LoadsForeignCode& operator=(const LoadsForeignCode&) = delete;
 
-    /// How this thread computes now.
+    /// Returns the current floating-point state of this thread.
     [[nodiscard]] static process::FloatingPoint left() { return process::FloatingPoint::current(); }
 
 private:
@@ -48,7 +48,8 @@ private:
     process::FloatingPoint fp_state_;
 };
 
-/// While one lives, a message about foreign code that ends the program names this probe. The name outlives it.
+/// While this object lives, a message about foreign code that ends the program names this probe. The name must outlive
+/// it.
 class ProbeScope {
 public:
     explicit ProbeScope(const char* name);
@@ -57,8 +58,8 @@ public:
     ProbeScope& operator=(const ProbeScope&) = delete;
 };
 
-/// Runs `call` of foreign code through a C interface, from which nothing may be thrown. EnvironmentError, which begins
-/// with `who`, if something is.
+/// Runs `call` of foreign code through a C interface, which must throw nothing. Throws EnvironmentError, which begins
+/// with `who`, if the code throws.
 template <class Call>
 auto call_of(const char* who, Call&& call) {
     try {
@@ -71,12 +72,12 @@ auto call_of(const char* who, Call&& call) {
     }
 }
 
-/// Notes how `who` changes the state of the processor; the first change of each is kept. The guard of a call notes a
-/// call that leaves another state than it found.
-void note_change(const std::string& who, const std::string& what);
-/// The notes, as sentences that begin with `who`.
+/// Notes how `who` changes the state of the processor; only the first change of each library or form is kept. The guard
+/// of a call notes a call that leaves another state than it found.
+void note_change(const std::string& who, const std::string& change);
+/// Returns the noted changes as sentences that begin with the name of the library or form.
 std::vector<std::string> changes_noted();
-/// The note about one library or form; empty if there is none.
+/// Returns the noted change of one library or form; empty if there is none.
 std::string change_noted(const std::string& who);
 
 /// Name of the foreign code that runs in this thread, for messages; null if there is none.
@@ -84,17 +85,19 @@ const char* foreign_code_here() noexcept;
 
 struct GuardTerms {
     double seconds = 30;  ///< limit for one batch
-    /// If a stop is requested, the program ends as soon as a batch has taken a second: foreign code does not check for
-    /// it.
+    /// If a stop is requested, the program ends as soon as a batch has taken a second, since foreign code does not
+    /// check for a stop.
     process::StopToken stop = {};
-    /// Called from a signal handler, before the program ends for a fault of foreign code.
+    /// Called, possibly from a signal handler, before the program ends for a fault of foreign code.
     void (*clean_up)() = nullptr;
-    void (*ends_with)(int status) = nullptr;  ///< the same, after the message about the fault, if there is one
+    void (*ends_with)(int status) = nullptr;  ///< called last, with the exit status, before the program ends for a
+                                              ///< fault of foreign code
 };
 
 /// Guards foreign code from now on. A crash signal inside foreign code, a call of exit() there, or a batch that takes
 /// too long ends the program with Exit::environment and a line that names the code and what to try. Other crashes are
-/// not changed. A call cannot be ended without the process: other runs in it end too, or wait for the batch.
+/// not changed. A call cannot be ended without the process, so other runs in the process end too, or wait for the
+/// batch.
 void guard_foreign_code(const GuardTerms& terms);
 
 }  // namespace lostbits::intersect::external

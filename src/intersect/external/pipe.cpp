@@ -22,9 +22,9 @@ namespace {
 using process::Child;
 using process::SharedMemory;
 
-std::vector<Contract> greet(Child& child, const PipeTerms& terms) {
+std::vector<Contract> read_contracts(Child& child, const PipeTerms& terms) {
     return read_greeting({.next_line = [&child] { return child.read_line(); },
-                          .fail = [&child](const std::string& what) { child.fail(what); }},
+                          .fail = [&child](const std::string& problem) { child.fail(problem); }},
                          terms);
 }
 
@@ -39,18 +39,18 @@ std::span<std::byte> bytes_of(T& value) {
     return std::as_writable_bytes(std::span(&value, 1));
 }
 
-/// A process that answers and, if it is one of this program, the memory that it shares with this process.
+/// A process that answers, and, if it is a process of this program, the memory that it shares with this process.
 struct Partner {
     Partner(const std::string& command, const PipeTerms& terms)
         : memory(terms.is_lostbits ? std::make_unique<SharedMemory>() : nullptr),
           child(command, {terms.message_prefix, author_advice(terms), terms.seconds, memory ? memory->descriptor() : -1,
                           terms.stop}),
-          contracts(greet(child, terms)) {
+          contracts(read_contracts(child, terms)) {
         if (memory && memory->descriptor() < 0) memory.reset();
         if (!memory) return;
-        PipeRequest shared;
-        std::memcpy(shared.magic, shares_memory, sizeof shared.magic);
-        child.exchange(bytes_of(shared), {});
+        PipeRequest memory_request;
+        std::memcpy(memory_request.magic, shares_memory, sizeof memory_request.magic);
+        child.exchange(bytes_of(memory_request), {});
     }
 
     std::unique_ptr<SharedMemory> memory;
@@ -58,22 +58,22 @@ struct Partner {
     std::vector<Contract> contracts;
 };
 
-/// The processes of one command: one for each thread that asks at the same time, up to the limit of the terms.
+/// The processes of one command: one for each thread that sends batches at the same time, up to the limit of the terms.
 class Pool {
 public:
     Pool(std::string command, const PipeTerms& terms) : command_(std::move(command)), terms_(terms) {
         free_.push_back(std::make_unique<Partner>(command_, terms_));
         contracts_ = free_.back()->contracts;
         running_ = 1;
-        const auto alone = [](const Contract& c) { return (c.flags & LB_ONE_THREAD) != 0; };
-        if (std::ranges::any_of(contracts_, alone)) terms_.processes = 1;
+        const auto needs_one_thread = [](const Contract& c) { return (c.flags & LB_ONE_THREAD) != 0; };
+        if (std::ranges::any_of(contracts_, needs_one_thread)) terms_.processes = 1;
     }
 
     [[nodiscard]] const std::vector<Contract>& contracts() const { return contracts_; }
 
     template <class Evaluate>
     void with_partner(const Evaluate& evaluate) {
-        std::unique_ptr<Partner> partner = take();
+        std::unique_ptr<Partner> partner = take_partner();
         try {
             evaluate(*partner);
         } catch (...) {  // drops the process: what it may still write would be taken for a later answer
@@ -88,7 +88,7 @@ public:
     }
 
 private:
-    std::unique_ptr<Partner> take() {
+    std::unique_ptr<Partner> take_partner() {
         std::unique_lock lock(mutex_);
         freed_.wait(lock, [this] { return !free_.empty() || running_ < std::max(1U, terms_.processes); });
         if (!free_.empty()) {
@@ -115,21 +115,21 @@ private:
     unsigned running_ = 0;
 };
 
-/// Sends a request and reads the answer except its columns. Throws if the answer is an error. True if a process of this
-/// program reports `changes_state`.
-bool exchange_heads(Child& child, std::span<const std::byte> request, bool is_lostbits) {
+/// Sends a request and reads the header of the answer. Throws if the answer is an error. Returns true if the process
+/// belongs to this program and reports `changes_state`.
+bool exchange_headers(Child& child, std::span<const std::byte> request, bool is_lostbits) {
     PipeAnswer answer;
     child.exchange(request, bytes_of(answer));
     if (std::memcmp(answer.magic, PipeAnswer{}.magic, sizeof answer.magic) != 0) {
-        const std::string got(reinterpret_cast<const char*>(&answer), sizeof answer);
+        const std::string answer_start(reinterpret_cast<const char*>(&answer), sizeof answer);
         child.fail(
-            "answered " + shown_text(got) +
+            "answered " + shown_text(answer_start) +
             ", but an answer begins with LBA1; it must answer every batch exactly once, and whatever it prints must "
             "go to standard error");
     }
-    const bool changed = is_lostbits && (answer.error_bytes & changes_state) != 0;
-    if (changed) answer.error_bytes &= ~changes_state;
-    if (answer.error_bytes == 0) return changed;
+    const bool state_changed = is_lostbits && (answer.error_bytes & changes_state) != 0;
+    if (state_changed) answer.error_bytes &= ~changes_state;
+    if (answer.error_bytes == 0) return state_changed;
     std::string text(std::min<std::size_t>(answer.error_bytes, 1000), ' ');
     child.read(std::as_writable_bytes(std::span(text)));
     child.fail("refuses: " + shown_text(text, 400));
@@ -144,10 +144,11 @@ PipeRequest request_of(std::uint32_t form, const lb_batch& batch) {
     return request;
 }
 
-/// The request columns of a batch, as bytes.
-std::array<std::span<const std::byte>, BatchColumn::asked> asked_by(const lb_batch& batch, const ColumnBytes& bytes) {
-    const auto column = [&bytes](const void* from, std::size_t k) {
-        return std::span(static_cast<const std::byte*>(from), bytes[k]);
+/// Returns the request columns of a batch as bytes.
+std::array<std::span<const std::byte>, BatchColumn::request_columns> request_columns_of(const lb_batch& batch,
+                                                                                        const ColumnBytes& bytes) {
+    const auto column = [&bytes](const void* data, std::size_t k) {
+        return std::span(static_cast<const std::byte*>(data), bytes[k]);
     };
     return {column(batch.rays, BatchColumn::rays), column(batch.starts, BatchColumn::starts),
             column(batch.ends, BatchColumn::ends), column(batch.primitives, BatchColumn::primitives)};
@@ -155,36 +156,37 @@ std::array<std::span<const std::byte>, BatchColumn::asked> asked_by(const lb_bat
 
 void evaluate_by_pipe(Child& child, const PipeRequest& request, const ColumnBytes& bytes, const lb_batch& batch) {
     thread_local std::vector<std::byte> message;
-    const auto head = std::as_bytes(std::span(&request, 1));
-    message.assign(head.begin(), head.end());
-    for (const auto& column : asked_by(batch, bytes)) message.insert(message.end(), column.begin(), column.end());
-    exchange_heads(child, message, false);
+    const auto header = std::as_bytes(std::span(&request, 1));
+    message.assign(header.begin(), header.end());
+    for (const auto& column : request_columns_of(batch, bytes))
+        message.insert(message.end(), column.begin(), column.end());
+    exchange_headers(child, message, false);
     child.read({static_cast<std::byte*>(batch.near_far), bytes[BatchColumn::near_far]});
     child.read({reinterpret_cast<std::byte*>(batch.hit), bytes[BatchColumn::hit]});
 }
 
-void evaluate_in_memory(Partner& partner, const std::string& who, const PipeRequest& request, const ColumnBytes& bytes,
-                        const lb_batch& batch) {
-    const auto at = places_of(bytes);
-    std::byte* const data = partner.memory->with_bytes(at.back());
-    if (data == nullptr) throw std::bad_alloc();
-    const auto asked = asked_by(batch, bytes);
-    for (std::size_t k = 0; k < asked.size(); ++k) std::ranges::copy(asked[k], data + at[k]);
-    if (exchange_heads(partner.child, std::as_bytes(std::span(&request, 1)), true))
+void evaluate_in_memory(Partner& partner, const std::string& code_name, const PipeRequest& request,
+                        const ColumnBytes& bytes, const lb_batch& batch) {
+    const auto offsets = column_offsets(bytes);
+    std::byte* const memory = partner.memory->with_bytes(offsets.back());
+    if (memory == nullptr) throw std::bad_alloc();
+    const auto request_columns = request_columns_of(batch, bytes);
+    for (std::size_t k = 0; k < request_columns.size(); ++k) std::ranges::copy(request_columns[k], memory + offsets[k]);
+    if (exchange_headers(partner.child, std::as_bytes(std::span(&request, 1)), true))
         note_change(
-            who,
+            code_name,
             "changes how the processor computes during a call; lostbits undoes that after each call; let the code call "
             "fegetenv first and fesetenv last");
-    std::memcpy(batch.near_far, data + at[BatchColumn::near_far], bytes[BatchColumn::near_far]);
-    std::memcpy(batch.hit, data + at[BatchColumn::hit], bytes[BatchColumn::hit]);
+    std::memcpy(batch.near_far, memory + offsets[BatchColumn::near_far], bytes[BatchColumn::near_far]);
+    std::memcpy(batch.hit, memory + offsets[BatchColumn::hit], bytes[BatchColumn::hit]);
 }
 
-void evaluate(Partner& partner, std::uint32_t form, const std::string& who, const Contract& contract,
+void evaluate(Partner& partner, std::uint32_t form, const std::string& code_name, const Contract& contract,
               const lb_batch& batch) {
     const PipeRequest request = request_of(form, batch);
     partner.child.about("form \"" + contract.name + "\"");
     const ColumnBytes bytes = column_bytes(request, contract);
-    if (partner.memory) evaluate_in_memory(partner, who, request, bytes, batch);
+    if (partner.memory) evaluate_in_memory(partner, code_name, request, bytes, batch);
     else evaluate_by_pipe(partner.child, request, bytes, batch);
 }
 
@@ -197,24 +199,24 @@ ColumnBytes column_bytes(const PipeRequest& request, const Contract& contract) {
             2 * n * width,        n};
 }
 
-std::array<std::size_t, BatchColumn::count + 1> places_of(const ColumnBytes& bytes) {
-    std::array<std::size_t, BatchColumn::count + 1> at{};
-    for (std::size_t k = 0; k < bytes.size(); ++k) at[k + 1] = at[k] + (bytes[k] + 63) / 64 * 64;
-    return at;
+std::array<std::size_t, BatchColumn::count + 1> column_offsets(const ColumnBytes& bytes) {
+    std::array<std::size_t, BatchColumn::count + 1> offsets{};
+    for (std::size_t k = 0; k < bytes.size(); ++k) offsets[k + 1] = offsets[k] + (bytes[k] + 63) / 64 * 64;
+    return offsets;
 }
 
 std::vector<ForeignForm> open_pipe(const std::string& command, const PipeTerms& terms) {
-    PipeTerms named = terms;
-    if (named.message_prefix.empty()) named.message_prefix = "--pipe '" + command + "'";
-    const auto pool = std::make_shared<Pool>(command, named);
+    PipeTerms named_terms = terms;
+    if (named_terms.message_prefix.empty()) named_terms.message_prefix = "--pipe '" + command + "'";
+    const auto pool = std::make_shared<Pool>(command, named_terms);
     std::vector<ForeignForm> forms;
-    std::uint32_t place = 0;
+    std::uint32_t form_index = 0;
     for (const Contract& contract : pool->contracts()) {
-        ForeignForm& form = forms.emplace_back(ForeignForm{contract, named.message_prefix, {}, true});
-        form.answer = [pool, contract, place, who = name_in_messages(form)](const lb_batch& batch) {
-            pool->with_partner([&](Partner& partner) { evaluate(partner, place, who, contract, batch); });
+        ForeignForm& form = forms.emplace_back(ForeignForm{contract, named_terms.message_prefix, {}, true});
+        form.answer = [pool, contract, form_index, code_name = name_in_messages(form)](const lb_batch& batch) {
+            pool->with_partner([&](Partner& partner) { evaluate(partner, form_index, code_name, contract, batch); });
         };
-        ++place;
+        ++form_index;
     }
     return forms;
 }

@@ -12,75 +12,77 @@
 namespace lostbits::intersect::external {
 namespace {
 
-/// The texts that one key allows, in the order of the values that they stand for.
-using Words = std::span<const std::string_view>;
+/// The texts that one key allows, in the order of the values for which they stand.
+using Texts = std::span<const std::string_view>;
 
-constexpr Words shapes = std::span(shape_names).first(shape_rows.size());  // without sdf
+constexpr Texts shapes = std::span(shape_names).first(shape_rows.size());  // without sdf
 constexpr std::array<std::string_view, 2> formats{"f32", "f64"}, directions{"any", "unit"}, counts{"hit", "miss"};
-constexpr Words at_origins = at_origin_names, insides = inside_names, facings = facing_names;
+constexpr Texts at_origins = at_origin_names, insides = inside_names, facings = facing_names;
 constexpr std::array<std::string_view, 4> roots{"both", "near", "first", "none"};
 constexpr std::array<std::string_view, 5> flags{"line", "no_end", "one_thread", "clipped", "range"};
 constexpr std::array<unsigned, 5> flag_bits{LB_LINE, LB_NO_END, LB_ONE_THREAD, LB_CLIPPED, LB_RANGE};
 
-/// One key of a form: the texts that it allows, and how they are read into a contract and written from it.
+/// One key of a form: the texts that it allows, and the functions that read them into a contract and write them from
+/// it.
 struct Key {
     std::string_view name;
-    Words words;  ///< empty: any text is allowed
+    Texts texts;  ///< empty: any text is allowed
     std::function<void(Contract&, std::size_t, const std::string&)> set;
     std::function<std::string(const Contract&)> get;
 };
 
 template <class Value>
-Key choice(std::string_view name, Words words, Value Contract::*field) {
-    return {name, words, [field](Contract& c, std::size_t i, const std::string&) { c.*field = static_cast<Value>(i); },
-            [field, words](const Contract& c) { return std::string(words[static_cast<std::size_t>(c.*field)]); }};
+Key enumeration_key(std::string_view name, Texts texts, Value Contract::*field) {
+    return {name, texts, [field](Contract& c, std::size_t i, const std::string&) { c.*field = static_cast<Value>(i); },
+            [field, texts](const Contract& c) { return std::string(texts[static_cast<std::size_t>(c.*field)]); }};
 }
 
-Key text(std::string_view name, std::string Contract::*field) {
+Key text_key(std::string_view name, std::string Contract::*field) {
     return {name,
             {},
-            [field](Contract& c, std::size_t, const std::string& words) { c.*field = words; },
+            [field](Contract& c, std::size_t, const std::string& text) { c.*field = text; },
             [field](const Contract& c) { return c.*field; }};
 }
 
 std::string flags_of(const Contract& c) {
-    std::string all;
+    std::string list;
     for (std::size_t i = 0; i < flags.size(); ++i) {
-        if (c.flags & flag_bits[i]) all += (all.empty() ? "" : ",") + std::string(flags[i]);
+        if (c.flags & flag_bits[i]) list += (list.empty() ? "" : ",") + std::string(flags[i]);
     }
-    return all;
+    return list;
 }
 
 const std::vector<Key>& keys() {
-    static const std::vector<Key> all{
-        text("name", &Contract::name),
-        text("title", &Contract::title),
-        text("source", &Contract::source),
-        choice("shape", shapes, &Contract::shape),
+    static const std::vector<Key> key_list{
+        text_key("name", &Contract::name),
+        text_key("title", &Contract::title),
+        text_key("source", &Contract::source),
+        enumeration_key("shape", shapes, &Contract::shape),
         {"format", formats, [](Contract& c, std::size_t i, const std::string&) { c.bits = i == 0 ? 32 : 64; },
          [](const Contract& c) { return std::string(formats[c.bits == 32 ? 0 : 1]); }},
-        choice("direction", directions, &Contract::direction),
-        choice("roots", roots, &Contract::roots),
-        choice("touching", counts, &Contract::touching),
-        choice("at_origin", at_origins, &Contract::at_origin),
-        choice("inside", insides, &Contract::inside),
-        choice("facing", facings, &Contract::facing),
-        text("state", &Contract::state)};
-    return all;
+        enumeration_key("direction", directions, &Contract::direction),
+        enumeration_key("roots", roots, &Contract::roots),
+        enumeration_key("touching", counts, &Contract::touching),
+        enumeration_key("at_origin", at_origins, &Contract::at_origin),
+        enumeration_key("inside", insides, &Contract::inside),
+        enumeration_key("facing", facings, &Contract::facing),
+        text_key("state", &Contract::state)};
+    return key_list;
 }
 
-std::string listed(Words words) {
-    std::string all;
-    for (const std::string_view word : words) all += (all.empty() ? "" : ", ") + std::string(word);
-    return all;
+std::string joined(Texts texts) {
+    std::string list;
+    for (const std::string_view text : texts) list += (list.empty() ? "" : ", ") + std::string(text);
+    return list;
 }
 
-/// Index of a text among those that its key allows. InputError, which lists these, for any other.
-std::size_t index_of(Words words, const std::string& word, const std::string& where, const std::string& key) {
-    const auto found = std::ranges::find(words, word);
-    if (found == words.end())
-        throw InputError(where + ": " + key + " is " + shown_text(word) + "; it must be one of " + listed(words));
-    return static_cast<std::size_t>(found - words.begin());
+/// Returns the index of a text among the texts that its key allows. Throws InputError, which lists these texts, for any
+/// other text.
+std::size_t index_of(Texts texts, const std::string& text, const std::string& where, const std::string& key) {
+    const auto found = std::ranges::find(texts, text);
+    if (found == texts.end())
+        throw InputError(where + ": " + key + " is " + shown_text(text) + "; it must be one of " + joined(texts));
+    return static_cast<std::size_t>(found - texts.begin());
 }
 
 void set_flags(Contract& contract, const std::string& value, const std::string& where) {
@@ -91,22 +93,22 @@ void set_flags(Contract& contract, const std::string& value, const std::string& 
     }
 }
 
-/// Throws if the header says why the program cannot serve: EnvironmentError if any line begins with `missing=`, else
+/// Throws if the header says why the program cannot serve: EnvironmentError if a line begins with `missing=`, else
 /// InputError.
-void refuse_for(const std::vector<std::string>& lines, const PipeTerms& terms) {
-    std::string words;
-    bool machine = false;
+void throw_refusal(const std::vector<std::string>& lines, const PipeTerms& terms) {
+    std::string refusal;
+    bool is_environment = false;
     for (const std::string_view line : lines) {
-        const bool missing = line.starts_with("missing=");
-        if (!missing && !line.starts_with("error=")) continue;
-        machine = machine || missing;
-        const std::string_view said = line.substr(line.find('=') + 1);
-        words += (words.empty() ? "" : "\n") + (terms.is_lostbits ? std::string(said) : plain_text(said));
+        const bool is_missing = line.starts_with("missing=");
+        if (!is_missing && !line.starts_with("error=")) continue;
+        is_environment = is_environment || is_missing;
+        const std::string_view reason = line.substr(line.find('=') + 1);
+        refusal += (refusal.empty() ? "" : "\n") + (terms.is_lostbits ? std::string(reason) : plain_text(reason));
     }
-    if (words.empty()) return;
-    if (!terms.is_lostbits) words = terms.message_prefix + ": refuses: " + words;
-    if (machine) throw EnvironmentError(words);
-    throw InputError(words);
+    if (refusal.empty()) return;
+    if (!terms.is_lostbits) refusal = terms.message_prefix + ": refuses: " + refusal;
+    if (is_environment) throw EnvironmentError(refusal);
+    throw InputError(refusal);
 }
 
 }  // namespace
@@ -122,32 +124,32 @@ std::string plain_text(std::string_view text) {
     return shown;
 }
 
-std::string shown_text(std::string_view text, std::size_t most) {
-    return "\"" + plain_text(text.substr(0, most)) + (text.size() > most ? "…\"" : "\"");
+std::string shown_text(std::string_view text, std::size_t max_bytes) {
+    return "\"" + plain_text(text.substr(0, max_bytes)) + (text.size() > max_bytes ? "…\"" : "\"");
 }
 
-bool set_word(Contract& contract, const std::string& key, const std::string& value, const std::string& where) {
+bool set_property(Contract& contract, const std::string& key, const std::string& value, const std::string& where) {
     if (key == "flags") {
         set_flags(contract, value, where);
         return true;
     }
-    const auto known = std::ranges::find(keys(), key, &Key::name);
-    if (known == keys().end()) return false;
-    known->set(contract, known->words.empty() ? 0 : index_of(known->words, value, where, key), value);
+    const auto entry = std::ranges::find(keys(), key, &Key::name);
+    if (entry == keys().end()) return false;
+    entry->set(contract, entry->texts.empty() ? 0 : index_of(entry->texts, value, where, key), value);
     return true;
 }
 
-std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, const std::string& from) {
+std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, const std::string& subject) {
     std::vector<Contract> contracts;
     for (std::size_t i = 1; i < lines.size(); ++i) {
-        const std::string where = from + ": header line " + std::to_string(i + 1);
+        const std::string where = subject + ": header line " + std::to_string(i + 1);
         const std::size_t equals = lines[i].find('=');
         if (equals == std::string::npos) throw InputError(where + ": " + shown_text(lines[i]) + " is not key=value");
         const std::string key = lines[i].substr(0, equals), value = lines[i].substr(equals + 1);
         if (key == "name") contracts.emplace_back();
         if (contracts.empty())
             throw InputError(where + ": a form begins with name=; write it before " + shown_text(key));
-        if (!set_word(contracts.back(), key, value, where))
+        if (!set_property(contracts.back(), key, value, where))
             throw InputError(
                 where + ": unknown key " + shown_text(key) +
                 "; known keys are name, title, source, shape, format, direction, roots, touching, at_origin, "
@@ -155,9 +157,9 @@ std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, co
     }
     if (contracts.empty())
         throw InputError(
-            from +
+            subject +
             ": its header names no form; write name=, shape= and format=, or see what it printed on standard error");
-    for (const Contract& contract : contracts) require_sense(contract, from);
+    for (const Contract& contract : contracts) require_sense(contract, subject);
     return contracts;
 }
 
@@ -174,20 +176,20 @@ std::string pipe_header_of(const std::vector<Contract>& contracts) {
     return header + "\n";
 }
 
-std::vector<Contract> read_greeting(const LineSource& speaker, const PipeTerms& terms) {
+std::vector<Contract> read_greeting(const LineSource& source, const PipeTerms& terms) {
     std::vector<std::string> lines;
     for (std::size_t bytes = 0;;) {
-        lines.push_back(speaker.next_line());
+        lines.push_back(source.next_line());
         if (lines.size() == 1 && lines.front() != pipe_version)
-            speaker.fail("printed " + shown_text(lines.front()) +
-                         " first; the first line of its standard output must be " + std::string(pipe_version) +
-                         ", and whatever else it prints must go to standard error");
+            source.fail("printed " + shown_text(lines.front()) +
+                        " first; the first line of its standard output must be " + std::string(pipe_version) +
+                        ", and whatever else it prints must go to standard error");
         if (lines.back().empty()) break;
         bytes += lines.back().size();
-        if (bytes > 100'000) speaker.fail("sent more than 100000 bytes of header; an empty line must end it");
+        if (bytes > 100'000) source.fail("sent more than 100000 bytes of header; an empty line must end it");
     }
     lines.pop_back();
-    refuse_for(lines, terms);
+    throw_refusal(lines, terms);
     return read_pipe_header(lines, terms.message_prefix);
 }
 

@@ -42,39 +42,39 @@ std::vector<fs::path> search_path() {
     return folders;
 }
 
-/// The loader's error text without the library's name in front, with which our message begins already.
-std::string loader_words(const fs::path& library) {
-    std::string words = dlerror();
+/// The loader's error text without the name of the library in front, since our message already begins with that name.
+std::string loader_error(const fs::path& library) {
+    std::string text = dlerror();
     const std::string prefix = library.string() + ": ";
-    if (words.starts_with(prefix)) words.erase(0, prefix.size());
-    return words;
+    if (text.starts_with(prefix)) text.erase(0, prefix.size());
+    return text;
 }
 
 }  // namespace
 
 ForeignForm foreign(const lb_form& form, const std::string& from, const process::FloatingPoint& fp_state) {
-    ForeignForm made{contract_of(form, from), from, {}};
-    made.contract.state = fp_state.differences();
-    const char* const who = lasting_text(name_in_messages(made));
-    made.answer = [&form, who, fp_state](const lb_batch& asked) {
-        lb_batch batch = asked;
+    ForeignForm result{contract_of(form, from), from, {}};
+    result.contract.state = fp_state.differences();
+    const char* const lasting_name = lasting_text(name_in_messages(result));
+    result.answer = [&form, lasting_name, fp_state](const lb_batch& request) {
+        lb_batch batch = request;
         batch.own = form.own;
-        const char* const refused = call_of(who, [&] {
-            const InForeignCode here(who, fp_state);
+        const char* const refusal = call_of(lasting_name, [&] {
+            const InForeignCode guard(lasting_name, fp_state);
             return form.run(&batch);
         });
-        if (refused != nullptr) throw EnvironmentError(std::string(who) + ": " + shown_text(refused, 400));
+        if (refusal != nullptr) throw EnvironmentError(std::string(lasting_name) + ": " + shown_text(refusal, 400));
     };
-    return made;
+    return result;
 }
 
-std::string prefix_of_plugin(const std::string& named) {
+std::string prefix_of_plugin(const std::string& option) {
     std::error_code ignored;
-    const std::size_t end = named.find('=');
-    if (end == std::string::npos || named.substr(0, end).find('/') != std::string::npos ||
-        fs::is_regular_file(named, ignored))
+    const std::size_t end = option.find('=');
+    if (end == std::string::npos || option.substr(0, end).find('/') != std::string::npos ||
+        fs::is_regular_file(option, ignored))
         return "";
-    return named.substr(0, end) + ".";
+    return option.substr(0, end) + ".";
 }
 
 void rename(ForeignForm& form, const std::string& prefix) {
@@ -82,23 +82,23 @@ void rename(ForeignForm& form, const std::string& prefix) {
     require_sense(form.contract, "--plugin " + prefix.substr(0, prefix.size() - 1) + "=" + form.from);
 }
 
-fs::path find_plugin(const std::string& word) {
+fs::path find_plugin(const std::string& option) {
     std::error_code ignored;
-    const std::string named = word.substr(prefix_of_plugin(word).size());
-    if (named.empty() && !word.empty())
-        throw InputError("--plugin " + word + ": names no library; write its path after the =, as in " + word +
+    const std::string library_name = option.substr(prefix_of_plugin(option).size());
+    if (library_name.empty() && !option.empty())
+        throw InputError("--plugin " + option + ": names no library; write its path after the =, as in " + option +
                          "mine.so");
-    const fs::path given(named);
-    if (fs::is_regular_file(given, ignored)) return given;
-    if (named.find('/') != std::string::npos) throw InputError(named + ": no such file");
-    std::string looked = "in the current folder";
+    const fs::path path_as_given(library_name);
+    if (fs::is_regular_file(path_as_given, ignored)) return path_as_given;
+    if (library_name.find('/') != std::string::npos) throw InputError(library_name + ": no such file");
+    std::string searched = "in the current folder";
     for (const fs::path& folder : search_path()) {
-        for (const fs::path& path : {folder / named, folder / (named + ".so")}) {
+        for (const fs::path& path : {folder / library_name, folder / (library_name + ".so")}) {
             if (fs::is_regular_file(path, ignored)) return path;
         }
-        looked += ", " + folder.string();
+        searched += ", " + folder.string();
     }
-    throw InputError("--plugin " + named + ": no such file; looked " + looked +
+    throw InputError("--plugin " + library_name + ": no such file; looked " + searched +
                      "; give its path, or set LOSTBITS_PLUGIN_PATH");
 }
 
@@ -106,7 +106,7 @@ const char* lasting_text(const std::string& text) { return (new std::string(text
 
 namespace {
 
-std::string beginning(const fs::path& file, std::size_t size) {
+std::string first_bytes(const fs::path& file, std::size_t size) {
     std::string text(size, '\0');
     std::ifstream in(file, std::ios::binary);
     in.read(text.data(), static_cast<std::streamsize>(size));
@@ -114,71 +114,71 @@ std::string beginning(const fs::path& file, std::size_t size) {
     return text;
 }
 
-/// True if the name ends like that of a source of C or C++.
+/// True if the name has the extension of a C or C++ source.
 bool is_source(const fs::path& file) {
     constexpr std::array<std::string_view, 7> endings{".c", ".cc", ".cpp", ".cxx", ".C", ".h", ".hpp"};
     const std::string ending = file.extension().string();
     return std::ranges::find(endings, std::string_view(ending)) != endings.end();
 }
 
-/// The command that compiles a source file to a library. The source of a formula needs the program's own headers and
-/// flags.
-std::string compiling(const fs::path& source) {
-    const bool formula = beginning(source, 65536).find("lostbits_form.hpp") != std::string::npos;
-    return (formula ? "c++ -shared " : "c++ -O2 -shared -fPIC ") + process::shell_word(source.filename().string()) +
-           " -o " + process::shell_word(source.stem().string() + ".so") + (formula ? " @build/form.flags" : "");
+/// Returns the command that compiles a source file to a library. A formula needs the program's own headers and flags.
+std::string compile_command(const fs::path& source) {
+    const bool is_formula = first_bytes(source, 65536).find("lostbits_form.hpp") != std::string::npos;
+    return (is_formula ? "c++ -shared " : "c++ -O2 -shared -fPIC ") + process::shell_word(source.filename().string()) +
+           " -o " + process::shell_word(source.stem().string() + ".so") + (is_formula ? " @build/form.flags" : "");
 }
 
 }  // namespace
 
 Library load_library(const fs::path& library) {
-    static std::map<void*, process::FloatingPoint> left;  // by the first load: a second one runs no initialisers
-    const std::string from = library.string();
-    const char* const who = lasting_text(from);
-    if (beginning(library, 4) != "\177ELF")
-        throw InputError(from + ": is not a library; " +
-                         (is_source(library) ? "compile it first: " + compiling(library)
+    static std::map<void*, process::FloatingPoint> states_after_load;  // by handle; a second load runs no initialisers
+    const std::string path = library.string();
+    const char* const lasting_path = lasting_text(path);
+    if (first_bytes(library, 4) != "\177ELF")
+        throw InputError(path + ": is not a library; " +
+                         (is_source(library) ? "compile it first: " + compile_command(library)
                                              : "give one that a compiler made (c++ -O2 -shared -fPIC mine.cpp -o "
                                                "mine.so), or a program with --pipe"));
     // The path is absolute: for a name without a slash the loader would search its own folders.
-    const auto [loaded, now] = call_of(who, [&] {
-        const LoadsForeignCode here(who);
+    const auto [library_handle, state_after_load] = call_of(lasting_path, [&] {
+        const LoadsForeignCode loading(lasting_path);
         void* const handle = dlopen(fs::absolute(library).c_str(), RTLD_NOW | RTLD_LOCAL);
-        return std::pair(handle, here.left());
+        return std::pair(handle, loading.left());
     });
-    if (loaded == nullptr) throw InputError(from + ": cannot be loaded: " + loader_words(fs::absolute(library)));
-    return {loaded, left.try_emplace(loaded, now).first->second};
+    if (library_handle == nullptr)
+        throw InputError(path + ": cannot be loaded: " + loader_error(fs::absolute(library)));
+    return {library_handle, states_after_load.try_emplace(library_handle, state_after_load).first->second};
 }
 
 std::vector<ForeignForm> load_plugin(const fs::path& library) {
-    const std::string from = library.string();
-    const char* const who = lasting_text(from);
+    const std::string path = library.string();
+    const char* const lasting_path = lasting_text(path);
     const Library loaded = load_library(library);
-    using Ask = const lb_form* (*)(int, std::size_t*);
-    const auto ask = entry_of<Ask>(loaded, "lostbits_forms");
-    if (ask == nullptr)
-        throw InputError(from +
+    using FormsFunction = const lb_form* (*)(int, std::size_t*);
+    const auto list_forms = entry_of<FormsFunction>(loaded, "lostbits_forms");
+    if (list_forms == nullptr)
+        throw InputError(path +
                          ": exports no lostbits_forms; write LOSTBITS_FORMS(...) of lostbits_plugin.hpp or "
                          "LOSTBITS_FORMULAS(...) of lostbits_form.hpp outside of every namespace, or in C define "
                          "lostbits_forms as lostbits_plugin.h declares it");
     std::size_t count = 0;
     // The call that returns the list belongs to loading: the processor state that it leaves is the one in which the
     // library's users compute.
-    const auto [forms, fp_state] = call_of(who, [&] {
-        const LoadsForeignCode here(who, loaded.fp_state);
-        const lb_form* const list = ask(LOSTBITS_PLUGIN_ABI, &count);
-        return std::pair(list, here.left());
+    const auto [forms, fp_state] = call_of(lasting_path, [&] {
+        const LoadsForeignCode loading(lasting_path, loaded.fp_state);
+        const lb_form* const list = list_forms(LOSTBITS_PLUGIN_ABI, &count);
+        return std::pair(list, loading.left());
     });
     // A library may have only forms that march, which the C interface does not know.
     if (count == 0 && dlsym(loaded.handle, "lostbits_formulas") != nullptr) return {};
     if (forms == nullptr)
-        throw InputError(from + ": has no forms for version " + std::to_string(LOSTBITS_PLUGIN_ABI) +
+        throw InputError(path + ": has no forms for version " + std::to_string(LOSTBITS_PLUGIN_ABI) +
                          " of lostbits_plugin.h; compile it again with the header of this program");
     if (count == 0 || count > 4096)
-        throw InputError(from + ": states " + std::to_string(count) + " forms; the number must be from 1 to 4096");
-    std::vector<ForeignForm> all;
-    for (std::size_t i = 0; i < count; ++i) all.push_back(foreign(forms[i], from, fp_state));
-    return all;
+        throw InputError(path + ": states " + std::to_string(count) + " forms; the number must be from 1 to 4096");
+    std::vector<ForeignForm> result;
+    for (std::size_t i = 0; i < count; ++i) result.push_back(foreign(forms[i], path, fp_state));
+    return result;
 }
 
 }  // namespace lostbits::intersect::external

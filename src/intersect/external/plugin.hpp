@@ -1,4 +1,4 @@
-// Libraries that export `lostbits_forms`.
+// Plugins: libraries that export `lostbits_forms`.
 #pragma once
 
 #include <dlfcn.h>
@@ -12,45 +12,46 @@
 
 namespace lostbits::intersect::external {
 
-/// Finds the library that the command line names. A path is taken as it stands. A name without a slash is looked for in
+/// Finds the library that the command line names. A path is used unchanged. A name without a slash is looked for in
 /// $LOSTBITS_PLUGIN_PATH (folders separated by colons), in `plugins` beside the program and in the installed
-/// `lib/lostbits/plugins`, also with `.so` added. NAME= may stand before it, see `prefix_of_plugin`. InputError that
-/// says where it looked.
-std::filesystem::path find_plugin(const std::string& named);
+/// `lib/lostbits/plugins`, also with `.so` appended. NAME= may precede it, see `prefix_of_plugin`. Throws InputError
+/// that lists the folders if there is no such file.
+std::filesystem::path find_plugin(const std::string& option);
 
-/// `new.` for `new=mine.so`: a prefix for the names of its forms, so that two builds of one library can be in one run.
-/// Empty if there is no NAME=, or if a file has that name.
-std::string prefix_of_plugin(const std::string& named);
+/// Returns `new.` for `new=mine.so`: a prefix for the names of the library's forms, so that two builds of one library
+/// can be in one run. Empty if there is no NAME=, or if a file has the name `option`.
+std::string prefix_of_plugin(const std::string& option);
 
-/// Puts a prefix in front of the form's name. InputError if the result is not a valid name.
+/// Puts a prefix in front of the form's name. Throws InputError if the result is not a valid name.
 void rename(ForeignForm& form, const std::string& prefix);
 
 /// A library that is loaded and stays loaded.
 struct Library {
-    void* handle;  ///< what `dlsym` takes
-    /// Floating-point environment that the library's initialisation leaves behind. A program that uses the library
-    /// computes in this environment, so its forms are called in it too.
+    void* handle;  ///< handle for `dlsym`
+    /// Floating-point environment that the library's initialisation leaves. A program that uses the library computes in
+    /// this environment, so the forms of the library are called in it, too.
     process::FloatingPoint fp_state;
 };
 
-/// Loads a library. InputError if the file is not a library.
+/// Loads a library. Throws InputError if the file is not a library.
 Library load_library(const std::filesystem::path& library);
 
-/// Address of the function of that name, by which a library gives its list. Null if it exports none.
-template <class Ask>
-Ask entry_of(const Library& library, const char* name) {
-    return reinterpret_cast<Ask>(dlsym(library.handle, name));
+/// Returns the address of the function of that name, by which a library gives its list. Null if the library exports no
+/// such function.
+template <class Function>
+Function entry_of(const Library& library, const char* name) {
+    return reinterpret_cast<Function>(dlsym(library.handle, name));
 }
 
-/// A copy of a text that is kept beyond the end of main(): exit handlers may ask for it.
+/// Returns a copy of a text that is never freed: exit handlers may read it after the end of main().
 const char* lasting_text(const std::string& text);
 
-/// A form as a library states it; it lives as long as the library is loaded. `fp_state`: the
-/// floating-point environment of its library. InputError, which begins with `from`, for an invalid contract.
+/// A form as a library states it. `form` must live as long as the library is loaded. `fp_state` is the floating-point
+/// environment of the library. Throws InputError, which begins with `from`, for an invalid contract.
 ForeignForm foreign(const lb_form& form, const std::string& from, const process::FloatingPoint& fp_state);
 
-/// Loads a library, which stays loaded, and asks it for its forms. InputError if the file is not a library, exports no
-/// `lostbits_forms`, is of another version, or states invalid contracts.
+/// Loads a library, which stays loaded, and calls it for its forms. Throws InputError if the file is not a library,
+/// exports no `lostbits_forms`, is of another version, or states invalid contracts.
 std::vector<ForeignForm> load_plugin(const std::filesystem::path& library);
 
 }  // namespace lostbits::intersect::external

@@ -16,39 +16,41 @@ std::deque<ForeignRow>& all_registered() {
 }
 
 template <class S>
-void answer_batch(void* own, const table::RayBatch<S>& rays, const Target<S>& target, const table::HitBatch<S>& hits) {
-    static_cast<ForeignBatch*>(own)->answer(rays, target, hits);
+void answer_batch(void* context, const table::RayBatch<S>& rays, const Target<S>& target,
+                  const table::HitBatch<S>& hits) {
+    static_cast<ForeignBatch*>(context)->answer(rays, target, hits);
 }
 
 }  // namespace
 
 ForeignRow::ForeignRow(ForeignForm first) {
-    put(std::move(first));
+    store(std::move(first));
     info = info_of((of32 ? of32 : of64)->form().contract);
 }
 
 void ForeignRow::add(ForeignForm other) {
-    put(std::move(other));
+    store(std::move(other));
     info.formats = Formats::all;
 }
 
-void ForeignRow::put(ForeignForm form) {
-    std::unique_ptr<ForeignBatch>& place = form.contract.bits == 32 ? of32 : of64;
-    const std::unique_ptr<ForeignBatch>& other = form.contract.bits == 32 ? of64 : of32;
-    if (place)
+void ForeignRow::store(ForeignForm form) {
+    std::unique_ptr<ForeignBatch>& own_batch = form.contract.bits == 32 ? of32 : of64;
+    const std::unique_ptr<ForeignBatch>& other_batch = form.contract.bits == 32 ? of64 : of32;
+    if (own_batch)
         throw InputError(form.from + ": " + form.contract.name + " is defined twice in binary" +
-                         std::to_string(form.contract.bits) + ", first in " + place->form().from +
+                         std::to_string(form.contract.bits) + ", first in " + own_batch->form().from +
                          "; give each form its own name, or add a prefix to the names of one library: --plugin new=" +
                          form.from + " calls this form new." + form.contract.name);
-    if (other) {
-        Contract same = other->form().contract;
-        same.bits = form.contract.bits;
-        same.title = form.contract.title, same.source = form.contract.source, same.flags = form.contract.flags;
-        if (same != form.contract)
+    if (other_batch) {
+        Contract expected = other_batch->form().contract;
+        expected.bits = form.contract.bits;
+        expected.title = form.contract.title, expected.source = form.contract.source,
+        expected.flags = form.contract.flags;
+        if (expected != form.contract)
             throw InputError(form.from + ": " + form.contract.name +
                              " has different contracts in binary32 and binary64; give the two forms different names");
     }
-    place = std::make_unique<ForeignBatch>(std::move(form));
+    own_batch = std::make_unique<ForeignBatch>(std::move(form));
 }
 
 table::Intersector ForeignRow::row() const {
@@ -60,19 +62,19 @@ table::Intersector ForeignRow::row() const {
 }
 
 void register_forms(std::vector<ForeignForm> forms) {
-    const std::size_t before = all_registered().size();
+    const std::size_t old_count = all_registered().size();
     for (ForeignForm& form : forms) {
-        const auto added =
-            std::ranges::find_if(all_registered().begin() + static_cast<std::ptrdiff_t>(before), all_registered().end(),
-                                 [&form](const ForeignRow& e) { return e.info.name == form.contract.name; });
-        if (added != all_registered().end()) {
-            added->add(std::move(form));
+        const auto existing = std::ranges::find_if(
+            all_registered().begin() + static_cast<std::ptrdiff_t>(old_count), all_registered().end(),
+            [&form](const ForeignRow& e) { return e.info.name == form.contract.name; });
+        if (existing != all_registered().end()) {
+            existing->add(std::move(form));
             continue;
         }
         all_registered().emplace_back(std::move(form));
     }
     std::vector<table::Intersector> rows;
-    for (std::size_t i = before; i < all_registered().size(); ++i) rows.push_back(all_registered()[i].row());
+    for (std::size_t i = old_count; i < all_registered().size(); ++i) rows.push_back(all_registered()[i].row());
     table::register_rows(rows);
 }
 
@@ -87,8 +89,8 @@ std::vector<const ForeignForm*> behind(const table::Intersector& row) {
 }
 
 bool is_safe_to_run(const table::Intersector& row) {
-    const auto own = table::catalogue();
-    if (&row >= own.data() && &row < own.data() + own.size()) return true;
+    const auto catalogue = table::catalogue();
+    if (&row >= catalogue.data() && &row < catalogue.data() + catalogue.size()) return true;
     const auto forms = behind(row);  // empty for a formula of a library, which runs in this process
     return !forms.empty() && std::ranges::all_of(forms, &ForeignForm::isolated);
 }

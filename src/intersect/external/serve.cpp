@@ -1,4 +1,4 @@
-// The serving end of a pipe: the forms of a library answer from a process of their own.
+// The serving end of a pipe: answers batches with the forms of a library from a separate process.
 #include <fcntl.h>
 #include <poll.h>
 #include <sched.h>
@@ -22,50 +22,50 @@
 namespace lostbits::intersect::external {
 namespace {
 
-bool read_all(int from, void* to, std::size_t bytes) {
-    auto* place = static_cast<char*>(to);
-    for (int look = 0; bytes > 0;) {
-        const ssize_t got = read(from, place, bytes);
-        if (got < 0 && errno == EINTR) continue;
-        if (got < 0 && errno == EAGAIN) {
-            pollfd end{from, POLLIN, 0};
-            if (++look < process::looks_before_sleep) sched_yield();
-            else poll(&end, 1, -1);
+bool read_all(int descriptor, void* buffer, std::size_t bytes) {
+    auto* next_byte = static_cast<char*>(buffer);
+    for (int poll_count = 0; bytes > 0;) {
+        const ssize_t received = read(descriptor, next_byte, bytes);
+        if (received < 0 && errno == EINTR) continue;
+        if (received < 0 && errno == EAGAIN) {
+            pollfd polled_input{descriptor, POLLIN, 0};
+            if (++poll_count < process::looks_before_sleep) sched_yield();
+            else poll(&polled_input, 1, -1);
             continue;
         }
-        if (got <= 0) return false;
-        place += got;
-        bytes -= static_cast<std::size_t>(got);
+        if (received <= 0) return false;
+        next_byte += received;
+        bytes -= static_cast<std::size_t>(received);
     }
     return true;
 }
 
-/// Reads this many bytes. The buffer grows as they arrive, since a request may claim any number of rays.
-bool read_column(int from, std::vector<std::byte>& column, std::size_t bytes) {
-    constexpr std::size_t piece = 1 << 20;
-    for (std::size_t done = 0; done < bytes;) {
-        if (done >= column.size()) column.resize(std::min(bytes, done + piece));
-        const std::size_t more = std::min(bytes, column.size()) - done;
-        if (!read_all(from, column.data() + done, more)) return false;
-        done += more;
+/// Reads this many bytes. The buffer grows as the bytes arrive, since a request may claim any number of rays.
+bool read_column(int descriptor, std::vector<std::byte>& column, std::size_t bytes) {
+    constexpr std::size_t piece_size = 1 << 20;
+    for (std::size_t bytes_read = 0; bytes_read < bytes;) {
+        if (bytes_read >= column.size()) column.resize(std::min(bytes, bytes_read + piece_size));
+        const std::size_t bytes_to_read = std::min(bytes, column.size()) - bytes_read;
+        if (!read_all(descriptor, column.data() + bytes_read, bytes_to_read)) return false;
+        bytes_read += bytes_to_read;
     }
     column.resize(bytes);
     return true;
 }
 
-bool write_all(int to, const void* from, std::size_t bytes) {
-    const auto* place = static_cast<const char*>(from);
+bool write_all(int descriptor, const void* buffer, std::size_t bytes) {
+    const auto* next_byte = static_cast<const char*>(buffer);
     while (bytes > 0) {
-        const ssize_t put = write(to, place, bytes);
-        if (put < 0 && errno == EINTR) continue;
-        if (put <= 0) return false;
-        place += put;
-        bytes -= static_cast<std::size_t>(put);
+        const ssize_t written = write(descriptor, next_byte, bytes);
+        if (written < 0 && errno == EINTR) continue;
+        if (written <= 0) return false;
+        next_byte += written;
+        bytes -= static_cast<std::size_t>(written);
     }
     return true;
 }
 
-/// The columns of a batch, passed on as they arrived; null for a column that the batch does not have.
+/// The columns of a batch as they arrived; null for a column that the batch does not have.
 using BatchColumns = std::array<std::byte*, BatchColumn::count>;
 
 std::uint8_t* hits_in(const BatchColumns& columns) {
@@ -97,72 +97,72 @@ std::string answer_in_place(const ForeignForm& form, const PipeRequest& request,
     return {};
 }
 
-bool is_for(const PipeRequest& request, const std::vector<ForeignForm>& forms) {
+bool is_valid_request(const PipeRequest& request, const std::vector<ForeignForm>& forms) {
     return std::memcmp(request.magic, PipeRequest{}.magic, sizeof request.magic) == 0 && request.form < forms.size() &&
            (request.primitives == 1 || request.primitives == request.rays) &&
            (request.ends == 0 || request.ends == request.rays);
 }
 
-/// The memory of the columns: shared with the process that asks, or our own.
+/// The memory of the columns: shared with the client, or our own. The client is the process that asks for answers.
 struct ColumnMemory {
     std::optional<process::SharedMemory> shared;
     std::array<std::vector<std::byte>, BatchColumn::count> columns;
 };
 
-/// The columns of a batch; if they are not in shared memory, reads them from the input. Nothing if the input ends
-/// before all of them have arrived, or if there is no memory.
-std::optional<BatchColumns> take_batch(int input, const PipeRequest& request, const Contract& contract,
+/// Returns the columns of a batch. Reads them from the input if they are not in shared memory. Empty if the input ends
+/// before all columns have arrived, or if there is no memory.
+std::optional<BatchColumns> read_batch(int input, const PipeRequest& request, const Contract& contract,
                                        ColumnMemory& buffers) {
     const ColumnBytes bytes = column_bytes(request, contract);
-    const auto at = places_of(bytes);
-    std::byte* const memory = buffers.shared ? buffers.shared->with_bytes(at.back()) : nullptr;
+    const auto offsets = column_offsets(bytes);
+    std::byte* const memory = buffers.shared ? buffers.shared->with_bytes(offsets.back()) : nullptr;
     if (buffers.shared && memory == nullptr) return std::nullopt;
     BatchColumns columns{};
     for (std::size_t k = 0; k < columns.size(); ++k) {
-        if (!buffers.shared && k < BatchColumn::asked && !read_column(input, buffers.columns[k], bytes[k]))
+        if (!buffers.shared && k < BatchColumn::request_columns && !read_column(input, buffers.columns[k], bytes[k]))
             return std::nullopt;
-        if (!buffers.shared && k >= BatchColumn::asked) buffers.columns[k].resize(bytes[k]);
-        if (bytes[k] > 0) columns[k] = buffers.shared ? memory + at[k] : buffers.columns[k].data();
+        if (!buffers.shared && k >= BatchColumn::request_columns) buffers.columns[k].resize(bytes[k]);
+        if (bytes[k] > 0) columns[k] = buffers.shared ? memory + offsets[k] : buffers.columns[k].data();
     }
     return columns;
 }
 
-/// Writes the answer, or the error text in its place. False if the output takes no more bytes.
-bool give_answer(int output, const std::string& refusal, const ForeignForm& form, const ColumnMemory& buffers) {
+/// Writes the answer, or the error text in its place. Returns false if the output accepts no more bytes.
+bool write_answer(int output, const std::string& error_text, const ForeignForm& form, const ColumnMemory& buffers) {
     PipeAnswer answer;
-    answer.error_bytes = static_cast<std::uint32_t>(refusal.size());
+    answer.error_bytes = static_cast<std::uint32_t>(error_text.size());
     if (buffers.shared && !change_noted(name_in_messages(form)).empty()) answer.error_bytes |= changes_state;
     if (!write_all(output, &answer, sizeof answer)) return false;
-    if (!refusal.empty()) return write_all(output, refusal.data(), refusal.size());
+    if (!error_text.empty()) return write_all(output, error_text.data(), error_text.size());
     const auto write_column = [&](std::size_t k) {
         return write_all(output, buffers.columns[k].data(), buffers.columns[k].size());
     };
     return buffers.shared || (write_column(BatchColumn::near_far) && write_column(BatchColumn::hit));
 }
 
-/// True if the process that asks has closed its end, as it does when its run is interrupted.
-bool has_ended(int input) {
-    pollfd end{input, POLLIN, 0};
+/// True if the client has closed its end, as it does when its run is interrupted.
+bool client_has_ended(int input) {
+    pollfd polled_input{input, POLLIN, 0};
     char byte = 0;
-    return poll(&end, 1, 0) > 0 && ((end.revents & POLLHUP) != 0 || read(input, &byte, 1) == 0);
+    return poll(&polled_input, 1, 0) > 0 && ((polled_input.revents & POLLHUP) != 0 || read(input, &byte, 1) == 0);
 }
 
-/// Throws the error of a failed write, unless the process that asks has ended: then nobody waits for the answer.
-void require_client(int input) {
-    const int error = errno;
-    if (!has_ended(input))
+/// Throws the error of a failed write, unless the client has ended: then nobody waits for the answer.
+void throw_unless_client_ended(int input) {
+    const int write_error = errno;
+    if (!client_has_ended(input))
         throw EnvironmentError(std::string("cannot write to the process that asks for answers: ") +
-                               std::strerror(error));
+                               std::strerror(write_error));
 }
 
 }  // namespace
 
 std::string refusal_of(const Error& error) {
     const char* const key = error.code() == Exit::bad_input ? "error=" : "missing=";
-    constexpr std::size_t longest = 4000;  // bytes in a line of the header
+    constexpr std::size_t max_line_bytes = 4000;  // bytes in a line of the header
     std::string header = std::string(pipe_version) + "\n";
     std::istringstream lines(error.what());
-    for (std::string line; std::getline(lines, line);) header += key + line.substr(0, longest) + "\n";
+    for (std::string line; std::getline(lines, line);) header += key + line.substr(0, max_line_bytes) + "\n";
     return header + "\n";
 }
 
@@ -171,7 +171,7 @@ bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output) {
     for (const ForeignForm& form : forms) contracts.push_back(form.contract);
     const std::string header = pipe_header_of(contracts);
     signal(SIGPIPE, SIG_IGN);  // a failed write returns an error instead of ending the process
-    if (!write_all(output, header.data(), header.size())) return require_client(input), true;
+    if (!write_all(output, header.data(), header.size())) return throw_unless_client_ended(input), true;
     ColumnMemory buffers;
     for (PipeRequest request; read_all(input, &request, sizeof request);) {
         if (std::memcmp(request.magic, shares_memory, sizeof request.magic) == 0) {
@@ -179,12 +179,12 @@ bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output) {
             fcntl(input, F_SETFL, fcntl(input, F_GETFL) | O_NONBLOCK);  // no other process reads from this end
             continue;
         }
-        if (!is_for(request, forms)) return false;
+        if (!is_valid_request(request, forms)) return false;
         const ForeignForm& form = forms[request.form];
-        const std::optional<BatchColumns> columns = take_batch(input, request, form.contract, buffers);
+        const std::optional<BatchColumns> columns = read_batch(input, request, form.contract, buffers);
         if (!columns) return true;
-        if (!give_answer(output, answer_in_place(form, request, *columns), form, buffers))
-            return require_client(input), true;
+        if (!write_answer(output, answer_in_place(form, request, *columns), form, buffers))
+            return throw_unless_client_ended(input), true;
     }
     return true;
 }

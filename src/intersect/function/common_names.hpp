@@ -13,39 +13,39 @@
 
 namespace lostbits::intersect::function {
 
-inline std::string small(std::string_view name) {
-    std::string made;
+inline std::string normalized_name(std::string_view name) {
+    std::string normalized;
     for (const char c : name)
-        if (c != '_') made += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return made;
+        if (c != '_') normalized += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return normalized;
 }
 
-inline bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
-    return std::ranges::find(words, word) != words.end();
+inline bool is_one_of(std::string_view name, std::initializer_list<std::string_view> names) {
+    return std::ranges::find(names, name) != names.end();
 }
 
-inline bool is_origin(std::string_view name) {
+inline bool is_origin_name(std::string_view name) {
     return is_one_of(
         name, {"o",        "ro",    "org", "orig", "origin", "rayo", "rayorg", "rayorig", "rayorigin", "rayori", "pos",
                "position", "start", "eye", "from", "src",    "ori",  "rpos",   "raypos",  "p0",        "e",      "a"});
 }
-inline bool is_direction(std::string_view name) {
+inline bool is_direction_name(std::string_view name) {
     return is_one_of(name, {"d", "rd", "dir", "direction", "raydir", "raydirection", "rayd", "rdir", "v", "dirn", "b"});
 }
-inline bool is_inverse(std::string_view name) {
+inline bool is_inverse_direction_name(std::string_view name) {
     return is_one_of(name, {"inv", "invd", "invdir", "rcpdir", "invdirection", "invraydir", "dirinv", "idir", "dinv",
                             "invrd", "raydirinv", "inverse", "inversedirection", "rinv", "rayinv", "invray"});
 }
-inline bool is_start(std::string_view name) {
+inline bool is_tmin_name(std::string_view name) {
     return is_one_of(name, {"tmin", "mint", "tstart", "tnear", "raytmin", "near"});
 }
-inline bool is_end(std::string_view name) {
+inline bool is_tmax_name(std::string_view name) {
     return is_one_of(name, {"tmax", "maxt", "tend", "tfar", "raytmax", "far", "maxdist", "maxdistance", "length"});
 }
 
-/// True if a name is common for the key of a shape.
+/// True if a name is common for the key (the k-th one) of a shape. `name` is normalized.
 inline bool fits_key(std::string_view name, const Key& key, std::size_t k, Shape shape) {
-    if (name == small(key.name) || std::ranges::find(key.aliases, name) != key.aliases.end()) return true;
+    if (name == normalized_name(key.name) || std::ranges::find(key.aliases, name) != key.aliases.end()) return true;
     if (key.name == "centre")
         return is_one_of(name, {"c", "center", "centre", "pos", "position", "sc", "cen", "ctr", "p", "origin", "ce",
                                 "spherecenter", "spherecentre", "sphere", "location"});
@@ -70,21 +70,21 @@ inline bool fits_key(std::string_view name, const Key& key, std::size_t k, Shape
 }
 
 inline std::optional<Shape> shape_named(std::string_view text) {
-    struct Word {
+    struct ShapeWord {
         std::string_view word;
         Shape shape;
     };
-    constexpr std::array words{Word{"sphere", Shape::sphere},     Word{"ball", Shape::sphere},
-                               Word{"aabb", Shape::box},          Word{"box", Shape::box},
-                               Word{"slab", Shape::box},          Word{"bounds", Shape::box},
-                               Word{"cube", Shape::box},          Word{"tri", Shape::triangle},
-                               Word{"moller", Shape::triangle},   Word{"ellipsoid", Shape::ellipsoid},
-                               Word{"cylinder", Shape::cylinder}, Word{"capsule", Shape::capsule},
-                               Word{"tube", Shape::tube},         Word{"cone", Shape::cone},
-                               Word{"disc", Shape::disc},         Word{"disk", Shape::disc},
-                               Word{"plane", Shape::plane},       Word{"torus", Shape::torus}};
-    for (const Word& w : words)
-        if (text.find(w.word) != std::string_view::npos) return w.shape;
+    constexpr std::array shape_words{ShapeWord{"sphere", Shape::sphere},     ShapeWord{"ball", Shape::sphere},
+                                     ShapeWord{"aabb", Shape::box},          ShapeWord{"box", Shape::box},
+                                     ShapeWord{"slab", Shape::box},          ShapeWord{"bounds", Shape::box},
+                                     ShapeWord{"cube", Shape::box},          ShapeWord{"tri", Shape::triangle},
+                                     ShapeWord{"moller", Shape::triangle},   ShapeWord{"ellipsoid", Shape::ellipsoid},
+                                     ShapeWord{"cylinder", Shape::cylinder}, ShapeWord{"capsule", Shape::capsule},
+                                     ShapeWord{"tube", Shape::tube},         ShapeWord{"cone", Shape::cone},
+                                     ShapeWord{"disc", Shape::disc},         ShapeWord{"disk", Shape::disc},
+                                     ShapeWord{"plane", Shape::plane},       ShapeWord{"torus", Shape::torus}};
+    for (const ShapeWord& entry : shape_words)
+        if (text.find(entry.word) != std::string_view::npos) return entry.shape;
     return {};
 }
 

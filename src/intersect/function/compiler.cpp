@@ -29,17 +29,18 @@ bool is_in_path(const std::string& program) {
     return false;
 }
 
-/// Messages of a compiler, without the names of our folder, and without what glslang adds when a file has errors.
-std::string without_our_words(const std::string& said, const std::string& folder) {
+/// Returns the messages of a compiler without the name of our temporary folder, and without the lines that glslang adds
+/// when a file has errors.
+std::string cleaned_messages(const std::string& messages, const std::string& folder) {
     std::string text;
-    std::istringstream lines(said.substr(0, 3000));
+    std::istringstream lines(messages.substr(0, 3000));
     for (std::string line; std::getline(lines, line);) {
-        for (std::size_t at = 0; (at = line.find(folder + "/", at)) != std::string::npos;)
-            line.erase(at, folder.size() + 1);
-        const auto says = [&line](const char* words) { return line.find(words) != std::string::npos; };
-        if (line.find_first_not_of(' ') != std::string::npos && !says("Missing entry point") &&
-            !says("compilation errors.  No code generated") &&
-            !says("SPIR-V is not generated for failed compile or link"))
+        for (std::size_t position = 0; (position = line.find(folder + "/", position)) != std::string::npos;)
+            line.erase(position, folder.size() + 1);
+        const auto contains = [&line](const char* part) { return line.find(part) != std::string::npos; };
+        if (line.find_first_not_of(' ') != std::string::npos && !contains("Missing entry point") &&
+            !contains("compilation errors.  No code generated") &&
+            !contains("SPIR-V is not generated for failed compile or link"))
             text += (text.empty() ? "" : "\n") + line;
     }
     return text;
@@ -76,58 +77,59 @@ auto Compiler::ir_of_file() -> FileText {
 }
 
 std::string Compiler::ir(const std::string& text, bool optimised) {
-    const fs::path source = write(text), made = folder_.path / "function.ll";
-    process::ProgramArguments words = language_ == SourceLanguage::rust ? rust_arguments("lib") : c_arguments();
+    const fs::path source = write(text), output = folder_.path / "function.ll";
+    process::ProgramArguments arguments = language_ == SourceLanguage::rust ? rust_arguments("lib") : c_arguments();
     if (language_ == SourceLanguage::rust)
-        words.insert(words.end(), {"--emit=llvm-ir", "-Cdebuginfo=2", optimised ? "-Copt-level=1" : "-Copt-level=0",
-                                   "-Cno-vectorize-loops", "-Cno-vectorize-slp"});
-    else words.insert(words.end(), {"-O0", "-g", "-fno-discard-value-names", "-S", "-emit-llvm"});
-    run(std::move(words), source, made);
-    return text_of(made);
+        arguments.insert(arguments.end(),
+                         {"--emit=llvm-ir", "-Cdebuginfo=2", optimised ? "-Copt-level=1" : "-Copt-level=0",
+                          "-Cno-vectorize-loops", "-Cno-vectorize-slp"});
+    else arguments.insert(arguments.end(), {"-O0", "-g", "-fno-discard-value-names", "-S", "-emit-llvm"});
+    run(std::move(arguments), source, output);
+    return text_of(output);
 }
 
 external::Library Compiler::library(const std::string& text, bool is_long) {
-    const fs::path source = write(text), made = folder_.path / "function.so";
+    const fs::path source = write(text), output = folder_.path / "function.so";
     if (language_ == SourceLanguage::rust) {
-        process::ProgramArguments words = rust_arguments("cdylib");
-        words.emplace_back(is_long ? "-Copt-level=0" : "-Copt-level=3");
-        run(std::move(words), source, made);
+        process::ProgramArguments arguments = rust_arguments("cdylib");
+        arguments.emplace_back(is_long ? "-Copt-level=0" : "-Copt-level=3");
+        run(std::move(arguments), source, output);
     } else {
-        process::ProgramArguments words = c_arguments();
-        words.insert(words.end(), {is_long ? "-O0" : "-O2", "-shared", "-fPIC"});
-        if (language_ == SourceLanguage::llvm) words.emplace_back("-xir");
-        run(std::move(words), source, made, {"-xnone", "-lm"});
+        process::ProgramArguments arguments = c_arguments();
+        arguments.insert(arguments.end(), {is_long ? "-O0" : "-O2", "-shared", "-fPIC"});
+        if (language_ == SourceLanguage::llvm) arguments.emplace_back("-xir");
+        run(std::move(arguments), source, output, {"-xnone", "-lm"});
     }
-    return external::load_library(made);
+    return external::load_library(output);
 }
 
 std::string Compiler::ir_of_bitcode() {
     require_in_path("llvm-dis", "the Debian package llvm");
-    const fs::path made = folder_.path / "function.ll";
-    run({"llvm-dis"}, file_, made);
-    return text_of(made);
+    const fs::path output = folder_.path / "function.ll";
+    run({"llvm-dis"}, file_, output);
+    return text_of(output);
 }
 
 auto Compiler::ir_of_shader() -> FileText {
-    FileText made;
+    FileText output;
     spirv::ShaderLines lines;
     require_in_path("spirv-dis", "the Debian package spirv-tools");
     const bool is_binary = file_.extension() == ".spv";
     if (is_binary) run({"spirv-val"}, file_, {});
-    const fs::path code = is_binary ? file_ : spirv_of_shader(made.source, lines);
+    const fs::path code = is_binary ? file_ : spirv_of_shader(output.source, lines);
     const fs::path text = folder_.path / "function.spvasm";
     run({"spirv-dis", "--no-color", "--no-header", "--no-indent"}, code, text);
     const std::string assembly = text_of(text);
-    if (is_binary) made.source = assembly;
-    const fs::path named = file_.parent_path() / spirv::source_name(assembly);
-    if (std::error_code none; is_binary && fs::is_regular_file(named, none)) {
-        lines.file = named.string();
-        made.source = text_of(named);
-        std::istringstream in(made.source);
+    if (is_binary) output.source = assembly;
+    const fs::path source_file = file_.parent_path() / spirv::source_name(assembly);
+    if (std::error_code error; is_binary && fs::is_regular_file(source_file, error)) {
+        lines.file = source_file.string();
+        output.source = text_of(source_file);
+        std::istringstream in(output.source);
         for (std::string line; std::getline(in, line);) lines.lines.push_back(line);
     }
-    made.ir = spirv::llvm_text_of(assembly, file_.string(), lines, has_opaque_pointers());
-    return made;
+    output.ir = spirv::llvm_text_of(assembly, file_.string(), lines, has_opaque_pointers());
+    return output;
 }
 
 fs::path Compiler::spirv_of_shader(std::string& source, spirv::ShaderLines& lines) {
@@ -137,29 +139,29 @@ fs::path Compiler::spirv_of_shader(std::string& source, spirv::ShaderLines& line
     lines.file = file_.string();
     const std::string program = is_in_path("glslang") ? "glslang" : "glslangValidator";
     require_in_path(program, "the Debian package glslang-tools");
-    process::ProgramArguments words{program, "-V",  "-g", "-Od", "--keep-uncalled", "-e", device::entry_of(language),
-                                    "-S",    "comp"};
-    // Textures and uniforms of the file may have no places, since nothing is bound to them here.
-    words.insert(words.end(), {"--auto-map-bindings", "--auto-map-locations"});
-    if (language == Language::hlsl) words.emplace_back("-D");
-    const fs::path own = folder_.path / file_.filename(), made = folder_.path / "function.spv";
+    process::ProgramArguments arguments{
+        program, "-V", "-g", "-Od", "--keep-uncalled", "-e", device::entry_of(language), "-S", "comp"};
+    // Textures and uniforms of the file may have no bindings and locations, since nothing is bound to them here.
+    arguments.insert(arguments.end(), {"--auto-map-bindings", "--auto-map-locations"});
+    if (language == Language::hlsl) arguments.emplace_back("-D");
+    const fs::path copied_source = folder_.path / file_.filename(), output = folder_.path / "function.spv";
     try {
-        write_text(own, spirv::split_program(source, language, lines));
-        run(words, own, made);
+        write_text(copied_source, spirv::split_program(source, language, lines));
+        run(arguments, copied_source, output);
     } catch (const InputError&) {
-        write_text(own, spirv::whole_program(source, language));
-        run(words, own, made);  // its messages have the lines of the user's file
+        write_text(copied_source, spirv::whole_program(source, language));
+        run(arguments, copied_source, output);  // its messages have the lines of the user's file
         throw;
     }
-    return made;
+    return output;
 }
 
-/// True if clang writes pointers without their targets.
+/// True if clang writes pointers without the types of their targets.
 bool Compiler::has_opaque_pointers() {
-    const fs::path source = folder_.path / "pointer.c", made = folder_.path / "pointer.ll";
+    const fs::path source = folder_.path / "pointer.c", output = folder_.path / "pointer.ll";
     write_text(source, "void f(float* p) { *p = 0; }\n");
-    run({program_, "-S", "-emit-llvm"}, source, made);
-    return text_of(made).find("ptr ") != std::string::npos;
+    run({program_, "-S", "-emit-llvm"}, source, output);
+    return text_of(output).find("ptr ") != std::string::npos;
 }
 
 fs::path Compiler::write(const std::string& text) {
@@ -173,12 +175,12 @@ fs::path Compiler::write(const std::string& text) {
 }
 
 process::ProgramArguments Compiler::c_arguments() const {
-    process::ProgramArguments words{program_, "-w", "-ffp-contract=off"};
-    if (language_ == SourceLanguage::llvm) return words;
-    words.insert(words.end(),
-                 {"-fno-fast-math", "-fno-math-errno", "-fno-strict-aliasing", "-I" + terms_.headers.string()});
-    if (language_ == SourceLanguage::cpp) words.insert(words.end(), {"-std=gnu++20", "-xc++"});
-    return words;
+    process::ProgramArguments arguments{program_, "-w", "-ffp-contract=off"};
+    if (language_ == SourceLanguage::llvm) return arguments;
+    arguments.insert(arguments.end(),
+                     {"-fno-fast-math", "-fno-math-errno", "-fno-strict-aliasing", "-I" + terms_.headers.string()});
+    if (language_ == SourceLanguage::cpp) arguments.insert(arguments.end(), {"-std=gnu++20", "-xc++"});
+    return arguments;
 }
 
 /// `kind` is the type of the crate: lib or cdylib.
@@ -193,21 +195,22 @@ process::ProgramArguments Compiler::rust_arguments(const std::string& kind) cons
             "--remap-path-prefix=" + folder_.path.string() + "=" + file_.parent_path().string()};
 }
 
-void Compiler::run(process::ProgramArguments words, const fs::path& source, const fs::path& made,
-                   const process::ProgramArguments& last) {
-    if (!made.empty()) words.insert(words.end(), {"-o", made.string()});
-    words.push_back(source.string());
-    words.insert(words.end(), last.begin(), last.end());
-    const std::string who = file_.string() + ": " + words[0];
-    process::Child child(words, {.who = who, .timeout_advice = "", .seconds = terms_.seconds, .stop = terms_.stop});
-    const process::Child::Ended ended = child.read_to_end();
-    if (ended.status == 0 && (made.empty() || fs::exists(made))) return;
-    std::string said = without_our_words(ended.output, folder_.path.string());
-    if (WIFSIGNALED(ended.status)) said += "\nit crashed (signal " + std::to_string(WTERMSIG(ended.status)) + ")";
-    throw InputError(who + " does not compile it:\n" + said +
+void Compiler::run(process::ProgramArguments arguments, const fs::path& source, const fs::path& output,
+                   const process::ProgramArguments& last_arguments) {
+    if (!output.empty()) arguments.insert(arguments.end(), {"-o", output.string()});
+    arguments.push_back(source.string());
+    arguments.insert(arguments.end(), last_arguments.begin(), last_arguments.end());
+    const std::string subject = file_.string() + ": " + arguments[0];
+    process::Child child(arguments,
+                         {.who = subject, .timeout_advice = "", .seconds = terms_.seconds, .stop = terms_.stop});
+    const process::Child::EndResult result = child.read_to_end();
+    if (result.status == 0 && (output.empty() || fs::exists(output))) return;
+    std::string messages = cleaned_messages(result.output, folder_.path.string());
+    if (WIFSIGNALED(result.status)) messages += "\nit crashed (signal " + std::to_string(WTERMSIG(result.status)) + ")";
+    throw InputError(subject + " does not compile it:\n" + messages +
                      (language_ == SourceLanguage::llvm && !is_shader(file_)
                           ? "\nLLVM IR can be read by the same major version of LLVM or a newer one; put its " +
-                                words[0] + " first in PATH"
+                                arguments[0] + " first in PATH"
                           : ""));
 }
 

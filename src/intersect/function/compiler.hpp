@@ -15,7 +15,7 @@ namespace lostbits::intersect::function {
 
 namespace fs = std::filesystem;
 
-/// The text of a user's file. InputError if it cannot be read or is longer than 50 MB.
+/// Returns the text of a user's file. Throws InputError if the file cannot be read or is longer than 50 MB.
 std::string text_of(const fs::path& path);
 /// True for a file of GLSL, HLSL or SPIR-V.
 bool is_shader(const fs::path& file);
@@ -46,8 +46,8 @@ private:
     fs::path write(const std::string& text);
     [[nodiscard]] process::ProgramArguments c_arguments() const;
     [[nodiscard]] process::ProgramArguments rust_arguments(const std::string& kind) const;
-    void run(process::ProgramArguments words, const fs::path& source, const fs::path& made,
-             const process::ProgramArguments& last = {});
+    void run(process::ProgramArguments arguments, const fs::path& source, const fs::path& output,
+             const process::ProgramArguments& last_arguments = {});
     void require_in_path(const std::string& program, const std::string& package) const;
 
     fs::path file_;

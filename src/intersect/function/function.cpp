@@ -23,37 +23,37 @@ namespace lostbits::intersect::function {
 
 namespace {
 
-/// Number of operations up to which the compiled function is optimised: 20,000 take clang more than a minute.
+/// Most operations of a compiled function that is optimised: clang takes more than a minute for 20,000.
 constexpr std::size_t most_optimised = 4000;
 
-/// Parts of `FILE:NAME` or `FILE:NAME:WORDS`.
-struct Named {
+/// Parts of the option `FILE:NAME` or `FILE:NAME:SIGNATURE`.
+struct OptionParts {
     fs::path file;
-    std::string function, words;
+    std::string function, signature;
 };
 
-Named split(const std::string& named) {
-    const auto fail = [&named](const std::string& what) {
-        throw InputError("--function " + named + ": " + what +
+OptionParts split_option(const std::string& option) {
+    const auto fail = [&option](const std::string& problem) {
+        throw InputError("--function " + option + ": " + problem +
                          "; write FILE.c:NAME (also .cpp, .cc, .cxx, .rs, .glsl, .hlsl, .spv, .ll, .bc)");
     };
-    std::error_code none;
-    for (std::size_t end = named.find(':'); end != std::string::npos; end = named.find(':', end + 1)) {
-        if (!fs::is_regular_file(named.substr(0, end), none)) continue;
-        Named made{named.substr(0, end), {}, {}};
-        const std::string rest = named.substr(end + 1);
-        std::size_t colon = 0;  // one that is not a part of ::
+    std::error_code error;
+    for (std::size_t end = option.find(':'); end != std::string::npos; end = option.find(':', end + 1)) {
+        if (!fs::is_regular_file(option.substr(0, end), error)) continue;
+        OptionParts parts{option.substr(0, end), {}, {}};
+        const std::string rest = option.substr(end + 1);
+        std::size_t colon = 0;  // a colon that is not a part of ::
         for (; colon < rest.size(); ++colon) {
             if (rest[colon] != ':') continue;
             if (colon + 1 < rest.size() && rest[colon + 1] == ':') ++colon;
             else break;
         }
-        made.function = rest.substr(0, colon);
-        if (colon < rest.size()) made.words = rest.substr(colon + 1);
-        if (made.function.empty()) fail("names no function");
-        return made;
+        parts.function = rest.substr(0, colon);
+        if (colon < rest.size()) parts.signature = rest.substr(colon + 1);
+        if (parts.function.empty()) fail("names no function");
+        return parts;
     }
-    if (fs::exists(named, none)) fail("names no function");
+    if (fs::exists(option, error)) fail("names no function");
     fail("no such file");
     return {};
 }
@@ -70,7 +70,8 @@ SourceLanguage language_of(const fs::path& file, const std::string& named) {
                      ".vert, .comp), HLSL (.hlsl), SPIR-V (.spv) or LLVM IR (.ll, .bc)");
 }
 
-/// Writes a file that makes the compiler keep the function, so that its types can be read. An empty name keeps none.
+/// Text of a file that makes the compiler keep the function, so that its types can be read. An empty name keeps no
+/// function.
 std::string probe_of(SourceLanguage language, const fs::path& file, const std::string& name) {
     const bool is_rust = language == SourceLanguage::rust;
     const std::string include = is_rust ? text_of(file) + "\n" : "#include \"" + file.string() + "\"\n";
@@ -81,29 +82,31 @@ std::string probe_of(SourceLanguage language, const fs::path& file, const std::s
     return include + "auto lostbits_keep = &" + name + ";\n";
 }
 
-/// LLVM IR of the probe. A name that is not in the file is refused with the functions that the file defines.
-std::string probed_ir(Compiler& compiler, SourceLanguage language, const Named& parts, const std::string& source) {
+/// Returns the LLVM IR of the probe. Throws InputError with the list of the functions that the file defines if the name
+/// is not in the file.
+std::string probed_ir(Compiler& compiler, SourceLanguage language, const OptionParts& parts,
+                      const std::string& source) {
     try {
         return compiler.ir(probe_of(language, compiler.file(), parts.function), false);
     } catch (const InputError&) {
         if (mentions(source, parts.function)) throw;
     }
-    const std::string whole = compiler.ir(probe_of(language, compiler.file(), ""), false);
-    throw InputError(no_function(whole, parts.file.string(), parts.function, language));
+    const std::string ir_without_name = compiler.ir(probe_of(language, compiler.file(), ""), false);
+    throw InputError(no_function(ir_without_name, parts.file.string(), parts.function, language));
 }
 
-/// The decision that t means a miss, of numbers or of recorded operations.
+/// The decision that t means a miss. `Decisions` makes it on numbers, or records its operations.
 template <class Decisions>
-auto means_miss(const MissValue& s, const Decisions& d) {
+auto means_miss(const MissValue& miss_value, const Decisions& d) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
-    switch (s.kind) {
+    switch (miss_value.kind) {
         case MissValue::Kind::negative: return d.compare(TapeOp::less, d.t, d.number(0));
         case MissValue::Kind::infinite:
             return d.either(d.compare(TapeOp::greater_equal, d.t, d.number(infinity)),
                             d.compare(TapeOp::less_equal, d.t, d.number(-infinity)));
         case MissValue::Kind::nan: return d.opposite(d.compare(TapeOp::less_equal, d.t, d.t));
         case MissValue::Kind::zero: return d.compare(TapeOp::less_equal, d.t, d.number(0));
-        case MissValue::Kind::above: return d.compare(TapeOp::greater_equal, d.t, d.number(s.bound));
+        case MissValue::Kind::above: return d.compare(TapeOp::greater_equal, d.t, d.number(miss_value.bound));
         case MissValue::Kind::crossed:
             return d.either(d.compare(TapeOp::greater, d.t, d.far), d.compare(TapeOp::less, d.far, d.number(0)));
         default: return d.never();
@@ -136,12 +139,12 @@ struct NodeDecisions {
     [[nodiscard]] static Mask never() { return no; }
 };
 
-/// Value that the function returns for a miss, guessed from the constants that its t may be.
+/// Guesses the value that the function returns for a miss from the constants that its t may have.
 MissValue guessed_sentinel(const Nodes& nodes, NodeId t, NodeId far) {
-    bool others = false;
-    const std::vector<double> constants = nodes.constants_of(t, others);
+    bool has_others = false;
+    const std::vector<double> constants = nodes.constants_of(t, has_others);
     if (constants.empty() && far != no_node) return {MissValue::Kind::crossed, 0};
-    const auto any = [&](const auto& is) { return std::ranges::any_of(constants, is); };
+    const auto any = [&](const auto& predicate) { return std::ranges::any_of(constants, predicate); };
     if (any([](double x) { return std::isnan(x); })) return {MissValue::Kind::nan, 0};
     if (any([](double x) { return std::isinf(x) && x > 0; })) return {MissValue::Kind::infinite, 0};
     for (const double x : constants)
@@ -150,7 +153,7 @@ MissValue guessed_sentinel(const Nodes& nodes, NodeId t, NodeId far) {
     return {MissValue::Kind::negative, 0};
 }
 
-std::string sentinel_words(const MissValue& s) {
+std::string sentinel_text(const MissValue& s) {
     switch (s.kind) {
         case MissValue::Kind::negative: return "hit where t is not negative";
         case MissValue::Kind::infinite: return "hit where t is not infinite";
@@ -166,9 +169,9 @@ std::string sentinel_words(const MissValue& s) {
     }
 }
 
-/// The compiled function.
+/// Answers a batch with the compiled function.
 template <class S>
-void answer_batch(void (*entry)(const S*, S*, int*), const MissValue& sentinel, std::size_t numbers,
+void answer_batch(void (*entry)(const S*, S*, int*), const MissValue& sentinel, std::size_t number_count,
                   const lb_batch& batch) {
     const auto* const rays = static_cast<const S*>(batch.rays);
     const auto* const primitives = static_cast<const S*>(batch.primitives);
@@ -177,8 +180,8 @@ void answer_batch(void (*entry)(const S*, S*, int*), const MissValue& sentinel, 
     for (std::size_t i = 0; i < batch.size; ++i) {
         std::array<S, 64> in{};
         std::copy_n(rays + 6 * i, 6, in.begin());
-        std::copy_n(primitives + batch.primitive_stride * i, numbers, in.begin() + 6);
-        in[6 + numbers] = ends != nullptr ? ends[i] : std::numeric_limits<S>::infinity();
+        std::copy_n(primitives + batch.primitive_stride * i, number_count, in.begin() + 6);
+        in[6 + number_count] = ends != nullptr ? ends[i] : std::numeric_limits<S>::infinity();
         std::array<S, 2> out{};
         int hit = 0;
         entry(in.data(), out.data(), &hit);
@@ -187,7 +190,7 @@ void answer_batch(void (*entry)(const S*, S*, int*), const MissValue& sentinel, 
     }
 }
 
-/// Answer of a function as the table has it. `external::hit_of` does the same for compiled answers.
+/// Answer of a function in the fields that the table stores. `external::hit_of` computes the same for compiled answers.
 struct Outputs {
     Mask hit;
     NodeId t, near, far;
@@ -201,15 +204,15 @@ Outputs outputs_of(Nodes& nodes, const external::Contract& c, const Walk::Answer
         return {nodes.both(hit, nodes.opposite(nodes.compare(TapeOp::less, near, zero))), near, near, near};
     if (c.roots != Roots::both || answer.far == no_node) return {hit, near, near, near};
     const NodeId far = answer.far;
-    const TapeOp ahead_op = c.at_origin == AtOrigin::hit ? TapeOp::greater_equal : TapeOp::greater;
-    const Mask ahead = nodes.either(nodes.is_nan(near), nodes.compare(ahead_op, near, zero));
+    const TapeOp near_is_ahead_op = c.at_origin == AtOrigin::hit ? TapeOp::greater_equal : TapeOp::greater;
+    const Mask near_is_ahead = nodes.either(nodes.is_nan(near), nodes.compare(near_is_ahead_op, near, zero));
     const Inside inside = external::inside_of(c);
-    const bool at_0 = inside == Inside::zero || (inside == Inside::usual && inside_returns_zero(c.shape));
-    if (inside == Inside::miss) hit = nodes.both(hit, ahead);
+    const bool inside_gives_zero = inside == Inside::zero || (inside == Inside::usual && inside_returns_zero(c.shape));
+    if (inside == Inside::miss) hit = nodes.both(hit, near_is_ahead);
     if (c.at_origin == AtOrigin::miss)
         hit = nodes.both(hit, nodes.opposite(nodes.compare(TapeOp::less_equal, far, zero)));
     if ((c.flags & LB_LINE) != 0) hit = nodes.both(hit, nodes.opposite(nodes.compare(TapeOp::less, far, zero)));
-    return {hit, nodes.select(ahead, near, at_0 ? zero : far), near, far};
+    return {hit, nodes.select(near_is_ahead, near, inside_gives_zero ? zero : far), near, far};
 }
 
 WrittenIn written_in(const fs::path& file, SourceLanguage language) {
@@ -220,45 +223,47 @@ WrittenIn written_in(const fs::path& file, SourceLanguage language) {
     return is_shader(file) && file.extension() != ".spv" ? WrittenIn::glsl : WrittenIn::other;
 }
 
-/// The numbers of the arguments, and what the variables of the function receive.
+/// Names of the numbers in the arguments, then of the values that the function's variables receive.
 std::vector<NamedNumber> names_of(const UserSignature& s, const Walk& walk, const std::vector<NodeId>& operation_of) {
-    std::vector<NamedNumber> all;
-    for (const InputSlot& in : s.inputs) {
-        const std::size_t open = in.source.find("in[");
-        if (open == std::string::npos || in.slot.argument < 0) continue;
-        all.push_back({.text = text_of_part(s.arguments[static_cast<std::size_t>(in.slot.argument)], in.slot.at),
-                       .operation = no_node,
-                       .input = std::atoi(in.source.c_str() + open + 3),
-                       .is_inverse = open > 0});
+    std::vector<NamedNumber> names;
+    for (const InputSlot& input_slot : s.inputs) {
+        const std::size_t bracket = input_slot.source.find("in[");
+        if (bracket == std::string::npos || input_slot.slot.argument < 0) continue;
+        names.push_back({.text = text_of_part(s.arguments[static_cast<std::size_t>(input_slot.slot.argument)],
+                                              input_slot.slot.offset),
+                         .operation = no_node,
+                         .input = std::atoi(input_slot.source.c_str() + bracket + 3),
+                         .is_inverse = bracket > 0});
     }
-    for (const Walk::Stored& v : walk.stored())
-        if (const NodeId operation = operation_of[static_cast<std::size_t>(v.node)]; operation != no_node)
-            all.push_back({.text = v.name, .operation = operation, .place = v.place, .declared = v.declared});
-    return all;
+    for (const Walk::StoredNumber& stored : walk.stored())
+        if (const NodeId operation = operation_of[static_cast<std::size_t>(stored.node)]; operation != no_node)
+            names.push_back(
+                {.text = stored.name, .operation = operation, .place = stored.place, .declared = stored.declared});
+    return names;
 }
 
-/// Compares the operations that were read with the compiled function on random rays. InputError if they differ.
+/// Compares the recorded operations with the compiled function on random rays. Throws InputError if they differ.
 template <class S>
-void require_same(const table::Kernel<S>& native, const table::Kernel<S>& written, Shape shape, bool tells_t,
-                  const std::string& who) {
+void require_same(const table::Kernel<S>& native, const table::Kernel<S>& recorded, Shape shape, bool has_t,
+                  const std::string& subject) {
     const table::RandomRays<S> rays(shape, 4096, false);
-    const table::RowAnswers<S> compiled = rays.answers(native), read = rays.answers(written);
+    const table::RowAnswers<S> compiled_answers = rays.answers(native), recorded_answers = rays.answers(recorded);
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        if (compiled.are_same(read, i, tells_t)) continue;
+        if (compiled_answers.are_same(recorded_answers, i, has_t)) continue;
         std::ostringstream text;
-        text << who << ": the operations that were read differ from the compiled function, on the ray ";
+        text << subject << ": the operations that were read differ from the compiled function, on the ray ";
         text.precision(std::numeric_limits<S>::max_digits10);
         for (std::size_t k = 0; k < 6; ++k) text << (k == 0 ? "" : ",") << rays.input(i, k);
         text << " and the " << name_of(shape) << " ";
         for (std::size_t k = 0; k < rays.numbers(i).size(); ++k) text << (k == 0 ? "" : ",") << rays.numbers(i)[k];
-        const auto said = [&](const table::RowAnswers<S>& answers) {
+        const auto append_answer = [&](const table::RowAnswers<S>& answers) {
             if (answers.hit[i] == 0) text << "a miss";
             else text << "t = " << answers.numbers[0][i];
         };
         text << ": ";
-        said(read);
+        append_answer(recorded_answers);
         text << ", and compiled ";
-        said(compiled);
+        append_answer(compiled_answers);
         text << "; it may keep state between calls";
         throw InputError(text.str());
     }
@@ -267,8 +272,8 @@ void require_same(const table::Kernel<S>& native, const table::Kernel<S>& writte
 std::string plain_name(const std::string& function) {
     std::string name;
     for (const char c : function) {
-        const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
-        if (plain) name += c;
+        const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
+        if (is_plain) name += c;
         else if (!name.empty() && name.back() != '.') name += '.';
     }
     while (!name.empty() && name.back() == '.') name.pop_back();
@@ -277,103 +282,105 @@ std::string plain_name(const std::string& function) {
 
 }  // namespace
 
-std::unique_ptr<UserFunction> load_function(const std::string& named, const CompileTerms& terms) {
-    const Named parts = split(named);
-    const SourceLanguage language = language_of(parts.file, named);
-    auto made = std::make_unique<UserFunction>();
-    made->path = parts.file.string();
-    made->name = named.substr(made->path.size());
-    made->language = written_in(parts.file, language);
+std::unique_ptr<UserFunction> load_function(const std::string& option, const CompileTerms& terms) {
+    const OptionParts parts = split_option(option);
+    const SourceLanguage language = language_of(parts.file, option);
+    auto user_function = std::make_unique<UserFunction>();
+    user_function->path = parts.file.string();
+    user_function->name = option.substr(user_function->path.size());
+    user_function->language = written_in(parts.file, language);
     Compiler compiler(parts.file, language, terms);
     const bool is_ir = language == SourceLanguage::llvm;
     const Compiler::FileText file = is_ir ? compiler.ir_of_file() : Compiler::FileText{{}, text_of(parts.file)};
-    made->source = file.source;
-    const std::string who = made->path + ":" + parts.function;
+    user_function->source = file.source;
+    const std::string subject = user_function->path + ":" + parts.function;
 
-    Module probe(is_ir ? file.ir : probed_ir(compiler, language, parts, made->source));
-    UserSignature signature = signature_of(probe, made->path, parts.function, language);
+    Module probe(is_ir ? file.ir : probed_ir(compiler, language, parts, user_function->source));
+    UserSignature signature = signature_of(probe, user_function->path, parts.function, language);
     guess(signature,
-          parts.words.empty() ? stated_in(made->source, made->path, signature.line)
-                              : stated_by(parts.words, "--function " + named),
-          who);
+          parts.signature.empty() ? signature_in_comments(user_function->source, user_function->path, signature.line)
+                                  : stated_signature(parts.signature, "--function " + option),
+          subject);
     const std::string wrapper =
-        is_ir ? ir_wrapper_of(signature, probe, who)
-              : wrapper_of(signature, language == SourceLanguage::rust ? made->source : compiler.file().string());
+        is_ir ? ir_wrapper_of(signature, probe, subject)
+              : wrapper_of(signature,
+                           language == SourceLanguage::rust ? user_function->source : compiler.file().string());
     Module module(is_ir ? wrapper : compiler.ir(wrapper, true));
     Nodes nodes(signature.bits);
     Walk walk(module, nodes, signature.folder.empty() ? compiler.file().parent_path().string() : signature.folder,
               is_ir ? compiler.file().string() : "");
-    const std::size_t numbers = row_of(signature.contract.shape).numbers;
-    const Walk::Answer answer = walk.run("lostbits_entry", static_cast<int>(6 + numbers + 1));
-    if (signature.t && answer.t == no_node) throw InputError(who + ": t is never written, or is undefined (as 3 / 0 is)");
+    const std::size_t number_count = row_of(signature.contract.shape).numbers;
+    const Walk::Answer answer = walk.run("lostbits_entry", static_cast<int>(6 + number_count + 1));
+    if (signature.t && answer.t == no_node)
+        throw InputError(subject + ": t is never written, or is undefined (as 3 / 0 is)");
     if (signature.sentinel.kind == MissValue::Kind::unknown)
         signature.sentinel = guessed_sentinel(nodes, answer.t, answer.far);
-    if (const std::string words = sentinel_words(signature.sentinel); !words.empty())
-        made->shown = who + ": " + signature.shown + "; " + words;
-    else made->shown = who + ": " + signature.shown;
+    if (const std::string miss_text = sentinel_text(signature.sentinel); !miss_text.empty())
+        user_function->shown = subject + ": " + signature.shown + "; " + miss_text;
+    else user_function->shown = subject + ": " + signature.shown;
 
-    made->bits = signature.bits, made->line = signature.line;
+    user_function->bits = signature.bits, user_function->line = signature.line;
     external::Contract& contract = signature.contract;
     if (contract.name.empty()) contract.name = plain_name(parts.function);
     contract.source = parts.file.filename().string();
     if (contract.title.empty()) contract.title = parts.function + " of " + parts.file.filename().string();
-    external::require_sense(contract, who);
+    external::require_sense(contract, subject);
     Mask hit = answer.hit;
     if (signature.sentinel.kind == MissValue::Kind::crossed && answer.far == no_node)
-        throw InputError(who + ": miss is crossed, but it answers no far t");
+        throw InputError(subject + ": miss is crossed, but it answers no far t");
     if (answer.t != no_node)
         hit =
             nodes.both(hit, nodes.opposite(means_miss(signature.sentinel, NodeDecisions{nodes, answer.t, answer.far})));
-    const Outputs out = outputs_of(nodes, contract, answer, hit);
+    const Outputs outputs = outputs_of(nodes, contract, answer, hit);
     // The answer itself may have no variable, so it is named here.
-    if (out.t != no_node && contract.roots != Roots::none) nodes.name(out.t, "t", 100);
-    Nodes::Written written = nodes.written(out.hit, out.t, out.near, out.far);
+    if (outputs.t != no_node && contract.roots != Roots::none) nodes.name(outputs.t, "t", 100);
+    Nodes::Written written = nodes.written(outputs.hit, outputs.t, outputs.near, outputs.far);
     written.formula.name = contract.name;
     written.formula.shape = contract.shape;
     table::require_sense(written.formula);
-    made->names = names_of(signature, walk, written.operation_of);
-    made->places = walk.places();
-    for (SourcePlace& p : made->places)
-        if (const fs::path relative = fs::path(p.file).lexically_normal(); relative == compiler.file())
-            p.file = made->path;
+    user_function->names = names_of(signature, walk, written.operation_of);
+    user_function->places = walk.places();
+    for (SourcePlace& p : user_function->places)
+        if (const fs::path normal_path = fs::path(p.file).lexically_normal(); normal_path == compiler.file())
+            p.file = user_function->path;
     for (const int place : written.places) {
-        const int own = walk.own_place(place);
-        made->place_of_operation.push_back(own);
+        const int own_place_index = walk.own_place(place);
+        user_function->place_of_operation.push_back(own_place_index);
     }
     const auto formula = std::make_shared<const table::WrittenFormula>(std::move(written.formula));
-    made->written = std::make_unique<table::WrittenForm>(formula, formula);
+    user_function->written = std::make_unique<table::WrittenForm>(formula, formula);
 
     const external::Library library = compiler.library(wrapper, formula->operations.size() > most_optimised);
-    external::ForeignForm form{contract, made->path, {}};
+    external::ForeignForm form{contract, user_function->path, {}};
     const char* const name = external::lasting_text(external::name_in_messages(form));
     const auto bind = [&]<class S>(S) {
         const auto entry = external::entry_of<void (*)(const S*, S*, int*)>(library, "lostbits_entry");
-        if (entry == nullptr) throw InputError(who + ": the compiled function has no entry");
-        form.answer = [entry, name, numbers, sentinel = signature.sentinel,
-                       computes = library.fp_state](const lb_batch& batch) {
+        if (entry == nullptr) throw InputError(subject + ": the compiled function has no entry");
+        form.answer = [entry, name, number_count, sentinel = signature.sentinel,
+                       fp_state = library.fp_state](const lb_batch& batch) {
             external::call_of(name, [&] {
-                const external::InForeignCode here(name, computes);
-                answer_batch<S>(entry, sentinel, numbers, batch);
+                const external::InForeignCode foreign_code(name, fp_state);
+                answer_batch<S>(entry, sentinel, number_count, batch);
                 return 0;
             });
         };
     };
     if (signature.bits == 32) bind(0.0F);
     else bind(0.0);
-    made->answers = std::make_unique<external::ForeignRow>(std::move(form));
-    made->answers->info.formats = Formats::all;
-    made->row = made->answers->row();
-    made->written->fill(made->row);
-    const table::Intersector alone = made->written->row(made->answers->info);
-    const bool tells_t = contract.roots != Roots::none;
+    user_function->answers = std::make_unique<external::ForeignRow>(std::move(form));
+    user_function->answers->info.formats = Formats::all;
+    user_function->row = user_function->answers->row();
+    user_function->written->fill(user_function->row);
+    const table::Intersector recorded_row = user_function->written->row(user_function->answers->info);
+    const bool has_t = contract.roots != Roots::none;
     if (signature.bits == 32) {
-        require_same(made->row.native32, alone.native32, contract.shape, tells_t, who);
-        made->row.native64 = alone.native64;
+        require_same(user_function->row.native32, recorded_row.native32, contract.shape, has_t, subject);
+        user_function->row.native64 = recorded_row.native64;
     } else {
-        require_same(made->row.native64, alone.native64, contract.shape, tells_t, who);
-        made->row.native32 = alone.native32;
+        require_same(user_function->row.native64, recorded_row.native64, contract.shape, has_t, subject);
+        user_function->row.native32 = recorded_row.native32;
     }
-    return made;
+    return user_function;
 }
 
 }  // namespace lostbits::intersect::function

@@ -1,5 +1,5 @@
-// Functions of users in C, C++, Rust, GLSL, HLSL, SPIR-V and LLVM IR as intersectors: compiled for their answers, and
-// read as LLVM IR for everything that looks at operations.
+// Functions of users in C, C++, Rust, GLSL, HLSL, SPIR-V and LLVM IR as intersectors. A function is compiled to compute
+// its answers; its LLVM IR is read for all measurements of operations.
 #pragma once
 
 #include <filesystem>
@@ -21,32 +21,32 @@ struct CompileTerms {
     std::filesystem::path headers = {};  ///< folder of the headers that the file names; empty: its own folder
 };
 
-/// A number under its name in the user's function: a variable, or a part of a variable or of an argument.
+/// A number under its name in the user's function: a variable, a part of a variable, or a part of an argument.
 struct NamedNumber {
-    std::string text;         ///< as the source writes it: `b`, `v[0]`, `ray->origin[0]`
-    NodeId operation;         ///< index of the operation; none for an argument
-    int place = -1;           ///< place of the statement that sets it
+    std::string text;         ///< name as the source writes it: `b`, `v[0]`, `ray->origin[0]`
+    NodeId operation;         ///< index of the operation; `no_node` for an argument
+    int place = -1;           ///< index in `places` of the statement that sets the variable
     int declared = 0;         ///< line of the declaration
-    int input = -1;           ///< number of the input that an argument is
-    bool is_inverse = false;  ///< it is 1 / input
+    int input = -1;           ///< index of the input that an argument receives; -1 for a variable
+    bool is_inverse = false;  ///< true if the argument receives 1 / input
 };
 
 enum class WrittenIn { c, cpp, rust, glsl, hlsl, other };
 
-/// A function under test. It does not move, since its rows point into it.
+/// A function under test. It cannot be copied or moved, since its table rows point into it.
 struct UserFunction {
     UserFunction();
     ~UserFunction();
     UserFunction(const UserFunction&) = delete;
     UserFunction& operator=(const UserFunction&) = delete;
 
-    std::string path;  ///< path of its file
-    std::string name;  ///< `:NAME` or `:NAME:WORDS`, the rest of the option
+    std::string path;  ///< path of the user's file
+    std::string name;  ///< `:NAME` or `:NAME:SIGNATURE`, the rest of the option
     WrittenIn language = WrittenIn::other;
-    int bits = 32;       ///< format of its numbers
+    int bits = 32;       ///< bits of its number format: 32 or 64
     int line = 0;        ///< line of its definition
     std::string source;  ///< text of the file; for bitcode its LLVM IR, for SPIR-V its assembly
-    std::string shown;   ///< the signature as it was guessed, in one line
+    std::string shown;   ///< the guessed signature in one line
     std::unique_ptr<external::ForeignRow> answers;
     std::unique_ptr<table::WrittenForm> written;
     std::vector<SourcePlace> places;
@@ -57,18 +57,18 @@ struct UserFunction {
 
 /// Compiles `FILE.c:NAME` (with a signature after another colon, if given) and reads its operations. Throws InputError
 /// if the file does not compile or an operation cannot be followed, and EnvironmentError if there is no compiler.
-std::unique_ptr<UserFunction> load_function(const std::string& named, const CompileTerms& terms);
+std::unique_ptr<UserFunction> load_function(const std::string& option, const CompileTerms& terms);
 
-/// The function behind a form; null for other forms.
+/// Returns the function behind a form; null for other forms.
 const UserFunction* function_of(const Info& form);
 
-/// Adds it to the table, where it stays.
+/// Adds the row of a function to the table, which keeps the function until the program ends.
 void register_forms(std::unique_ptr<UserFunction> function);
 
-/// The line of the user's file with an operation of a function, marked as compilers mark an error. Empty for other
-/// forms and for operations without a place. `node` is the index of the operation on a tape of that format.
+/// Returns the line of the user's file that contains an operation, marked as compilers mark an error. Empty for other
+/// forms and for operations without a place. `node` is the index of the operation on a tape of `format`.
 std::string quoted_line(const Info& form, const Format& format, NodeId node);
-/// `sphere.c:12:20`, in the same way.
-std::string place_words(const Info& form, const Format& format, NodeId node);
+/// Returns the place of an operation, such as `sphere.c:12:20`; empty as for `quoted_line`.
+std::string place_text(const Info& form, const Format& format, NodeId node);
 
 }  // namespace lostbits::intersect::function

@@ -15,22 +15,22 @@ namespace lostbits::intersect::function {
 struct Type {
     enum class Kind { nothing, integer, number, pointer, sequence, structure, other };
     Kind kind = Kind::other;
-    std::size_t size = 0, align = 1;      ///< in bytes
-    int bits = 0;                         ///< bits of an integer or a number
-    bool is_vector = false;               ///< true for a sequence such as <4 x float>
-    std::vector<const Type*> parts = {};  ///< parts of a structure; the item of a sequence
-    std::vector<std::size_t> at = {};     ///< offset of each part of a structure
-    std::size_t count = 0;                ///< number of items of a sequence
+    std::size_t size = 0, align = 1;        ///< in bytes
+    int bits = 0;                           ///< bits of an integer or a number
+    bool is_vector = false;                 ///< true for a sequence such as <4 x float>
+    std::vector<const Type*> parts = {};    ///< parts of a structure; the item of a sequence
+    std::vector<std::size_t> offsets = {};  ///< offset of each part of a structure
+    std::size_t count = 0;                  ///< number of items of a sequence
 
-    /// Part k of a structure or of a sequence, and its offset; null behind the last one.
+    /// Part k of a structure or of a sequence, and its offset; null if there is no part k.
     [[nodiscard]] const Type* part(std::size_t k, std::size_t& offset) const;
 };
 
-/// A place of the source, and the call that led there.
+/// A place in the source, and the call that led to it.
 struct SourcePlace {
     std::string file;
     int line = 0, column = 0;
-    int caller = -1;  ///< index of the place of the call; -1 in the function itself
+    int caller = -1;  ///< index of the place of the call; -1 in the outermost function
 };
 
 struct Block {
@@ -41,25 +41,25 @@ struct Block {
 struct IrParameter {
     std::string name;
     const Type* type;
-    const Type* by_value = nullptr;              ///< the structure that the caller passes by a pointer to a copy
-    std::string_view type_text = {}, text = {};  ///< the type as written; the same with its attributes
+    const Type* by_value = nullptr;              ///< the structure of which the caller passes a pointer to a copy
+    std::string_view type_text = {}, text = {};  ///< the type as written; the type with its attributes
 };
 
 struct IrFunction {
     std::string name;
     std::vector<IrParameter> parameters;
     std::vector<Block> blocks;
-    int subprogram = -1;                                   ///< its debug information
-    std::string_view returned_text = {}, convention = {};  ///< as written; an empty convention is C's
+    int subprogram = -1;                                   ///< index of the metadata node of its debug information
+    std::string_view returned_text = {}, convention = {};  ///< as written; an empty convention is that of C
 };
 
 struct Global {
     const Type* type;
-    std::string_view value;  ///< empty if it is declared elsewhere
+    std::string_view value;  ///< empty for a global that is defined elsewhere
     bool is_constant;
 };
 
-/// A text that is read from left to right. Every failure is an InputError with the line.
+/// A text that is read from left to right. Every failure throws an InputError that quotes the line.
 class Cursor {
 public:
     explicit Cursor(std::string_view text) : rest_(text), line_(text) {}
@@ -67,7 +67,7 @@ public:
     void skip_blanks();
     [[nodiscard]] bool at_end() { return skip_blanks(), rest_.empty(); }
     [[nodiscard]] char peek() { return skip_blanks(), rest_.empty() ? '\0' : rest_.front(); }
-    /// Takes the text if it stands here, as a whole word if it ends as one.
+    /// Takes the text if the rest begins with it. A text that ends in a word character must end a whole word.
     bool take(std::string_view text);
     void expect(std::string_view text);
     /// Takes a word of letters, digits and . _ - $; empty if there is none.
@@ -75,31 +75,31 @@ public:
     /// Takes the name after % @ or !, with or without quotation marks.
     std::string name();
     std::int64_t integer();
-    /// Skips a group in brackets, which stands here, and returns its inside.
+    /// Skips the group in brackets at the cursor and returns the text inside the brackets.
     std::string_view group();
     [[nodiscard]] std::string_view rest() const { return rest_; }
-    [[noreturn]] void fail(const std::string& what) const;
+    [[noreturn]] void fail(const std::string& problem) const;
 
 private:
     std::string_view rest_, line_;
 };
 
-/// A module, which keeps its text. Throws InputError for a text that is not LLVM IR.
+/// A module of LLVM IR, which keeps its text. Throws InputError for text that is not LLVM IR.
 class Module {
 public:
     explicit Module(std::string text);
     Module(const Module&) = delete;
     Module& operator=(const Module&) = delete;
 
-    const Type* type(Cursor& at);
-    /// Skips the attributes of a parameter or an argument; returns the type of `byval`.
-    const Type* skip_attributes(Cursor& at);
+    const Type* type(Cursor& cursor);
+    /// Skips the attributes of a parameter or an argument. Returns the type of the attribute `byval`; null without it.
+    const Type* skip_attributes(Cursor& cursor);
     const Type* integer_type(int bits);
     const Type* pointer_type() const { return pointer_; }
 
     [[nodiscard]] const IrFunction* function(const std::string& name) const;
-    /// Text of the metadata of this number; empty if there is none.
-    [[nodiscard]] std::string_view metadata(int number) const;
+    /// Text of the metadata with this index; empty if there is none.
+    [[nodiscard]] std::string_view metadata(int index) const;
     [[nodiscard]] const std::string& text() const { return text_; }
     /// Line number of a part of the text, from 1.
     [[nodiscard]] int line_of(std::string_view part);
@@ -110,12 +110,12 @@ public:
 private:
     const Type* add(Type type) { return &types_.emplace_back(std::move(type)); }
     const Type* structure(std::vector<const Type*> parts, bool packed);
-    const Type* structure_of(Cursor& at, char close, bool packed);
-    const Type* simple_type(Cursor& at);
+    const Type* structure_of(Cursor& cursor, char close, bool packed);
+    const Type* simple_type(Cursor& cursor);
     const Type* named(const std::string& name);
     void read_line(std::string_view line);
-    void read_global(Cursor& at);
-    IrFunction* read_header(Cursor& at);
+    void read_global(Cursor& cursor);
+    IrFunction* read_header(Cursor& cursor);
 
     std::string text_;
     std::vector<const char*> line_ends_;  // filled by `line_of`
@@ -127,11 +127,12 @@ private:
     int depth_ = 0;
 };
 
-/// A field of a metadata text, `line: 12` or `name: "x"` without the quotation marks; empty if it has none.
+/// Returns the value of a field of a metadata text, such as `12` of `line: 12` or `x` of `name: "x"`. Empty if the text
+/// has no such field.
 std::string field(std::string_view metadata, std::string_view name);
-/// The number of a reference to metadata, `!12`; -1 for anything else.
+/// Returns the index in a reference to metadata, such as 12 of `!12`; -1 for any other text.
 int reference(std::string_view text);
-/// The references in a list, `!{!1, !2, null}`; -1 for null.
+/// Returns the indices in a list of references, `!{!1, !2, null}`; -1 for null.
 std::vector<int> references(std::string_view metadata);
 
 }  // namespace lostbits::intersect::function

@@ -12,94 +12,95 @@ namespace lostbits::intersect::function {
 namespace {
 
 /// All functions that exist, to find the file of a form's operation.
-struct Known {
+struct ExistingFunctions {
     std::mutex mutex;
     std::vector<const UserFunction*> all;
 };
-Known& known() {
-    static Known functions;
+ExistingFunctions& existing_functions() {
+    static ExistingFunctions functions;
     return functions;
 }
 
 }  // namespace
 
 UserFunction::UserFunction() {
-    const std::lock_guard alone(known().mutex);
-    known().all.push_back(this);
+    const std::lock_guard lock(existing_functions().mutex);
+    existing_functions().all.push_back(this);
 }
 
 UserFunction::~UserFunction() {
-    const std::lock_guard alone(known().mutex);
-    std::erase(known().all, this);
+    const std::lock_guard lock(existing_functions().mutex);
+    std::erase(existing_functions().all, this);
 }
 
 void register_forms(std::unique_ptr<UserFunction> function) {
-    static std::deque<std::unique_ptr<UserFunction>> kept;
-    kept.push_back(std::move(function));
-    table::register_rows({kept.back()->row});
+    static std::deque<std::unique_ptr<UserFunction>> registered_functions;
+    registered_functions.push_back(std::move(function));
+    table::register_rows({registered_functions.back()->row});
 }
 
 const UserFunction* function_of(const Info& form) {
-    const std::lock_guard alone(known().mutex);
-    for (const UserFunction* const f : known().all)
+    const std::lock_guard lock(existing_functions().mutex);
+    for (const UserFunction* const f : existing_functions().all)
         if (f->answers != nullptr && &f->answers->info == &form) return f;
     return nullptr;
 }
 
 namespace {
 
-/// The function behind a form, and the place of an operation; null for others.
-const UserFunction* behind(const Info& form, const Format& format, NodeId node, int& place) {
+/// Finds the function behind a form and the index of the place of an operation. Null for other forms and for operations
+/// without a place.
+const UserFunction* function_with_place(const Info& form, const Format& format, NodeId node, int& place_index) {
     const UserFunction* const f = function_of(form);
     if (f == nullptr) return nullptr;
     const std::vector<NodeId> nodes = f->written->nodes_on_tape(format);
     const auto found = std::ranges::find(nodes, node);
     if (found == nodes.end()) return nullptr;
-    place = f->place_of_operation[static_cast<std::size_t>(found - nodes.begin())];
-    return place < 0 ? nullptr : f;
+    place_index = f->place_of_operation[static_cast<std::size_t>(found - nodes.begin())];
+    return place_index < 0 ? nullptr : f;
 }
 
-std::string words_of(const SourcePlace& p) {
+std::string text_of_place(const SourcePlace& p) {
     return p.file + ":" + std::to_string(p.line) + (p.column > 0 ? ":" + std::to_string(p.column) : "");
 }
 
 }  // namespace
 
-std::string place_words(const Info& form, const Format& format, NodeId node) {
-    int place = -1;
-    const UserFunction* const f = behind(form, format, node, place);
-    return f == nullptr ? "" : words_of(f->places[static_cast<std::size_t>(place)]);
+std::string place_text(const Info& form, const Format& format, NodeId node) {
+    int place_index = -1;
+    const UserFunction* const f = function_with_place(form, format, node, place_index);
+    return f == nullptr ? "" : text_of_place(f->places[static_cast<std::size_t>(place_index)]);
 }
 
 std::string quoted_line(const Info& form, const Format& format, NodeId node) {
-    int place = -1;
-    const UserFunction* const f = behind(form, format, node, place);
+    int place_index = -1;
+    const UserFunction* const f = function_with_place(form, format, node, place_index);
     if (f == nullptr) return "";
-    const SourcePlace& p = f->places[static_cast<std::size_t>(place)];
-    std::string text = words_of(p);
+    const SourcePlace& p = f->places[static_cast<std::size_t>(place_index)];
+    std::string text = text_of_place(p);
     for (int caller = p.caller; caller >= 0; caller = f->places[static_cast<std::size_t>(caller)].caller) {
         const SourcePlace& c = f->places[static_cast<std::size_t>(caller)];
         if (c.line == 0 || c.file != p.file) continue;
         text += ", called at " + std::to_string(c.line) + ":" + std::to_string(c.column);
     }
     text += "\n";
-    std::istringstream own(f->source);
-    std::ifstream other(p.file);  // the source of LLVM IR, or a header
-    std::istream& lines = p.file == f->path ? static_cast<std::istream&>(own) : other;
+    std::istringstream own_source(f->source);
+    std::ifstream other_file(p.file);  // the source of LLVM IR, or a header
+    std::istream& lines = p.file == f->path ? static_cast<std::istream&>(own_source) : other_file;
     std::string line;
     for (int k = 0; k < p.line; ++k) line.clear(), std::getline(lines, line);
     if (line.empty() || static_cast<std::size_t>(p.column) > line.size()) return text;
-    const std::string number = std::to_string(p.line);
-    text += " " + number + " | " + line + "\n";
-    if (p.column < 1) return text;  // only the line is known
-    const auto at = static_cast<std::size_t>(p.column - 1);
-    const auto [begin, end] = source_text::SourceTokens(line).expression_at(at);
+    const std::string line_number = std::to_string(p.line);
+    text += " " + line_number + " | " + line + "\n";
+    if (p.column < 1) return text;  // the column is unknown
+    const auto marked_byte = static_cast<std::size_t>(p.column - 1);
+    const auto [begin, end] = source_text::SourceTokens(line).expression_at(marked_byte);
     std::string marks;
     for (std::size_t k = 0; k < end; ++k) {
-        if ((static_cast<unsigned char>(line[k]) & 0xC0U) == 0x80U) continue;  // inside of a character in UTF-8
-        marks += k == at ? '^' : k >= begin ? '~' : line[k] == '\t' ? '\t' : ' ';
+        if ((static_cast<unsigned char>(line[k]) & 0xC0U) == 0x80U) continue;  // a later byte of a UTF-8 character
+        marks += k == marked_byte ? '^' : k >= begin ? '~' : line[k] == '\t' ? '\t' : ' ';
     }
-    return text + " " + std::string(number.size(), ' ') + " | " + marks + "\n";
+    return text + " " + std::string(line_number.size(), ' ') + " | " + marks + "\n";
 }
 
 }  // namespace lostbits::intersect::function

@@ -18,56 +18,57 @@ namespace {
 using Kind = SourceType::Kind;
 using Words = std::span<const std::string_view>;
 
-/// A vector or a number of an argument, and the name by which a meaning is guessed.
+/// A vector or a number of an argument, and the names from which its role is guessed.
 struct Part {
     Slot slot;
     bool is_vector = false;
-    std::string path;         ///< "ray.origin"
-    std::string last;         ///< "origin", in small letters without _
-    std::string around = {};  ///< names of the argument and its type, in small letters
+    std::string path;                 ///< "ray.origin"
+    std::string last_name;            ///< the last name of the path, normalized
+    std::string argument_names = {};  ///< normalized names of the argument and its type
     bool is_out = false;
     bool points_to_numbers = false;  ///< argument of type float*, which may be one number or three
     bool has_fourth = false;         ///< a vector of four numbers, whose last one may be a radius
     std::string role = {};
 };
 
-bool is_tmin(const Part& p) { return !p.is_vector && (is_start(p.last) || p.last == "min"); }
-bool is_tmax(const Part& p) { return !p.is_vector && (is_end(p.last) || p.last == "max"); }
+bool is_tmin(const Part& p) { return !p.is_vector && (is_tmin_name(p.last_name) || p.last_name == "min"); }
+bool is_tmax(const Part& p) { return !p.is_vector && (is_tmax_name(p.last_name) || p.last_name == "max"); }
 
 bool is_radius(std::string_view name) {
     return is_one_of(name, {"r", "rad", "radius", "w", "sr", "ra"}) && name != "w";
 }
 
-/// Count of the numbers in a type that consists of numbers of one size; -1 if it holds anything else, or too many.
-int floats_in(const SourceType& t, std::size_t& size, std::string& last) {
+/// How many numbers are in a type that consists only of numbers of one size; -1 if the type holds anything else, or too
+/// many numbers. `last_member` receives the normalized name of the last member.
+int floats_in(const SourceType& t, std::size_t& size, std::string& last_member) {
     if (t.kind == Kind::number) {
         if (size != 0 && size != t.size) return -1;
         size = t.size;
-        last = small(t.member);
+        last_member = normalized_name(t.member);
         return 1;
     }
     if (t.kind == Kind::sequence) {
         std::string unused;
-        const int one = floats_in(t.parts[0], size, unused);
-        return one < 0 || one > 64 || t.count > 64 ? -1 : one * static_cast<int>(t.count);
+        const int part_count = floats_in(t.parts[0], size, unused);
+        return part_count < 0 || part_count > 64 || t.count > 64 ? -1 : part_count * static_cast<int>(t.count);
     }
     if (t.kind != Kind::structure || t.parts.empty()) return -1;
-    int all = 0;
+    int total = 0;
     for (const SourceType& p : t.parts) {
-        const int one = floats_in(p, size, last);
-        if (one < 0 || all > 4096) return -1;
-        all += one;
+        const int part_count = floats_in(p, size, last_member);
+        if (part_count < 0 || total > 4096) return -1;
+        total += part_count;
     }
-    return all;
+    return total;
 }
 
-/// True if the numbers of a type follow one another and have no names that say more than x, y, z: an array, a struct of
-/// numbers alone, or a struct around one of these. In `{vec3 centre; float radius}` each member has a meaning of its
-/// own, and there may be padding between them.
-bool is_row_of_numbers(const SourceType& t) {
+/// True if the numbers of a type follow one another and their names say no more than x, y, z: an array, a struct that
+/// holds only numbers, or a struct around one of these. In `{vec3 centre; float radius}` each member has a meaning of
+/// its own, and there may be padding between them.
+bool is_sequence_of_numbers(const SourceType& t) {
     if (t.kind == Kind::sequence) return t.parts[0].kind == Kind::number;
     if (t.kind != Kind::structure) return false;
-    if (t.parts.size() == 1) return is_row_of_numbers(t.parts[0]) || t.parts[0].kind == Kind::number;
+    if (t.parts.size() == 1) return is_sequence_of_numbers(t.parts[0]) || t.parts[0].kind == Kind::number;
     return std::ranges::all_of(t.parts, [](const SourceType& p) { return p.kind == Kind::number; });
 }
 
@@ -76,26 +77,26 @@ public:
     std::vector<Part> all;
 
     void add(const Argument& a, int index) {
-        around_ = small(a.name) + " " + small(a.target().name);
-        const bool points = a.type.kind == Kind::pointer;
+        argument_names_ = normalized_name(a.name) + " " + normalized_name(a.target().name);
+        const bool is_pointer = a.type.kind == Kind::pointer;
         argument_ = index;
-        out_ = points && !a.type.is_const && !a.is_this && is_answer(a);
+        is_out_ = is_pointer && !a.type.is_const && !a.is_this && is_answer(a);
         const std::string name = a.is_this ? "this" : a.name;
         // A pointer to a number means one number if its name says so, and three otherwise; a reference means one.
-        if (points && a.target().kind == Kind::number) {
-            const bool one =
-                a.type.name == "&" || out_ || is_one_of(small(a.name), {"radius", "r", "tmin", "tmax", "t"});
-            put(0, a.target().size, !one, name, small(a.name));
+        if (is_pointer && a.target().kind == Kind::number) {
+            const bool is_single = a.type.name == "&" || is_out_ ||
+                                   is_one_of(normalized_name(a.name), {"radius", "r", "tmin", "tmax", "t"});
+            add_part(0, a.target().size, !is_single, name, normalized_name(a.name));
             all.back().points_to_numbers = a.type.name != "&";
             return;
         }
-        flatten(a.target(), 0, name, small(a.name));
+        flatten(a.target(), 0, name, normalized_name(a.name));
     }
 
 private:
     static bool is_answer(const Argument& a) {
-        const std::string name = small(a.name), type = small(a.target().name);
-        if (a.target().kind == Kind::number || a.target().kind == Kind::whole)
+        const std::string name = normalized_name(a.name), type = normalized_name(a.target().name);
+        if (a.target().kind == Kind::number || a.target().kind == Kind::integer)
             return !is_one_of(
                 name, {"o",   "d",   "org", "orig", "origin", "dir", "direction", "center", "centre", "c",
                        "ro",  "rd",  "v0",  "v1",   "v2",     "a",   "b",         "vert0",  "vert1",  "vert2",
@@ -105,100 +106,107 @@ private:
         return false;
     }
 
-    void put(std::size_t at, std::size_t size, bool vector, const std::string& path, const std::string& last,
-             bool whole = false) {
-        Part p{
-            .slot = {argument_, at, size, whole}, .is_vector = vector, .path = path, .last = last, .around = around_};
-        p.is_out = out_;
+    void add_part(std::size_t offset, std::size_t size, bool is_vector, const std::string& path,
+                  const std::string& last_name, bool is_integer = false) {
+        Part p{.slot = {argument_, offset, size, is_integer},
+               .is_vector = is_vector,
+               .path = path,
+               .last_name = last_name,
+               .argument_names = argument_names_};
+        p.is_out = is_out_;
         all.push_back(std::move(p));
     }
 
-    void flatten(const SourceType& t, std::size_t at, const std::string& path, const std::string& last) {
-        if (--left_ < 0) return;
+    void flatten(const SourceType& t, std::size_t offset, const std::string& path, const std::string& own_name) {
+        if (--parts_left_ < 0) return;
         std::size_t size = 0;
-        std::string last_name;
-        const int count = floats_in(t, size, last_name);
-        if (t.kind == Kind::number) return put(at, t.size, false, path, last);
-        if (t.kind == Kind::whole) return put(at, t.size, false, path, last, true);
-        const bool in_a_row = is_row_of_numbers(t);
-        if (in_a_row && (count == 3 || (count == 4 && !is_radius(last_name)))) {
+        std::string last_member;
+        const int count = floats_in(t, size, last_member);
+        if (t.kind == Kind::number) return add_part(offset, t.size, false, path, own_name);
+        if (t.kind == Kind::integer) return add_part(offset, t.size, false, path, own_name, true);
+        const bool is_sequence = is_sequence_of_numbers(t);
+        if (is_sequence && (count == 3 || (count == 4 && !is_radius(last_member)))) {
             // Three numbers with names of their own are not a vector.
-            const bool named = t.kind == Kind::structure && t.parts.size() >= 3 && t.parts[0].kind == Kind::number &&
-                               is_one_of(small(t.parts[0].member), {"t", "tmin", "tnear", "near", "dist", "radius"});
-            if (!named) {
-                put(at, size, true, path, last);
+            const bool has_own_names =
+                t.kind == Kind::structure && t.parts.size() >= 3 && t.parts[0].kind == Kind::number &&
+                is_one_of(normalized_name(t.parts[0].member), {"t", "tmin", "tnear", "near", "dist", "radius"});
+            if (!has_own_names) {
+                add_part(offset, size, true, path, own_name);
                 all.back().has_fourth = count == 4;
                 return;
             }
         }
-        if (in_a_row && count == 4) {
-            put(at, size, true, path + "." + t.parts[0].member, "centre");
-            return put(at + 3 * size, size, false, path + "." + last_name, "radius");
+        if (is_sequence && count == 4) {
+            add_part(offset, size, true, path + "." + t.parts[0].member, "centre");
+            return add_part(offset + 3 * size, size, false, path + "." + last_member, "radius");
         }
         if (t.kind == Kind::sequence && count > 0 && count % 3 == 0 && t.parts[0].kind == Kind::number) {
             for (int k = 0; k < count / 3; ++k) {
                 const std::string index = std::to_string(k);
-                put(at + static_cast<std::size_t>(3 * k) * size, size, true, path + "[" + std::to_string(3 * k) + "]",
-                    last + index);
+                add_part(offset + static_cast<std::size_t>(3 * k) * size, size, true,
+                         path + "[" + std::to_string(3 * k) + "]", own_name + index);
             }
             return;
         }
         if (t.kind == Kind::sequence && t.count <= 16) {
             for (std::size_t k = 0; k < t.count; ++k)
-                flatten(t.parts[0], at + k * t.parts[0].size, path + "[" + std::to_string(k) + "]",
-                        last + std::to_string(k));
+                flatten(t.parts[0], offset + k * t.parts[0].size, path + "[" + std::to_string(k) + "]",
+                        own_name + std::to_string(k));
             return;
         }
         if (t.kind == Kind::structure)
             for (const SourceType& p : t.parts) {
                 const std::string name = p.member.starts_with("__") ? p.member.substr(2) : p.member;
-                flatten(p, at + p.at, name.empty() ? path : path + "." + name, name.empty() ? last : small(name));
+                flatten(p, offset + p.offset, name.empty() ? path : path + "." + name,
+                        name.empty() ? own_name : normalized_name(name));
             }
     }
 
-    std::string around_;
-    int argument_ = 0, left_ = 2000;  ///< arrays of arrays may have more parts than memory holds
-    bool out_ = false;
+    std::string argument_names_;
+    int argument_ = 0, parts_left_ = 2000;  ///< limit: arrays of arrays may have more parts than memory holds
+    bool is_out_ = false;
 };
 
-Shape guessed_shape(const UserSignature& s, const Stated& stated, const std::vector<Part>& parts,
-                    const std::string& who) {
+Shape guessed_shape(const UserSignature& s, const StatedSignature& stated, const std::vector<Part>& parts,
+                    const std::string& subject) {
     if (!stated.shape.empty()) {
-        const auto known = std::ranges::find(shape_names, std::string_view(stated.shape));
-        if (known == shape_names.end() || *known == "sdf") {
-            std::string all;
+        const auto shape_name = std::ranges::find(shape_names, std::string_view(stated.shape));
+        if (shape_name == shape_names.end() || *shape_name == "sdf") {
+            std::string all_names;
             for (const std::string_view name : shape_names)
-                if (name != "sdf") all += (all.empty() ? "" : ", ") + std::string(name);
-            throw InputError(stated.where + ": " + external::shown_text(stated.shape) + " is not one of " + all);
+                if (name != "sdf") all_names += (all_names.empty() ? "" : ", ") + std::string(name);
+            throw InputError(stated.where + ": " + external::shown_text(stated.shape) + " is not one of " + all_names);
         }
-        return static_cast<Shape>(known - shape_names.begin());
+        return static_cast<Shape>(shape_name - shape_names.begin());
     }
-    if (const auto named = shape_named(small(s.call))) return *named;
+    if (const auto named = shape_named(normalized_name(s.call))) return *named;
     for (const Argument& a : s.arguments)
-        if (const auto named = shape_named(small(a.target().name) + " " + small(a.name))) return *named;
+        if (const auto named = shape_named(normalized_name(a.target().name) + " " + normalized_name(a.name)))
+            return *named;
     std::size_t vectors = 0, numbers = 0;
     bool has_fourth = false;
     for (const Part& p : parts) {
         has_fourth = has_fourth || p.has_fourth;
-        if (p.is_out || p.slot.is_whole || is_tmin(p) || is_tmax(p) || is_inverse(p.last)) continue;
+        if (p.is_out || p.slot.is_integer || is_tmin(p) || is_tmax(p) || is_inverse_direction_name(p.last_name))
+            continue;
         ++(p.is_vector ? vectors : numbers);
     }
     if (vectors == 3 && (numbers == 1 || (numbers == 0 && has_fourth))) return Shape::sphere;
     if (vectors == 4 && numbers == 0) return Shape::box;
     if (vectors == 5 && numbers == 0) return Shape::triangle;
-    throw InputError(who +
+    throw InputError(subject +
                      ": its name and its arguments do not say which primitive it intersects; say it in a comment "
                      "of the file, such as // lostbits: sphere(o, d, c, r)");
 }
 
-/// The last number of a vector of four.
+/// Returns the last number of a vector of four numbers as a part of its own.
 Part fourth_of(Part vector) {
-    vector.slot.at += 3 * vector.slot.size;
+    vector.slot.offset += 3 * vector.slot.size;
     vector.is_vector = vector.has_fourth = false, vector.path += ".w", vector.role = "";
     return vector;
 }
 
-/// Gives each part a role: o, d, 1/d, tmin, tmax, or k<number of the key>.
+/// Gives each part a role: o, d, 1/d, tmin, tmax, or k followed by the index of the key.
 void give_roles(std::vector<Part>& parts, Shape shape) {
     const auto keys = row_of(shape).keys;
     const auto has = [&](const std::string& role) {
@@ -208,17 +216,17 @@ void give_roles(std::vector<Part>& parts, Shape shape) {
         if (p.role.empty() && !has(role)) p.role = role;
     };
     for (Part& p : parts) {
-        if (p.is_out || p.slot.is_whole) continue;
-        const bool in_ray = p.around.find("ray") != std::string::npos;
-        const bool alone = p.path.find('.') == std::string::npos && p.path.find('[') == std::string::npos;
-        const bool may_be_ray = in_ray || alone;
+        if (p.is_out || p.slot.is_integer) continue;
+        const bool in_ray = p.argument_names.find("ray") != std::string::npos;
+        const bool is_argument = p.path.find('.') == std::string::npos && p.path.find('[') == std::string::npos;
+        const bool may_be_ray = in_ray || is_argument;
         if (p.is_vector && may_be_ray) {
-            if (is_inverse(p.last)) give(p, "1/d");
-            else if (in_ray && !alone && is_origin(p.last)) give(p, "o");
-            else if (in_ray && !alone && is_direction(p.last)) give(p, "d");
-            else if (alone && !is_one_of(p.last, {"a", "b", "p0", "pos", "e", "v"})) {
-                if (is_origin(p.last)) give(p, "o");
-                else if (is_direction(p.last)) give(p, "d");
+            if (is_inverse_direction_name(p.last_name)) give(p, "1/d");
+            else if (in_ray && !is_argument && is_origin_name(p.last_name)) give(p, "o");
+            else if (in_ray && !is_argument && is_direction_name(p.last_name)) give(p, "d");
+            else if (is_argument && !is_one_of(p.last_name, {"a", "b", "p0", "pos", "e", "v"})) {
+                if (is_origin_name(p.last_name)) give(p, "o");
+                else if (is_direction_name(p.last_name)) give(p, "d");
             }
         } else if (is_tmin(p)) {
             give(p, "tmin");
@@ -226,15 +234,16 @@ void give_roles(std::vector<Part>& parts, Shape shape) {
             give(p, "tmax");
         }
     }
-    // Arguments whose names say nothing get the usual order.
+    // Arguments whose names give no role get roles in the usual order.
     for (const char* const role : {"o", "d"}) {
         if (has(role) || (std::string_view(role) == "d" && has("1/d"))) continue;
         for (const bool ray_only : {true, false}) {
             if (has(role)) break;
             for (Part& p : parts) {
-                const bool in_ray = p.around.find("ray") != std::string::npos;
-                const bool alone = p.path.find('.') == std::string::npos;
-                if (!p.is_vector || p.is_out || !p.role.empty() || !(ray_only ? in_ray && !alone : alone || in_ray))
+                const bool in_ray = p.argument_names.find("ray") != std::string::npos;
+                const bool is_argument = p.path.find('.') == std::string::npos;
+                if (!p.is_vector || p.is_out || !p.role.empty() ||
+                    !(ray_only ? in_ray && !is_argument : is_argument || in_ray))
                     continue;
                 p.role = role;
                 break;
@@ -242,90 +251,91 @@ void give_roles(std::vector<Part>& parts, Shape shape) {
         }
     }
     for (Part& p : parts) {
-        if (p.is_out || p.slot.is_whole || !p.role.empty()) continue;
+        if (p.is_out || p.slot.is_integer || !p.role.empty()) continue;
         for (std::size_t k = 0; k < keys.size(); ++k)
-            if (p.is_vector == (keys[k].count() == 3) && fits_key(p.last, keys[k], k, shape))
+            if (p.is_vector == (keys[k].count() == 3) && fits_key(p.last_name, keys[k], k, shape))
                 give(p, "k" + std::to_string(k));
     }
     for (std::size_t k = 0; k < keys.size(); ++k) {
         const std::string role = "k" + std::to_string(k);
-        // A number is an inner radius only by its name: more often it is an epsilon.
+        // A number is an inner radius only if its name says so: more often it is an epsilon.
         if (has(role) || keys[k].name == "inner_radius") continue;
         for (Part& p : parts)
-            if (p.role.empty() && !p.is_out && !p.slot.is_whole && p.is_vector == (keys[k].count() == 3)) {
+            if (p.role.empty() && !p.is_out && !p.slot.is_integer && p.is_vector == (keys[k].count() == 3)) {
                 p.role = role;
                 break;
             }
     }
     // `vec4 sphere` of shaders: the centre, and the radius as the fourth number.
     for (std::size_t k = 1; k < keys.size(); ++k) {
-        const auto before = std::ranges::find(parts, "k" + std::to_string(k - 1), &Part::role);
-        if (has("k" + std::to_string(k)) || keys[k].count() != 1 || before == parts.end() || !before->has_fourth)
+        const auto previous_key = std::ranges::find(parts, "k" + std::to_string(k - 1), &Part::role);
+        if (has("k" + std::to_string(k)) || keys[k].count() != 1 || previous_key == parts.end() ||
+            !previous_key->has_fourth)
             continue;
-        Part fourth = fourth_of(*before);
+        Part fourth = fourth_of(*previous_key);
         fourth.role = "k" + std::to_string(k);
         parts.push_back(std::move(fourth));
     }
 }
 
-/// Roles as a comment states them, in the order of the arguments.
-void take_roles(std::vector<Part>& parts, Shape shape, const Stated& stated) {
+/// Gives the parts the roles that a comment states, in the order of the arguments.
+void take_roles(std::vector<Part>& parts, Shape shape, const StatedSignature& stated) {
     const auto keys = row_of(shape).keys;
     for (std::size_t k = 0; k < parts.size(); ++k)
         if (parts[k].has_fourth && stated.roles.size() > parts.size())
             parts.insert(parts.begin() + static_cast<std::ptrdiff_t>(k) + 1, fourth_of(parts[k]));
-    std::vector<Part*> open;
-    for (Part& p : parts) open.push_back(&p);
-    if (stated.roles.size() > open.size())
+    std::vector<Part*> open_parts;
+    for (Part& p : parts) open_parts.push_back(&p);
+    if (stated.roles.size() > open_parts.size())
         throw InputError(stated.where + ": names " + std::to_string(stated.roles.size()) +
                          " arguments, but the function "
                          "takes " +
-                         std::to_string(open.size()) + " vectors and numbers");
+                         std::to_string(open_parts.size()) + " vectors and numbers");
     for (std::size_t i = 0; i < stated.roles.size(); ++i) {
-        const std::string word = small(stated.roles[i]);
+        const std::string role_name = normalized_name(stated.roles[i]);
         std::string role;
         for (std::size_t k = 0; k < keys.size() && role.empty(); ++k)
-            if (word == keys[k].name || word == keys[k].letter) role = "k" + std::to_string(k);
-        if (word == "-" || word.empty()) role = "-";
-        else if (is_one_of(word, {"o", "d", "1/d", "tmin", "tmax", "t", "far", "hit"})) role = word;
-        else if (is_one_of(word, {"origin", "direction"})) role = word.substr(0, 1);
+            if (role_name == keys[k].name || role_name == keys[k].letter) role = "k" + std::to_string(k);
+        if (role_name == "-" || role_name.empty()) role = "-";
+        else if (is_one_of(role_name, {"o", "d", "1/d", "tmin", "tmax", "t", "far", "hit"})) role = role_name;
+        else if (is_one_of(role_name, {"origin", "direction"})) role = role_name.substr(0, 1);
         for (std::size_t k = 0; k < keys.size() && role.empty(); ++k)
-            if (fits_key(word, keys[k], k, shape)) role = "k" + std::to_string(k);
+            if (fits_key(role_name, keys[k], k, shape)) role = "k" + std::to_string(k);
         if (role.empty())
             throw InputError(stated.where + ": " + external::shown_text(stated.roles[i]) +
                              " is not one of o, d, 1/d, tmin, "
                              "tmax, t, far, hit, -, or a part of " +
                              with_article(shape) + ": " + key_list(shape));
-        open[i]->role = role;
-        open[i]->is_out = is_one_of(role, {"t", "far", "hit", "-"}) && (open[i]->is_out || role != "-");
+        open_parts[i]->role = role;
+        open_parts[i]->is_out = is_one_of(role, {"t", "far", "hit", "-"}) && (open_parts[i]->is_out || role != "-");
         const bool is_number = is_one_of(role, {"t", "far", "hit", "tmin", "tmax"}) ||
                                (role[0] == 'k' && keys[static_cast<std::size_t>(role[1] - '0')].count() == 1);
-        if (open[i]->points_to_numbers && role != "-") open[i]->is_vector = !is_number;
+        if (open_parts[i]->points_to_numbers && role != "-") open_parts[i]->is_vector = !is_number;
     }
 }
 
-bool says_hit(std::string_view name) {
+bool is_hit_name(std::string_view name) {
     return is_one_of(name, {"hit", "ishit", "didhit", "valid", "ok", "hashit", "found", "intersects", "intersected",
                             "success", "happened"});
 }
-bool says_t(std::string_view name) {
+bool is_t_name(std::string_view name) {
     return is_one_of(
         name, {"t",    "dist",    "distance",    "depth",  "thit",  "tnear",  "t0",   "lambda", "near", "tmin",
                "hitt", "hitdist", "hitdistance", "tentry", "enter", "tenter", "outt", "0",      "x",    "length"});
 }
-bool says_far(std::string_view name) {
+bool is_far_name(std::string_view name) {
     return is_one_of(name, {"far", "tfar", "t1", "tmax", "texit", "exit", "tleave", "1", "y"});
 }
 
-/// Finds hit, t and the far t among numbers that a function writes or returns.
+/// Finds the slots of hit, t and the far t among the numbers that a function writes or returns.
 void take_outputs(UserSignature& s, const std::vector<Part>& parts) {
     for (const Part& p : parts) {
         if (p.is_vector) continue;
-        if (p.slot.is_whole) {
-            if (!s.hit && (says_hit(p.last) || p.role == "hit")) s.hit = p.slot;
-        } else if (!s.t && (says_t(p.last) || p.role == "t")) {
+        if (p.slot.is_integer) {
+            if (!s.hit && (is_hit_name(p.last_name) || p.role == "hit")) s.hit = p.slot;
+        } else if (!s.t && (is_t_name(p.last_name) || p.role == "t")) {
             s.t = p.slot;
-        } else if (!s.far && (says_far(p.last) || p.role == "far")) {
+        } else if (!s.far && (is_far_name(p.last_name) || p.role == "far")) {
             s.far = p.slot;
         }
     }
@@ -341,14 +351,13 @@ std::string key_name(Shape shape, const std::string& role) {
 
 }  // namespace
 
-void guess(UserSignature& s, const Stated& stated, const std::string& who) {
+void guess(UserSignature& s, const StatedSignature& stated, const std::string& subject) {
     Parts parts;
     for (std::size_t k = 0; k < s.arguments.size(); ++k) parts.add(s.arguments[k], static_cast<int>(k));
-    const Shape shape = guessed_shape(s, stated, parts.all, who);
+    const Shape shape = guessed_shape(s, stated, parts.all, subject);
     if (stated.has_roles) take_roles(parts.all, shape, stated);
     else give_roles(parts.all, shape);
-    // Many C functions take their arrays without const. So a float* that is not part of the question receives an
-    // answer.
+    // Many C functions take their arrays without const. So a float* without a role as an input receives an answer.
     for (Part& p : parts.all)
         if (p.role.empty() && p.points_to_numbers && p.is_vector &&
             !s.arguments[static_cast<std::size_t>(p.slot.argument)].type.is_const)
@@ -357,67 +366,69 @@ void guess(UserSignature& s, const Stated& stated, const std::string& who) {
     const std::size_t numbers = row_of(shape).numbers;
     s.bits = 64;
     for (const Part& p : parts.all)
-        if (!p.is_out && !p.slot.is_whole && p.slot.size == 4) s.bits = 32;
-    std::string lacks;
+        if (!p.is_out && !p.slot.is_integer && p.slot.size == 4) s.bits = 32;
+    std::string missing_roles;
     const auto has = [&](const std::string& role) {
         return std::ranges::find(parts.all, role, &Part::role) != parts.all.end();
     };
-    if (!has("o")) lacks += " origin";
-    if (!has("d") && !has("1/d")) lacks += " direction";
+    if (!has("o")) missing_roles += " origin";
+    if (!has("d") && !has("1/d")) missing_roles += " direction";
     for (std::size_t k = 0; k < keys.size(); ++k)
-        if (!has("k" + std::to_string(k)) && !keys[k].optional) lacks += " " + std::string(keys[k].name);
-    if (!lacks.empty()) {
+        if (!has("k" + std::to_string(k)) && !keys[k].optional) missing_roles += " " + std::string(keys[k].name);
+    if (!missing_roles.empty()) {
         std::string example = std::string(name_of(shape)) + "(o, d";
         for (const Key& key : keys) example += ", " + std::string(key.name);
-        throw InputError(who + ": no argument seems to be the" + lacks + " of a ray and " + with_article(shape) +
+        throw InputError(subject + ": no argument seems to be the" + missing_roles + " of a ray and " +
+                         with_article(shape) +
                          "; name the arguments in a comment of the file, such as // lostbits: " + example + ")");
     }
     for (const Part& p : parts.all) {
         if (p.role.empty() || p.role == "-" || is_one_of(p.role, {"t", "far", "hit"})) continue;
-        std::size_t first = p.role == "o" ? 0 : p.role == "d" || p.role == "1/d" ? 3 : 6;
+        std::size_t input_index = p.role == "o" ? 0 : p.role == "d" || p.role == "1/d" ? 3 : 6;
         if (p.role[0] == 'k')
-            for (std::size_t k = 0; k < static_cast<std::size_t>(p.role[1] - '0'); ++k) first += keys[k].count();
-        if (p.role == "tmax") first = 6 + numbers;
+            for (std::size_t k = 0; k < static_cast<std::size_t>(p.role[1] - '0'); ++k) input_index += keys[k].count();
+        if (p.role == "tmax") input_index = 6 + numbers;
         for (std::size_t k = 0; k < (p.is_vector ? 3U : 1U); ++k) {
-            const std::string in = "in[" + std::to_string(first + k) + "]";
+            const std::string input = "in[" + std::to_string(input_index + k) + "]";
             Slot slot = p.slot;
-            slot.at += k * p.slot.size;
-            s.inputs.push_back({slot, p.role == "1/d" ? "1 / " + in : p.role == "tmin" ? "0" : in});
+            slot.offset += k * p.slot.size;
+            s.inputs.push_back({slot, p.role == "1/d" ? "1 / " + input : p.role == "tmin" ? "0" : input});
         }
         s.shown += (s.shown.empty() ? "" : ", ") + key_name(shape, p.role) + " = " + p.path;
     }
     s.shown = std::string(name_of(shape)) + ": " + s.shown;
 
     // Answers
-    std::vector<Part> outs;
+    std::vector<Part> output_parts;
     for (const Part& p : parts.all)
-        if (p.is_out) outs.push_back(p);
+        if (p.is_out) output_parts.push_back(p);
     const SourceType* value = &s.returned;
     if (value->kind == Kind::optional && !value->parts.empty()) {
         s.hit_is_optional = true;
         value = &value->parts[0];
     }
-    std::vector<Part> returned;
+    std::vector<Part> returned_parts;
     if (value->kind == Kind::number) {
         s.t = Slot{-1, 0, value->size, false};
-    } else if (value->kind == Kind::whole) {
+    } else if (value->kind == Kind::integer) {
         s.hit = Slot{-1, 0, value->size, true};
     } else if (value->kind == Kind::structure) {
         // Three numbers x, y, z are t and coordinates inside of a triangle.
-        const bool is_vector = value->parts.size() > 2 && small(value->parts[1].member) == "y";
+        const bool is_vector = value->parts.size() > 2 && normalized_name(value->parts[1].member) == "y";
         for (const SourceType& p : std::span(value->parts).first(is_vector ? 1 : value->parts.size())) {
-            if (p.kind != Kind::number && p.kind != Kind::whole) continue;
-            const std::string last = small(p.member.starts_with("__") ? p.member.substr(2) : p.member);
-            returned.push_back({.slot = {-1, p.at, p.size, p.kind == Kind::whole}, .path = p.member, .last = last});
+            if (p.kind != Kind::number && p.kind != Kind::integer) continue;
+            const std::string last = normalized_name(p.member.starts_with("__") ? p.member.substr(2) : p.member);
+            returned_parts.push_back(
+                {.slot = {-1, p.offset, p.size, p.kind == Kind::integer}, .path = p.member, .last_name = last});
         }
-        take_outputs(s, returned);
+        take_outputs(s, returned_parts);
     }
-    take_outputs(s, outs);
-    if (!s.t)  // a number that is written, whatever its name is
-        for (const Part& p : outs)
-            if (!p.is_vector && !p.slot.is_whole && !s.t && (p.path.find('.') == std::string::npos)) s.t = p.slot;
+    take_outputs(s, output_parts);
+    if (!s.t)  // a number that is written, whatever its name
+        for (const Part& p : output_parts)
+            if (!p.is_vector && !p.slot.is_integer && !s.t && (p.path.find('.') == std::string::npos)) s.t = p.slot;
     if (!s.hit && !s.t && !s.hit_is_optional)
-        throw InputError(who +
+        throw InputError(subject +
                          ": neither its result nor an argument seems to be t or a decision to hit; return t, or "
                          "bool, or name the one that takes it in a comment of the file: // lostbits: " +
                          std::string(name_of(shape)) + "(o, d, ..., t)");
@@ -426,7 +437,7 @@ void guess(UserSignature& s, const Stated& stated, const std::string& who) {
     c.bits = s.bits;
     c.roots = s.t && s.far ? Roots::both : s.t ? Roots::first_only : Roots::none;
     if (row_of(shape).takes_tmax && !has("tmax") && c.roots != Roots::none) c.flags |= LB_NO_END;
-    for (const auto& [key, text] : stated.words) {
+    for (const auto& [key, text] : stated.properties) {
         if (key == "name" || key == "format" || key == "function") continue;  // of comments for --shader
         if (key == "miss") {
             if (text == "inf" || text == "infinite") s.sentinel.kind = MissValue::Kind::infinite;
@@ -442,7 +453,7 @@ void guess(UserSignature& s, const Stated& stated, const std::string& who) {
                         stated.where + ": miss is " + external::shown_text(text) +
                         "; it must be -1, 0, inf, nan, crossed, none, or the number from which on t means a miss");
             }
-        } else if (!external::set_word(c, key, text, stated.where)) {
+        } else if (!external::set_property(c, key, text, stated.where)) {
             throw InputError(stated.where + ": unknown word " + external::shown_text(key) +
                              "; known are miss, roots, direction, touching, at_origin, inside, facing and flags");
         }
@@ -450,21 +461,21 @@ void guess(UserSignature& s, const Stated& stated, const std::string& who) {
     if (s.hit || s.hit_is_optional) {
         if (s.sentinel.kind == MissValue::Kind::unknown) s.sentinel.kind = MissValue::Kind::none;
     }
-    const auto where = [&](const Slot& slot) -> std::string {
+    const auto source_of = [&](const Slot& slot) -> std::string {
         if (slot.argument < 0) {
-            for (const Part& p : returned)
-                if (p.slot.at == slot.at) return "its " + p.path;
+            for (const Part& p : returned_parts)
+                if (p.slot.offset == slot.offset) return "its " + p.path;
             return "the result";
         }
         for (const Part& p : parts.all)
-            if (p.slot.argument == slot.argument && p.slot.at == slot.at) return p.path;
+            if (p.slot.argument == slot.argument && p.slot.offset == slot.offset) return p.path;
         return "an argument";
     };
     s.shown += "; ";
     if (s.hit_is_optional) s.shown += "hit where the result is there";
-    else if (s.hit) s.shown += "hit where " + where(*s.hit) + " is not 0";
-    if (s.t) s.shown += std::string(s.hit || s.hit_is_optional ? ", " : "") + "t = " + where(*s.t);
-    if (s.far) s.shown += ", far = " + where(*s.far);
+    else if (s.hit) s.shown += "hit where " + source_of(*s.hit) + " is not 0";
+    if (s.t) s.shown += std::string(s.hit || s.hit_is_optional ? ", " : "") + "t = " + source_of(*s.t);
+    if (s.far) s.shown += ", far = " + source_of(*s.far);
 }
 
 }  // namespace lostbits::intersect::function

@@ -20,119 +20,125 @@ namespace {
 
 using Kind = SourceType::Kind;
 
-std::size_t number_in(const std::string& digits) {
+std::size_t integer_of(const std::string& digits) {
     std::size_t n = 0;
     std::from_chars(digits.data(), digits.data() + digits.size(), n);
     return n;
 }
 
-/// Name with the namespaces and classes around it.
-std::string qualified(const Module& module, std::string_view text, SourceLanguage language) {
+/// Returns the name with the namespaces and classes that enclose it.
+std::string qualified_name(const Module& module, std::string_view text, SourceLanguage language) {
     std::string name = field(text, "name");
     int scope = reference(field(text, "scope"));
     for (int guard = 0; language == SourceLanguage::cpp && scope >= 0 && guard < 20; ++guard) {
-        const std::string_view around = module.metadata(scope);
-        const bool named = around.find("DINamespace") != std::string_view::npos ||
-                           around.find("DICompositeType") != std::string_view::npos;
-        const std::string outer = field(around, "name");
-        if (!named) break;
+        const std::string_view enclosing_scope = module.metadata(scope);
+        const bool has_name = enclosing_scope.find("DINamespace") != std::string_view::npos ||
+                              enclosing_scope.find("DICompositeType") != std::string_view::npos;
+        const std::string outer = field(enclosing_scope, "name");
+        if (!has_name) break;
         if (!outer.empty()) name.insert(0, outer + "::");
-        scope = reference(field(around, "scope"));
+        scope = reference(field(enclosing_scope, "scope"));
     }
     return name;
 }
 
-/// A type by its number. A type inside itself is unknown, and so are all after the first thousands: a ray has no such
-/// type, and a program's types may lead to each other on more ways than can be followed.
+/// Reads a type by the index of its metadata node. A type inside itself is unknown, and so are all types after the
+/// first 5000: no type of a ray is that large, and the types of a program may refer to each other in more ways than can
+/// be followed.
 class TypeReader {
 public:
     TypeReader(const Module& module, SourceLanguage language) : module_(module), language_(language) {}
-    SourceType type(int number);
+    SourceType type(int node_index);
 
 private:
-    SourceType known_type(std::string_view text, SourceType made);
-    void add_members(std::string_view text, SourceType& made);
+    SourceType known_type(std::string_view text, SourceType source_type);
+    void add_members(std::string_view text, SourceType& source_type);
 
     const Module& module_;
     SourceLanguage language_;
-    std::vector<int> around_ = {};  ///< types that are being read
-    int left_ = 5000;
+    std::vector<int> open_types_ = {};  ///< types that are being read
+    int types_left_ = 5000;
 };
 
-SourceType TypeReader::type(int number) {
-    if (number < 0) return {.kind = Kind::nothing, .name = "void"};
-    const std::string_view text = module_.metadata(number);
-    SourceType made{.name = qualified(module_, text, language_), .size = number_in(field(text, "size")) / 8};
-    if (around_.size() > 12 || std::ranges::find(around_, number) != around_.end() || --left_ < 0) return made;
-    around_.push_back(number);
-    made = known_type(text, std::move(made));
-    around_.pop_back();
-    return made;
+SourceType TypeReader::type(int node_index) {
+    if (node_index < 0) return {.kind = Kind::nothing, .name = "void"};
+    const std::string_view text = module_.metadata(node_index);
+    SourceType source_type{.name = qualified_name(module_, text, language_),
+                           .size = integer_of(field(text, "size")) / 8};
+    if (open_types_.size() > 12 || std::ranges::find(open_types_, node_index) != open_types_.end() || --types_left_ < 0)
+        return source_type;
+    open_types_.push_back(node_index);
+    source_type = known_type(text, std::move(source_type));
+    open_types_.pop_back();
+    return source_type;
 }
 
-SourceType TypeReader::known_type(std::string_view text, SourceType made) {
+SourceType TypeReader::known_type(std::string_view text, SourceType source_type) {
     const std::string tag = field(text, "tag");
     const auto inner = [&] { return type(reference(field(text, "baseType"))); };
     if (text.find("DIBasicType") != std::string_view::npos) {
         const std::string encoding = field(text, "encoding");
-        const bool is_number = encoding == "DW_ATE_float" && (made.size == 4 || made.size == 8);
-        made.kind = is_number ? Kind::number : encoding == "DW_ATE_float" ? Kind::other : Kind::whole;
-        if (made.name == "()") made.kind = Kind::nothing;
+        const bool is_float = encoding == "DW_ATE_float" && (source_type.size == 4 || source_type.size == 8);
+        source_type.kind = is_float ? Kind::number : encoding == "DW_ATE_float" ? Kind::other : Kind::integer;
+        if (source_type.name == "()") source_type.kind = Kind::nothing;
     } else if (tag == "DW_TAG_typedef" || tag == "DW_TAG_const_type" || tag == "DW_TAG_volatile_type" ||
                tag == "DW_TAG_restrict_type") {
-        const std::string name = made.name;
-        made = inner();
-        if (tag == "DW_TAG_typedef") made.name = name;
-        made.is_const = made.is_const || tag == "DW_TAG_const_type";
+        const std::string name = source_type.name;
+        source_type = inner();
+        if (tag == "DW_TAG_typedef") source_type.name = name;
+        source_type.is_const = source_type.is_const || tag == "DW_TAG_const_type";
     } else if (tag == "DW_TAG_pointer_type" || tag == "DW_TAG_reference_type") {
         const bool is_reference = tag == "DW_TAG_reference_type";
-        made.kind = Kind::pointer;
-        made.parts = {inner()};
+        source_type.kind = Kind::pointer;
+        source_type.parts = {inner()};
         if (language_ == SourceLanguage::rust)
-            made.is_const = !made.name.starts_with("&mut") && !made.name.starts_with("*mut");
-        else made.is_const = made.parts[0].is_const, made.name = is_reference ? "&" : "*";
-        made.size = 8;
+            source_type.is_const = !source_type.name.starts_with("&mut") && !source_type.name.starts_with("*mut");
+        else source_type.is_const = source_type.parts[0].is_const, source_type.name = is_reference ? "&" : "*";
+        source_type.size = 8;
     } else if (tag == "DW_TAG_array_type") {
-        made.kind = Kind::sequence, made.parts = {inner()}, made.count = 1;
+        source_type.kind = Kind::sequence, source_type.parts = {inner()}, source_type.count = 1;
         std::vector<std::size_t> counts;
         for (const int range : references(module_.metadata(reference(field(text, "elements")))))
-            counts.push_back(number_in(field(module_.metadata(range), "count")));
+            counts.push_back(integer_of(field(module_.metadata(range), "count")));
         for (std::size_t k = counts.size(); k-- > 0;) {
-            const std::size_t size = made.parts[0].size * counts[k];
+            const std::size_t size = source_type.parts[0].size * counts[k];
             if (k + 1 < counts.size()) {
-                SourceType outer{.kind = Kind::sequence, .name = {}, .size = made.size * counts[k], .count = counts[k]};
-                outer.parts = {std::move(made)};
-                made = std::move(outer);
-            } else made.size = size, made.count = counts[k];
+                SourceType outer{
+                    .kind = Kind::sequence, .name = {}, .size = source_type.size * counts[k], .count = counts[k]};
+                outer.parts = {std::move(source_type)};
+                source_type = std::move(outer);
+            } else source_type.size = size, source_type.count = counts[k];
         }
     } else if (tag == "DW_TAG_structure_type" || tag == "DW_TAG_class_type") {
-        add_members(text, made);
+        add_members(text, source_type);
     } else if (tag == "DW_TAG_enumeration_type") {
-        made.kind = Kind::whole;
+        source_type.kind = Kind::integer;
     }
-    return made;
+    return source_type;
 }
 
-void TypeReader::add_members(std::string_view text, SourceType& made) {
+void TypeReader::add_members(std::string_view text, SourceType& source_type) {
     const auto offset_and_size = [this](int member) {
         const std::string_view m = module_.metadata(member);
-        return std::pair(number_in(field(m, "offset")) / 8, number_in(field(m, "size")) / 8);
+        return std::pair(integer_of(field(m, "offset")) / 8, integer_of(field(m, "size")) / 8);
     };
-    made.kind = Kind::structure;
-    if (language_ == SourceLanguage::c && !made.name.empty()) made.name.insert(0, "struct ");
-    const bool is_optional = made.name.starts_with("Option<") || made.name.starts_with("std::optional<") ||
-                             made.name.find("::optional<") != std::string::npos;
+    source_type.kind = Kind::structure;
+    if (language_ == SourceLanguage::c && !source_type.name.empty()) source_type.name.insert(0, "struct ");
+    const bool is_optional = source_type.name.starts_with("Option<") ||
+                             source_type.name.starts_with("std::optional<") ||
+                             source_type.name.find("::optional<") != std::string::npos;
     for (const int m : references(module_.metadata(reference(field(text, "elements"))))) {
         const std::string_view member = module_.metadata(m);
         const std::string kind = field(member, "tag");
         if (is_optional && language_ == SourceLanguage::rust && kind == "DW_TAG_variant_part") {
-            std::tie(made.flag_at, made.flag_size) = offset_and_size(reference(field(member, "discriminator")));
+            std::tie(source_type.flag_offset, source_type.flag_size) =
+                offset_and_size(reference(field(member, "discriminator")));
             for (const int v : references(module_.metadata(reference(field(member, "elements"))))) {
                 const std::string_view variant = module_.metadata(v);
                 if (field(variant, "name") != "Some") continue;
-                const SourceType some = type(reference(field(variant, "baseType")));
-                made.kind = Kind::optional;
-                made.parts = some.parts;
+                const SourceType some_type = type(reference(field(variant, "baseType")));
+                source_type.kind = Kind::optional;
+                source_type.parts = some_type.parts;
             }
             return;
         }
@@ -141,60 +147,62 @@ void TypeReader::add_members(std::string_view text, SourceType& made) {
             continue;
         SourceType part = type(reference(field(member, "baseType")));
         part.member = field(member, "name");
-        part.at = number_in(field(member, "offset")) / 8;
-        made.parts.push_back(std::move(part));
+        part.offset = integer_of(field(member, "offset")) / 8;
+        source_type.parts.push_back(std::move(part));
     }
-    for (const SourceType& p : made.parts)  // the flag of std::optional, which may stand in a base
-        if (p.flag_size > 0) made.flag_at = p.at + p.flag_at, made.flag_size = p.flag_size;
-        else if (p.member == "_M_engaged" || p.member == "__engaged_") made.flag_at = p.at, made.flag_size = 1;
+    for (const SourceType& p : source_type.parts)  // the flag of std::optional, which may stand in a base
+        if (p.flag_size > 0) source_type.flag_offset = p.offset + p.flag_offset, source_type.flag_size = p.flag_size;
+        else if (p.member == "_M_engaged" || p.member == "__engaged_")
+            source_type.flag_offset = p.offset, source_type.flag_size = 1;
     if (is_optional && language_ == SourceLanguage::cpp) {
-        made.kind = Kind::optional;
+        source_type.kind = Kind::optional;
         SourceType value;
         for (const int p : references(module_.metadata(reference(field(text, "templateParams")))))
             value = type(reference(field(module_.metadata(p), "type")));
-        made.parts = {value};
+        source_type.parts = {value};
     }
 }
 
-/// Arguments and result of a function without debug information.
-void take_ir_types(UserSignature& s, Module& module, const IrFunction& f, const std::string& path) {
+/// Reads the arguments and the result of a function without debug information from its LLVM IR.
+void set_ir_types(UserSignature& s, Module& module, const IrFunction& f, const std::string& path) {
     const auto number = [](std::size_t size) {
         return SourceType{.kind = Kind::number, .name = size == 4 ? "float" : "double", .size = size};
     };
     const auto type_of_text = [&module](std::string_view text) {
-        Cursor at(text);
-        return module.type(at);
+        Cursor cursor(text);
+        return module.type(cursor);
     };
     // An opaque pointer leads to numbers of the size that the function computes with.
-    std::size_t usual = 8;
+    std::size_t default_size = 8;
     for (const Block& b : f.blocks)
         for (const std::string_view line : b.lines)
-            if (line.find(" float ") != std::string_view::npos) usual = 4;
+            if (line.find(" float ") != std::string_view::npos) default_size = 4;
     const std::function<SourceType(const Type&)> source_type = [&](const Type& t) {
-        SourceType made{.name = {}, .size = t.size};
+        SourceType result{.name = {}, .size = t.size};
         if (t.kind == Type::Kind::number) return number(t.size);
-        if (t.kind == Type::Kind::integer) made.kind = Kind::whole;
-        if (t.kind == Type::Kind::nothing) made.kind = Kind::nothing;
+        if (t.kind == Type::Kind::integer) result.kind = Kind::integer;
+        if (t.kind == Type::Kind::nothing) result.kind = Kind::nothing;
         if (t.kind == Type::Kind::sequence)
-            made.kind = Kind::sequence, made.parts = {source_type(*t.parts[0])}, made.count = t.count;
+            result.kind = Kind::sequence, result.parts = {source_type(*t.parts[0])}, result.count = t.count;
         if (t.kind == Type::Kind::structure) {
-            made.kind = Kind::structure;
+            result.kind = Kind::structure;
             for (std::size_t k = 0; k < t.parts.size(); ++k) {
-                made.parts.push_back(source_type(*t.parts[k]));
-                made.parts.back().member = std::to_string(k), made.parts.back().at = t.at[k];
+                result.parts.push_back(source_type(*t.parts[k]));
+                result.parts.back().member = std::to_string(k), result.parts.back().offset = t.offsets[k];
             }
         }
-        return made;
+        return result;
     };
     for (const IrParameter& p : f.parameters) {
-        const bool is_plain = p.name.find_first_not_of("0123456789") != std::string::npos;
-        Argument a{.name = is_plain ? p.name : "p" + std::to_string(s.arguments.size()), .type = source_type(*p.type)};
+        const bool has_name = p.name.find_first_not_of("0123456789") != std::string::npos;
+        Argument a{.name = has_name ? p.name : "p" + std::to_string(s.arguments.size()), .type = source_type(*p.type)};
         if (p.type->kind == Type::Kind::pointer) {
-            const bool typed = p.type_text.ends_with('*');
-            const bool is_answer = is_one_of(small(a.name), {"t", "tout", "thit", "dist", "far", "hit", "u", "v"});
+            const bool has_target_type = p.type_text.ends_with('*');
+            const bool is_answer =
+                is_one_of(normalized_name(a.name), {"t", "tout", "thit", "dist", "far", "hit", "u", "v"});
             a.type = {.kind = Kind::pointer, .name = "*", .size = 8, .is_const = !is_answer};
-            const std::string_view target = p.type_text.substr(0, p.type_text.size() - (typed ? 1 : 0));
-            a.type.parts = {typed ? source_type(*type_of_text(target)) : number(usual)};
+            const std::string_view target = p.type_text.substr(0, p.type_text.size() - (has_target_type ? 1 : 0));
+            a.type.parts = {has_target_type ? source_type(*type_of_text(target)) : number(default_size)};
         }
         if (a.type.kind == Kind::sequence || a.type.kind == Kind::other ||
             p.text.find("sret") != std::string_view::npos)
@@ -209,34 +217,38 @@ void take_ir_types(UserSignature& s, Module& module, const IrFunction& f, const 
 }  // namespace
 
 bool mentions(const std::string& source, const std::string& name) {
-    const std::string plain = name.substr(0, name.find('<'));
-    const std::string last = plain.substr(plain.rfind(':') == std::string::npos ? 0 : plain.rfind(':') + 1);
-    const auto is_of_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
-    for (std::size_t at = source.find(last); at != std::string::npos; at = source.find(last, at + 1)) {
-        const std::size_t end = at + last.size();
-        if ((at == 0 || !is_of_word(source[at - 1])) && (end == source.size() || !is_of_word(source[end]))) return true;
+    const std::string untemplated_name = name.substr(0, name.find('<'));
+    const std::string last_part =
+        untemplated_name.substr(untemplated_name.rfind(':') == std::string::npos ? 0 : untemplated_name.rfind(':') + 1);
+    const auto is_word_character = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
+    for (std::size_t position = source.find(last_part); position != std::string::npos;
+         position = source.find(last_part, position + 1)) {
+        const std::size_t end = position + last_part.size();
+        if ((position == 0 || !is_word_character(source[position - 1])) &&
+            (end == source.size() || !is_word_character(source[end])))
+            return true;
     }
     return false;
 }
 
-std::string text_of_part(const Argument& argument, std::size_t at) {
+std::string text_of_part(const Argument& argument, std::size_t offset) {
     const bool is_pointer = argument.type.kind == Kind::pointer && argument.type.name == "*";
     std::string text = argument.name;
     const SourceType* type = &argument.target();
     if (is_pointer && type->kind == Kind::number && type->size > 0)
-        return text + "[" + std::to_string(at / type->size) + "]";
+        return text + "[" + std::to_string(offset / type->size) + "]";
     for (bool first = true; type != nullptr; first = false) {
         const SourceType* next = nullptr;
         if (type->kind == Kind::sequence && type->parts[0].size > 0) {
             next = type->parts.data();
-            text += "[" + std::to_string(at / next->size) + "]";
-            at %= next->size;
+            text += "[" + std::to_string(offset / next->size) + "]";
+            offset %= next->size;
         } else if (type->kind == Kind::structure) {
             for (const SourceType& p : type->parts)
-                if (at >= p.at && at < p.at + p.size) next = &p;
+                if (offset >= p.offset && offset < p.offset + p.size) next = &p;
             if (next == nullptr) break;
             if (!next->member.empty()) text += (is_pointer && first ? "->" : ".") + next->member;
-            at -= next->at;
+            offset -= next->offset;
         }
         type = next;
     }
@@ -253,53 +265,56 @@ std::string no_function(const std::string& ir, const std::string& path, const st
             const std::string_view text = module.metadata(f.subprogram);
             const std::filesystem::path file = field(module.metadata(reference(field(text, "file"))), "filename");
             if (language != SourceLanguage::llvm && file.filename() != std::filesystem::path(path).filename()) continue;
-            names.insert(text.empty() ? symbol : qualified(module, text, language));
+            names.insert(text.empty() ? symbol : qualified_name(module, text, language));
         }
     }
-    std::string all = names.empty() ? "; it defines none" : "";
+    std::string text = names.empty() ? "; it defines none" : "";
     std::size_t listed = 0;
-    for (const std::string& each : names) {
-        if (listed++ < most_listed) all += (all.empty() ? "; it defines " : ", ") + external::shown_text(each);
+    for (const std::string& function_name : names) {
+        if (listed++ < most_listed)
+            text += (text.empty() ? "; it defines " : ", ") + external::shown_text(function_name);
     }
-    if (listed > most_listed) all += " and " + std::to_string(listed - most_listed) + " more";
-    return path + ": has no function " + external::shown_text(name) + all;
+    if (listed > most_listed) text += " and " + std::to_string(listed - most_listed) + " more";
+    return path + ": has no function " + external::shown_text(name) + text;
 }
 
 UserSignature signature_of(Module& module, const std::string& path, const std::string& name, SourceLanguage language) {
-    // The definition whose debug information has the name; of several, the one with the whole name.
+    // Finds the definition whose debug information has the name. If several match, the one with the whole name wins.
     const IrFunction* found = nullptr;
-    const std::size_t mark = name.find('@');
-    const std::string own = name.substr(0, mark), chosen = mark == std::string::npos ? "" : name.substr(mark + 1);
-    const std::string last = own.substr(own.rfind(':') == std::string::npos ? 0 : own.rfind(':') + 1);
+    const std::size_t at_sign = name.find('@');
+    const std::string own_name = name.substr(0, at_sign),
+                      chosen_line = at_sign == std::string::npos ? "" : name.substr(at_sign + 1);
+    const std::string last_part =
+        own_name.substr(own_name.rfind(':') == std::string::npos ? 0 : own_name.rfind(':') + 1);
     std::string_view text;
     std::string lines;
     bool is_overloaded = false;
     for (const auto& [symbol, f] : module.functions) {
         const std::string_view subprogram = module.metadata(f.subprogram);
-        const std::string called = field(subprogram, "name");
-        if (called != last && symbol != own && !called.starts_with(last + "<")) continue;
+        const std::string source_name = field(subprogram, "name");
+        if (source_name != last_part && symbol != own_name && !source_name.starts_with(last_part + "<")) continue;
         const std::string line = field(subprogram, "line");
-        if (!chosen.empty() && line != chosen) continue;
-        // Functions of shaders have no names but these; those of C++ also have a name for the linker.
+        if (!chosen_line.empty() && line != chosen_line) continue;
+        // Functions of shaders have only these names; functions of C++ also have a name for the linker.
         is_overloaded = is_overloaded || (found != nullptr && language == SourceLanguage::llvm &&
                                           field(subprogram, "linkageName").empty() && field(text, "line") != line);
-        lines += (lines.empty() ? "" : ", ") + own + "@" + line;
-        if (found != nullptr && field(text, "linkageName").find(own) != std::string::npos) continue;
+        lines += (lines.empty() ? "" : ", ") + own_name + "@" + line;
+        if (found != nullptr && field(text, "linkageName").find(own_name) != std::string::npos) continue;
         found = &f;
         text = subprogram;
     }
     if (found == nullptr) throw InputError(no_function(module.text(), path, name, language));
     if (is_overloaded)
-        throw InputError(path + ": has several functions " + external::shown_text(own) +
+        throw InputError(path + ": has several functions " + external::shown_text(own_name) +
                          "; name one by its line: " + lines);
     UserSignature s;
     s.language = language;
-    s.call = own;
+    s.call = own_name;
     s.symbol = found->name;
-    s.line = static_cast<int>(number_in(field(text, "line")));
+    s.line = static_cast<int>(integer_of(field(text, "line")));
     if (language == SourceLanguage::llvm) {
         if (found->subprogram < 0) {
-            take_ir_types(s, module, *found, path);
+            set_ir_types(s, module, *found, path);
             return s;
         }
         const std::string_view unit = module.metadata(reference(field(text, "unit")));
@@ -325,7 +340,7 @@ UserSignature signature_of(Module& module, const std::string& path, const std::s
         }
         misses = 0;
         if (variable.find("DILocalVariable") == std::string_view::npos) continue;
-        const std::size_t arg = number_in(field(variable, "arg"));
+        const std::size_t arg = integer_of(field(variable, "arg"));
         if (arg == 0 || !is_of_function(reference(field(variable, "scope")))) continue;
         names[arg] = field(variable, "name");
         has_this = has_this || (names[arg] == "this" && arg == 1) ||
@@ -341,9 +356,9 @@ UserSignature signature_of(Module& module, const std::string& path, const std::s
     return s;
 }
 
-Stated stated_by(const std::string& text, const std::string& where) {
-    Stated s;
-    s.where = where;
+StatedSignature stated_signature(const std::string& text, const std::string& where) {
+    StatedSignature result;
+    result.where = where;
     std::string_view rest = text;
     const auto trimmed = [](std::string_view t) {
         while (!t.empty() && std::isspace(static_cast<unsigned char>(t.front())) != 0) t.remove_prefix(1);
@@ -353,85 +368,90 @@ Stated stated_by(const std::string& text, const std::string& where) {
     if (const std::size_t end = rest.find("*/"); end != std::string_view::npos) rest = rest.substr(0, end);
     rest = rest.substr(std::min(rest.find_first_not_of(" \t"), rest.size()));
     const std::size_t name_end = std::min(rest.find_first_of("(,= \t-"), rest.size());
-    if (const std::size_t after = std::min(rest.find_first_not_of(" \t", name_end), rest.size());
-        after >= rest.size() || rest[after] != '=') {
-        s.shape = small(rest.substr(0, name_end));
-        rest = rest.substr(after);
+    if (const std::size_t next_text = std::min(rest.find_first_not_of(" \t", name_end), rest.size());
+        next_text >= rest.size() || rest[next_text] != '=') {
+        result.shape = normalized_name(rest.substr(0, name_end));
+        rest = rest.substr(next_text);
         if (rest.starts_with('(')) {
             const std::size_t close = std::min(rest.find(')'), rest.size());
             std::string_view list = rest.substr(1, close - 1);
-            s.has_roles = true;
+            result.has_roles = true;
             while (!trimmed(list).empty()) {
                 const std::size_t comma = std::min(list.find(','), list.size());
-                s.roles.push_back(trimmed(list.substr(0, comma)));
+                result.roles.push_back(trimmed(list.substr(0, comma)));
                 list = list.substr(std::min(comma + 1, list.size()));
             }
             rest = rest.substr(std::min(close + 1, rest.size()));
         }
     }
-    // A word ends at a comma, or at a blank before the next `key=`, as in comments for --shader.
-    const auto end_of_word = [](std::string_view t) {
+    // A property ends at a comma, or at a blank before the next `key=`, as in comments for --shader.
+    const auto end_of_property = [](std::string_view t) {
         bool quoted = false;
         for (std::size_t k = 0; k < t.size(); ++k) {
             if (t[k] == '"') quoted = !quoted;
             const std::size_t next = t.find_first_not_of(" \t", k), end = t.find_first_of(" \t,=", next);
-            const bool key =
+            const bool is_key =
                 next != std::string_view::npos && next > k && end < t.size() && t[end] == '=' && end > next;
-            if (!quoted && (t[k] == ',' || (key && k > 0 && t[k - 1] != '='))) return k;
+            if (!quoted && (t[k] == ',' || (is_key && k > 0 && t[k - 1] != '='))) return k;
         }
         return t.size();
     };
     while (!trimmed(rest).empty()) {
-        const std::size_t comma = end_of_word(rest);
-        std::string word = trimmed(rest.substr(0, comma));
-        std::erase(word, '"');
+        const std::size_t comma = end_of_property(rest);
+        std::string property = trimmed(rest.substr(0, comma));
+        std::erase(property, '"');
         rest = rest.substr(std::min(comma + 1, rest.size()));
-        const std::size_t equals = word.find('=');
+        const std::size_t equals = property.find('=');
         if (equals != std::string::npos)
-            s.words.emplace_back(trimmed(std::string_view(word).substr(0, equals)),
-                                 trimmed(std::string_view(word).substr(equals + 1)));
-        else if (!word.empty() && !word.starts_with("->"))
-            throw InputError(where + ": " + external::shown_text(word) +
+            result.properties.emplace_back(trimmed(std::string_view(property).substr(0, equals)),
+                                           trimmed(std::string_view(property).substr(equals + 1)));
+        else if (!property.empty() && !property.starts_with("->"))
+            throw InputError(where + ": " + external::shown_text(property) +
                              " is not understood; write, for example, sphere(o, d, c, r), miss = -1, roots = near");
     }
-    return s;
+    return result;
 }
 
-Stated stated_in(const std::string& source, const std::string& path, int definition) {
-    std::optional<Stated> own, other;
+StatedSignature signature_in_comments(const std::string& source, const std::string& path, int definition) {
+    std::optional<StatedSignature> function_statement, file_statement;
     constexpr std::string_view mark = "lostbits:";
     std::vector<std::string> lines;
-    std::istringstream in(source);
-    for (std::string text; std::getline(in, text);) lines.push_back(text);
+    std::istringstream source_lines(source);
+    for (std::string text; std::getline(source_lines, text);) lines.push_back(text);
     for (std::size_t k = 0; k < lines.size(); ++k) {
-        const std::size_t at = lines[k].find(mark);
-        if (at == std::string::npos || std::min(lines[k].find("//"), lines[k].find("/*")) > at) continue;
-        const auto stated = [&] {
-            return stated_by(lines[k].substr(at + mark.size()),
-                             path + ":" + std::to_string(k + 1) + ":" + std::to_string(at + 1));
+        const std::size_t position = lines[k].find(mark);
+        if (position == std::string::npos || std::min(lines[k].find("//"), lines[k].find("/*")) > position) continue;
+        const auto read_statement = [&] {
+            return stated_signature(lines[k].substr(position + mark.size()),
+                                    path + ":" + std::to_string(k + 1) + ":" + std::to_string(position + 1));
         };
-        std::size_t below = k + 1;  // the first line of code
-        while (below < lines.size() && lines[below].find_first_not_of(" \t") != std::string::npos &&
-               std::string_view("/*#").find(lines[below][lines[below].find_first_not_of(" \t")]) !=
+        std::size_t code_line = k + 1;  // index of the first line of code after the comment
+        while (code_line < lines.size() && lines[code_line].find_first_not_of(" \t") != std::string::npos &&
+               std::string_view("/*#").find(lines[code_line][lines[code_line].find_first_not_of(" \t")]) !=
                    std::string_view::npos)
-            ++below;
-        const auto line = static_cast<std::size_t>(std::max(definition - 1, 0));
-        const auto ends = [](const std::string& text) { return text.find_first_of("{;") != std::string::npos; };
-        const bool is_above = below <= line && line < lines.size() &&
-                              std::none_of(lines.begin() + static_cast<std::ptrdiff_t>(below),
-                                           lines.begin() + static_cast<std::ptrdiff_t>(line), ends);
-        const bool is_inside = k >= line && definition > 0 && k < lines.size() &&
-                               std::none_of(lines.begin() + static_cast<std::ptrdiff_t>(line),
+            ++code_line;
+        const auto definition_line = static_cast<std::size_t>(std::max(definition - 1, 0));
+        const auto ends_declaration = [](const std::string& text) {
+            return text.find_first_of("{;") != std::string::npos;
+        };
+        const bool is_above =
+            code_line <= definition_line && definition_line < lines.size() &&
+            std::none_of(lines.begin() + static_cast<std::ptrdiff_t>(code_line),
+                         lines.begin() + static_cast<std::ptrdiff_t>(definition_line), ends_declaration);
+        const bool is_inside = k >= definition_line && definition > 0 && k < lines.size() &&
+                               std::none_of(lines.begin() + static_cast<std::ptrdiff_t>(definition_line),
                                             lines.begin() + static_cast<std::ptrdiff_t>(k),
                                             [](const std::string& text) { return text.starts_with('}'); });
-        const bool is_function = below < lines.size() && lines[below].find('(') != std::string::npos;
-        std::optional<Stated>& which = is_inside || (is_above && is_function) ? own : other;
-        if (&which == &other && is_function) continue;
-        Stated more = stated();
-        if (which && more.shape.empty()) which->words.insert(which->words.end(), more.words.begin(), more.words.end());
-        else which = std::move(more);
+        const bool is_function = code_line < lines.size() && lines[code_line].find('(') != std::string::npos;
+        std::optional<StatedSignature>& target =
+            is_inside || (is_above && is_function) ? function_statement : file_statement;
+        if (&target == &file_statement && is_function) continue;
+        StatedSignature addition = read_statement();
+        if (target && addition.shape.empty())
+            target->properties.insert(target->properties.end(), addition.properties.begin(), addition.properties.end());
+        else target = std::move(addition);
     }
-    return own ? *own : other.value_or(Stated());
+    return function_statement ? *function_statement : file_statement.value_or(StatedSignature());
 }
 
 }  // namespace lostbits::intersect::function

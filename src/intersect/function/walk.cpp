@@ -10,18 +10,19 @@
 namespace lostbits::intersect::function {
 namespace {
 
-constexpr std::size_t most_cases = 128;
-constexpr int most_visits = 3000;
+constexpr std::size_t max_cases = 128;
+constexpr int max_visits = 3000;
 
-/// Names after `label %` in the last instruction of a block.
+/// Returns the names after `label %` in the last instruction of a block.
 std::vector<std::string> labels_in(std::string_view line) {
-    std::vector<std::string> found;
+    std::vector<std::string> labels;
     constexpr std::string_view mark = "label %";
-    for (std::size_t at = line.find(mark); at != std::string_view::npos; at = line.find(mark, at + 1)) {
-        Cursor name(line.substr(at + mark.size()));
-        found.push_back(name.name());
+    for (std::size_t position = line.find(mark); position != std::string_view::npos;
+         position = line.find(mark, position + 1)) {
+        Cursor cursor(line.substr(position + mark.size()));
+        labels.push_back(cursor.name());
     }
-    return found;
+    return labels;
 }
 
 std::uint64_t low_bits(std::size_t bytes) {
@@ -32,8 +33,8 @@ std::uint64_t low_bits(std::size_t bytes) {
 
 // Values
 
-Value Walk::whole(std::vector<Case> cases, std::size_t size) const {
-    return {{0, {size, {.kind = Scalar::Kind::whole, .cases = std::move(cases)}}}};
+Value Walk::from_cases(std::vector<Case> cases, std::size_t size) const {
+    return {{0, {size, {.kind = Scalar::Kind::integer, .cases = std::move(cases)}}}};
 }
 
 Value Walk::number(NodeId node) const {
@@ -42,151 +43,154 @@ Value Walk::number(NodeId node) const {
 }
 
 Value Walk::from_mask(Mask m, std::size_t size) {
-    if (m == yes || m == no) return whole({{yes, 0, m == yes}}, size);
-    return whole({{m, 0, 1}, {nodes_.opposite(m), 0, 0}}, size);
+    if (m == yes || m == no) return from_cases({{yes, 0, m == yes}}, size);
+    return from_cases({{m, 0, 1}, {nodes_.opposite(m), 0, 0}}, size);
 }
 
-/// A number whose bits are known integers.
+/// The number whose bits are a known integer; empty if the scalar is not an integer of 4 or 8 bytes.
 std::optional<NodeId> Walk::from_bits(const Scalar& scalar, std::size_t size) {
-    if (scalar.kind != Scalar::Kind::whole || (size != 4 && size != 8)) return {};
-    NodeId all = no_node;
+    if (scalar.kind != Scalar::Kind::integer || (size != 4 && size != 8)) return {};
+    NodeId result = no_node;
     for (std::size_t k = scalar.cases.size(); k-- > 0;) {
         const Case& c = scalar.cases[k];
         if (c.object != 0) return {};
         const double x = size == 4 ? std::bit_cast<float>(static_cast<std::uint32_t>(c.value))
                                    : std::bit_cast<double>(static_cast<std::uint64_t>(c.value));
-        const NodeId one = nodes_.constant(x, nodes_.bits() == 32 && size == 8);
-        all = all == no_node ? one : nodes_.select(c.when, one, all);
+        const NodeId case_number = nodes_.constant(x, nodes_.bits() == 32 && size == 8);
+        result = result == no_node ? case_number : nodes_.select(c.when, case_number, result);
     }
-    return all;
+    return result;
 }
 
 NodeId Walk::number_of(const Value& value, const Type& type) {
     if (type.kind != Type::Kind::number) fail("numbers of a type other than float and double are not followed");
     if (type.bits < nodes_.bits()) fail("a function of double that computes in float inside is not followed");
     if (value.empty()) return nodes_.constant(0, nodes_.bits() < type.bits);  // undefined: any number
-    const auto& [at, cell] = *value.begin();
-    if (cell.scalar.kind == Scalar::Kind::lost) fail(cell.scalar.why);
+    const auto& [offset, cell] = *value.begin();
+    if (cell.scalar.kind == Scalar::Kind::lost) fail(cell.scalar.reason);
     if (cell.scalar.kind == Scalar::Kind::undefined) return nodes_.constant(0, nodes_.bits() < type.bits);
-    if (value.size() == 1 && at == 0 && cell.size == type.size) {
+    if (value.size() == 1 && offset == 0 && cell.size == type.size) {
         if (cell.scalar.kind == Scalar::Kind::number) return cell.scalar.node;
-        if (const auto known = from_bits(cell.scalar, cell.size)) return *known;
+        if (const auto bits_number = from_bits(cell.scalar, cell.size)) return *bits_number;
     }
     fail("a number is made of the bits of others");
 }
 
 std::vector<Case> Walk::distinct(std::vector<Case> cases) {
-    std::vector<Case> found;
+    std::vector<Case> result;
     for (const Case& c : cases) {
         if (c.when == no) continue;
-        const auto same =
-            std::ranges::find_if(found, [&c](const Case& f) { return f.object == c.object && f.value == c.value; });
-        if (same == found.end()) found.push_back(c);
-        else same->when = nodes_.either(same->when, c.when);
-        if (found.size() > most_cases) fail("an integer that depends on numbers takes too many values");
+        const auto duplicate =
+            std::ranges::find_if(result, [&c](const Case& f) { return f.object == c.object && f.value == c.value; });
+        if (duplicate == result.end()) result.push_back(c);
+        else duplicate->when = nodes_.either(duplicate->when, c.when);
+        if (result.size() > max_cases) fail("an integer that depends on numbers takes too many values");
     }
-    if (found.empty()) found.push_back({yes, 0, 0});  // cannot be reached
-    if (found.size() == 1) found[0].when = yes;
-    return found;
+    if (result.empty()) result.push_back({yes, 0, 0});  // cannot be reached
+    if (result.size() == 1) result[0].when = yes;
+    return result;
 }
 
 std::vector<Case> Walk::cases_of(const Value& value, const Type& type) {
     if (value.empty()) return {{yes, 0, 0}};  // undefined
-    const Scalar& first = value.begin()->second.scalar;
-    if (first.kind == Scalar::Kind::lost) fail(first.why);
-    if (value.size() == 1 && value.begin()->first == 0 && first.kind == Scalar::Kind::whole) return first.cases;
-    if (value.size() == 1 && first.kind == Scalar::Kind::undefined) return {{yes, 0, 0}};
-    // Bytes beside each other, and numbers that are known.
+    const Scalar& first_scalar = value.begin()->second.scalar;
+    if (first_scalar.kind == Scalar::Kind::lost) fail(first_scalar.reason);
+    if (value.size() == 1 && value.begin()->first == 0 && first_scalar.kind == Scalar::Kind::integer)
+        return first_scalar.cases;
+    if (value.size() == 1 && first_scalar.kind == Scalar::Kind::undefined) return {{yes, 0, 0}};
+    // Adjacent bytes, and numbers that are known.
     if (type.size > 8 || type.size == 0 || std::prev(value.end())->first >= 8)
         fail("integers of more than 64 bits are not followed");
-    std::vector<Case> all{{yes, 0, 0}};
-    for (const auto& [at, cell] : value) {
-        std::vector<Case> bits;
-        if (cell.scalar.kind == Scalar::Kind::whole) bits = cell.scalar.cases;
+    std::vector<Case> result{{yes, 0, 0}};
+    for (const auto& [offset, cell] : value) {
+        std::vector<Case> part_cases;
+        if (cell.scalar.kind == Scalar::Kind::integer) part_cases = cell.scalar.cases;
         else if (cell.scalar.kind == Scalar::Kind::number && nodes_[cell.scalar.node].op == TapeOp::constant) {
             const double x = nodes_[cell.scalar.node].value;
-            bits = {{yes, 0,
-                     cell.size == 4 ? static_cast<std::int64_t>(std::bit_cast<std::uint32_t>(static_cast<float>(x)))
-                                    : std::bit_cast<std::int64_t>(x)}};
+            part_cases = {{yes, 0,
+                           cell.size == 4
+                               ? static_cast<std::int64_t>(std::bit_cast<std::uint32_t>(static_cast<float>(x)))
+                               : std::bit_cast<std::int64_t>(x)}};
         } else if (cell.scalar.kind != Scalar::Kind::undefined) {
             fail("an integer operation on the bits of a number is not followed");
         }
-        if (bits.empty()) continue;
-        std::vector<Case> more;
-        for (const Case& a : all)
-            for (const Case& b : bits) {
+        if (part_cases.empty()) continue;
+        std::vector<Case> combined;
+        for (const Case& a : result)
+            for (const Case& b : part_cases) {
                 if (b.object != 0) fail("an operation on the bytes of an address is not followed");
-                const std::uint64_t shifted = (static_cast<std::uint64_t>(b.value) & low_bits(cell.size)) << 8 * at;
-                more.push_back({nodes_.both(a.when, b.when), 0,
-                                static_cast<std::int64_t>(static_cast<std::uint64_t>(a.value) | shifted)});
+                const std::uint64_t shifted = (static_cast<std::uint64_t>(b.value) & low_bits(cell.size)) << 8 * offset;
+                combined.push_back({nodes_.both(a.when, b.when), 0,
+                                    static_cast<std::int64_t>(static_cast<std::uint64_t>(a.value) | shifted)});
             }
-        all = distinct(std::move(more));
+        result = distinct(std::move(combined));
     }
     if (type.size < 8)
-        for (Case& c : all) {  // as every integer here: sign-extended
+        for (Case& c : result) {  // as every integer here: sign-extended
             const auto shift = static_cast<int>(64 - 8 * type.size);
             c.value = static_cast<std::int64_t>(static_cast<std::uint64_t>(c.value) << shift) >> shift;
         }
-    return all;
+    return result;
 }
 
 Mask Walk::mask_of(const Value& value) {
-    Mask all = no;
+    Mask mask = no;
     for (const Case& c : cases_of(value, *module_.integer_type(8)))
-        if ((c.value & 1) != 0) all = nodes_.either(all, c.when);
-    return all;
+        if ((c.value & 1) != 0) mask = nodes_.either(mask, c.when);
+    return mask;
 }
 
-/// Bytes `from` to `from + count` of a scalar.
-std::optional<Scalar> Walk::slice(const Scalar& scalar, std::size_t size, std::size_t from, std::size_t count) {
-    if (from == 0 && count == size) return scalar;
+/// Returns the bytes `first_byte` to `first_byte + count` of a scalar; empty if they cannot be separated.
+std::optional<Scalar> Walk::slice(const Scalar& scalar, std::size_t size, std::size_t first_byte, std::size_t count) {
+    if (first_byte == 0 && count == size) return scalar;
     if (scalar.kind == Scalar::Kind::undefined || scalar.kind == Scalar::Kind::lost) return scalar;
     Scalar bits = scalar;
     if (scalar.kind == Scalar::Kind::number) {
         if (nodes_[scalar.node].op != TapeOp::constant) return {};
-        bits = {.kind = Scalar::Kind::whole, .cases = cases_of({{0, {size, scalar}}}, *module_.integer_type(64))};
+        bits = {.kind = Scalar::Kind::integer, .cases = cases_of({{0, {size, scalar}}}, *module_.integer_type(64))};
         if (size == 4) bits.cases = cases_of({{0, {size, scalar}}, {4, {4, {}}}}, *module_.integer_type(64));
     }
     std::vector<Case> cases;
     for (Case c : bits.cases) {
         if (c.object != 0) return {};
-        const std::uint64_t moved = from >= 8 ? 0 : static_cast<std::uint64_t>(c.value) >> 8 * from;
+        const std::uint64_t shifted = first_byte >= 8 ? 0 : static_cast<std::uint64_t>(c.value) >> 8 * first_byte;
         const auto shift = static_cast<int>(64 - 8 * std::min<std::size_t>(count, 8));
-        c.value = static_cast<std::int64_t>(moved << shift) >> shift;
+        c.value = static_cast<std::int64_t>(shifted << shift) >> shift;
         cases.push_back(c);
     }
-    return Scalar{.kind = Scalar::Kind::whole, .cases = distinct(std::move(cases))};
+    return Scalar{.kind = Scalar::Kind::integer, .cases = distinct(std::move(cases))};
 }
 
-Value Walk::part_of(const Value& value, std::size_t from, std::size_t count) {
-    Value found;
-    for (const auto& [at, cell] : value) {
-        const std::size_t begin = std::max(at, from), end = std::min(at + cell.size, from + count);
+Value Walk::part_of(const Value& value, std::size_t first_byte, std::size_t count) {
+    Value result;
+    for (const auto& [offset, cell] : value) {
+        const std::size_t begin = std::max(offset, first_byte), end = std::min(offset + cell.size, first_byte + count);
         if (begin >= end) continue;
-        auto part = slice(cell.scalar, cell.size, begin - at, end - begin);
-        if (!part) part = Scalar{.kind = Scalar::Kind::lost, .why = "an operation on some bytes of a number"};
-        found[begin - from] = {end - begin, std::move(*part)};
+        auto part = slice(cell.scalar, cell.size, begin - offset, end - begin);
+        if (!part) part = Scalar{.kind = Scalar::Kind::lost, .reason = "an operation on some bytes of a number"};
+        result[begin - first_byte] = {end - begin, std::move(*part)};
     }
-    return found;
+    return result;
 }
 
-/// Replaces bytes `at` to `at + size`.
-void Walk::put(Value& into, std::size_t at, std::size_t size, const Value& value) {
-    auto place = into.lower_bound(at);
-    if (place != into.begin() && std::prev(place)->first + std::prev(place)->second.size > at) --place;
-    Value kept;
-    while (place != into.end() && place->first < at + size) {
-        const std::size_t begin = place->first, end = begin + place->second.size;
-        const Value one{{0, place->second}};
-        if (begin < at) kept[begin] = part_of(one, 0, at - begin).begin()->second;
-        if (end > at + size) kept[at + size] = part_of(one, at + size - begin, end - at - size).begin()->second;
-        place = into.erase(place);
+/// Replaces the bytes `offset` to `offset + size` of `into`.
+void Walk::write_bytes(Value& into, std::size_t offset, std::size_t size, const Value& value) {
+    auto entry = into.lower_bound(offset);
+    if (entry != into.begin() && std::prev(entry)->first + std::prev(entry)->second.size > offset) --entry;
+    Value remainders;
+    while (entry != into.end() && entry->first < offset + size) {
+        const std::size_t begin = entry->first, end = begin + entry->second.size;
+        const Value old_cell{{0, entry->second}};
+        if (begin < offset) remainders[begin] = part_of(old_cell, 0, offset - begin).begin()->second;
+        if (end > offset + size)
+            remainders[offset + size] = part_of(old_cell, offset + size - begin, end - offset - size).begin()->second;
+        entry = into.erase(entry);
     }
-    for (auto& [k, cell] : kept) into[k] = cell;
-    const auto last = value.empty() ? value.end() : std::prev(value.end());
-    const bool fits = value.empty() || last->first + last->second.size <= size;
-    const Value cut = fits ? Value() : part_of(value, 0, size);
-    for (const auto& [k, cell] : fits ? value : cut) into[at + k] = cell;
+    for (auto& [k, cell] : remainders) into[k] = cell;
+    const auto last_cell = value.empty() ? value.end() : std::prev(value.end());
+    const bool value_fits = value.empty() || last_cell->first + last_cell->second.size <= size;
+    const Value shortened = value_fits ? Value() : part_of(value, 0, size);
+    for (const auto& [k, cell] : value_fits ? value : shortened) into[offset + k] = cell;
 }
 
 Scalar Walk::join(Mask when, const Scalar& a, const Scalar& b, std::size_t size) {
@@ -195,19 +199,19 @@ Scalar Walk::join(Mask when, const Scalar& a, const Scalar& b, std::size_t size)
     if (a.kind == Kind::undefined) return b;
     if (a.kind == Kind::lost) return a;
     if (b.kind == Kind::lost) return b;
-    if (a.kind == Kind::whole && b.kind == Kind::whole) {
+    if (a.kind == Kind::integer && b.kind == Kind::integer) {
         std::vector<Case> cases;
         for (const Case& c : a.cases) cases.push_back({nodes_.both(when, c.when), c.object, c.value});
         for (const Case& c : b.cases) cases.push_back({nodes_.both(nodes_.opposite(when), c.when), c.object, c.value});
-        if (cases.size() > most_cases)
-            return {.kind = Kind::lost, .why = "an integer that depends on numbers takes too many values"};
-        return {.kind = Kind::whole, .cases = distinct(std::move(cases))};
+        if (cases.size() > max_cases)
+            return {.kind = Kind::lost, .reason = "an integer that depends on numbers takes too many values"};
+        return {.kind = Kind::integer, .cases = distinct(std::move(cases))};
     }
     const auto as_number = [&](const Scalar& s) {
         return s.kind == Kind::number ? std::optional(s.node) : from_bits(s, size);
     };
     const auto x = as_number(a), y = as_number(b);
-    if (!x || !y) return {.kind = Kind::lost, .why = "the same memory holds a number or an address, by a decision"};
+    if (!x || !y) return {.kind = Kind::lost, .reason = "the same memory holds a number or an address, by a decision"};
     return {.kind = Kind::number, .node = nodes_.select(when, *x, *y)};
 }
 
@@ -215,39 +219,39 @@ Value Walk::join(Mask when, const Value& a, const Value& b) {
     if (when == yes) return a;
     if (when == no) return b;
     // Cuts the cells of both values at the same offsets.
-    const auto cut = [&](const Value& x, const Value& like) {
-        Value made;
-        for (const auto& [at, cell] : x) {
+    const auto cut_like = [&](const Value& x, const Value& pattern) {
+        Value result;
+        for (const auto& [offset, cell] : x) {
             std::vector<std::size_t> ends;
-            for (const auto& [k, other] : like)
+            for (const auto& [k, other] : pattern)
                 for (const std::size_t e : {k, k + other.size})
-                    if (e > at && e < at + cell.size) ends.push_back(e);
-            ends.push_back(at + cell.size);
+                    if (e > offset && e < offset + cell.size) ends.push_back(e);
+            ends.push_back(offset + cell.size);
             std::ranges::sort(ends);
-            std::size_t begin = at;
+            std::size_t begin = offset;
             for (const std::size_t end : ends) {
                 if (end == begin) continue;
-                const Value part = part_of({{0, cell}}, begin - at, end - begin);
-                made[begin] = part.begin()->second;
+                const Value part = part_of({{0, cell}}, begin - offset, end - begin);
+                result[begin] = part.begin()->second;
                 begin = end;
             }
         }
-        return made;
+        return result;
     };
-    const Value x = cut(a, b), y = cut(b, a);
-    Value all = x;
-    for (const auto& [at, cell] : y) {
-        const auto same = all.find(at);
-        if (same == all.end()) all[at] = cell;
-        else same->second.scalar = join(when, same->second.scalar, cell.scalar, cell.size);
+    const Value x = cut_like(a, b), y = cut_like(b, a);
+    Value joined = x;
+    for (const auto& [offset, cell] : y) {
+        const auto counterpart = joined.find(offset);
+        if (counterpart == joined.end()) joined[offset] = cell;
+        else counterpart->second.scalar = join(when, counterpart->second.scalar, cell.scalar, cell.size);
     }
-    return all;
+    return joined;
 }
 
 Value Walk::zero(const Type& type) {
     if (type.kind == Type::Kind::number && type.bits >= nodes_.bits())
         return number(nodes_.constant(0, type.bits > nodes_.bits()));
-    return whole({{yes, 0, 0}}, type.size);
+    return from_cases({{yes, 0, 0}}, type.size);
 }
 
 // States
@@ -255,21 +259,21 @@ Value Walk::zero(const Type& type) {
 void Walk::join(State& into, State&& other) {
     std::size_t common = 0;
     while (common < std::min(into.path.size(), other.path.size()) && into.path[common] == other.path[common]) ++common;
-    const auto rest = [&](const State& s) {
-        Mask all = yes;
-        for (std::size_t k = common; k < s.path.size(); ++k) all = nodes_.both(all, s.path[k]);
-        return all;
+    const auto own_decisions = [&](const State& s) {
+        Mask conjunction = yes;
+        for (std::size_t k = common; k < s.path.size(); ++k) conjunction = nodes_.both(conjunction, s.path[k]);
+        return conjunction;
     };
-    const Mask left = rest(into), right = rest(other);
-    // If the two paths part by one decision, that decision alone separates them.
+    const Mask left = own_decisions(into), right = own_decisions(other);
+    // If the two paths separate at one decision, that decision alone chooses between them.
     Mask when = left;
     if (common < into.path.size() && common < other.path.size() &&
         nodes_.opposite(into.path[common]) == other.path[common])
         when = into.path[common];
     else if (other.path.size() - common < into.path.size() - common) when = nodes_.opposite(right);
-    const Mask any = nodes_.either(left, right);
+    const Mask either_path = nodes_.either(left, right);
     into.path.resize(common);
-    if (any != yes) into.path.push_back(any);
+    if (either_path != yes) into.path.push_back(either_path);
     into.memory.resize(std::max(into.memory.size(), other.memory.size()));
     for (std::size_t k = 0; k < other.memory.size(); ++k) {
         if (into.memory[k] == other.memory[k] || other.memory[k] == nullptr) continue;
@@ -278,12 +282,12 @@ void Walk::join(State& into, State&& other) {
     }
     // A register that only one of the two paths has set is not read after this point.
     for (auto r = into.registers.begin(); r != into.registers.end();) {
-        const auto same = other.registers.find(r->first);
-        if (same == other.registers.end()) {
+        const auto other_register = other.registers.find(r->first);
+        if (other_register == other.registers.end()) {
             r = into.registers.erase(r);
             continue;
         }
-        if (r->second != same->second) r->second = join(when, r->second, same->second);
+        if (r->second != other_register->second) r->second = join(when, r->second, other_register->second);
         ++r;
     }
 }
@@ -298,7 +302,7 @@ int Walk::new_object(State& state, bool is_written) {
 }
 
 Value Walk::load(State& state, const Value& pointer, std::size_t size) {
-    std::optional<Value> all;
+    std::optional<Value> result;
     const std::vector<Case> cases = cases_of(pointer, *module_.pointer_type());
     for (std::size_t k = cases.size(); k-- > 0;) {
         const Case& c = cases[k];
@@ -306,18 +310,18 @@ Value Walk::load(State& state, const Value& pointer, std::size_t size) {
             if (cases.size() == 1) fail("memory at an unknown address is read");
             continue;
         }
-        Value found;
+        Value part;
         const auto index = static_cast<std::size_t>(c.object);
         if (const auto global = global_memory_.find(c.object); global != global_memory_.end())
-            found = part_of(global->second, static_cast<std::size_t>(c.value), size);
+            part = part_of(global->second, static_cast<std::size_t>(c.value), size);
         else if (functions_.contains(c.object)) fail("the code of a function is read");
         else if (c.value < 0 || index >= state.memory.size() || state.memory[index] == nullptr)
             fail("memory is read that is not there");
-        else found = part_of(*state.memory[index], static_cast<std::size_t>(c.value), size);
-        all = all ? join(c.when, found, *all) : found;
+        else part = part_of(*state.memory[index], static_cast<std::size_t>(c.value), size);
+        result = result ? join(c.when, part, *result) : part;
     }
-    if (!all) fail("memory at an unknown address is read");
-    return *all;
+    if (!result) fail("memory at an unknown address is read");
+    return *result;
 }
 
 void Walk::store(State& state, const Value& pointer, std::size_t size, const Value& value) {
@@ -330,50 +334,50 @@ void Walk::store(State& state, const Value& pointer, std::size_t size, const Val
             fail("memory at an unknown address is written");
         std::shared_ptr<Value>& memory = state.memory[index];
         if (memory.use_count() > 1) memory = std::make_shared<Value>(*memory);
-        const auto at = static_cast<std::size_t>(c.value);
-        put(*memory, at, size, c.when == yes ? value : join(c.when, value, part_of(*memory, at, size)));
+        const auto offset = static_cast<std::size_t>(c.value);
+        write_bytes(*memory, offset, size, c.when == yes ? value : join(c.when, value, part_of(*memory, offset, size)));
     }
 }
 
-/// Enters a block: sets its phis, and joins the state with those that wait there.
+/// Enters a block: sets its phis, and joins the state with the states that already wait there.
 void Walk::enter(Frame& frame, State state, const std::string& target) {
     const auto found = frame.blocks.find(target);
     if (found == frame.blocks.end()) fail("the LLVM IR has no block " + target);
     const Block& block = frame.function->blocks[static_cast<std::size_t>(found->second)];
     std::vector<std::pair<std::string, Value>> phis;
     for (const std::string_view line : block.lines) {
-        Cursor at(line);
-        if (!at.take("%")) {
-            if (at.peek() == '#' || at.take("call void @llvm.dbg")) continue;
+        Cursor cursor(line);
+        if (!cursor.take("%")) {
+            if (cursor.peek() == '#' || cursor.take("call void @llvm.dbg")) continue;
             break;
         }
-        const std::string name = at.name();
-        at.expect("=");
-        if (!at.take("phi")) break;
-        while (at.take("nnan") || at.take("ninf") || at.take("nsz") || at.take("arcp") || at.take("contract") ||
-               at.take("afn") || at.take("reassoc") || at.take("fast")) {}
-        const Type* const type = module_.type(at);
+        const std::string name = cursor.name();
+        cursor.expect("=");
+        if (!cursor.take("phi")) break;
+        while (cursor.take("nnan") || cursor.take("ninf") || cursor.take("nsz") || cursor.take("arcp") ||
+               cursor.take("contract") || cursor.take("afn") || cursor.take("reassoc") || cursor.take("fast")) {}
+        const Type* const type = module_.type(cursor);
         bool is_set = false;
-        while (at.take("[")) {
-            Cursor skipped = at;  // a value is read only if it is the one, since others may not be known yet
+        while (cursor.take("[")) {
+            Cursor value_cursor = cursor;  // only the value of the last block is read; others may be unknown
             std::size_t depth = 0, k = 0;
-            const std::string_view text = at.rest();
+            const std::string_view text = cursor.rest();
             bool quoted = false;
             for (; k < text.size() && (depth > 0 || quoted || text[k] != ','); ++k) {
                 if (text[k] == '"') quoted = !quoted;
                 if (std::string_view("([{<").find(text[k]) != std::string_view::npos) ++depth;
                 if (std::string_view(")]}>").find(text[k]) != std::string_view::npos && depth > 0) --depth;
             }
-            if (k >= text.size()) at.fail("a phi has no end");
-            at = Cursor(text.substr(k));
-            at.expect(",");
-            at.expect("%");
-            if (at.name() == frame.block && !is_set) {
-                phis.emplace_back(name, value(state, *type, skipped));
+            if (k >= text.size()) cursor.fail("a phi has no end");
+            cursor = Cursor(text.substr(k));
+            cursor.expect(",");
+            cursor.expect("%");
+            if (cursor.name() == frame.block && !is_set) {
+                phis.emplace_back(name, value(state, *type, value_cursor));
                 is_set = true;
             }
-            at.expect("]");
-            at.take(",");
+            cursor.expect("]");
+            cursor.take(",");
         }
     }
     for (auto& [name, v] : phis) state.registers[name] = std::move(v);
@@ -386,24 +390,24 @@ void Walk::enter(Frame& frame, State state, const std::string& target) {
 /// Enters a block if the decision holds.
 void Walk::branch(Frame& frame, State& state, Mask when, const std::string& target) {
     if (when == no) return;
-    State there = state;
+    State next_state = state;
     if (when != yes) {
-        const Mask other = there.path.empty() ? no : nodes_.opposite(when);
-        for (const Mask m : there.path) {
-            if (m == other) return;
+        const Mask opposite = next_state.path.empty() ? no : nodes_.opposite(when);
+        for (const Mask m : next_state.path) {
+            if (m == opposite) return;
             if (m == when) when = yes;
         }
-        if (when != yes) there.path.push_back(when);
+        if (when != yes) next_state.path.push_back(when);
     }
-    enter(frame, std::move(there), target);
+    enter(frame, std::move(next_state), target);
 }
 
 void Walk::take_return(Frame& frame, State& state, Value value) {
-    State over = std::move(state);
-    over.registers.clear();
-    over.registers["ret"] = std::move(value);
-    if (!frame.returned) frame.returned = std::move(over);
-    else join(*frame.returned, std::move(over));
+    State return_state = std::move(state);
+    return_state.registers.clear();
+    return_state.registers["ret"] = std::move(value);
+    if (!frame.returned) frame.returned = std::move(return_state);
+    else join(*frame.returned, std::move(return_state));
 }
 
 auto Walk::call(const IrFunction& f, std::vector<Value> arguments, State state, int caller)
@@ -412,48 +416,49 @@ auto Walk::call(const IrFunction& f, std::vector<Value> arguments, State state, 
     if (arguments.size() < f.parameters.size()) fail("it is called with too few arguments");
     ++depth_;
     Frame frame{.function = &f, .caller = caller, .order = {}, .blocks = {}, .pending = {}, .visits = {}};
-    std::vector<std::vector<int>> next(f.blocks.size());
+    std::vector<std::vector<int>> successors(f.blocks.size());
     for (std::size_t b = 0; b < f.blocks.size(); ++b) frame.blocks[f.blocks[b].name] = static_cast<int>(b);
     for (std::size_t b = 0; b < f.blocks.size(); ++b)
-        for (const std::string& to : labels_in(f.blocks[b].lines.empty() ? "" : f.blocks[b].lines.back()))
-            if (const auto block = frame.blocks.find(to); block != frame.blocks.end()) next[b].push_back(block->second);
-    frame.order = BlockOrder(next).positions();
+        for (const std::string& label : labels_in(f.blocks[b].lines.empty() ? "" : f.blocks[b].lines.back()))
+            if (const auto block = frame.blocks.find(label); block != frame.blocks.end())
+                successors[b].push_back(block->second);
+    frame.order = BlockOrder(successors).positions();
     frame.visits.assign(f.blocks.size(), 0);
-    std::map<int, std::size_t> at_position;
-    for (std::size_t b = 0; b < f.blocks.size(); ++b) at_position[frame.order[b]] = b;
+    std::map<int, std::size_t> block_at_position;
+    for (std::size_t b = 0; b < f.blocks.size(); ++b) block_at_position[frame.order[b]] = b;
 
-    const Registers before = std::move(state.registers);
+    const Registers caller_registers = std::move(state.registers);
     state.registers.clear();
     for (std::size_t k = 0; k < f.parameters.size(); ++k) {
         const IrParameter& p = f.parameters[k];
-        Value given = arguments[k];
+        Value argument = arguments[k];
         if (p.by_value != nullptr) {
-            const Value copy = load(state, given, p.by_value->size);
-            given = whole({{yes, new_object(state), 0}}, 8);
-            store(state, given, p.by_value->size, copy);
+            const Value copy = load(state, argument, p.by_value->size);
+            argument = from_cases({{yes, new_object(state), 0}}, 8);
+            store(state, argument, p.by_value->size, copy);
         }
-        state.registers[p.name] = std::move(given);
+        state.registers[p.name] = std::move(argument);
     }
     frame.pending.emplace(frame.order[0], std::move(state));
     while (!frame.pending.empty()) {
         auto first = frame.pending.begin();
-        const std::size_t b = at_position[first->first];
-        State here = std::move(first->second);
+        const std::size_t b = block_at_position[first->first];
+        State current_state = std::move(first->second);
         frame.pending.erase(first);
         const Block& block = f.blocks[b];
         frame.block = block.name;
-        if (++frame.visits[b] > most_visits)
-            fail("a loop has no bound that is known before it runs: after " + std::to_string(most_visits) +
+        if (++frame.visits[b] > max_visits)
+            fail("a loop has no bound that is known before it runs: after " + std::to_string(max_visits) +
                  " rounds it may still go on");
         for (const std::string_view line : block.lines)
-            if (!step(frame, here, line)) break;
+            if (!step(frame, current_state, line)) break;
     }
     --depth_;
     if (!frame.returned) return {};
-    State after = std::move(*frame.returned);
-    Value result = std::move(after.registers["ret"]);
-    after.registers = before;
-    return std::pair(std::move(after), std::move(result));
+    State final_state = std::move(*frame.returned);
+    Value result = std::move(final_state.registers["ret"]);
+    final_state.registers = caller_registers;
+    return std::pair(std::move(final_state), std::move(result));
 }
 
 Walk::Answer Walk::run(const std::string& name, int inputs) {
@@ -463,27 +468,28 @@ Walk::Answer Walk::run(const std::string& name, int inputs) {
         State state;
         const std::size_t size = nodes_.bits() / 8;
         std::vector<Value> arguments;
-        for (int k = 0; k < 3; ++k) arguments.push_back(whole({{yes, new_object(state), 0}}, 8));
-        Value given;
-        for (int k = 0; k < inputs; ++k) put(given, static_cast<std::size_t>(k) * size, size, number(nodes_.input(k)));
-        *state.memory[1] = given;
-        auto over = call(*f, arguments, std::move(state), -1);
-        if (!over) fail("the function never returns");
+        for (int k = 0; k < 3; ++k) arguments.push_back(from_cases({{yes, new_object(state), 0}}, 8));
+        Value input;
+        for (int k = 0; k < inputs; ++k)
+            write_bytes(input, static_cast<std::size_t>(k) * size, size, number(nodes_.input(k)));
+        *state.memory[1] = input;
+        auto result = call(*f, arguments, std::move(state), -1);
+        if (!result) fail("the function never returns");
         const Type number_type{.kind = Type::Kind::number, .size = size, .align = size, .bits = nodes_.bits()};
-        const Value& out = *over->first.memory[2];
+        const Value& out = *result->first.memory[2];
         const auto answer = [&](std::size_t k) {
-            const Value one = part_of(out, k * size, size);
-            return one.empty() ? no_node : number_of(one, number_type);
+            const Value number_bytes = part_of(out, k * size, size);
+            return number_bytes.empty() ? no_node : number_of(number_bytes, number_type);
         };
-        const Value& hit = *over->first.memory[3];
+        const Value& hit = *result->first.memory[3];
         Mask hits = no;
         for (const Case& c : cases_of(hit, *module_.integer_type(32)))
             if (c.value != 0) hits = nodes_.either(hits, c.when);
         return {hits, answer(0), answer(1)};
     } catch (const NotFollowed& reason) {
-        const int own = own_place(nodes_.place);
-        if (own < 0) throw InputError(reason.what());
-        const SourcePlace& p = places_[static_cast<std::size_t>(own)];
+        const int own_place_index = own_place(nodes_.place);
+        if (own_place_index < 0) throw InputError(reason.what());
+        const SourcePlace& p = places_[static_cast<std::size_t>(own_place_index)];
         throw InputError(p.file + ":" + std::to_string(p.line) + ":" + std::to_string(p.column) + ": " + reason.what());
     }
 }

@@ -1,5 +1,6 @@
-// Runs a function of LLVM IR over recorded numbers. An integer or a pointer is known, or is one of a few that decisions
-// choose from. Other numbers are operations. Both sides of a branch are run, and their results are joined by choices.
+// Runs a function of LLVM IR over recorded numbers. An integer or a pointer is known, or is one of a few values between
+// which decisions choose. Floating-point numbers are operations. Both sides of a branch are run, and choices join their
+// results.
 #pragma once
 
 #include <array>
@@ -25,11 +26,11 @@ struct Case {
 };
 
 struct Scalar {
-    enum class Kind { undefined, lost, number, whole };
+    enum class Kind { undefined, lost, number, integer };
     Kind kind = Kind::undefined;
     NodeId node = no_node;         ///< operation of a number
     std::vector<Case> cases = {};  ///< cases of an integer or an address: exactly one holds
-    std::string why = {};          ///< reason, for a value that is lost
+    std::string reason = {};       ///< reason for which a value is lost
     friend bool operator==(const Scalar&, const Scalar&) = default;
 };
 
@@ -44,15 +45,15 @@ using Value = std::map<std::size_t, MemoryCell>;
 
 class Walk {
 public:
-    /// `own` is the folder of the user's file; operations in headers elsewhere are shown at the call in the user's
-    /// file. `ir_file` is the module itself if that is the user's file; functions without debug information are then
-    /// shown as its lines.
-    Walk(Module& module, Nodes& nodes, std::string own, std::string ir_file = {})
-        : module_(module), nodes_(nodes), own_(std::move(own)), ir_file_(std::move(ir_file)) {}
+    /// `own_folder` is the folder of the user's file; operations in headers elsewhere are shown at the call in the
+    /// user's file. `ir_file` is the path of the module if the module is the user's file; functions without debug
+    /// information are then shown as lines of the module.
+    Walk(Module& module, Nodes& nodes, std::string own_folder, std::string ir_file = {})
+        : module_(module), nodes_(nodes), own_folder_(std::move(own_folder)), ir_file_(std::move(ir_file)) {}
 
     struct Answer {
         Mask hit;
-        NodeId t, far;  ///< none if it is not written
+        NodeId t, far;  ///< `no_node` if the function does not write it
     };
     /// Runs `void NAME(const T* in, T* out, int* hit)`. `in` holds `inputs` numbers; `out` receives t and the far t.
     /// Throws InputError with the place of anything that cannot be followed.
@@ -60,14 +61,14 @@ public:
 
     [[nodiscard]] const std::vector<SourcePlace>& places() const { return places_; }
     /// A number that a variable of the user's function receives: `v[0]` of `float v[3]`.
-    struct Stored {
+    struct StoredNumber {
         std::string name;
         NodeId node;
-        int place, declared;  ///< place of the statement, and line of the declaration
+        int place, declared;  ///< index of the place of the statement, and line of the declaration
     };
-    /// All of them, in the order in which the function runs.
-    [[nodiscard]] const std::vector<Stored>& stored() const { return stored_; }
-    /// The innermost place in the user's own files, or -1.
+    /// All stored numbers, in the order in which the function stores them.
+    [[nodiscard]] const std::vector<StoredNumber>& stored() const { return stored_; }
+    /// Index of the innermost place in the user's own files, or -1.
     [[nodiscard]] int own_place(int place) const;
 
 private:
@@ -77,30 +78,30 @@ private:
         std::vector<std::shared_ptr<Value>> memory;
         Registers registers;
     };
-    /// A function that runs.
+    /// A call of a function that is running.
     struct Frame {
         const IrFunction* function;
-        int caller;              ///< place of the call
+        int caller;              ///< index of the place of the call
         std::vector<int> order;  ///< position of each block
         std::map<std::string, int> blocks;
-        std::map<int, State> pending;  ///< by position of the block
+        std::map<int, State> pending;  ///< states that wait at the start of a block, by the position of the block
         std::vector<int> visits;
         std::optional<State> returned = {};
-        std::string block = {};  ///< the block that runs
+        std::string block = {};  ///< name of the block that is running
     };
 
     // Values
-    [[noreturn]] void fail(const std::string& what) const { throw NotFollowed(what); }
-    Value whole(std::vector<Case> cases, std::size_t size) const;
-    Value integer(std::int64_t value, const Type& type) const { return whole({{yes, 0, value}}, type.size); }
+    [[noreturn]] void fail(const std::string& problem) const { throw NotFollowed(problem); }
+    Value from_cases(std::vector<Case> cases, std::size_t size) const;
+    Value integer(std::int64_t value, const Type& type) const { return from_cases({{yes, 0, value}}, type.size); }
     Value number(NodeId node) const;
     Value from_mask(Mask m, std::size_t size = 1);
     NodeId number_of(const Value& value, const Type& type);
     std::vector<Case> cases_of(const Value& value, const Type& type);
     Mask mask_of(const Value& value);
-    std::optional<Scalar> slice(const Scalar& scalar, std::size_t size, std::size_t from, std::size_t count);
-    Value part_of(const Value& value, std::size_t from, std::size_t count);
-    void put(Value& into, std::size_t at, std::size_t size, const Value& value);
+    std::optional<Scalar> slice(const Scalar& scalar, std::size_t size, std::size_t first_byte, std::size_t count);
+    Value part_of(const Value& value, std::size_t first_byte, std::size_t count);
+    void write_bytes(Value& into, std::size_t offset, std::size_t size, const Value& value);
     Scalar join(Mask when, const Scalar& a, const Scalar& b, std::size_t size);
     Value join(Mask when, const Value& a, const Value& b);
     std::vector<Case> distinct(std::vector<Case> cases);
@@ -119,24 +120,24 @@ private:
                                                 int caller);
 
     // Instructions
-    Value value(State& state, const Type& type, Cursor& at);
-    Value constant(State& state, const Type& type, Cursor& at);
+    Value value(State& state, const Type& type, Cursor& cursor);
+    Value constant(State& state, const Type& type, Cursor& cursor);
     Value address_of(State& state, const std::string& global);
-    Value element_address(State& state, Cursor& at);
-    NodeId literal(const Type& type, Cursor& at);
-    /// False if the block ends.
+    Value element_address(State& state, Cursor& cursor);
+    NodeId literal(const Type& type, Cursor& cursor);
+    /// Runs one instruction. Returns false if the block ends.
     bool step(Frame& frame, State& state, std::string_view line);
-    bool end_block(Frame& frame, State& state, std::string_view op, Cursor& at);
-    Value compute(Frame& frame, State& state, std::string_view op, Cursor& at);
-    Value arithmetic(State& state, std::string_view op, Cursor& at);
-    Value compare_numbers(State& state, Cursor& at);
-    Value compare_wholes(State& state, Cursor& at);
-    Value whole_arithmetic(State& state, std::string_view op, Cursor& at);
+    bool end_block(Frame& frame, State& state, std::string_view op, Cursor& cursor);
+    Value compute(Frame& frame, State& state, std::string_view op, Cursor& cursor);
+    Value arithmetic(State& state, std::string_view op, Cursor& cursor);
+    Value compare_numbers(State& state, Cursor& cursor);
+    Value compare_integers(State& state, Cursor& cursor);
+    Value integer_arithmetic(State& state, std::string_view op, Cursor& cursor);
     Value combine(std::string_view op, const Type& type, const Value& a, const Value& b);
-    std::optional<Value> on_bits(std::string_view op, const Type& type, const Value& a, const Value& b);
-    Value converted(State& state, std::string_view op, Cursor& at);
-    Value shuffled(State& state, std::string_view op, Cursor& at);
-    std::optional<Value> called(Frame& frame, State& state, Cursor& at);
+    std::optional<Value> bit_operation(std::string_view op, const Type& type, const Value& a, const Value& b);
+    Value convert(State& state, std::string_view op, Cursor& cursor);
+    Value rearrange(State& state, std::string_view op, Cursor& cursor);
+    std::optional<Value> call_instruction(Frame& frame, State& state, Cursor& cursor);
     std::optional<Value> known_call(State& state, const std::string& name, const Type& type,
                                     const std::vector<Value>& arguments, const std::vector<const Type*>& types);
     template <class Act>
@@ -146,15 +147,15 @@ private:
     int index_of(std::string_view line, const Frame& frame);
     int ir_place(std::string_view line, int caller);
     int place_at(int location, int caller, int depth = 0);
-    void name_value(int variable, const Value& value, std::size_t from, int depth);
+    void name_value(int variable, const Value& value, std::size_t first_byte, int depth);
     std::string path_in(int variable, std::size_t offset) const;
-    void declare(State& state, std::string_view line, Cursor at, bool is_record);
+    void declare(State& state, std::string_view line, Cursor cursor, bool is_record);
 
     Module& module_;
     Nodes& nodes_;
-    std::string own_, ir_file_;
+    std::string own_folder_, ir_file_;
     std::vector<SourcePlace> places_;
-    std::vector<Stored> stored_;
+    std::vector<StoredNumber> stored_;
     std::map<std::pair<int, int>, int> known_places_;
     std::map<std::string, int> global_objects_;
     std::map<int, std::string> functions_;          // objects that are functions
@@ -169,17 +170,17 @@ private:
 
 inline constexpr std::size_t most_steps = 3'000'000;
 
-inline void skip_flags(Cursor& at) {
+inline void skip_flags(Cursor& cursor) {
     constexpr std::array flags{"nnan",     "ninf", "nsz",      "arcp",     "contract", "afn",
                                "reassoc",  "fast", "nuw",      "nsw",      "exact",    "disjoint",
                                "inbounds", "nneg", "samesign", "volatile", "nusw"};
-    for (bool again = true; again;) {
-        again = false;
-        for (const char* const flag : flags) again = at.take(flag) || again;
+    for (bool found_flag = true; found_flag;) {
+        found_flag = false;
+        for (const char* const flag : flags) found_flag = cursor.take(flag) || found_flag;
     }
 }
 
-/// The bits of an integer type, sign-extended; of i1, 0 or 1.
+/// The low bits of `x` as an integer of that width, sign-extended; 0 or 1 for i1.
 inline std::int64_t wrapped(std::uint64_t x, int bits) {
     if (bits == 1) return static_cast<std::int64_t>(x & 1);
     if (bits >= 64) return static_cast<std::int64_t>(x);
@@ -191,8 +192,8 @@ inline std::uint64_t without_sign(std::int64_t x, int bits) {
                       : static_cast<std::uint64_t>(x) & ((std::uint64_t{1} << bits) - 1);
 }
 
-/// Result of an integer operation; nothing if it has none (division by zero).
-inline std::optional<std::int64_t> computed(std::string_view op, std::int64_t a, std::int64_t b, int bits) {
+/// Result of an integer operation; empty for a division by zero or one that overflows.
+inline std::optional<std::int64_t> integer_result(std::string_view op, std::int64_t a, std::int64_t b, int bits) {
     const std::uint64_t x = without_sign(a, bits), y = without_sign(b, bits);
     const bool shifts = y < static_cast<std::uint64_t>(bits);
     if (op == "add") return wrapped(x + y, bits);
@@ -227,11 +228,11 @@ inline bool holds(std::string_view predicate, std::int64_t a, std::int64_t b, in
     return x >= y;
 }
 
-inline constexpr std::array whole_operations{"add", "sub",  "mul",  "udiv", "sdiv", "urem", "srem",
-                                             "shl", "lshr", "ashr", "and",  "or",   "xor"};
+inline constexpr std::array integer_operations{"add", "sub",  "mul",  "udiv", "sdiv", "urem", "srem",
+                                               "shl", "lshr", "ashr", "and",  "or",   "xor"};
 
 /// The name of a function in the source, for messages.
-inline std::string shown(const std::string& name) {
+inline std::string source_name(const std::string& name) {
     if (name.starts_with("llvm.")) return name.substr(5, name.find('.', 5) - 5);
     return name;
 }
@@ -240,13 +241,13 @@ inline std::string shown(const std::string& name) {
 template <class Act>
 Value Walk::each_lane(const Type& type, const Act& act) {
     if (!type.is_vector) return act(type, 0);
-    Value all;
+    Value result;
     for (std::size_t k = 0; k < type.count; ++k) {
-        std::size_t at = 0;
-        const Type& lane = *type.part(k, at);
-        put(all, at, lane.size, act(lane, at));
+        std::size_t offset = 0;
+        const Type& lane = *type.part(k, offset);
+        write_bytes(result, offset, lane.size, act(lane, offset));
     }
-    return all;
+    return result;
 }
 
 }  // namespace lostbits::intersect::function

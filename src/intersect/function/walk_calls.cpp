@@ -13,62 +13,63 @@ namespace lostbits::intersect::function {
 
 // Calls
 
-/// Performs a call of a function whose meaning is known; returns nothing if it is none of these.
+/// Performs a call of a function whose meaning is known. Returns nothing for any other function.
 std::optional<Value> Walk::known_call(State& state, const std::string& name, const Type& type,
                                       const std::vector<Value>& arguments, const std::vector<const Type*>& types) {
     std::string_view base = name;
     const bool is_llvm = base.starts_with("llvm.");
     if (is_llvm) base.remove_prefix(5);
-    const auto is = [&](std::string_view word) {
+    const auto is_function = [&](std::string_view word) {
         if (is_llvm) return base == word || (base.starts_with(word) && base[word.size()] == '.');
         return base == word || (base.size() == word.size() + 1 && base.starts_with(word) && base.back() == 'f');
     };
     const auto lanes = [&](std::size_t count, const auto& act) {
-        return each_lane(type, [&](const Type& lane, std::size_t from) {
+        return each_lane(type, [&](const Type& lane, std::size_t first_byte) {
             std::vector<NodeId> x;
             for (std::size_t k = 0; k < count && k < arguments.size(); ++k)
-                x.push_back(number_of(part_of(arguments[k], from, lane.size), lane));
-            if (x.size() < count) fail("it calls " + shown(name) + " with too few arguments");
+                x.push_back(number_of(part_of(arguments[k], first_byte, lane.size), lane));
+            if (x.size() < count) fail("it calls " + source_name(name) + " with too few arguments");
             return number(act(x));
         });
     };
-    const bool of_numbers =
+    const bool returns_numbers =
         type.kind == Type::Kind::number || (type.is_vector && type.parts[0]->kind == Type::Kind::number);
-    if (of_numbers && arguments.size() >= 1) {
-        if (is("sqrt")) return lanes(1, [&](const auto& x) { return nodes_.number(TapeOp::sqrt, x[0]); });
-        if (is("fabs")) return lanes(1, [&](const auto& x) { return nodes_.number(TapeOp::abs, x[0]); });
-        struct Rounded {
+    if (returns_numbers && arguments.size() >= 1) {
+        if (is_function("sqrt")) return lanes(1, [&](const auto& x) { return nodes_.number(TapeOp::sqrt, x[0]); });
+        if (is_function("fabs")) return lanes(1, [&](const auto& x) { return nodes_.number(TapeOp::abs, x[0]); });
+        struct RoundingFunction {
             const char* name;
-            Nodes::WholeNumber which;
+            Nodes::WholeNumber rounding;
         };
-        constexpr std::array rounded{Rounded{"floor", Nodes::WholeNumber::below},
-                                     Rounded{"ceil", Nodes::WholeNumber::above},
-                                     Rounded{"trunc", Nodes::WholeNumber::towards_zero},
-                                     Rounded{"round", Nodes::WholeNumber::nearest_or_away},
-                                     Rounded{"roundeven", Nodes::WholeNumber::nearest_or_even},
-                                     Rounded{"rint", Nodes::WholeNumber::nearest_or_even},
-                                     Rounded{"nearbyint", Nodes::WholeNumber::nearest_or_even}};
-        for (const Rounded& r : rounded)
-            if (is(r.name)) return lanes(1, [&](const auto& x) { return nodes_.whole(r.which, x[0]); });
+        constexpr std::array rounding_functions{RoundingFunction{"floor", Nodes::WholeNumber::below},
+                                                RoundingFunction{"ceil", Nodes::WholeNumber::above},
+                                                RoundingFunction{"trunc", Nodes::WholeNumber::towards_zero},
+                                                RoundingFunction{"round", Nodes::WholeNumber::nearest_or_away},
+                                                RoundingFunction{"roundeven", Nodes::WholeNumber::nearest_or_even},
+                                                RoundingFunction{"rint", Nodes::WholeNumber::nearest_or_even},
+                                                RoundingFunction{"nearbyint", Nodes::WholeNumber::nearest_or_even}};
+        for (const RoundingFunction& r : rounding_functions)
+            if (is_function(r.name)) return lanes(1, [&](const auto& x) { return nodes_.whole(r.rounding, x[0]); });
         if (arguments.size() >= 2) {
             const auto is_two = [&](const Value& exponent) {
                 const Scalar s = exponent.empty() ? Scalar() : exponent.begin()->second.scalar;
-                if (s.kind == Scalar::Kind::whole) return s.cases.size() == 1 && s.cases[0].value == 2;
+                if (s.kind == Scalar::Kind::integer) return s.cases.size() == 1 && s.cases[0].value == 2;
                 return s.kind == Scalar::Kind::number && nodes_[s.node].op == TapeOp::constant &&
                        nodes_[s.node].value == 2;
             };
-            if ((is("pow") || is("powi")) && is_two(arguments[1]))  // compilers multiply
+            if ((is_function("pow") || is_function("powi")) && is_two(arguments[1]))  // compilers multiply
                 return lanes(1, [&](const auto& x) { return nodes_.number(TapeOp::mul, x[0], x[0]); });
-            if (is("copysign"))
+            if (is_function("copysign"))
                 return lanes(2, [&](const auto& x) { return nodes_.number(TapeOp::copysign, x[0], x[1]); });
-            if (is("minnum") || is("fmin") || is("minimumnum"))
+            if (is_function("minnum") || is_function("fmin") || is_function("minimumnum"))
                 return lanes(2, [&](const auto& x) { return nodes_.least(TapeOp::min, x[0], x[1]); });
-            if (is("maxnum") || is("fmax") || is("maximumnum"))
+            if (is_function("maxnum") || is_function("fmax") || is_function("maximumnum"))
                 return lanes(2, [&](const auto& x) { return nodes_.least(TapeOp::max, x[0], x[1]); });
         }
         if (arguments.size() >= 3) {
-            if (is("fma")) return lanes(3, [&](const auto& x) { return nodes_.number(TapeOp::fma, x[0], x[1], x[2]); });
-            if (is("fmuladd"))
+            if (is_function("fma"))
+                return lanes(3, [&](const auto& x) { return nodes_.number(TapeOp::fma, x[0], x[1], x[2]); });
+            if (is_function("fmuladd"))
                 return lanes(3, [&](const auto& x) {
                     return nodes_.number(TapeOp::add, nodes_.number(TapeOp::mul, x[0], x[1]), x[2]);
                 });
@@ -79,7 +80,7 @@ std::optional<Value> Walk::known_call(State& state, const std::string& name, con
         if (n.size() != 1 || n[0].value < 0 || n[0].value > (1 << 20)) fail("a copy has a length that is not known");
         return static_cast<std::size_t>(n[0].value);
     };
-    if (arguments.size() >= 3 && (is("memcpy") || is("memmove"))) {
+    if (arguments.size() >= 3 && (is_function("memcpy") || is_function("memmove"))) {
         const std::size_t n = count_of(2);
         if (n == 0) return arguments[0];
         const Value copied = load(state, arguments[1], n);
@@ -89,42 +90,48 @@ std::optional<Value> Walk::known_call(State& state, const std::string& name, con
         store(state, arguments[0], n, copied);
         return arguments[0];
     }
-    if (arguments.size() >= 3 && is("memset")) {
+    if (arguments.size() >= 3 && is_function("memset")) {
         const std::size_t n = count_of(2);
         const std::vector<Case> byte = cases_of(arguments[1], *types[1]);
-        Value all;
-        if (byte.size() == 1 && byte[0].value == 0) all = whole(byte, n);
+        Value filled;
+        if (byte.size() == 1 && byte[0].value == 0) filled = from_cases(byte, n);
         else if (n > 4096) fail("it fills more than 4096 bytes with another number than 0");
         else
-            for (std::size_t k = 0; k < n; ++k) put(all, k, 1, whole(byte, 1));
-        if (n > 0) store(state, arguments[0], n, all);
+            for (std::size_t k = 0; k < n; ++k) write_bytes(filled, k, 1, from_cases(byte, 1));
+        if (n > 0) store(state, arguments[0], n, filled);
         return arguments[0];
     }
     if (!is_llvm) return {};
-    if (is("lifetime") || is("assume") || is("experimental.noalias.scope.decl") || is("stackrestore") ||
-        is("donothing") || is("va_start") || is("va_end"))
+    if (is_function("lifetime") || is_function("assume") || is_function("experimental.noalias.scope.decl") ||
+        is_function("stackrestore") || is_function("donothing") || is_function("va_start") || is_function("va_end"))
         return Value();
-    if (is("expect") && !arguments.empty()) return arguments[0];
-    if (is("stacksave")) return whole({{yes, 0, 0}}, 8);
-    if (is("is.constant")) return integer(0, type);
-    if (arguments.size() >= 2 && (is("smax") || is("smin") || is("umax") || is("umin"))) {
-        const std::string_view predicate = is("smax") ? "sgt" : is("smin") ? "slt" : is("umax") ? "ugt" : "ult";
-        std::vector<Case> all;
+    if (is_function("expect") && !arguments.empty()) return arguments[0];
+    if (is_function("stacksave")) return from_cases({{yes, 0, 0}}, 8);
+    if (is_function("is.constant")) return integer(0, type);
+    if (arguments.size() >= 2 &&
+        (is_function("smax") || is_function("smin") || is_function("umax") || is_function("umin"))) {
+        const std::string_view predicate = is_function("smax")   ? "sgt"
+                                           : is_function("smin") ? "slt"
+                                           : is_function("umax") ? "ugt"
+                                                                 : "ult";
+        std::vector<Case> extrema;
         for (const Case& x : cases_of(arguments[0], type))
             for (const Case& y : cases_of(arguments[1], type))
-                all.push_back({nodes_.both(x.when, y.when), 0,
-                               holds(predicate, x.value, y.value, type.bits) ? x.value : y.value});
-        return whole(distinct(std::move(all)), type.size);
+                extrema.push_back({nodes_.both(x.when, y.when), 0,
+                                   holds(predicate, x.value, y.value, type.bits) ? x.value : y.value});
+        return from_cases(distinct(std::move(extrema)), type.size);
     }
     for (const char* const op : {"sadd", "uadd", "ssub", "usub", "smul", "umul"}) {
-        if (!is(std::string(op) + ".with.overflow") || arguments.size() < 2) continue;
-        const Type& whole_type = *types[0];
-        Value all;
-        put(all, 0, whole_type.size, combine(std::string_view(op).substr(1), whole_type, arguments[0], arguments[1]));
-        put(all, whole_type.size, 1, integer(0, *module_.integer_type(8)));  // a counter that wraps is not followed
-        return all;
+        if (!is_function(std::string(op) + ".with.overflow") || arguments.size() < 2) continue;
+        const Type& integer_type = *types[0];
+        Value result_and_flag;
+        write_bytes(result_and_flag, 0, integer_type.size,
+                    combine(std::string_view(op).substr(1), integer_type, arguments[0], arguments[1]));
+        write_bytes(result_and_flag, integer_type.size, 1,
+                    integer(0, *module_.integer_type(8)));  // a counter that wraps is not followed
+        return result_and_flag;
     }
-    if (is("is.fpclass") && arguments.size() >= 2) {
+    if (is_function("is.fpclass") && arguments.size() >= 2) {
         const NodeId x = number_of(arguments[0], *types[0]);
         const std::int64_t classes = cases_of(arguments[1], *types[1])[0].value;
         if (classes == 3) return from_mask(nodes_.is_nan(x));
@@ -132,67 +139,68 @@ std::optional<Value> Walk::known_call(State& state, const std::string& name, con
     return {};
 }
 
-std::optional<Value> Walk::called(Frame& frame, State& state, Cursor& at) {
-    const int here = nodes_.place;
-    skip_flags(at);
+std::optional<Value> Walk::call_instruction(Frame& frame, State& state, Cursor& cursor) {
+    const int call_place = nodes_.place;
+    skip_flags(cursor);
     // The type may be preceded by a calling convention and attributes.
     for (;;) {
-        Cursor ahead = at;
+        Cursor ahead = cursor;
         const std::string_view word = ahead.word();
         if (word.empty() || word == "void" || word == "float" || word == "double" || word == "ptr" ||
             (word[0] == 'i' && word.size() > 1 && std::isdigit(static_cast<unsigned char>(word[1])) != 0) ||
             word == "half" || word == "x86_fp80")
             break;
-        at = ahead;
-        if (at.peek() == '(') at.group();
-        else if (word == "align") at.integer();
+        cursor = ahead;
+        if (cursor.peek() == '(') cursor.group();
+        else if (word == "align") cursor.integer();
     }
-    const Type* type = module_.type(at);
-    if (at.take("asm")) fail("inline assembly is not followed");
+    const Type* type = module_.type(cursor);
+    if (cursor.take("asm")) fail("inline assembly is not followed");
     std::string name;
-    if (at.take("%")) {
-        const std::vector<Case> callee = cases_of(state.registers[at.name()], *module_.pointer_type());
+    if (cursor.take("%")) {
+        const std::vector<Case> callee = cases_of(state.registers[cursor.name()], *module_.pointer_type());
         const auto found = functions_.find(callee[0].object);
         if (callee.size() != 1 || found == functions_.end())
             fail("a function that is chosen at run time (a virtual call or a pointer to a function) is not followed");
         name = found->second;
-    } else if (at.take("@")) {
-        name = at.name();
-    } else if (at.take("bitcast")) {
-        Cursor inside(at.group());
+    } else if (cursor.take("@")) {
+        name = cursor.name();
+    } else if (cursor.take("bitcast")) {
+        Cursor inside(cursor.group());
         while (!inside.at_end() && inside.peek() != '@') inside = Cursor(inside.rest().substr(1));
         inside.expect("@");
         name = inside.name();
     } else {
         fail("a function that is chosen at run time is not followed");
     }
-    Cursor given(at.group());
+    Cursor argument_cursor(cursor.group());
     std::vector<Value> arguments;
     std::vector<const Type*> types;
-    while (!given.at_end()) {
-        types.push_back(module_.type(given));
-        if (types.back()->size == 16 && types.back()->kind == Type::Kind::other && given.peek() == '!') {
+    while (!argument_cursor.at_end()) {
+        types.push_back(module_.type(argument_cursor));
+        if (types.back()->size == 16 && types.back()->kind == Type::Kind::other && argument_cursor.peek() == '!') {
             arguments.emplace_back();  // metadata
-            given = Cursor("");
+            argument_cursor = Cursor("");
             break;
         }
-        arguments.push_back(value(state, *types.back(), given));
-        if (!given.take(",")) break;
+        arguments.push_back(value(state, *types.back(), argument_cursor));
+        if (!argument_cursor.take(",")) break;
     }
     if (name.starts_with(spirv::refusal)) fail(name.substr(std::string_view(spirv::refusal).size()));
-    if (auto known = known_call(state, name, *type, arguments, types)) return known;
+    if (auto known_result = known_call(state, name, *type, arguments, types)) return known_result;
     if (const IrFunction* const f = module_.function(name)) {
-        auto over = call(*f, std::move(arguments), std::move(state), here);
-        nodes_.place = here;
-        if (!over) return {};
-        state = std::move(over->first);
-        return std::move(over->second);
+        auto result = call(*f, std::move(arguments), std::move(state), call_place);
+        nodes_.place = call_place;
+        if (!result) return {};
+        state = std::move(result->first);
+        return std::move(result->second);
     }
-    constexpr std::array ends{"abort",           "exit",        "__assert_fail",     "llvm.trap",
-                              "_ZSt9terminatev", "__cxa_throw", "__cxa_pure_virtual"};
-    if (std::ranges::find(ends, name) != ends.end() || name.find("panic") != std::string::npos) return {};
+    constexpr std::array ending_functions{"abort",           "exit",        "__assert_fail",     "llvm.trap",
+                                          "_ZSt9terminatev", "__cxa_throw", "__cxa_pure_virtual"};
+    if (std::ranges::find(ending_functions, name) != ending_functions.end() || name.find("panic") != std::string::npos)
+        return {};
     static_cast<void>(frame);
-    fail("it calls " + shown(name) +
+    fail("it calls " + source_name(name) +
          ", which is not followed: operations are + - * / sqrt fma fabs copysign fmin fmax floor ceil trunc round and "
          "comparisons");
 }

@@ -12,23 +12,23 @@ namespace lostbits::intersect::function {
 
 // Operands
 
-NodeId Walk::literal(const Type& type, Cursor& at) {
-    const std::string_view text = at.rest();
+NodeId Walk::literal(const Type& type, Cursor& cursor) {
+    const std::string_view text = cursor.rest();
     std::size_t n = 0;
     while (n < text.size() && (std::isalnum(static_cast<unsigned char>(text[n])) != 0 || text[n] == '.' ||
                                text[n] == '-' || text[n] == '+'))
         ++n;
     const std::string_view digits = text.substr(0, n);
-    at = Cursor(text.substr(n));
+    cursor = Cursor(text.substr(n));
     double x = 0;
     if (digits.starts_with("0x")) {
         std::uint64_t bits = 0;
         const auto [end, error] = std::from_chars(digits.data() + 2, digits.data() + digits.size(), bits, 16);
-        if (error != std::errc() || end != digits.data() + digits.size()) at.fail("a number is unknown");
+        if (error != std::errc() || end != digits.data() + digits.size()) cursor.fail("a number is unknown");
         x = std::bit_cast<double>(bits);
     } else {
         const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), x);
-        if (error != std::errc() || end != digits.data() + digits.size()) at.fail("a number is unknown");
+        if (error != std::errc() || end != digits.data() + digits.size()) cursor.fail("a number is unknown");
     }
     if (type.bits < nodes_.bits()) fail("a function of double that computes in float inside is not followed");
     return nodes_.constant(x, type.bits > nodes_.bits());
@@ -42,39 +42,39 @@ Value Walk::address_of(State& state, const std::string& name) {
         if (const auto global = module_.globals.find(name); global != module_.globals.end()) {
             global_memory_[object] = {};
             if (!global->second.value.empty()) {
-                Cursor at(global->second.value);
-                Value initial = constant(state, *global->second.type, at);
+                Cursor cursor(global->second.value);
+                Value initial = constant(state, *global->second.type, cursor);
                 global_memory_[object] = std::move(initial);
             }
         } else {
             functions_[object] = name;
         }
     }
-    return whole({{yes, known->second, 0}}, 8);
+    return from_cases({{yes, known->second, 0}}, 8);
 }
 
 /// Reads `(TYPE, ptr BASE, i64 0, i32 1)`, in an instruction or in a constant.
-Value Walk::element_address(State& state, Cursor& at) {
-    skip_flags(at);
-    if (at.take("inrange")) at.group();
-    const bool is_constant = at.take("(");
-    const Type* type = module_.type(at);
-    at.expect(",");
-    const Type* const pointer = module_.type(at);
+Value Walk::element_address(State& state, Cursor& cursor) {
+    skip_flags(cursor);
+    if (cursor.take("inrange")) cursor.group();
+    const bool is_constant = cursor.take("(");
+    const Type* type = module_.type(cursor);
+    cursor.expect(",");
+    const Type* const pointer = module_.type(cursor);
     if (pointer->is_vector) fail("vectors of addresses are not followed");
-    std::vector<Case> all = cases_of(value(state, *pointer, at), *pointer);
-    for (bool first = true; at.take(","); first = false) {
-        if (at.peek() == '!') break;
-        at.take("inrange");
-        const Type* const index_type = module_.type(at);
-        const std::vector<Case> index = cases_of(value(state, *index_type, at), *index_type);
+    std::vector<Case> cases = cases_of(value(state, *pointer, cursor), *pointer);
+    for (bool first = true; cursor.take(","); first = false) {
+        if (cursor.peek() == '!') break;
+        cursor.take("inrange");
+        const Type* const index_type = module_.type(cursor);
+        const std::vector<Case> index = cases_of(value(state, *index_type, cursor), *index_type);
         if (!first && type->kind == Type::Kind::structure) {
             std::size_t offset = 0;
             const Type* const part = index.size() == 1 && index[0].value >= 0
                                          ? type->part(static_cast<std::size_t>(index[0].value), offset)
                                          : nullptr;
             if (part == nullptr) fail("an address is outside of its type");
-            for (Case& c : all) c.value = static_cast<std::int64_t>(static_cast<std::uint64_t>(c.value) + offset);
+            for (Case& c : cases) c.value = static_cast<std::int64_t>(static_cast<std::uint64_t>(c.value) + offset);
             type = part;
             continue;
         }
@@ -82,19 +82,19 @@ Value Walk::element_address(State& state, Cursor& at) {
             if (type->kind != Type::Kind::sequence) fail("an address is outside of its type");
             type = type->parts[0];
         }
-        std::vector<Case> more;
-        for (const Case& a : all)
+        std::vector<Case> combined;
+        for (const Case& a : cases)
             for (const Case& i : index)
-                more.push_back({nodes_.both(a.when, i.when), a.object,
-                                static_cast<std::int64_t>(static_cast<std::uint64_t>(a.value) +
-                                                          static_cast<std::uint64_t>(i.value) * type->size)});
-        all = distinct(std::move(more));
+                combined.push_back({nodes_.both(a.when, i.when), a.object,
+                                    static_cast<std::int64_t>(static_cast<std::uint64_t>(a.value) +
+                                                              static_cast<std::uint64_t>(i.value) * type->size)});
+        cases = distinct(std::move(combined));
     }
-    if (is_constant) at.expect(")");
-    return whole(std::move(all), 8);
+    if (is_constant) cursor.expect(")");
+    return from_cases(std::move(cases), 8);
 }
 
-Value Walk::constant(State& state, const Type& type, Cursor& at) {
+Value Walk::constant(State& state, const Type& type, Cursor& cursor) {
     struct Nesting {
         int& depth;
         explicit Nesting(int& d) : depth(d) { ++depth; }
@@ -102,47 +102,47 @@ Value Walk::constant(State& state, const Type& type, Cursor& at) {
         Nesting(const Nesting&) = delete;
         Nesting& operator=(const Nesting&) = delete;
     } const nesting(nesting_);
-    if (nesting_ > 100) at.fail("a constant is nested too deeply");
-    const char c = at.peek();
-    if (c == '@') {
-        at.expect("@");
-        return address_of(state, at.name());
+    if (nesting_ > 100) cursor.fail("a constant is nested too deeply");
+    const char first_character = cursor.peek();
+    if (first_character == '@') {
+        cursor.expect("@");
+        return address_of(state, cursor.name());
     }
-    if (c == '{' || c == '[' || c == '<') {
-        Cursor inside(at.group());
-        const bool packed = c == '<' && inside.peek() == '{';
+    if (first_character == '{' || first_character == '[' || first_character == '<') {
+        Cursor inside(cursor.group());
+        const bool packed = first_character == '<' && inside.peek() == '{';
         if (packed) inside = Cursor(inside.group());
-        Value all;
+        Value result;
         for (std::size_t k = 0; !inside.at_end(); ++k) {
             const Type* const part_type = module_.type(inside);
             std::size_t offset = 0;
             const Type* const part = type.part(k, offset);
             if (part == nullptr || part->size != part_type->size) inside.fail("a constant has another type");
-            put(all, offset, part->size, value(state, *part, inside));
+            write_bytes(result, offset, part->size, value(state, *part, inside));
             if (!inside.take(",")) break;
         }
-        return all;
+        return result;
     }
-    if (at.take("zeroinitializer") || at.take("null")) return zero(type);
-    if (at.take("undef") || at.take("poison") || at.take("none")) return {};
-    if (at.take("true")) return integer(1, type);
-    if (at.take("false")) return integer(0, type);
-    if (at.take("splat")) {
-        Cursor inside(at.group());
+    if (cursor.take("zeroinitializer") || cursor.take("null")) return zero(type);
+    if (cursor.take("undef") || cursor.take("poison") || cursor.take("none")) return {};
+    if (cursor.take("true")) return integer(1, type);
+    if (cursor.take("false")) return integer(0, type);
+    if (cursor.take("splat")) {
+        Cursor inside(cursor.group());
         const Type* const lane = module_.type(inside);
-        const Value one = value(state, *lane, inside);
-        return each_lane(type, [&](const Type&, std::size_t) { return one; });
+        const Value lane_value = value(state, *lane, inside);
+        return each_lane(type, [&](const Type&, std::size_t) { return lane_value; });
     }
-    if (at.take("getelementptr")) return element_address(state, at);
+    if (cursor.take("getelementptr")) return element_address(state, cursor);
     for (const char* const op : {"bitcast", "inttoptr", "ptrtoint", "addrspacecast", "trunc", "zext"}) {
-        if (!at.take(op)) continue;
-        Cursor inside(at.group());
-        return converted(state, op, inside);
+        if (!cursor.take(op)) continue;
+        Cursor inside(cursor.group());
+        return convert(state, op, inside);
     }
-    if (at.rest().starts_with("c\"")) {
-        at.expect("c");
-        const std::string text = at.name();
-        Value all;
+    if (cursor.rest().starts_with("c\"")) {
+        cursor.expect("c");
+        const std::string text = cursor.name();
+        Value result;
         std::size_t k = 0;
         for (std::size_t i = 0; i < text.size() && k < type.count; ++i, ++k) {
             int byte = static_cast<unsigned char>(text[i]);
@@ -150,15 +150,15 @@ Value Walk::constant(State& state, const Type& type, Cursor& at) {
                 std::from_chars(text.data() + i + 1, text.data() + i + 3, byte, 16);
                 i += 2;
             }
-            put(all, k, 1, whole({{yes, 0, static_cast<signed char>(byte)}}, 1));
+            write_bytes(result, k, 1, from_cases({{yes, 0, static_cast<signed char>(byte)}}, 1));
         }
-        return all;
+        return result;
     }
-    if (type.kind == Type::Kind::number) return number(literal(type, at));
+    if (type.kind == Type::Kind::number) return number(literal(type, cursor));
     if (type.kind == Type::Kind::integer) {
         if (type.bits > 64) fail("integers of more than 64 bits are not followed");
-        Cursor text = at;
-        const std::string_view digits = at.word();
+        Cursor text = cursor;
+        const std::string_view digits = cursor.word();
         std::int64_t x = 0;
         std::uint64_t u = 0;
         const char* const end = digits.data() + digits.size();
@@ -167,19 +167,19 @@ Value Walk::constant(State& state, const Type& type, Cursor& at) {
         if (digits.empty() || std::from_chars(digits.data(), end, u).ptr != end) text.fail("a constant is unknown");
         return integer(wrapped(u, type.bits), type);
     }
-    at.fail("a constant is unknown");
+    cursor.fail("a constant is unknown");
 }
 
-Value Walk::value(State& state, const Type& type, Cursor& at) {
-    if (at.rest().size() > 2'000'000) at.fail("a line is too long");
-    module_.skip_attributes(at);
-    if (at.take("%")) {
-        const std::string name = at.name();
+Value Walk::value(State& state, const Type& type, Cursor& cursor) {
+    if (cursor.rest().size() > 2'000'000) cursor.fail("a line is too long");
+    module_.skip_attributes(cursor);
+    if (cursor.take("%")) {
+        const std::string name = cursor.name();
         const auto found = state.registers.find(name);
         if (found == state.registers.end()) fail("the LLVM IR uses %" + name + ", which is not set here");
         return found->second;
     }
-    return constant(state, type, at);
+    return constant(state, type, cursor);
 }
 
 }  // namespace lostbits::intersect::function

@@ -11,21 +11,22 @@
 
 namespace lostbits::intersect::function {
 
-/// Operations on the bits of numbers that compilers and programmers use: changes of the sign, and parts put side by
+/// Operations on the bits of numbers that compilers and programmers use: changes of the sign, and parts joined side by
 /// side.
-std::optional<Value> Walk::on_bits(std::string_view op, const Type& type, const Value& a, const Value& b) {
+std::optional<Value> Walk::bit_operation(std::string_view op, const Type& type, const Value& a, const Value& b) {
     const auto is_number = [&](const Value& v) {
         return v.size() == 1 && v.begin()->second.scalar.kind == Scalar::Kind::number &&
                v.begin()->second.size == type.size && nodes_[v.begin()->second.scalar.node].op != TapeOp::constant;
     };
-    const auto known = [&](const Value& v) -> std::optional<std::uint64_t> {
-        if (v.size() != 1 || v.begin()->second.scalar.kind != Scalar::Kind::whole) return {};
+    const auto known_bits = [&](const Value& v) -> std::optional<std::uint64_t> {
+        if (v.size() != 1 || v.begin()->second.scalar.kind != Scalar::Kind::integer) return {};
         const auto& cases = v.begin()->second.scalar.cases;
         if (cases.size() != 1 || cases[0].object != 0) return {};
         return without_sign(cases[0].value, type.bits);
     };
-    if (is_number(b) && !is_number(a) && (op == "and" || op == "or" || op == "xor")) return on_bits(op, type, b, a);
-    const auto mask = known(b);
+    if (is_number(b) && !is_number(a) && (op == "and" || op == "or" || op == "xor"))
+        return bit_operation(op, type, b, a);
+    const auto mask = known_bits(b);
     if (is_number(a) && mask) {
         const std::uint64_t sign = std::uint64_t{1} << (type.bits - 1), rest = sign - 1;
         const NodeId x = a.begin()->second.scalar.node;
@@ -35,42 +36,42 @@ std::optional<Value> Walk::on_bits(std::string_view op, const Type& type, const 
     }
     const bool has_numbers = [&] {
         for (const Value* v : {&a, &b})
-            for (const auto& [at, cell] : *v)
+            for (const auto& [offset, cell] : *v)
                 if (cell.scalar.kind == Scalar::Kind::number) return true;
         return false;
     }();
     if (!has_numbers) return {};
-    const auto filled = [&](Value v) {
-        Value all;
-        put(all, 0, type.size, whole({{yes, 0, 0}}, type.size));
-        for (const auto& [at, cell] : v) put(all, at, cell.size, {{0, cell}});
-        return all;
+    const auto zero_filled = [&](Value v) {
+        Value result;
+        write_bytes(result, 0, type.size, from_cases({{yes, 0, 0}}, type.size));
+        for (const auto& [offset, cell] : v) write_bytes(result, offset, cell.size, {{0, cell}});
+        return result;
     };
     if ((op == "lshr" || op == "shl") && mask && *mask % 8 == 0 && *mask / 8 < type.size) {
-        const std::size_t by = *mask / 8;
-        return filled(op == "lshr" ? part_of(a, by, type.size - by) : [&] {
+        const std::size_t byte_count = *mask / 8;
+        return zero_filled(op == "lshr" ? part_of(a, byte_count, type.size - byte_count) : [&] {
             Value moved;
-            put(moved, by, type.size - by, part_of(a, 0, type.size - by));
+            write_bytes(moved, byte_count, type.size - byte_count, part_of(a, 0, type.size - byte_count));
             return moved;
         }());
     }
     if (op == "or") {
         const auto is_zero = [](const MemoryCell& cell) {
-            return cell.scalar.kind == Scalar::Kind::whole && cell.scalar.cases.size() == 1 &&
+            return cell.scalar.kind == Scalar::Kind::integer && cell.scalar.cases.size() == 1 &&
                    cell.scalar.cases[0].object == 0 && cell.scalar.cases[0].value == 0;
         };
-        Value all = filled({});
+        Value result = zero_filled({});
         std::vector<bool> used(type.size);
         for (const Value* v : {&a, &b})
-            for (const auto& [at, cell] : *v) {
+            for (const auto& [offset, cell] : *v) {
                 if (is_zero(cell)) continue;
-                for (std::size_t k = at; k < at + cell.size; ++k) {
+                for (std::size_t k = offset; k < offset + cell.size; ++k) {
                     if (used[k]) return {};
                     used[k] = true;
                 }
-                put(all, at, cell.size, {{0, cell}});
+                write_bytes(result, offset, cell.size, {{0, cell}});
             }
-        return all;
+        return result;
     }
     return {};
 }
@@ -78,14 +79,14 @@ std::optional<Value> Walk::on_bits(std::string_view op, const Type& type, const 
 Value Walk::combine(std::string_view op, const Type& type, const Value& a, const Value& b) {
     if (type.bits > 64) fail("integers of more than 64 bits are not followed");
     if (type.kind != Type::Kind::integer) fail("an operation on integers that has other operands is not followed");
-    if (auto known = on_bits(op, type, a, b)) return *known;
+    if (auto bit_result = bit_operation(op, type, a, b)) return *bit_result;
     if (type.bits == 1 && (op == "and" || op == "or" || op == "xor")) {
         const Mask x = mask_of(a), y = mask_of(b);
         if (op == "and") return from_mask(nodes_.both(x, y));
         if (op == "or") return from_mask(nodes_.either(x, y));
         return from_mask(nodes_.choose(x, nodes_.opposite(y), y));
     }
-    std::vector<Case> all;
+    std::vector<Case> cases;
     for (const Case& x : cases_of(a, type))
         for (const Case& y : cases_of(b, type)) {
             int object = 0;
@@ -95,36 +96,36 @@ Value Walk::combine(std::string_view op, const Type& type, const Value& a, const
                 else if (!(op == "sub" && x.object == y.object) && !(op == "and" && y.object == 0 && y.value < 16))
                     fail("arithmetic with an address is not followed");
             }
-            const auto result = computed(op, x.value, y.value, type.bits);
+            const auto result = integer_result(op, x.value, y.value, type.bits);
             if (!result && nodes_.both(x.when, y.when) == yes) fail("an integer is divided by zero");
-            all.push_back({nodes_.both(x.when, y.when), object, result.value_or(0)});
+            cases.push_back({nodes_.both(x.when, y.when), object, result.value_or(0)});
         }
-    return whole(distinct(std::move(all)), type.size);
+    return from_cases(distinct(std::move(cases)), type.size);
 }
 
-Value Walk::whole_arithmetic(State& state, std::string_view op, Cursor& at) {
-    skip_flags(at);
-    const Type* const type = module_.type(at);
-    const Value a = value(state, *type, at);
-    at.expect(",");
-    const Value b = value(state, *type, at);
+Value Walk::integer_arithmetic(State& state, std::string_view op, Cursor& cursor) {
+    skip_flags(cursor);
+    const Type* const type = module_.type(cursor);
+    const Value a = value(state, *type, cursor);
+    cursor.expect(",");
+    const Value b = value(state, *type, cursor);
     if (type->is_vector && type->size < type->count) fail("vectors of single bits are not followed");
-    return each_lane(*type, [&](const Type& lane, std::size_t from) {
-        return combine(op, lane, part_of(a, from, lane.size), part_of(b, from, lane.size));
+    return each_lane(*type, [&](const Type& lane, std::size_t offset) {
+        return combine(op, lane, part_of(a, offset, lane.size), part_of(b, offset, lane.size));
     });
 }
 
-/// `TYPE VALUE to TYPE`
-Value Walk::converted(State& state, std::string_view op, Cursor& at) {
-    skip_flags(at);
-    const Type* const from = module_.type(at);
-    const Value x = value(state, *from, at);
-    at.expect("to");
-    const Type* const to = module_.type(at);
+/// Reads and performs a conversion, `TYPE VALUE to TYPE`.
+Value Walk::convert(State& state, std::string_view op, Cursor& cursor) {
+    skip_flags(cursor);
+    const Type* const source_type = module_.type(cursor);
+    const Value x = value(state, *source_type, cursor);
+    cursor.expect("to");
+    const Type* const target_type = module_.type(cursor);
     if (op == "bitcast" || op == "addrspacecast") return x;
-    if (op == "inttoptr" || op == "ptrtoint") return part_of(x, 0, std::min(from->size, to->size));
-    if (from->is_vector != to->is_vector) at.fail("a conversion is unknown");
-    const auto one = [&](const Value& v, const Type& a, const Type& b) -> Value {
+    if (op == "inttoptr" || op == "ptrtoint") return part_of(x, 0, std::min(source_type->size, target_type->size));
+    if (source_type->is_vector != target_type->is_vector) cursor.fail("a conversion is unknown");
+    const auto convert_lane = [&](const Value& v, const Type& a, const Type& b) -> Value {
         if (op == "fpext" || op == "fptrunc") {
             if (a.kind != Type::Kind::number || b.kind != Type::Kind::number)
                 fail("numbers of a type other than float and double are not followed");
@@ -148,25 +149,25 @@ Value Walk::converted(State& state, std::string_view op, Cursor& at) {
                 const double d =
                     is_signed ? static_cast<double>(c.value) : static_cast<double>(without_sign(c.value, a.bits));
                 const double rounded = b.bits == 32 ? static_cast<double>(static_cast<float>(d)) : d;
-                const NodeId made = nodes_.constant(rounded, b.bits > nodes_.bits());
-                all = all == no_node ? made : nodes_.select(c.when, made, all);
+                const NodeId case_number = nodes_.constant(rounded, b.bits > nodes_.bits());
+                all = all == no_node ? case_number : nodes_.select(c.when, case_number, all);
             }
             return number(all);
         }
         if (op == "trunc") {
             if (b.bits == 1) {
-                Mask odd = no;
+                Mask is_odd = no;
                 for (const Case& c : cases_of(v, a))
-                    if ((c.value & 1) != 0) odd = nodes_.either(odd, c.when);
-                return from_mask(odd);
+                    if ((c.value & 1) != 0) is_odd = nodes_.either(is_odd, c.when);
+                return from_mask(is_odd);
             }
             return part_of(v, 0, b.size);
         }
-        const bool plain = v.size() == 1 && v.begin()->second.scalar.kind == Scalar::Kind::whole;
-        if (op == "zext" && !plain && !v.empty()) {
+        const bool is_single_integer = v.size() == 1 && v.begin()->second.scalar.kind == Scalar::Kind::integer;
+        if (op == "zext" && !is_single_integer && !v.empty()) {
             Value all;
-            put(all, 0, b.size, whole({{yes, 0, 0}}, b.size));
-            put(all, 0, a.size, v);
+            write_bytes(all, 0, b.size, from_cases({{yes, 0, 0}}, b.size));
+            write_bytes(all, 0, a.size, v);
             return all;
         }
         std::vector<Case> cases = cases_of(v, a);
@@ -174,17 +175,17 @@ Value Walk::converted(State& state, std::string_view op, Cursor& at) {
             if (op == "zext") c.value = static_cast<std::int64_t>(without_sign(c.value, a.bits));
             else if (a.bits == 1) c.value = -c.value;
         }
-        return whole(std::move(cases), b.size);
+        return from_cases(std::move(cases), b.size);
     };
-    if (!to->is_vector) return one(x, *from, *to);
+    if (!target_type->is_vector) return convert_lane(x, *source_type, *target_type);
     Value all;
-    for (std::size_t k = 0; k < to->count; ++k) {
-        std::size_t source = 0, target = 0;
-        if (from->part(k, source) == nullptr) at.fail("a conversion is unknown");
-        const Type& a = *from->part(k, source);
-        const Type& b = *to->part(k, target);
-        const std::size_t where = a.bits == 1 ? k : source;
-        put(all, target, b.size, one(part_of(x, where, a.size), a, b));
+    for (std::size_t k = 0; k < target_type->count; ++k) {
+        std::size_t source_offset = 0, target_offset = 0;
+        if (source_type->part(k, source_offset) == nullptr) cursor.fail("a conversion is unknown");
+        const Type& a = *source_type->part(k, source_offset);
+        const Type& b = *target_type->part(k, target_offset);
+        const std::size_t lane_offset = a.bits == 1 ? k : source_offset;
+        write_bytes(all, target_offset, b.size, convert_lane(part_of(x, lane_offset, a.size), a, b));
     }
     return all;
 }
@@ -192,61 +193,61 @@ Value Walk::converted(State& state, std::string_view op, Cursor& at) {
 namespace {
 
 /// Part of a whole that the indices at the cursor name, and its offset.
-std::pair<const Type*, std::size_t> indexed_part(const Type& whole, Cursor& at) {
-    const Type* part = &whole;
-    std::size_t from = 0;
-    while (at.take(",") && at.peek() != '!') {
-        std::size_t more = 0;
-        part = part->part(static_cast<std::size_t>(at.integer()), more);
-        if (part == nullptr) at.fail("an index is outside of its type");
-        from += more;
+std::pair<const Type*, std::size_t> indexed_part(const Type& whole_type, Cursor& cursor) {
+    const Type* part = &whole_type;
+    std::size_t offset = 0;
+    while (cursor.take(",") && cursor.peek() != '!') {
+        std::size_t part_offset = 0;
+        part = part->part(static_cast<std::size_t>(cursor.integer()), part_offset);
+        if (part == nullptr) cursor.fail("an index is outside of its type");
+        offset += part_offset;
     }
-    return {part, from};
+    return {part, offset};
 }
 
 }  // namespace
 
-Value Walk::shuffled(State& state, std::string_view op, Cursor& at) {
-    const Type* const type = module_.type(at);
-    Value a = value(state, *type, at);
+Value Walk::rearrange(State& state, std::string_view op, Cursor& cursor) {
+    const Type* const type = module_.type(cursor);
+    Value a = value(state, *type, cursor);
     if (op == "extractvalue") {
-        const auto [part, from] = indexed_part(*type, at);
-        return part_of(a, from, part->size);
+        const auto [part, offset] = indexed_part(*type, cursor);
+        return part_of(a, offset, part->size);
     }
-    at.expect(",");
+    cursor.expect(",");
     if (op == "extractelement") {
-        const Type* const index_type = module_.type(at);
-        const std::vector<Case> index = cases_of(value(state, *index_type, at), *index_type);
+        const Type* const index_type = module_.type(cursor);
+        const std::vector<Case> index = cases_of(value(state, *index_type, cursor), *index_type);
         std::optional<Value> all;
         for (const Case& c : index) {
-            std::size_t from = 0;
-            const Type* const lane = c.value < 0 ? nullptr : type->part(static_cast<std::size_t>(c.value), from);
+            std::size_t offset = 0;
+            const Type* const lane = c.value < 0 ? nullptr : type->part(static_cast<std::size_t>(c.value), offset);
             if (lane == nullptr) fail("an index is outside of its vector");
-            const Value one = part_of(a, from, lane->size);
-            all = all ? join(c.when, one, *all) : one;
+            const Value lane_value = part_of(a, offset, lane->size);
+            all = all ? join(c.when, lane_value, *all) : lane_value;
         }
         return *all;
     }
-    const Type* const second_type = module_.type(at);
-    const Value b = value(state, *second_type, at);
+    const Type* const second_type = module_.type(cursor);
+    const Value b = value(state, *second_type, cursor);
     if (op == "insertvalue") {
-        const auto [part, to] = indexed_part(*type, at);
-        put(a, to, part->size, b);
+        const auto [part, target_offset] = indexed_part(*type, cursor);
+        write_bytes(a, target_offset, part->size, b);
         return a;
     }
-    at.expect(",");
-    const Type* const third_type = module_.type(at);
+    cursor.expect(",");
+    const Type* const third_type = module_.type(cursor);
     if (op == "insertelement") {
-        const std::vector<Case> index = cases_of(value(state, *third_type, at), *third_type);
-        std::size_t to = 0;
+        const std::vector<Case> index = cases_of(value(state, *third_type, cursor), *third_type);
+        std::size_t target_offset = 0;
         if (index.size() != 1 || index[0].value < 0 ||
-            type->part(static_cast<std::size_t>(index[0].value), to) == nullptr)
+            type->part(static_cast<std::size_t>(index[0].value), target_offset) == nullptr)
             fail("an index that depends on numbers is not followed here");
-        put(a, to, second_type->size, b);
+        write_bytes(a, target_offset, second_type->size, b);
         return a;
     }
-    const Value mask = value(state, *third_type, at);
-    if (!type->is_vector || !third_type->is_vector) at.fail("a vector is missing");
+    const Value mask = value(state, *third_type, cursor);
+    if (!type->is_vector || !third_type->is_vector) cursor.fail("a vector is missing");
     Value all;
     for (std::size_t k = 0; k < third_type->count; ++k) {
         const Value index = part_of(mask, 4 * k, 4);
@@ -254,8 +255,8 @@ Value Walk::shuffled(State& state, std::string_view op, Cursor& at) {
         const auto lane = static_cast<std::size_t>(cases_of(index, *third_type->parts[0])[0].value);
         const Type& element = *type->parts[0];
         const bool first = lane < type->count;
-        put(all, k * element.size, element.size,
-            part_of(first ? a : b, (first ? lane : lane - type->count) * element.size, element.size));
+        write_bytes(all, k * element.size, element.size,
+                    part_of(first ? a : b, (first ? lane : lane - type->count) * element.size, element.size));
     }
     return all;
 }

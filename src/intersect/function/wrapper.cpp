@@ -1,5 +1,5 @@
-// The file that calls a user's function with the numbers of a ray and a primitive. The compiler then follows the
-// calling convention: structures in registers, references, results in memory.
+// Writes the file that calls a user's function with the numbers of a ray and a primitive. The compiler of this file
+// then takes care of the calling convention: structures in registers, references, results in memory.
 #include <algorithm>
 
 #include "intersect/function/signature.hpp"
@@ -10,81 +10,82 @@ namespace {
 
 using Kind = SourceType::Kind;
 
-std::string buffer(int argument) { return "lb_p" + std::to_string(argument); }
+std::string buffer_name(int argument) { return "lb_p" + std::to_string(argument); }
 
-std::string number_name(std::size_t size, SourceLanguage language) {
+std::string source_number_type(std::size_t size, SourceLanguage language) {
     if (language == SourceLanguage::rust) return size == 4 ? "f32" : "f64";
     return size == 4 ? "float" : "double";
 }
 
-/// `*(T*)lb_p0`, or the pointer.
+/// Returns `*(T*)lb_p0`, or the pointer without the `*`.
 std::string c_argument(const Argument& a, int k) {
-    const bool points = a.type.kind == Kind::pointer;
+    const bool is_pointer = a.type.kind == Kind::pointer;
     const SourceType& t = a.target();
     std::string cast = t.kind == Kind::nothing ? "void*" : t.name + "*";
     if (t.kind == Kind::sequence) cast = t.parts[0].name + "(*)[" + std::to_string(t.count) + "]";
-    const std::string pointer = "(" + cast + ")" + buffer(k);
-    if (points && a.type.name != "&") return pointer;
+    const std::string pointer = "(" + cast + ")" + buffer_name(k);
+    if (is_pointer && a.type.name != "&") return pointer;
     return "*(" + pointer + ")";
 }
 
-/// `lb_in[3]`, `1 / lb_in[3]` or `0`.
+/// Returns `lb_in[3]`, `1 / lb_in[3]` or `0`.
 std::string c_source(std::string source) {
-    if (const std::size_t at = source.find("in["); at != std::string::npos) source.insert(at, "lb_");
+    if (const std::size_t position = source.find("in["); position != std::string::npos) source.insert(position, "lb_");
     return source;
 }
 
 std::string c_wrapper(const UserSignature& s, const std::string& path) {
-    const bool cpp = s.language == SourceLanguage::cpp;
-    const std::string number = number_name(static_cast<std::size_t>(s.bits) / 8, s.language);
-    std::string text = "#include \"" + path + "\"\n" + (cpp ? "extern \"C\" " : "") + "void lostbits_entry(const " +
+    const bool is_cpp = s.language == SourceLanguage::cpp;
+    const std::string number = source_number_type(static_cast<std::size_t>(s.bits) / 8, s.language);
+    std::string text = "#include \"" + path + "\"\n" + (is_cpp ? "extern \"C\" " : "") + "void lostbits_entry(const " +
                        number + "* lb_in, " + number + "* lb_out, int* lb_hit) {\n";
     for (std::size_t k = 0; k < s.arguments.size(); ++k) {
         const std::size_t size = std::max<std::size_t>(s.arguments[k].target().size, 64);
-        text += "    " + std::string(cpp ? "alignas(64)" : "_Alignas(64)") + " unsigned char " +
-                buffer(static_cast<int>(k)) + "[" + std::to_string(size) + "] = {0};\n";
+        text += "    " + std::string(is_cpp ? "alignas(64)" : "_Alignas(64)") + " unsigned char " +
+                buffer_name(static_cast<int>(k)) + "[" + std::to_string(size) + "] = {0};\n";
     }
     for (const InputSlot& in : s.inputs)
-        text += "    { " + number_name(in.slot.size, s.language) + " lb_v = " + c_source(in.source) +
-                "; __builtin_memcpy(" + buffer(in.slot.argument) + " + " + std::to_string(in.slot.at) +
+        text += "    { " + source_number_type(in.slot.size, s.language) + " lb_v = " + c_source(in.source) +
+                "; __builtin_memcpy(" + buffer_name(in.slot.argument) + " + " + std::to_string(in.slot.offset) +
                 ", &lb_v, sizeof lb_v); }\n";
     std::string call = s.call;
     std::size_t first = 0;
     if (s.is_method) {
         const std::size_t colon = call.rfind("::");
-        call = "((" + call.substr(0, colon) + "*)" + buffer(0) + ")->" + call.substr(colon + 2);
+        call = "((" + call.substr(0, colon) + "*)" + buffer_name(0) + ")->" + call.substr(colon + 2);
         first = 1;
     }
     call += "(";
     for (std::size_t k = first; k < s.arguments.size(); ++k)
         call += (k == first ? "" : ", ") + c_argument(s.arguments[k], static_cast<int>(k));
     call += ")";
-    const bool answers = s.returned.kind != Kind::nothing;
-    text += "    " + (answers ? (cpp ? "auto" : s.returned.name) + " lb_r = " : "") + call + ";\n    *lb_hit = 1;\n";
+    const bool returns_value = s.returned.kind != Kind::nothing;
+    text += "    " + (returns_value ? (is_cpp ? "auto" : s.returned.name) + " lb_r = " : "") + call +
+            ";\n    *lb_hit = 1;\n";
     std::string result = "lb_r";
     if (s.hit_is_optional) {
         text += "    *lb_hit = lb_r ? 1 : 0;\n    if (!lb_r) return;\n    auto lb_value = *lb_r;\n";
         result = "lb_value";
     }
-    const auto from = [&](const Slot& slot) {
-        const std::string base = slot.argument < 0 ? "(unsigned char*)&" + result : buffer(slot.argument);
-        return base + " + " + std::to_string(slot.at);
+    const auto address_of = [&](const Slot& slot) {
+        const std::string base = slot.argument < 0 ? "(unsigned char*)&" + result : buffer_name(slot.argument);
+        return base + " + " + std::to_string(slot.offset);
     };
     if (s.hit)
-        text += "    { unsigned long long lb_v = 0; __builtin_memcpy(&lb_v, " + from(*s.hit) + ", " +
+        text += "    { unsigned long long lb_v = 0; __builtin_memcpy(&lb_v, " + address_of(*s.hit) + ", " +
                 std::to_string(s.hit->size) + "); *lb_hit = lb_v != 0; }\n";
     int k = 0;
     for (const std::optional<Slot>& slot : {s.t, s.far}) {
         if (slot)
-            text += "    { " + number_name(slot->size, s.language) + " lb_v; __builtin_memcpy(&lb_v, " + from(*slot) +
-                    ", sizeof lb_v); lb_out[" + std::to_string(k) + "] = (" + number + ")lb_v; }\n";
+            text += "    { " + source_number_type(slot->size, s.language) + " lb_v; __builtin_memcpy(&lb_v, " +
+                    address_of(*slot) + ", sizeof lb_v); lb_out[" + std::to_string(k) + "] = (" + number + ")lb_v; }\n";
         ++k;
     }
     return text + "}\n";
 }
 
 std::string rust_wrapper(const UserSignature& s, const std::string& text_of_file) {
-    const std::string number = number_name(static_cast<std::size_t>(s.bits) / 8, s.language);
+    const std::string number = source_number_type(static_cast<std::size_t>(s.bits) / 8, s.language);
     std::string text = text_of_file +
                        "\n#[repr(align(64))] struct LostbitsBytes<const N: usize>([u8; N]);\n"
                        "#[no_mangle] #[allow(warnings)] pub unsafe extern \"C\" fn lostbits_entry(lb_input: *const " +
@@ -92,21 +93,21 @@ std::string rust_wrapper(const UserSignature& s, const std::string& text_of_file
                        ", lb_hit: *mut i32) { unsafe {\n    let lb_in = &*(lb_input as *const [" + number + "; 64]);\n";
     for (std::size_t k = 0; k < s.arguments.size(); ++k) {
         const std::size_t size = std::max<std::size_t>(s.arguments[k].target().size, 1);
-        text += "    let mut " + buffer(static_cast<int>(k)) + " = LostbitsBytes::<" + std::to_string(size) + ">([0; " +
-                std::to_string(size) + "]);\n";
+        text += "    let mut " + buffer_name(static_cast<int>(k)) + " = LostbitsBytes::<" + std::to_string(size) +
+                ">([0; " + std::to_string(size) + "]);\n";
     }
     for (const InputSlot& in : s.inputs) {
         std::string source = in.source;
-        const std::string type = number_name(in.slot.size, s.language);
+        const std::string type = source_number_type(in.slot.size, s.language);
         if (source.starts_with("1 / ")) source = "1.0 / lb_" + source.substr(4);
         else source = source == "0" ? "0.0" : "lb_" + source;
-        text += "    *(" + buffer(in.slot.argument) + ".0.as_mut_ptr().add(" + std::to_string(in.slot.at) +
+        text += "    *(" + buffer_name(in.slot.argument) + ".0.as_mut_ptr().add(" + std::to_string(in.slot.offset) +
                 ") as *mut " + type + ") = (" + source + ") as " + type + ";\n";
     }
     text += "    let lb_r = " + s.call + "(";
     for (std::size_t k = 0; k < s.arguments.size(); ++k) {
         const Argument& a = s.arguments[k];
-        const std::string bytes = buffer(static_cast<int>(k)) + ".0";
+        const std::string bytes = buffer_name(static_cast<int>(k)) + ".0";
         if (k > 0) text += ", ";
         if (a.type.kind != Kind::pointer) text += "core::ptr::read(" + bytes + ".as_ptr() as *const _)";
         else if (a.type.name.starts_with("*")) text += bytes + ".as_mut_ptr() as *mut _";
@@ -116,39 +117,39 @@ std::string rust_wrapper(const UserSignature& s, const std::string& text_of_file
     text += ");\n    *lb_hit = 1;\n";
     if (s.hit_is_optional) text += "    match lb_r { None => { *lb_hit = 0; } Some(lb_value) => {\n";
     const std::string result = s.hit_is_optional ? "lb_value" : "lb_r";
-    const auto from = [&](const Slot& slot) {
-        const std::string base =
-            slot.argument < 0 ? "(&" + result + " as *const _ as *const u8)" : buffer(slot.argument) + ".0.as_ptr()";
-        return base + ".add(" + std::to_string(slot.at) + ")";
+    const auto address_of = [&](const Slot& slot) {
+        const std::string base = slot.argument < 0 ? "(&" + result + " as *const _ as *const u8)"
+                                                   : buffer_name(slot.argument) + ".0.as_ptr()";
+        return base + ".add(" + std::to_string(slot.offset) + ")";
     };
-    if (s.hit) text += "    *lb_hit = (*" + from(*s.hit) + " != 0) as i32;\n";
+    if (s.hit) text += "    *lb_hit = (*" + address_of(*s.hit) + " != 0) as i32;\n";
     int k = 0;
     for (const std::optional<Slot>& slot : {s.t, s.far}) {
         if (slot)
-            text += "    *lb_out.add(" + std::to_string(k) + ") = *(" + from(*slot) + " as *const " +
-                    number_name(slot->size, s.language) + ") as " + number + ";\n";
+            text += "    *lb_out.add(" + std::to_string(k) + ") = *(" + address_of(*slot) + " as *const " +
+                    source_number_type(slot->size, s.language) + ") as " + number + ";\n";
         ++k;
     }
     return text + (s.hit_is_optional ? "    } }\n" : "") + "} }\n";
 }
 
-// LLVM IR: each parameter gets the bytes of the argument that it is a part of, by the debug information.
+// LLVM IR: each parameter receives the bytes of an argument of which it is a part, by the debug information.
 
-std::string number_text(std::size_t size) { return size == 4 ? "float" : "double"; }
+std::string ir_number_type(std::size_t size) { return size == 4 ? "float" : "double"; }
 
 /// Writes instructions. Arguments and the result stand in arrays of bytes, %lb.b0, %lb.b1, ...
 class IrWriter {
 public:
     std::string text;
-    const bool is_opaque;  ///< pointers have no type
+    const bool is_opaque;  ///< true if pointers have no type
 
     explicit IrWriter(const Module& module)
         : is_opaque(module.text().find("(ptr ") != std::string::npos ||
                     module.text().find(" ptr ") != std::string::npos) {}
 
     [[nodiscard]] std::string pointer(const std::string& type) const { return is_opaque ? "ptr" : type + "*"; }
-    /// A new name for the result of an instruction.
-    std::string made(const std::string& instruction) {
+    /// Appends an instruction, and returns the new name of its result.
+    std::string emit(const std::string& instruction) {
         std::string name = "%lb." + std::to_string(count_++);
         text += "  " + name + " = " + instruction + "\n";
         return name;
@@ -160,28 +161,28 @@ public:
         text += "  " + name + " = alloca " + type + ", align 64\n  store " + type + " zeroinitializer, " +
                 pointer(type) + " " + name + "\n";
     }
-    /// Address of a byte of an array, as a pointer of that type.
-    std::string address(std::size_t array, std::size_t at, const std::string& pointer_type) {
+    /// Appends instructions for the address of a byte of an array, as a pointer of type `pointer_type`.
+    std::string address(std::size_t array, std::size_t offset, const std::string& pointer_type) {
         const std::string& type = bytes_[array];
-        const std::string byte = made("getelementptr " + type + ", " + pointer(type) + " %lb.b" +
-                                      std::to_string(array) + ", i64 0, i64 " + std::to_string(at));
-        return is_opaque ? byte : made("bitcast i8* " + byte + " to " + pointer_type);
+        const std::string byte = emit("getelementptr " + type + ", " + pointer(type) + " %lb.b" +
+                                      std::to_string(array) + ", i64 0, i64 " + std::to_string(offset));
+        return is_opaque ? byte : emit("bitcast i8* " + byte + " to " + pointer_type);
     }
-    std::string load(std::size_t array, std::size_t at, const std::string& type) {
-        return made("load " + type + ", " + pointer(type) + " " + address(array, at, type + "*") + ", align 1");
+    std::string load(std::size_t array, std::size_t offset, const std::string& type) {
+        return emit("load " + type + ", " + pointer(type) + " " + address(array, offset, type + "*") + ", align 1");
     }
-    void store(const std::string& value, std::size_t array, std::size_t at, const std::string& type) {
-        text += "  store " + type + " " + value + ", " + pointer(type) + " " + address(array, at, type + "*") +
+    void store(const std::string& value, std::size_t array, std::size_t offset, const std::string& type) {
+        text += "  store " + type + " " + value + ", " + pointer(type) + " " + address(array, offset, type + "*") +
                 ", align 1\n";
     }
-    /// Number `k` of an array of numbers.
-    std::string item(const std::string& array, const std::string& number, std::size_t k) {
-        return made("getelementptr " + number + ", " + pointer(number) + " " + array + ", i64 " + std::to_string(k));
+    /// Appends an instruction for the address of the k-th number of an array of numbers.
+    std::string item_address(const std::string& array, const std::string& number, std::size_t k) {
+        return emit("getelementptr " + number + ", " + pointer(number) + " " + array + ", i64 " + std::to_string(k));
     }
-    std::string converted(const std::string& value, std::size_t from, std::size_t to) {
+    std::string convert(const std::string& value, std::size_t from, std::size_t to) {
         if (from == to) return value;
-        return made(std::string(from < to ? "fpext " : "fptrunc ") + number_text(from) + " " + value + " to " +
-                    number_text(to));
+        return emit(std::string(from < to ? "fpext " : "fptrunc ") + ir_number_type(from) + " " + value + " to " +
+                    ir_number_type(to));
     }
 
 private:
@@ -189,111 +190,118 @@ private:
     int count_ = 0;
 };
 
-/// The parameters of the call, and where its result is written: the array after those of the arguments.
-std::string parameters_of(const UserSignature& s, const IrFunction& f, IrWriter& w, const std::string& who) {
+/// Returns the parameters of the call. The array after those of the arguments receives the result.
+std::string parameters_of(const UserSignature& s, const IrFunction& f, IrWriter& writer, const std::string& subject) {
     std::string list;
-    std::size_t next = 0;
-    const auto give = [&](const IrParameter& p, const std::string& value) {
+    std::size_t parameter_index = 0;
+    const auto append_parameter = [&](const IrParameter& p, const std::string& value) {
         list += (list.empty() ? "" : ", ") + std::string(p.text) + " " + value;
-        ++next;
+        ++parameter_index;
     };
     const auto mismatch = [&] {
-        throw InputError(who +
+        throw InputError(subject +
                          ": its parameters in the LLVM IR are not those of its debug information; the optimiser "
                          "may have changed them: compile it with -O0 -g");
     };
     if (!f.parameters.empty() && f.parameters[0].text.find("sret") != std::string_view::npos)
-        give(f.parameters[0], w.address(s.arguments.size(), 0, std::string(f.parameters[0].type_text)));
+        append_parameter(f.parameters[0],
+                         writer.address(s.arguments.size(), 0, std::string(f.parameters[0].type_text)));
     for (std::size_t k = 0; k < s.arguments.size(); ++k) {
         const std::size_t size = s.arguments[k].type.size;
-        for (std::size_t at = 0; at < size;) {
-            if (next >= f.parameters.size()) mismatch();
-            const IrParameter& p = f.parameters[next];
+        for (std::size_t offset = 0; offset < size;) {
+            if (parameter_index >= f.parameters.size()) mismatch();
+            const IrParameter& p = f.parameters[parameter_index];
             const std::string type(p.type_text);
             if (p.type->kind == Type::Kind::pointer) {
-                give(p, w.address(k, 0, type));
+                append_parameter(p, writer.address(k, 0, type));
                 break;
             }
-            at = (at + p.type->align - 1) / p.type->align * p.type->align;
-            if (p.type->size == 0 || at + p.type->size > std::max<std::size_t>(size, 64)) mismatch();
+            offset = (offset + p.type->align - 1) / p.type->align * p.type->align;
+            if (p.type->size == 0 || offset + p.type->size > std::max<std::size_t>(size, 64)) mismatch();
             const bool is_bit = p.type->kind == Type::Kind::integer && p.type->bits == 1;
-            const std::string value = w.load(k, at, is_bit ? "i8" : type);
-            give(p, is_bit ? w.made("trunc i8 " + value + " to i1") : value);
-            at += p.type->size;
+            const std::string value = writer.load(k, offset, is_bit ? "i8" : type);
+            append_parameter(p, is_bit ? writer.emit("trunc i8 " + value + " to i1") : value);
+            offset += p.type->size;
         }
     }
-    if (next != f.parameters.size()) mismatch();
+    if (parameter_index != f.parameters.size()) mismatch();
     return list;
 }
 
-void write_inputs(const UserSignature& s, IrWriter& w) {
+void write_inputs(const UserSignature& s, IrWriter& writer) {
     const std::size_t size = static_cast<std::size_t>(s.bits) / 8;
-    const std::string number = number_text(size);
-    for (const InputSlot& in : s.inputs) {
+    const std::string number = ir_number_type(size);
+    for (const InputSlot& input : s.inputs) {
         std::string value = "0.000000e+00";
-        if (const std::size_t open = in.source.find("in["); open != std::string::npos) {
-            const std::string from = w.item("%in", number, std::stoul(in.source.substr(open + 3)));
-            value = w.made("load " + number + ", " + w.pointer(number) + " " + from);
-            if (in.source.starts_with("1 / ")) value = w.made("fdiv " + number + " 1.000000e+00, " + value);
-            value = w.converted(value, size, in.slot.size);
+        if (const std::size_t bracket = input.source.find("in["); bracket != std::string::npos) {
+            const std::string address =
+                writer.item_address("%in", number, std::stoul(input.source.substr(bracket + 3)));
+            value = writer.emit("load " + number + ", " + writer.pointer(number) + " " + address);
+            if (input.source.starts_with("1 / ")) value = writer.emit("fdiv " + number + " 1.000000e+00, " + value);
+            value = writer.convert(value, size, input.slot.size);
         }
-        w.store(value, static_cast<std::size_t>(in.slot.argument), in.slot.at, number_text(in.slot.size));
+        writer.store(value, static_cast<std::size_t>(input.slot.argument), input.slot.offset,
+                     ir_number_type(input.slot.size));
     }
 }
 
 }  // namespace
 
-std::string wrapper_of(const UserSignature& s, const std::string& path) {
-    return s.language == SourceLanguage::rust ? rust_wrapper(s, path) : c_wrapper(s, path);
+std::string wrapper_of(const UserSignature& s, const std::string& file) {
+    return s.language == SourceLanguage::rust ? rust_wrapper(s, file) : c_wrapper(s, file);
 }
 
-std::string ir_wrapper_of(const UserSignature& s, Module& module, const std::string& who) {
+std::string ir_wrapper_of(const UserSignature& s, Module& module, const std::string& subject) {
     const IrFunction& f = *module.function(s.symbol);
-    IrWriter w(module);
-    for (const Argument& a : s.arguments) w.new_bytes(a.target().size);
-    w.new_bytes(s.returned.size);
-    write_inputs(s, w);
+    IrWriter writer(module);
+    for (const Argument& a : s.arguments) writer.new_bytes(a.target().size);
+    writer.new_bytes(s.returned.size);
+    write_inputs(s, writer);
     const std::string call = "call " + std::string(f.convention) + " " + std::string(f.returned_text) + " @\"" +
-                             f.name + "\"(" + parameters_of(s, f, w, who) + ")";
+                             f.name + "\"(" + parameters_of(s, f, writer, subject) + ")";
     const std::size_t result = s.arguments.size();
     Cursor returned(f.returned_text);
     const Type* const type = module.type(returned);
-    if (type->kind == Type::Kind::nothing) w.text += "  " + call + "\n";
-    else if (const std::string value = w.made(call); type->kind == Type::Kind::integer && type->bits == 1)
-        w.store(w.made("zext i1 " + value + " to i8"), result, 0, "i8");
-    else w.store(value, result, 0, std::string(f.returned_text));
+    if (type->kind == Type::Kind::nothing) writer.text += "  " + call + "\n";
+    else if (const std::string value = writer.emit(call); type->kind == Type::Kind::integer && type->bits == 1)
+        writer.store(writer.emit("zext i1 " + value + " to i8"), result, 0, "i8");
+    else writer.store(value, result, 0, std::string(f.returned_text));
 
-    // The answers. The value of an optional stands behind its flag, or before it.
+    // The answers. The value of an optional is before or after its flag.
     const SourceType* const value = s.hit_is_optional ? &s.returned.parts[0] : nullptr;
     if (value != nullptr && s.returned.flag_size == 0)
-        throw InputError(who + ": the layout of its optional result is unknown");
+        throw InputError(subject + ": the layout of its optional result is unknown");
     const auto array_of = [&](const Slot& slot) {
         return slot.argument < 0 ? result : static_cast<std::size_t>(slot.argument);
     };
-    const auto offset_of = [&](const Slot& slot) { return slot.at + (slot.argument < 0 && value ? value->at : 0); };
-    std::string hit = "true";
-    const auto decide = [&](std::size_t array, std::size_t at, std::size_t size) {
-        const std::string whole = "i" + std::to_string(8 * size);
-        const std::string one = w.made("icmp ne " + whole + " " + w.load(array, at, whole) + ", 0");
-        hit = hit == "true" ? one : w.made("select i1 " + hit + ", i1 " + one + ", i1 false");
+    const auto offset_of = [&](const Slot& slot) {
+        return slot.offset + (slot.argument < 0 && value ? value->offset : 0);
     };
-    if (value != nullptr) decide(result, s.returned.flag_at, s.returned.flag_size);
-    if (s.hit) decide(array_of(*s.hit), offset_of(*s.hit), s.hit->size);
-    w.text += "  store i32 " + w.made("zext i1 " + hit + " to i32") + ", " + w.pointer("i32") + " %hit\n";
+    std::string hit = "true";
+    const auto require_nonzero = [&](std::size_t array, std::size_t offset, std::size_t size) {
+        const std::string integer_type = "i" + std::to_string(8 * size);
+        const std::string is_nonzero =
+            writer.emit("icmp ne " + integer_type + " " + writer.load(array, offset, integer_type) + ", 0");
+        hit = hit == "true" ? is_nonzero : writer.emit("select i1 " + hit + ", i1 " + is_nonzero + ", i1 false");
+    };
+    if (value != nullptr) require_nonzero(result, s.returned.flag_offset, s.returned.flag_size);
+    if (s.hit) require_nonzero(array_of(*s.hit), offset_of(*s.hit), s.hit->size);
+    writer.text +=
+        "  store i32 " + writer.emit("zext i1 " + hit + " to i32") + ", " + writer.pointer("i32") + " %hit\n";
     const std::size_t size = static_cast<std::size_t>(s.bits) / 8;
-    const std::string number = number_text(size);
+    const std::string number = ir_number_type(size);
     std::size_t k = 0;
     for (const std::optional<Slot>& slot : {s.t, s.far}) {
         if (slot) {
-            const std::string t = w.load(array_of(*slot), offset_of(*slot), number_text(slot->size));
-            const std::string to = w.item("%out", number, k);
-            w.text += "  store " + number + " " + w.converted(t, slot->size, size) + ", " + w.pointer(number) + " " +
-                      to + "\n";
+            const std::string t = writer.load(array_of(*slot), offset_of(*slot), ir_number_type(slot->size));
+            const std::string address = writer.item_address("%out", number, k);
+            writer.text += "  store " + number + " " + writer.convert(t, slot->size, size) + ", " +
+                           writer.pointer(number) + " " + address + "\n";
         }
         ++k;
     }
-    return module.text() + "\ndefine void @lostbits_entry(" + w.pointer(number) + " %in, " + w.pointer(number) +
-           " %out, " + w.pointer("i32") + " %hit) {\n" + w.text + "  ret void\n}\n";
+    return module.text() + "\ndefine void @lostbits_entry(" + writer.pointer(number) + " %in, " +
+           writer.pointer(number) + " %out, " + writer.pointer("i32") + " %hit) {\n" + writer.text + "  ret void\n}\n";
 }
 
 }  // namespace lostbits::intersect::function

@@ -28,7 +28,8 @@ extern char** environ;
 namespace lostbits::intersect::process {
 namespace {
 
-/// Makes a pipe. Both ends close when another program is started, so that no child holds the pipe of another open.
+/// Makes a pipe whose ends close when another program is started, so that no child holds the pipe of another child
+/// open.
 std::array<int, 2> make_pipe() {
     std::array<int, 2> ends{};
     if (pipe2(ends.data(), O_CLOEXEC) != 0)
@@ -36,8 +37,8 @@ std::array<int, 2> make_pipe() {
     return ends;
 }
 
-/// Waits until the process has ended, but not longer than `time`. True if it has ended. It is not reaped, so that no
-/// other process gets its number.
+/// Waits until the process has ended, but not longer than `time`. Returns true if it has ended. The process is not
+/// reaped, so that no other process gets its number.
 bool ends_within(int process, std::chrono::milliseconds time) {
     for (auto waited = std::chrono::milliseconds(0); waited <= time; waited += std::chrono::milliseconds(5)) {
         siginfo_t info{};
@@ -52,94 +53,94 @@ bool ends_within(int process, std::chrono::milliseconds time) {
 /// adopts them when their parent ends.
 class AdoptedDescendants {
 public:
-    /// Children that this process has already, left by the shell that started it, are not ours to end.
+    /// Children that this process already has, left by the shell that started it, are not ours to end.
     AdoptedDescendants() {
-        for (const int child : children()) own_.insert(child);
+        for (const int child : children()) own_children_.insert(child);
         prctl(PR_SET_CHILD_SUBREAPER, 1);
     }
-    /// Calls `start`, which returns the process that it started, and remembers that as our own.
+    /// Calls `start`, which returns the process that it started, and remembers that process as our own.
     template <class Start>
-    int own(const Start& start) {
+    int remember_own(const Start& start) {
         const std::scoped_lock lock(mutex_);
         const int child = start();
-        own_.insert(child);
+        own_children_.insert(child);
         return child;
     }
     void end() {
         const std::scoped_lock lock(mutex_);
-        for (bool any = true; any;) {  // once more: ending one leaves us its children
-            any = false;
+        for (bool ended_any = true; ended_any;) {  // again, since ending a process leaves us its children
+            ended_any = false;
             for (const int child : children()) {
                 // A process that a library in this process started is in our own group and stays.
-                if (own_.contains(child) || getpgid(child) == getpgrp()) continue;
-                any = kill(child, SIGKILL) == 0 && waitpid(child, nullptr, 0) == child;
+                if (own_children_.contains(child) || getpgid(child) == getpgrp()) continue;
+                ended_any = kill(child, SIGKILL) == 0 && waitpid(child, nullptr, 0) == child;
             }
         }
     }
 
 private:
     std::mutex mutex_;
-    std::set<int> own_;
+    std::set<int> own_children_;
 };
-AdoptedDescendants& adopted() {
-    static auto* all = new AdoptedDescendants;
-    return *all;
+AdoptedDescendants& adopted_descendants() {
+    static auto* instance = new AdoptedDescendants;
+    return *instance;
 }
 
-/// Ends a process and everything that it started, including copies of itself. Returns its status.
-int end_group(int process) {
+/// Ends a process and all processes that it started, including copies of itself. Returns the status of the process.
+int end_process_group(int process) {
     int status = 0;
     kill(-process, SIGKILL);
     waitpid(process, &status, 0);
-    adopted().end();
+    adopted_descendants().end();
     return status;
 }
 
 }  // namespace
 
 std::string shell_word(std::string_view word) {
-    const auto plain = [](char c) {
+    const auto is_safe = [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
                std::string_view("_./=,:+-").find(c) != std::string_view::npos;
     };
-    // zsh replaces a word that begins with = by the path of a command.
-    if (!word.empty() && word.front() != '=' && std::ranges::all_of(word, plain)) return std::string(word);
+    // zsh replaces a word that begins with = by the path of a command, so such a word is quoted.
+    if (!word.empty() && word.front() != '=' && std::ranges::all_of(word, is_safe)) return std::string(word);
     std::string quoted = "'";
     for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
     return quoted + "'";
 }
 
-std::string shell_command(const ProgramArguments& words) {
+std::string shell_command(const ProgramArguments& arguments) {
     std::string command;
-    for (const std::string& word : words) command += (command.empty() ? "" : " ") + shell_word(word);
+    for (const std::string& argument : arguments) command += (command.empty() ? "" : " ") + shell_word(argument);
     return command;
 }
 
 std::vector<int> children() {
-    std::vector<int> all;
+    std::vector<int> process_ids;
     std::error_code error;
     for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", error)) {
         std::ifstream list(thread.path() / "children");
-        for (int child = 0; list >> child;) all.push_back(child);
+        for (int child = 0; list >> child;) process_ids.push_back(child);
     }
-    return all;
+    return process_ids;
 }
 
 Child::Child(const std::string& command, ChildTerms terms) : terms_(std::move(terms)) {
-    start({"/bin/sh", "-c", command}, Errors::ours);
+    start({"/bin/sh", "-c", command}, StandardError::inherited);
 }
 
 Child::Child(const ProgramArguments& program, ChildTerms terms) : terms_(std::move(terms)) {
-    start(program, Errors::output);
+    start(program, StandardError::output);
 }
 
-void Child::start(ProgramArguments words, Errors errors) {
+void Child::start(ProgramArguments program, StandardError errors) {
     const auto to_child = make_pipe(), from_child = make_pipe();
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_adddup2(&files, to_child[0], STDIN_FILENO);
     posix_spawn_file_actions_adddup2(&files, from_child[1], STDOUT_FILENO);
-    if (errors == Errors::output) posix_spawn_file_actions_adddup2(&files, from_child[1], STDERR_FILENO);
+    if (errors == StandardError::output) posix_spawn_file_actions_adddup2(&files, from_child[1], STDERR_FILENO);
     if (terms_.shared >= 0) posix_spawn_file_actions_adddup2(&files, terms_.shared, SharedMemory::inherited);
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
@@ -149,10 +150,10 @@ void Child::start(ProgramArguments words, Errors errors) {
     posix_spawnattr_setsigdefault(&attributes, &defaults);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
     std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
+    for (std::string& argument : program) arguments.push_back(argument.data());
     arguments.push_back(nullptr);
     int error = 0;
-    adopted().own([&] {
+    adopted_descendants().remember_own([&] {
         error = posix_spawnp(&process_, arguments[0], &files, &attributes, arguments.data(), environ);
         return process_;
     });
@@ -175,12 +176,12 @@ Child::~Child() {
     if (output_ >= 0) close(output_);
     if (process_ <= 0) return;
     ends_within(process_, std::chrono::seconds(1));
-    end_group(process_);
+    end_process_group(process_);
 }
 
-std::string Child::how_it_ended() {
+std::string Child::ending_text() {
     if (process_ <= 0 || !ends_within(process_, std::chrono::milliseconds(200))) return "";
-    const int status = end_group(process_);
+    const int status = end_process_group(process_);
     process_ = -1;
     if (WIFSIGNALED(status))
         return std::string(" (it was ended by signal ") + std::to_string(WTERMSIG(status)) + ", " +
@@ -190,28 +191,30 @@ std::string Child::how_it_ended() {
                        : " (it ended with status " + std::to_string(code) + ")";
 }
 
-void Child::fail(const std::string& what) {
-    const std::string ended = output_ended_ ? how_it_ended() : "";
-    throw EnvironmentError(terms_.who + ": " + (about_.empty() ? "" : about_ + " ") + what + ended);
+void Child::fail(const std::string& problem) {
+    const std::string ending = output_ended_ ? ending_text() : "";
+    throw EnvironmentError(terms_.who + ": " + (about_.empty() ? "" : about_ + " ") + problem + ending);
 }
 
-void Child::fail_late() {
+void Child::fail_after_time_limit() {
     fail("has not answered within the time limit; " +
          (terms_.timeout_advice.empty() ? "" : terms_.timeout_advice + "; ") +
          "raise --time-limit SECONDS if it needs longer");
 }
 
-void Child::wait_for(short events_of_input, Clock::time_point until, bool& can_write, bool& can_read) {
+void Child::wait_for(short events_of_input, Clock::time_point deadline, bool& can_write, bool& can_read) {
     for (;;) {
         terms_.stop.check();
-        std::array<pollfd, 2> ends{{{output_, POLLIN, 0}, {events_of_input ? input_ : -1, events_of_input, 0}}};
-        const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count();
-        if (left <= 0) fail_late();
-        const int ready = poll(ends.data(), ends.size(), static_cast<int>(std::min<decltype(left)>(left, 200)));
+        std::array<pollfd, 2> polled_ends{{{output_, POLLIN, 0}, {events_of_input ? input_ : -1, events_of_input, 0}}};
+        const auto milliseconds_left =
+            std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
+        if (milliseconds_left <= 0) fail_after_time_limit();
+        const int ready = poll(polled_ends.data(), polled_ends.size(),
+                               static_cast<int>(std::min<decltype(milliseconds_left)>(milliseconds_left, 200)));
         if (ready < 0 && errno != EINTR) fail(std::string("poll: ") + std::strerror(errno));
         if (ready <= 0) continue;
-        can_read = ends[0].revents != 0;
-        can_write = ends[1].revents != 0;
+        can_read = polled_ends[0].revents != 0;
+        can_write = polled_ends[1].revents != 0;
         return;
     }
 }
@@ -228,52 +231,52 @@ void Child::write_some(std::span<const std::byte>& request) {
     }
 }
 
-std::size_t Child::read_some(std::span<std::byte> into) {
-    const ssize_t got = ::read(output_, into.data(), into.size());
-    if (got > 0) return static_cast<std::size_t>(got);
-    if (got < 0 && (errno == EAGAIN || errno == EINTR)) return 0;
+std::size_t Child::read_some(std::span<std::byte> buffer) {
+    const ssize_t received = ::read(output_, buffer.data(), buffer.size());
+    if (received > 0) return static_cast<std::size_t>(received);
+    if (received < 0 && (errno == EAGAIN || errno == EINTR)) return 0;
     output_ended_ = true;
     fail("ended before it had written a whole answer");
 }
 
 void Child::exchange(std::span<const std::byte> request, std::span<std::byte> answer) {
-    const auto until =
+    const auto deadline =
         Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(terms_.seconds));
-    if (!request.empty()) write_some(request);  // most requests fit at once and need no poll
-    for (int look = 0; look < looks_before_sleep && request.empty() && !answer.empty(); ++look) {
+    if (!request.empty()) write_some(request);  // most requests fit into the pipe at once and need no poll
+    for (int poll_count = 0; poll_count < looks_before_sleep && request.empty() && !answer.empty(); ++poll_count) {
         answer = answer.subspan(read_some(answer));
         if (!answer.empty()) sched_yield();
     }
     while (!request.empty() || !answer.empty()) {
         bool can_write = false, can_read = false;
-        wait_for(request.empty() ? short{0} : short{POLLOUT}, until, can_write, can_read);
+        wait_for(request.empty() ? short{0} : short{POLLOUT}, deadline, can_write, can_read);
         if (can_write) write_some(request);
         if (!can_read) continue;
-        if (answer.empty()) return;  // it answered before it read all, or it has ended; the next read finds out
+        if (answer.empty()) return;  // the child answered early, or has ended; the next read finds out
         answer = answer.subspan(read_some(answer));
     }
 }
 
-Child::Ended Child::read_to_end() {
-    const auto until =
+Child::EndResult Child::read_to_end() {
+    const auto deadline =
         Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(terms_.seconds));
-    Ended ended{};
+    EndResult result{};
     close(std::exchange(input_, -1));
-    for (std::array<char, 4096> piece;;) {
+    for (std::array<char, 4096> buffer;;) {
         bool can_write = false, can_read = false;
-        wait_for(0, until, can_write, can_read);
-        const ssize_t got = ::read(output_, piece.data(), piece.size());
-        if (got > 0) ended.output.append(piece.data(), static_cast<std::size_t>(got));
-        else if (got == 0 || (errno != EAGAIN && errno != EINTR)) break;
+        wait_for(0, deadline, can_write, can_read);
+        const ssize_t received = ::read(output_, buffer.data(), buffer.size());
+        if (received > 0) result.output.append(buffer.data(), static_cast<std::size_t>(received));
+        else if (received == 0 || (errno != EAGAIN && errno != EINTR)) break;
     }
     // The process may have closed its output and still run.
     while (!ends_within(process_, std::chrono::milliseconds(20))) {
         terms_.stop.check();
-        if (Clock::now() > until) fail_late();
+        if (Clock::now() > deadline) fail_after_time_limit();
     }
-    ended.status = end_group(process_);
+    result.status = end_process_group(process_);
     process_ = -1;
-    return ended;
+    return result;
 }
 
 void Child::read(std::span<std::byte> answer) { exchange({}, answer); }
@@ -281,10 +284,10 @@ void Child::read(std::span<std::byte> answer) { exchange({}, answer); }
 std::string Child::read_line() {
     std::string line;
     for (;;) {
-        std::byte one{};
-        read({&one, 1});
-        if (static_cast<char>(one) == '\n') return line;
-        line += static_cast<char>(one);
+        std::byte character{};
+        read({&character, 1});
+        if (static_cast<char>(character) == '\n') return line;
+        line += static_cast<char>(character);
         if (line.size() > 4096)
             fail("wrote a line of more than 4096 bytes; see docs/pipe.md for the header that it must begin with");
     }

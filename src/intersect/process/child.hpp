@@ -1,4 +1,4 @@
-// A process that gets requests on its standard input and answers on its standard output.
+// A child process that gets requests on its standard input and answers on its standard output.
 #pragma once
 
 #include <chrono>
@@ -12,75 +12,75 @@
 
 namespace lostbits::intersect::process {
 
-/// A word as a shell reads it back: in single quotes where it holds more than letters, digits and _./=,:+-.
+/// Quotes a word for a shell: in single quotes if it holds more than letters, digits and _./=,:+-.
 [[nodiscard]] std::string shell_word(std::string_view word);
 
-/// Number of times that the two ends of a pipe poll before they sleep; between two polls they yield the processor.
-/// Waking on another processor takes up to 40 µs, many times as long as a batch; if both share a processor, the other
-/// side runs at once.
+/// Number of times that each end of a pipe polls before it sleeps; between two polls it yields the processor. Waking on
+/// another processor takes up to 40 µs, many times as long as a batch. If both ends share a processor, the other end
+/// runs at once.
 inline constexpr int looks_before_sleep = 30;
 
-/// The processes whose parent is this one, adopted ones among them.
+/// The processes whose parent is this process, including adopted ones.
 [[nodiscard]] std::vector<int> children();
 
 struct ChildTerms {
-    std::string who;             ///< begins messages
-    std::string timeout_advice;  ///< what the program's author may have overlooked if no answer comes, or empty
+    std::string who;             ///< begin of messages
+    std::string timeout_advice;  ///< advice to the program's author for the case that no answer comes; may be empty
     double seconds = 30;         ///< limit for one answer
     int shared = -1;             ///< the descriptor of a SharedMemory that the process inherits, or -1
-    StopToken stop = {};         ///< stop request of the caller: checked by every wait for an answer
+    StopToken stop = {};         ///< stop request of the caller; every wait for an answer checks it
 };
 
-/// A program and its arguments, passed as they stand: no shell reads them. Without a slash the program is looked for in
-/// PATH.
+/// A program and its arguments, passed unchanged: no shell reads them. A program without a slash is looked for in PATH.
 using ProgramArguments = std::vector<std::string>;
-/// The same as one would type it in a shell.
-[[nodiscard]] std::string shell_command(const ProgramArguments& words);
+/// The program and its arguments as one would type them in a shell.
+[[nodiscard]] std::string shell_command(const ProgramArguments& arguments);
 
 class Child {
 public:
-    /// Starts `command` by the shell, in a process group of its own; its standard error is ours. EnvironmentError.
+    /// Starts `command` by the shell, in a process group of its own; its standard error is ours. Throws
+    /// EnvironmentError if the command cannot be started.
     Child(const std::string& command, ChildTerms terms);
-    /// Starts a program without a shell; its standard error is part of its output.
+    /// Starts a program without a shell; its standard error becomes a part of its output.
     Child(const ProgramArguments& program, ChildTerms terms);
-    /// Closes the input of the process, which tells it to end. If it does not end within a second, a signal ends it.
-    /// Ends what is left in its group, too.
+    /// Closes the input of the process, which tells it to end. If the process does not end within a second, a signal
+    /// ends it. Processes that are left in its group are ended, too.
     ~Child();
     Child(const Child&) = delete;
     Child& operator=(const Child&) = delete;
 
-    /// Reads a line of its output, without the line's end. EnvironmentError if there is none in time, or if it is
-    /// longer than 4096 bytes.
+    /// Reads a line of the child's output, without the end of the line. Throws EnvironmentError if there is no line
+    /// within the time limit, or if the line is longer than 4096 bytes.
     std::string read_line();
-    /// Writes all of `request` while it reads exactly the size of `answer`; the time limit is for both together.
+    /// Writes all of `request` while it reads exactly the size of `answer`. The time limit is for both together.
     void exchange(std::span<const std::byte> request, std::span<std::byte> answer);
     /// Reads exactly the size of `answer`.
     void read(std::span<std::byte> answer);
 
-    struct Ended {
+    struct EndResult {
         std::string output;
         int status;  ///< as returned by waitpid
     };
-    /// Reads until its output and the process have ended, with one time limit for both; processes that it started are
-    /// ended too.
-    Ended read_to_end();
+    /// Reads until the output and the process have ended, with one time limit for both. Processes that the child
+    /// started are ended, too.
+    EndResult read_to_end();
 
-    /// Subject of the requests from now on, for messages.
-    void about(const std::string& what) { about_ = what; }
-    /// Throws EnvironmentError, which begins with `who` of the terms and says how the process ended if it did.
-    [[noreturn]] void fail(const std::string& what);
+    /// Names the subject of the following requests, for messages.
+    void about(const std::string& subject) { about_ = subject; }
+    /// Throws EnvironmentError, which begins with `who` of the terms and says how the process ended if it has ended.
+    [[noreturn]] void fail(const std::string& problem);
 
 private:
     using Clock = std::chrono::steady_clock;
 
-    enum class Errors { ours, output };
-    void start(ProgramArguments words, Errors errors);
+    enum class StandardError { inherited, output };
+    void start(ProgramArguments program, StandardError errors);
     void write_some(std::span<const std::byte>& request);
-    /// Number of bytes read; at least one.
-    std::size_t read_some(std::span<std::byte> into);
-    void wait_for(short events_of_input, Clock::time_point until, bool& can_write, bool& can_read);
-    [[noreturn]] void fail_late();
-    [[nodiscard]] std::string how_it_ended();
+    /// Returns the number of bytes read; 0 if no bytes are there yet.
+    std::size_t read_some(std::span<std::byte> buffer);
+    void wait_for(short events_of_input, Clock::time_point deadline, bool& can_write, bool& can_read);
+    [[noreturn]] void fail_after_time_limit();
+    [[nodiscard]] std::string ending_text();
 
     std::string about_;
     ChildTerms terms_;

@@ -17,7 +17,7 @@ namespace {
 
 /// A difference from the standard state: its name, the mask of its bits, and their value.
 struct Deviation {
-    std::string_view word;
+    std::string_view name;
     std::uint64_t mask, value;
     bool x87 = false;
 };
@@ -25,7 +25,7 @@ struct Deviation {
 #if defined(__x86_64__) || defined(__i386__)
 
 // Intel 64 and IA-32 Architectures Software Developer's Manual, volume 1, 8.1.5 and 10.2.3.
-constexpr std::uint64_t standard_main = 0x1F80, raised = 0x3F;
+constexpr std::uint64_t standard_main = 0x1F80, raised_exceptions = 0x3F;
 constexpr std::uint32_t standard_x87 = 0x033F, x87_bits = 0x0F3F;
 constexpr std::array deviations{
     Deviation{"round_down", 0x6000, 0x2000},         Deviation{"round_up", 0x6000, 0x4000},
@@ -34,13 +34,13 @@ constexpr std::array deviations{
     Deviation{"x87_round_up", 0x0C00, 0x0800, true}, Deviation{"x87_round_to_zero", 0x0C00, 0x0C00, true},
     Deviation{"x87_24_bits", 0x0300, 0x0000, true},  Deviation{"x87_53_bits", 0x0300, 0x0200, true}};
 
-std::uint64_t main_now() noexcept { return _mm_getcsr() & ~static_cast<unsigned>(raised); }
+std::uint64_t main_now() noexcept { return _mm_getcsr() & ~static_cast<unsigned>(raised_exceptions); }
 std::uint32_t x87_now() noexcept {
     std::uint16_t word = 0;
     asm volatile("fnstcw %0" : "=m"(word));
     return word & x87_bits;
 }
-/// Clears the raised exceptions, so that none of them traps later.
+/// Sets the state and clears the raised exceptions, so that none of them traps later.
 void set_main(std::uint64_t bits) noexcept { _mm_setcsr(static_cast<unsigned>(bits)); }
 void set_x87(std::uint32_t bits) noexcept {
     const auto word = static_cast<std::uint16_t>(bits | 0x0040U);  // a bit that is always set
@@ -79,8 +79,8 @@ void set_x87(std::uint32_t) noexcept {}
 
 #endif
 
-/// The name of any other difference: exceptions that trap.
-constexpr std::string_view otherwise = "traps";
+/// Name of every other difference, such as exceptions that trap.
+constexpr std::string_view other_difference = "traps";
 
 }  // namespace
 
@@ -92,10 +92,10 @@ FloatingPoint FloatingPoint::current() noexcept {
 }
 
 FloatingPoint FloatingPoint::standard() noexcept {
-    FloatingPoint usual;
-    usual.main_ = standard_main;
-    usual.x87_ = standard_x87;
-    return usual;
+    FloatingPoint state;
+    state.main_ = standard_main;
+    state.x87_ = standard_x87;
+    return state;
 }
 
 void FloatingPoint::set() const noexcept {
@@ -105,32 +105,34 @@ void FloatingPoint::set() const noexcept {
 }
 
 std::string FloatingPoint::differences() const {
-    std::string all;
-    FloatingPoint told = standard();
-    for (const Deviation& way : deviations) {
-        const std::uint64_t here = way.x87 ? x87_ : main_, usual = way.x87 ? standard_x87 : standard_main;
-        if ((here & way.mask) != way.value || (usual & way.mask) == way.value) continue;
-        all += (all.empty() ? "" : ",") + std::string(way.word);
-        read(std::string(way.word), told);
+    std::string names;
+    FloatingPoint described_state = standard();
+    for (const Deviation& deviation : deviations) {
+        const std::uint64_t bits = deviation.x87 ? x87_ : main_,
+                            standard_bits = deviation.x87 ? standard_x87 : standard_main;
+        if ((bits & deviation.mask) != deviation.value || (standard_bits & deviation.mask) == deviation.value) continue;
+        names += (names.empty() ? "" : ",") + std::string(deviation.name);
+        read(std::string(deviation.name), described_state);
     }
-    if (told != *this) all += (all.empty() ? "" : ",") + std::string(otherwise);
-    return all;
+    if (described_state != *this) names += (names.empty() ? "" : ",") + std::string(other_difference);
+    return names;
 }
 
-bool FloatingPoint::read(const std::string& words, FloatingPoint& into) {
-    std::string_view rest = words;
+bool FloatingPoint::read(const std::string& names, FloatingPoint& into) {
+    std::string_view rest = names;
     while (!rest.empty()) {
-        const std::string_view word = rest.substr(0, rest.find(','));
-        rest.remove_prefix(std::min(rest.size(), word.size() + 1));
-        bool known = word == otherwise;
-        for (const Deviation& way : deviations) {
-            if (way.word != word) continue;
-            known = true;
-            if (way.x87)
-                into.x87_ = (into.x87_ & ~static_cast<std::uint32_t>(way.mask)) | static_cast<std::uint32_t>(way.value);
-            else into.main_ = (into.main_ & ~way.mask) | way.value;
+        const std::string_view name = rest.substr(0, rest.find(','));
+        rest.remove_prefix(std::min(rest.size(), name.size() + 1));
+        bool is_known = name == other_difference;
+        for (const Deviation& deviation : deviations) {
+            if (deviation.name != name) continue;
+            is_known = true;
+            if (deviation.x87)
+                into.x87_ = (into.x87_ & ~static_cast<std::uint32_t>(deviation.mask)) |
+                            static_cast<std::uint32_t>(deviation.value);
+            else into.main_ = (into.main_ & ~deviation.mask) | deviation.value;
         }
-        if (!known) return false;
+        if (!is_known) return false;
     }
     return true;
 }

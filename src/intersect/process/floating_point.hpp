@@ -1,6 +1,6 @@
 // The processor's floating-point state: its rounding direction, and whether it treats subnormal numbers as zeros. A
-// library linked with -Ofast changes that in the thread that loads it, and threads inherit it from the one that starts
-// them.
+// library linked with -Ofast changes the state of the thread that loads it, and a thread inherits the state of the
+// thread that starts it.
 #pragma once
 
 #include <cstdint>
@@ -8,23 +8,23 @@
 
 namespace lostbits::intersect::process {
 
-/// The control bits of SSE and of x87, without the raised exceptions. On other processors the rounding direction alone,
-/// and on AArch64 FPCR.
+/// The control bits of SSE and of x87, without the raised exceptions. On AArch64 FPCR; on other processors only the
+/// rounding direction.
 class FloatingPoint {
 public:
-    /// The state of this thread.
+    /// Returns the state of this thread.
     static FloatingPoint current() noexcept;
-    /// The state that IEEE 754 asks for and that every number here relies on: rounding to nearest, subnormal numbers
-    /// kept, no traps, and 64 bits of significand on x87.
+    /// Returns the state that IEEE 754 asks for and on which every number here relies: rounding to nearest, subnormal
+    /// numbers kept, no traps, and 64 bits of significand on x87.
     static FloatingPoint standard() noexcept;
 
     /// Sets this state for this thread.
     void set() const noexcept;
-    /// `flush_to_zero,denormals_are_zero`: the differences from the standard, as the property of a contract; empty if
-    /// there are none.
+    /// Returns the differences from the standard state as the property of a contract, such as
+    /// `flush_to_zero,denormals_are_zero`; empty if there are none.
     [[nodiscard]] std::string differences() const;
-    /// The inverse of `differences`. False for an unknown word.
-    static bool read(const std::string& words, FloatingPoint& into);
+    /// The inverse of `differences`. Returns false for an unknown name.
+    static bool read(const std::string& names, FloatingPoint& into);
 
     friend bool operator==(const FloatingPoint&, const FloatingPoint&) = default;
 
@@ -33,21 +33,21 @@ private:
     std::uint32_t x87_ = 0;
 };
 
-/// Restores the thread's initial state when it is destroyed: for calls of foreign code without a contract, such as
-/// image libraries and drivers.
+/// Restores, when it is destroyed, the state that the thread had when the guard was made: for calls of foreign code
+/// without a contract, such as image libraries and drivers.
 class FloatingPointGuard {
 public:
-    FloatingPointGuard() noexcept : before_(FloatingPoint::current()) {}
-    ~FloatingPointGuard() { before_.set(); }
+    FloatingPointGuard() noexcept : state_before_(FloatingPoint::current()) {}
+    ~FloatingPointGuard() { state_before_.set(); }
     FloatingPointGuard(const FloatingPointGuard&) = delete;
     FloatingPointGuard& operator=(const FloatingPointGuard&) = delete;
 
 private:
-    FloatingPoint before_;
+    FloatingPoint state_before_;
 };
 
-/// Requires the standard state: an enclosure is not valid if the processor rounds otherwise or has no subnormal
-/// numbers. Error with Exit::internal, which names `what`; takes some ten nanoseconds.
+/// Throws Error with Exit::internal, which names `what`, unless the thread has the standard state: an enclosure is not
+/// valid if the processor rounds otherwise or has no subnormal numbers. Takes some ten nanoseconds.
 void require_standard(const char* what);
 
 }  // namespace lostbits::intersect::process

@@ -25,11 +25,11 @@
 namespace lostbits::intersect::process {
 namespace {
 
-constexpr std::array<int, 3> stopping{SIGINT, SIGTERM, SIGHUP};
+constexpr std::array<int, 3> stop_signals{SIGINT, SIGTERM, SIGHUP};
 
-using Resource = std::decay_t<decltype(RLIMIT_AS)>;  // glibc's own type, or int
+using Resource = std::decay_t<decltype(RLIMIT_AS)>;  // the type that glibc gives the constants, or int
 struct Limit {
-    Resource number;
+    Resource resource;
     const char* name;
 };
 constexpr std::array limits{Limit{RLIMIT_AS, "the size of memory (ulimit -v)"},
@@ -46,57 +46,57 @@ struct OwnState {
     int folder = -1;
     mode_t umask = 0;
     sigset_t mask{};
-    std::array<struct sigaction, stopping.size()> actions{};
-    struct stat folder_is {};
-    std::array<rlimit, limits.size()> had{};
+    std::array<struct sigaction, stop_signals.size()> actions{};
+    struct stat folder_status {};
+    std::array<rlimit, limits.size()> old_limits{};
 };
-OwnState kept;
+OwnState remembered;
 /// Never destroyed: exit handlers read it too.
-std::map<std::string, std::string, std::less<>>& kept_environment() {
-    static auto* all = new std::map<std::string, std::string, std::less<>>;
-    return *all;
+std::map<std::string, std::string, std::less<>>& remembered_environment() {
+    static auto* environment = new std::map<std::string, std::string, std::less<>>;
+    return *environment;
 }
-std::atomic<bool> is_kept{false}, is_forked{false};
+std::atomic<bool> is_remembered{false}, is_forked{false};
 
 }  // namespace
 
 void keep_own_state() {
-    if (is_kept.load()) return;
-    kept.process = getpid();
-    kept.folder = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC);
-    if (kept.folder >= 0) fstat(kept.folder, &kept.folder_is);
-    for (std::size_t i = 0; i < limits.size(); ++i) getrlimit(limits[i].number, &kept.had[i]);
-    kept.umask = umask(0);
-    umask(kept.umask);
-    pthread_sigmask(SIG_SETMASK, nullptr, &kept.mask);
-    for (std::size_t i = 0; i < stopping.size(); ++i) sigaction(stopping[i], nullptr, &kept.actions[i]);
+    if (is_remembered.load()) return;
+    remembered.process = getpid();
+    remembered.folder = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC);
+    if (remembered.folder >= 0) fstat(remembered.folder, &remembered.folder_status);
+    for (std::size_t i = 0; i < limits.size(); ++i) getrlimit(limits[i].resource, &remembered.old_limits[i]);
+    remembered.umask = umask(0);
+    umask(remembered.umask);
+    pthread_sigmask(SIG_SETMASK, nullptr, &remembered.mask);
+    for (std::size_t i = 0; i < stop_signals.size(); ++i) sigaction(stop_signals[i], nullptr, &remembered.actions[i]);
     for (char** entry = environ; entry != nullptr && *entry != nullptr; ++entry) {
         const std::string_view text = *entry;
         const auto equals = text.find('=');
         if (equals != std::string_view::npos)
-            kept_environment().emplace(text.substr(0, equals), text.substr(equals + 1));
+            remembered_environment().emplace(text.substr(0, equals), text.substr(equals + 1));
     }
     pthread_atfork(nullptr, nullptr, [] { is_forked.store(true); });
-    is_kept.store(true);
+    is_remembered.store(true);
 }
 
-bool has_foreign_code() noexcept { return is_kept.load(); }
+bool has_foreign_code() noexcept { return is_remembered.load(); }
 
 const char* own_environment(const char* name) {
-    if (!is_kept.load()) return std::getenv(name);
-    const auto place = kept_environment().find(std::string_view(name));
-    return place == kept_environment().end() ? nullptr : place->second.c_str();
+    if (!is_remembered.load()) return std::getenv(name);
+    const auto entry = remembered_environment().find(std::string_view(name));
+    return entry == remembered_environment().end() ? nullptr : entry->second.c_str();
 }
 
-bool is_a_copy() noexcept { return is_kept.load() && getpid() != kept.process; }
+bool is_a_copy() noexcept { return is_remembered.load() && getpid() != remembered.process; }
 
 void give_thread_own_folder() noexcept {
-    thread_local const int refused = is_kept.load() ? unshare(CLONE_FS) : 0;
-    static_cast<void>(refused);  // a sandbox may refuse; then the folder stays shared
+    thread_local const int unshare_error = is_remembered.load() ? unshare(CLONE_FS) : 0;
+    static_cast<void>(unshare_error);  // a sandbox may refuse the call; then the folder stays shared
 }
 
 bool put_back_own_state(const char* who) noexcept {
-    if (!is_kept.load()) return true;
+    if (!is_remembered.load()) return true;
     if (is_forked.load() && is_a_copy()) {
         for (const char* part : {"lostbits: ", who != nullptr ? who : "a library",
                                  ": made a copy of this program (fork), which returned from the call as if it were the "
@@ -105,33 +105,37 @@ bool put_back_own_state(const char* who) noexcept {
         }
         _exit(static_cast<int>(Exit::environment));
     }
-    if (kept.folder < 0 || fchdir(kept.folder) == 0) return true;
-    // The folder may no longer be accessible, which is not the fault of foreign code. Only a descriptor that no longer
-    // names it is.
+    if (remembered.folder < 0 || fchdir(remembered.folder) == 0) return true;
+    // The folder may no longer be accessible, which is not the fault of foreign code. It is the fault of that code if
+    // the descriptor no longer names the folder.
     struct stat now {};
-    return fstat(kept.folder, &now) == 0 && now.st_dev == kept.folder_is.st_dev && now.st_ino == kept.folder_is.st_ino;
+    return fstat(remembered.folder, &now) == 0 && now.st_dev == remembered.folder_status.st_dev &&
+           now.st_ino == remembered.folder_status.st_ino;
 }
 
 const char* put_back_limits() noexcept {
-    if (!is_kept.load()) return nullptr;
+    if (!is_remembered.load()) return nullptr;
     for (std::size_t i = 0; i < limits.size(); ++i) {
-        const Resource resource = limits[i].number;
-        const rlimit& own = kept.had[i];
-        rlimit now{};
-        if (getrlimit(resource, &now) != 0 || (now.rlim_cur >= own.rlim_cur && now.rlim_max >= own.rlim_max)) continue;
-        if (setrlimit(resource, &own) == 0) continue;
-        // The hard limit was lowered and cannot be raised. What is left of it will do if the former soft limit fits.
-        const rlimit most{std::min(own.rlim_cur, now.rlim_max), now.rlim_max};
-        if (setrlimit(resource, &most) != 0 || most.rlim_cur < own.rlim_cur) return limits[i].name;
+        const Resource resource = limits[i].resource;
+        const rlimit& old_limit = remembered.old_limits[i];
+        rlimit current_limit{};
+        if (getrlimit(resource, &current_limit) != 0 ||
+            (current_limit.rlim_cur >= old_limit.rlim_cur && current_limit.rlim_max >= old_limit.rlim_max))
+            continue;
+        if (setrlimit(resource, &old_limit) == 0) continue;
+        // The hard limit was lowered and cannot be raised. The lowered limit will do if the former soft limit fits.
+        const rlimit lowered_limit{std::min(old_limit.rlim_cur, current_limit.rlim_max), current_limit.rlim_max};
+        if (setrlimit(resource, &lowered_limit) != 0 || lowered_limit.rlim_cur < old_limit.rlim_cur)
+            return limits[i].name;
     }
     return nullptr;
 }
 
 void put_back_after_loading() noexcept {
-    if (!is_kept.load()) return;
-    umask(kept.umask);
-    pthread_sigmask(SIG_SETMASK, &kept.mask, nullptr);
-    for (std::size_t i = 0; i < stopping.size(); ++i) sigaction(stopping[i], &kept.actions[i], nullptr);
+    if (!is_remembered.load()) return;
+    umask(remembered.umask);
+    pthread_sigmask(SIG_SETMASK, &remembered.mask, nullptr);
+    for (std::size_t i = 0; i < stop_signals.size(); ++i) sigaction(stop_signals[i], &remembered.actions[i], nullptr);
 }
 
 }  // namespace lostbits::intersect::process

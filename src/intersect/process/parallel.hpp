@@ -1,5 +1,5 @@
-// Loops over the threads of the pool. Each step begins in the state that IEEE 754 asks for: between two steps a thread
-// runs code that is not ours (the pool waits with sched_yield, which a preloaded library may have replaced).
+// Loops over the threads of the pool. Each iteration begins in the state that IEEE 754 asks for: between two iterations
+// a thread runs code that is not ours (the pool waits with sched_yield, which a preloaded library may have replaced).
 #pragma once
 
 #include <tbb/blocked_range.h>
@@ -19,7 +19,7 @@ void in_parallel(std::size_t first, std::size_t last, const Body& body) {
     FloatingPoint::standard().set();
 }
 
-/// The same for ranges.
+/// Calls `body(range)` for parts of `all`, in any order and on several threads.
 template <class Body>
 void in_parallel(const tbb::blocked_range<std::size_t>& all, const Body& body) {
     tbb::parallel_for(all, [&body](const tbb::blocked_range<std::size_t>& range) {

@@ -10,7 +10,7 @@
 namespace lostbits::intersect::process {
 
 SharedMemory::SharedMemory() : descriptor_(memfd_create("lostbits", MFD_CLOEXEC | MFD_ALLOW_SEALING)) {
-    // The other process runs foreign code. It must not shrink the memory: reading a mapped page that is gone is a
+    // The other process runs foreign code and must not shrink the memory: reading a mapped page that is gone is a
     // SIGBUS.
     if (descriptor_ >= 0) static_cast<void>(fcntl(descriptor_, F_ADD_SEALS, F_SEAL_SHRINK));
 }
@@ -27,10 +27,10 @@ std::byte* SharedMemory::with_bytes(std::size_t bytes) {
     const std::size_t size = std::max({bytes, 2 * mapped_, static_cast<std::size_t>(info.st_size)});
     if (size > static_cast<std::size_t>(info.st_size) && ftruncate(descriptor_, static_cast<off_t>(size)) != 0)
         return nullptr;
-    void* const place = base_ == nullptr ? mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_, 0)
-                                         : mremap(base_, mapped_, size, MREMAP_MAYMOVE);
-    if (place == MAP_FAILED) return nullptr;
-    base_ = static_cast<std::byte*>(place);
+    void* const mapping = base_ == nullptr ? mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_, 0)
+                                           : mremap(base_, mapped_, size, MREMAP_MAYMOVE);
+    if (mapping == MAP_FAILED) return nullptr;
+    base_ = static_cast<std::byte*>(mapping);
     mapped_ = size;
     return base_;
 }

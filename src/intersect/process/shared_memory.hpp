@@ -5,13 +5,13 @@
 
 namespace lostbits::intersect::process {
 
-/// The two processes agree by other means whose turn it is to use it.
+/// The two processes agree by other means which of them may use the memory next.
 class SharedMemory {
 public:
     /// The descriptor by which a started process inherits the memory of its parent.
     static constexpr int inherited = 3;
 
-    /// Makes new shared memory; its descriptor is -1 if the system has none to give.
+    /// Makes new shared memory; its descriptor is -1 if the system has no memory to give.
     SharedMemory();
     /// Opens the memory of the parent process.
     explicit SharedMemory(int descriptor) : descriptor_(descriptor) {}
@@ -20,8 +20,8 @@ public:
     SharedMemory& operator=(const SharedMemory&) = delete;
 
     [[nodiscard]] int descriptor() const { return descriptor_; }
-    /// Grows it to at least this many bytes; the contents stay. Null if there is no memory. Earlier pointers into it
-    /// become invalid.
+    /// Grows the memory to at least this many bytes; the contents stay. Null if there is not enough memory. Earlier
+    /// pointers into the memory become invalid.
     std::byte* with_bytes(std::size_t bytes);
 
 private:

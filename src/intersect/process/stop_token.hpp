@@ -1,4 +1,4 @@
-// A request to stop some work by whoever started it: two runs in one process have one each.
+// A request to stop some work, made by the code that started the work. Two runs in one process have a token each.
 #pragma once
 
 #include <atomic>
@@ -7,15 +7,15 @@
 
 namespace lostbits::intersect::process {
 
-/// Copied to every worker of a run. The flag belongs to its owner and outlives all copies; another thread or a signal
-/// handler may set it. Without a flag there is never a request.
+/// Copied to every worker of a run. The flag belongs to the owner of the run and outlives all copies; another thread or
+/// a signal handler may set it. A token without a flag never requests a stop.
 class StopToken {
 public:
     StopToken() = default;
     explicit StopToken(const std::atomic<bool>& flag) : flag_(&flag) {}
     [[nodiscard]] bool is_asked() const noexcept { return flag_ != nullptr && flag_->load(std::memory_order_relaxed); }
-    /// Throws Interrupted if a stop is requested. It costs one load; work that may take longer than a second calls it
-    /// on the way.
+    /// Throws Interrupted if a stop is requested. It costs one load. Work that may take longer than a second calls it
+    /// repeatedly.
     void check() const {
         if (is_asked()) throw Interrupted();
     }

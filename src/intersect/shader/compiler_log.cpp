@@ -9,24 +9,24 @@
 namespace lostbits::intersect::shader {
 namespace {
 
-/// One line of a log that names a position.
-struct Complaint {
-    int line = 0, column = 0;  ///< column as Mesa counts it, see `column_of`; 0: not given
-    std::string words;
+/// A message of a compiler's log that names a position.
+struct LogMessage {
+    int line = 0, column = 0;  ///< column as Mesa counts it, see `column_of`; 0 if the log gives no column
+    std::string content;
 };
 
-/// Reads a line of a log. False if it names no position.
-bool read(const std::string& text, Complaint& c) {
-    int used = 0;
-    // Mesa: `1:12(5): error: words`; glslang and AMD: `ERROR: 1:12: words`; NVIDIA: `1(12) : error C1008: words`.
-    if (std::sscanf(text.c_str(), "%*d:%d(%d): %n", &c.line, &c.column, &used) == 2 && used > 0) {
-    } else if (std::sscanf(text.c_str(), "%*[A-Z]: %*[^:]:%d: %n", &c.line, &used) == 1 && used > 0) {
-    } else if (std::sscanf(text.c_str(), "%*d(%d) : %n", &c.line, &used) == 1 && used > 0) {
+/// Reads a line of a log. Returns false if the line names no position.
+bool read_message(const std::string& text, LogMessage& c) {
+    int text_offset = 0;
+    // Mesa: `1:12(5): error: TEXT`; glslang and AMD: `ERROR: 1:12: TEXT`; NVIDIA: `1(12) : error C1008: TEXT`.
+    if (std::sscanf(text.c_str(), "%*d:%d(%d): %n", &c.line, &c.column, &text_offset) == 2 && text_offset > 0) {
+    } else if (std::sscanf(text.c_str(), "%*[A-Z]: %*[^:]:%d: %n", &c.line, &text_offset) == 1 && text_offset > 0) {
+    } else if (std::sscanf(text.c_str(), "%*d(%d) : %n", &c.line, &text_offset) == 1 && text_offset > 0) {
     } else {
         return false;
     }
-    c.words = text.substr(static_cast<std::size_t>(used));
-    if (c.words.starts_with("error: ")) c.words.erase(0, 7);
+    c.content = text.substr(static_cast<std::size_t>(text_offset));
+    if (c.content.starts_with("error: ")) c.content.erase(0, 7);
     return true;
 }
 
@@ -34,34 +34,34 @@ bool is_warning(const std::string& line) {
     return line.find("warning") != std::string::npos || line.starts_with("WARNING");
 }
 
-std::string line_of(const std::string& text, int number) {
+std::string line_of(const std::string& text, int line_number) {
     std::istringstream lines(text);
     std::string line;
-    for (int i = 0; i < number; ++i) {
+    for (int i = 0; i < line_number; ++i) {
         if (!std::getline(lines, line)) return "";  // a `#line` in the text may give any number
     }
     return line;
 }
 
 /// Column in the file, from 1. Mesa counts adjacent blanks as one. If the compiler gives no column, the column of the
-/// text that it quotes, or else of the first text in the line.
-int column_of(const Complaint& c, const std::string& line) {
+/// text that the compiler quotes, or else of the first text in the line.
+int column_of(const LogMessage& c, const std::string& line) {
     const auto is_blank = [](char x) { return x == ' ' || x == '\t'; };
-    int counted = 0;
+    int mesa_column = 0;
     for (std::size_t i = 0; c.column > 0 && i < line.size(); ++i) {
-        counted += i == 0 || !is_blank(line[i]) || !is_blank(line[i - 1]);
-        if (counted == c.column) return static_cast<int>(i) + 1;
+        mesa_column += i == 0 || !is_blank(line[i]) || !is_blank(line[i - 1]);
+        if (mesa_column == c.column) return static_cast<int>(i) + 1;
     }
-    const std::size_t open = c.words.find_first_of("'\""), close = c.words.find_first_of("'\"", open + 1);
-    std::size_t at = std::string::npos;
-    if (close != std::string::npos) at = line.find(c.words.substr(open + 1, close - open - 1));
-    if (at == std::string::npos) at = line.find_first_not_of(" \t");
-    return at == std::string::npos ? 1 : static_cast<int>(at) + 1;
+    const std::size_t open = c.content.find_first_of("'\""), close = c.content.find_first_of("'\"", open + 1);
+    std::size_t position = std::string::npos;
+    if (close != std::string::npos) position = line.find(c.content.substr(open + 1, close - open - 1));
+    if (position == std::string::npos) position = line.find_first_not_of(" \t");
+    return position == std::string::npos ? 1 : static_cast<int>(position) + 1;
 }
 
 /// Advice to add to a message of a compiler; empty if there is none.
-std::string advice(const std::string& words) {
-    const auto has = [&words](const char* part) { return words.find(part) != std::string::npos; };
+std::string advice_for(const std::string& message_text) {
+    const auto has = [&message_text](const char* part) { return message_text.find(part) != std::string::npos; };
     if (has("non-opaque uniforms")) return " (write a constant, or try --device opengl)";
     if (has("discard") || has("dFd") || has("fwidth"))
         return " (only pixel shaders have this; move the intersector into a file of its own)";
@@ -72,31 +72,35 @@ std::string advice(const std::string& words) {
 }  // namespace
 
 std::string errors_of(const std::string& log, const ShaderSource& shader) {
-    const int most = shader.hlsl ? 1 : 8;  // in HLSL the first error causes those that follow
+    const int max_errors = shader.hlsl ? 1 : 8;  // in HLSL the first error causes the errors that follow
     std::istringstream lines(log);
-    std::string all, unplaced;
-    int found = 0;
+    std::string messages, lines_without_position;
+    int error_count = 0;
     for (std::string line; std::getline(lines, line);) {
-        Complaint c;
-        if (!read(line, c)) {
-            if (!line.empty()) unplaced += "\n  " + external::shown_text(line, 200);
+        LogMessage c;
+        if (!read_message(line, c)) {
+            if (!line.empty()) lines_without_position += "\n  " + external::shown_text(line, 200);
             continue;
         }
-        if (is_warning(line) || found == most || c.words.find("compilation terminated") != std::string::npos) continue;
-        ++found;
-        const std::string words = external::plain_text(c.words);
+        if (is_warning(line) || error_count == max_errors ||
+            c.content.find("compilation terminated") != std::string::npos)
+            continue;
+        ++error_count;
+        const std::string message_text = external::plain_text(c.content);
         const Function& f = shader.signature.function;
-        if (!all.empty()) all += "\n";
+        if (!messages.empty()) messages += "\n";
         if (c.line < our_first_line)
-            all += shader.path + ":" + std::to_string(c.line) + ":" +
-                   std::to_string(column_of(c, line_of(shader.text, c.line))) + ": " + words + advice(words);
+            messages += shader.path + ":" + std::to_string(c.line) + ":" +
+                        std::to_string(column_of(c, line_of(shader.text, c.line))) + ": " + message_text +
+                        advice_for(message_text);
         else
-            all += shader.path + ":" + std::to_string(f.line) + ":" + std::to_string(f.column) + ": the call of `" +
-                   f.name + "` is rejected (is it inside an #if?): " + words;
+            messages += shader.path + ":" + std::to_string(f.line) + ":" + std::to_string(f.column) +
+                        ": the call of `" + f.name + "` is rejected (is it inside an #if?): " + message_text;
     }
-    return !all.empty() ? all
-                        : shader.path + ":1:1: the driver's compiler rejects it" +
-                              (unplaced.empty() ? " and does not say why" : ":" + unplaced);
+    return !messages.empty()
+               ? messages
+               : shader.path + ":1:1: the driver's compiler rejects it" +
+                     (lines_without_position.empty() ? " and does not say why" : ":" + lines_without_position);
 }
 
 }  // namespace lostbits::intersect::shader

@@ -7,7 +7,7 @@
 
 namespace lostbits::intersect::shader {
 
-/// Converts a log about `program_text` to a line `FILE:LINE:COLUMN: text` for each error. Reads the formats of Mesa,
+/// Converts the log of a compiler to a line `FILE:LINE:COLUMN: text` for each error. Reads the formats of Mesa,
 /// glslang, NVIDIA and AMD. An error in our part of the program is reported at the function. Never empty.
 std::string errors_of(const std::string& log, const ShaderSource& shader);
 

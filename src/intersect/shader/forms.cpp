@@ -23,8 +23,8 @@ namespace {
 /// One compiled function, with the buffers for a batch.
 class Runner {
 public:
-    Runner(std::shared_ptr<Device> on, std::shared_ptr<Program> program, const ShaderSource& shader)
-        : device_(std::move(on)),
+    Runner(std::shared_ptr<Device> target_device, std::shared_ptr<Program> program, const ShaderSource& shader)
+        : device_(std::move(target_device)),
           program_(std::move(program)),
           shape_(shader.signature.shape),
           answers_(shader.signature.answers),
@@ -32,13 +32,13 @@ public:
 
     template <class S>
     void answer(const lb_batch& batch) {
-        const std::size_t most = max_rays_per_run(device_->limits(), 8 * sizeof(S));
-        for (std::size_t begin = 0; begin < batch.size; begin += most)
-            answer_part<S>(batch, begin, std::min(most, batch.size - begin));
+        const std::size_t max_rays = max_rays_per_run(device_->limits(), 8 * sizeof(S));
+        for (std::size_t begin = 0; begin < batch.size; begin += max_rays)
+            answer_part<S>(batch, begin, std::min(max_rays, batch.size - begin));
     }
 
 private:
-    static constexpr std::uint32_t not_written = 2;
+    static constexpr std::uint32_t unwritten = 2;
 
     template <class S>
     static std::span<std::byte> bytes_at(const void* column, std::size_t first, std::size_t count) {
@@ -50,33 +50,33 @@ private:
     template <class S>
     void answer_part(const lb_batch& batch, std::size_t begin, std::size_t n) {
         const std::size_t numbers = row_of(shape_).numbers;
-        KernelHead words{static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(batch.primitive_stride),
-                         batch.ends != nullptr ? 1U : 0U, batch.starts != nullptr ? 1U : 0U};
-        hits_.assign(n, not_written);
-        const bool own = batch.primitive_stride != 0;
+        KernelHead kernel_head{static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(batch.primitive_stride),
+                               batch.ends != nullptr ? 1U : 0U, batch.starts != nullptr ? 1U : 0U};
+        hits_.assign(n, unwritten);
+        const bool has_own_primitives = batch.primitive_stride != 0;
         S* const near_far = static_cast<S*>(batch.near_far) + 2 * begin;
         const S no_number = 0;
         const std::array<Buffer, BufferBinding::binding_count> buffers{{
-            {std::as_writable_bytes(std::span(&words, 1))},
+            {std::as_writable_bytes(std::span(&kernel_head, 1))},
             {bytes_at<S>(batch.rays, 6 * begin, 6 * n)},
             {batch.ends != nullptr ? bytes_at<S>(batch.ends, begin, n) : bytes_at<S>(&no_number, 0, 1)},
-            {bytes_at<S>(batch.primitives, own ? begin * batch.primitive_stride : 0,
-                         own ? n * batch.primitive_stride : numbers)},
+            {bytes_at<S>(batch.primitives, has_own_primitives ? begin * batch.primitive_stride : 0,
+                         has_own_primitives ? n * batch.primitive_stride : numbers)},
             {std::as_writable_bytes(std::span(near_far, 2 * n)), true},
             {std::as_writable_bytes(std::span(hits_)), true},
             {batch.starts != nullptr ? bytes_at<S>(batch.starts, begin, n) : bytes_at<S>(&no_number, 0, 1)},
         }};
         device_->run(*program_, buffers, (n + group_size - 1) / group_size);
-        // A driver may lose its device without an error. Every ray of a run writes here, so an unwritten entry shows
-        // it.
-        if (std::ranges::find(hits_, not_written) != hits_.end())
+        // A driver may lose its device without an error. Every ray of a run writes an entry here, so an unwritten entry
+        // reveals the loss.
+        if (std::ranges::find(hits_, unwritten) != hits_.end())
             throw EnvironmentError(device_->description().kind +
                                    ": the device is lost: it wrote no answer; does the shader run too long?");
-        const bool tells_hit = answers_ != Signature::Answers::t && answers_ != Signature::Answers::near_far;
+        const bool returns_hit = answers_ != Signature::Answers::t && answers_ != Signature::Answers::near_far;
         for (std::size_t i = 0; i < n; ++i)
-            batch.hit[begin + i] = tells_hit ? hits_[i] != 0
-                                             : !sentinel_.says_miss(static_cast<double>(near_far[2 * i]),
-                                                                    static_cast<double>(near_far[2 * i + 1]));
+            batch.hit[begin + i] = returns_hit ? hits_[i] != 0
+                                               : !sentinel_.means_miss(static_cast<double>(near_far[2 * i]),
+                                                                       static_cast<double>(near_far[2 * i + 1]));
     }
 
     std::shared_ptr<Device> device_;
@@ -87,14 +87,14 @@ private:
     std::vector<std::uint32_t> hits_;
 };
 
-std::shared_ptr<Program> compiled(const ShaderSource& shader, Device& on, int bits) {
+std::shared_ptr<Program> compile(const ShaderSource& shader, Device& target_device, int bits) {
     try {
-        return on.compile(program_text(shader, bits, on.limits().glsl),
-                          shader.hlsl ? device::Language::hlsl : device::Language::glsl);
+        return target_device.compile(program_text(shader, bits, target_device.limits().glsl),
+                                     shader.hlsl ? device::Language::hlsl : device::Language::glsl);
     } catch (const CompileError& error) {
-        const bool translated = shader.signature.doubles != (bits == 64);
+        const bool is_rewritten = shader.signature.doubles != (bits == 64);
         throw InputError(errors_of(error.what(), shader) +
-                         (translated
+                         (is_rewritten
                               ? "\n(the file was rewritten for " + std::string(bits == 64 ? "doubles" : "floats") +
                                     ", as format= asks; some functions do not exist for doubles)"
                               : ""));
@@ -108,22 +108,22 @@ std::size_t max_rays_per_run(const DeviceLimits& limits, int bits) {
     return std::max<std::size_t>(1, std::min(by_buffer, limits.groups * group_size));
 }
 
-std::vector<external::ForeignForm> forms_of(const ShaderSource& shader, const std::shared_ptr<Device>& on,
+std::vector<external::ForeignForm> forms_of(const ShaderSource& shader, const std::shared_ptr<Device>& target_device,
                                             bool name_device, const std::string& arithmetic) {
-    const DeviceDescription& words = on->description();
-    if (shader.f64 && !on->limits().doubles && !shader.f32)
-        throw EnvironmentError(shader.path + ": " + words.renderer +
+    const DeviceDescription& description = target_device->description();
+    if (shader.f64 && !target_device->limits().doubles && !shader.f32)
+        throw EnvironmentError(shader.path + ": " + description.renderer +
                                " has no doubles in shaders; write format=f32, or try another --device");
     std::vector<external::ForeignForm> forms;
     for (const int bits : {32, 64}) {
-        if (bits == 32 ? !shader.f32 : !shader.f64 || !on->limits().doubles) continue;
+        if (bits == 32 ? !shader.f32 : !shader.f64 || !target_device->limits().doubles) continue;
         external::ForeignForm form{shader.contract, "--shader " + shader.path, {}};
         form.contract.bits = bits;
-        if (name_device) form.contract.name += "." + words.kind;
+        if (name_device) form.contract.name += "." + description.kind;
         form.contract.source = std::filesystem::path(shader.path).filename().string() + ":" +
                                std::to_string(shader.signature.function.line) + " on " + arithmetic;
         form.contract.source.resize(std::min<std::size_t>(form.contract.source.size(), 400));
-        const auto runner = std::make_shared<Runner>(on, compiled(shader, *on, bits), shader);
+        const auto runner = std::make_shared<Runner>(target_device, compile(shader, *target_device, bits), shader);
         form.answer = [runner, bits](const lb_batch& batch) {
             bits == 32 ? runner->answer<float>(batch) : runner->answer<double>(batch);
         };

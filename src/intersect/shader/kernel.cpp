@@ -33,28 +33,29 @@ constexpr std::array<PredefinedName, 10> predefined_names{{{"iResolution", "vec3
 /// An offset in a text, and what is inserted before that byte.
 using Insertion = std::pair<std::size_t, std::string>;
 
-/// Turns a uniform such as `uniform vec2 size;`, whose first token has the index `at`, into a variable, since Vulkan
+/// Turns a uniform such as `uniform vec2 size;`, whose first token has the index `first`, into a variable, since Vulkan
 /// allows uniforms only in blocks. With `initialized` the variable gets the value 0. Blocks and samplers stay.
 void add_zero_initializer(std::string& text, std::vector<Insertion>& insertions, const std::vector<Token>& tokens,
-                          std::size_t at, bool initialized) {
+                          std::size_t first, bool initialized) {
     static const std::set<std::string_view> types{"float", "int", "uint", "bool", "vec2", "vec3", "vec4", "double"};
-    if (at + 3 >= tokens.size() || !types.contains(tokens[at + 1].text) || tokens[at + 3].text != ";") return;
-    blank(text, tokens[at]);
-    if (initialized) insertions.emplace_back(tokens[at + 3].offset, " = " + std::string(tokens[at + 1].text) + "(0)");
+    if (first + 3 >= tokens.size() || !types.contains(tokens[first + 1].text) || tokens[first + 3].text != ";") return;
+    blank(text, tokens[first]);
+    if (initialized)
+        insertions.emplace_back(tokens[first + 3].offset, " = " + std::string(tokens[first + 1].text) + "(0)");
 }
 
-/// Makes all insertions in one pass, so that the text is copied once.
+/// Applies all insertions in one pass, so that the text is copied once.
 std::string with_insertions(const std::string& text, const std::vector<Insertion>& insertions) {
     std::string result;
     std::size_t copied = 0;
-    for (const auto& [at, inserted] : insertions) {
-        result += text.substr(copied, at - copied) + inserted;
-        copied = at;
+    for (const auto& [offset, inserted] : insertions) {
+        result += text.substr(copied, offset - copied) + inserted;
+        copied = offset;
     }
     return result + text.substr(copied);
 }
 
-/// Rewrites the user's text so that a compute program can contain it. Every line and column stays where it was. Without
+/// Rewrites the user's text so that a compute program can contain it. Every line and column keeps its position. Without
 /// `initialize_uniforms`, uniforms get no value.
 std::string as_compute_code(const std::string& original, bool initialize_uniforms = true) {
     std::string text = original;
@@ -62,15 +63,16 @@ std::string as_compute_code(const std::string& original, bool initialize_uniform
     int depth = 0;
     std::vector<Insertion> insertions;
     std::size_t version_line = 0;
-    bool interface = false;
+    bool in_layout = false;
     for (std::size_t i = 0; i < tokens.size(); ++i) {
         const Token& t = tokens[i];
         if (t.kind == Token::Kind::comment) continue;
         if (t.in_directive) {
-            const bool version = t.text == "#" && i + 1 < tokens.size() && tokens[i + 1].text == "version" &&
-                                 t.line != version_line;  // each such line once
-            if (version) version_line = t.line;
-            for (std::size_t k = i; version && k < tokens.size() && tokens[k].line == t.line; ++k) {
+            const bool is_version_directive = t.text == "#" && i + 1 < tokens.size() &&
+                                              tokens[i + 1].text == "version" &&
+                                              t.line != version_line;  // each such line only once
+            if (is_version_directive) version_line = t.line;
+            for (std::size_t k = i; is_version_directive && k < tokens.size() && tokens[k].line == t.line; ++k) {
                 if (tokens[k].kind != Token::Kind::comment) blank(text, tokens[k]);
             }
         }
@@ -84,17 +86,17 @@ std::string as_compute_code(const std::string& original, bool initialize_uniform
                                                            "flat", "smooth", "layout"};
         if (depth == 0 && !t.in_directive && qualifiers.contains(t.text)) {
             blank(text, t);
-            interface = t.text == "layout";
-        } else if (interface && !t.in_directive) {
+            in_layout = t.text == "layout";
+        } else if (in_layout && !t.in_directive) {
             blank(text, t);
-            interface = !(t.text == ")" && depth == 0);
+            in_layout = !(t.text == ")" && depth == 0);
         }
     }
     return with_insertions(text, insertions);
 }
 
-/// Declares names that the text uses and does not declare: those that web sites for shaders, such as Shadertoy,
-/// provide, and those of other stages. Constants are written as `#define`, because an `#extension` directive of the
+/// Declares names that the text uses and does not declare: names that web sites for shaders, such as Shadertoy,
+/// provide, and names of other stages. Constants are written as `#define`, because an `#extension` directive of the
 /// text may come after directives, but not after declarations. Outputs and channels are variables.
 std::string site_declarations(const std::string& text) {
     const std::vector<Token> code = code_tokens(tokens_of(text));
@@ -105,9 +107,9 @@ std::string site_declarations(const std::string& text) {
         if (i + 1 < code.size() && site_types.contains(code[i].text)) declared.insert(code[i + 1].text);
     }
     std::string declarations;
-    for (const PredefinedName& s : predefined_names) {
-        if (used.contains(s.name) && !declared.contains(s.name))
-            declarations += "#define " + std::string(s.name) + " " + std::string(s.value) + "\n";
+    for (const PredefinedName& predefined : predefined_names) {
+        if (used.contains(predefined.name) && !declared.contains(predefined.name))
+            declarations += "#define " + std::string(predefined.name) + " " + std::string(predefined.value) + "\n";
     }
     if (used.contains("lb_FragColor")) declarations += "vec4 lb_FragColor;\n";
     if (used.contains("lb_FragDepth")) declarations += "float lb_FragDepth;\n";
@@ -119,7 +121,7 @@ std::string site_declarations(const std::string& text) {
     return declarations;
 }
 
-/// The usual loop. Its constants are written as decimals that are read back without a change.
+/// Code of the loop that marches a field. Its constants are written as decimals that are read back without a change.
 std::string march_code(const Signature& s, const ShaderMarch& march, const std::string& call) {
     const auto number = [&s](double x) {
         std::array<char, 40> text{};
@@ -136,7 +138,7 @@ std::string march_code(const Signature& s, const ShaderMarch& march, const std::
            number(march.max_dist) + ") break;\n    }\n";
 }
 
-/// The call of the function, and the statements that store its answer.
+/// Code that calls the function and stores its answer.
 std::string call_code(const Signature& s, const ShaderMarch& march) {
     using Answers = Signature::Answers;
     std::string code, list;
@@ -161,17 +163,18 @@ std::string call_code(const Signature& s, const ShaderMarch& march) {
         case Answers::hit_and_t: store(s.outputs[0], s.outputs[0]); break;
         case Answers::hit_and_near_far: store(s.outputs[0], s.outputs[1]); break;
     }
-    const bool tells_hit = s.function.type == "bool";
-    return code + "    lb_hits[lb_i] = " + (tells_hit ? "lb_says ? 1u : 0u" : "1u") + ";\n";
+    const bool returns_hit = s.function.type == "bool";
+    return code + "    lb_hits[lb_i] = " + (returns_hit ? "lb_says ? 1u : 0u" : "1u") + ";\n";
 }
 
 /// The members of the buffer `head`, in the order of `KernelHead`, and the buffers of columns.
 constexpr std::array<std::string_view, 4> head_members{"lb_count", "lb_stride", "lb_has_ends", "lb_has_starts"};
 static_assert(sizeof(KernelHead) == head_members.size() * sizeof(std::uint32_t));
 struct ColumnBuffer {
-    BufferBinding at;
+    BufferBinding binding;
     std::string_view name;
-    bool written = false, whole = false;  ///< written by the program; holds integers, not the function's numbers
+    bool is_written = false, holds_integers = false;  ///< true if the program writes the buffer; true if it holds
+                                                      ///< integers, not the function's numbers
 };
 constexpr std::array<ColumnBuffer, BufferBinding::binding_count - 1> column_buffers{
     {{BufferBinding::rays, "lb_rays"},
@@ -184,26 +187,27 @@ constexpr std::array<ColumnBuffer, BufferBinding::binding_count - 1> column_buff
 /// Declares the buffers and begins the main function, in GLSL.
 std::string glsl_prologue(const std::string& real) {
     std::string code = "layout(local_size_x = " + std::to_string(device::group_size) + ") in;\n", head;
-    const auto buffer = [&code](BufferBinding at, bool written, const std::string& members) {
-        code += "layout(std430, binding = " + std::to_string(at) + ") " + (written ? "writeonly" : "readonly") +
-                " buffer LbBuffer" + std::to_string(at) + " {" + members + " };\n";
+    const auto buffer = [&code](BufferBinding binding, bool is_written, const std::string& members) {
+        code += "layout(std430, binding = " + std::to_string(binding) + ") " + (is_written ? "writeonly" : "readonly") +
+                " buffer LbBuffer" + std::to_string(binding) + " {" + members + " };\n";
     };
     for (const std::string_view member : head_members) head += " uint " + std::string(member) + ";";
     buffer(BufferBinding::head, false, head);
     for (const ColumnBuffer& c : column_buffers)
-        buffer(c.at, c.written, " " + (c.whole ? "uint" : real) + " " + std::string(c.name) + "[];");
+        buffer(c.binding, c.is_written, " " + (c.holds_integers ? "uint" : real) + " " + std::string(c.name) + "[];");
     return code + "void main() {\n";
 }
 
-/// The same in HLSL. Its macros let the rest of the program be written as in GLSL.
+/// Declares the buffers and begins the main function, in HLSL. Its macros allow the rest of the program to be written
+/// as in GLSL.
 std::string hlsl_prologue() {
     std::string code =
         "#define vec2 float2\n#define vec3 float3\n#define vec4 float4\n#define uintBitsToFloat asfloat\n";
     for (std::size_t k = 0; k < head_members.size(); ++k)
         code += "#define " + std::string(head_members[k]) + " lb_head[" + std::to_string(k) + "]\n";
     const auto buffer = [&code](const ColumnBuffer& c) {
-        code += "[[vk::binding(" + std::to_string(c.at) + ")]] " + (c.written ? "RW" : "") + "StructuredBuffer<" +
-                (c.whole ? "uint" : "float") + "> " + std::string(c.name) + ";\n";
+        code += "[[vk::binding(" + std::to_string(c.binding) + ")]] " + (c.is_written ? "RW" : "") +
+                "StructuredBuffer<" + (c.holds_integers ? "uint" : "float") + "> " + std::string(c.name) + ";\n";
     };
     buffer({BufferBinding::head, "lb_head", false, true});
     for (const ColumnBuffer& c : column_buffers) buffer(c);
@@ -215,20 +219,20 @@ std::string main_code(const Signature& s, const ShaderMarch& march, bool hlsl) {
     const std::string real = s.doubles ? "double" : "float", v = s.doubles ? "dvec" : "vec";
     const std::string count = std::to_string(row_of(s.shape).numbers);
     std::string code = hlsl ? hlsl_prologue() : glsl_prologue(real);
-    const auto vec = [&](const std::string& name, const char* from, std::size_t first) {
+    const auto declare_vector = [&](const std::string& name, const char* array, std::size_t first) {
         code += "    " + v + "3 " + name + " = " + v + "3(";
         for (std::size_t k = 0; k < 3; ++k)
-            code += std::string(k == 0 ? "" : ", ") + from + "[" + std::to_string(first + k) + "]";
+            code += std::string(k == 0 ? "" : ", ") + array + "[" + std::to_string(first + k) + "]";
         code += ");\n";
     };
     code += "    uint lb_i = gl_GlobalInvocationID.x;\n    if (lb_i >= lb_count) return;\n";
     code += "    " + real + " lb_ray[6], lb_primitive[" + count + "];\n";
     code += "    for (uint k = 0u; k < 6u; ++k) lb_ray[k] = lb_rays[6u * lb_i + k];\n";
     code += "    for (uint k = 0u; k < " + count + "u; ++k) lb_primitive[k] = lb_primitives[lb_stride * lb_i + k];\n";
-    vec("lb_origin", "lb_ray", 0);
-    vec("lb_direction", "lb_ray", 3);
+    declare_vector("lb_origin", "lb_ray", 0);
+    declare_vector("lb_direction", "lb_ray", 3);
     for_each_key(s.shape, [&](const Key& key, std::size_t k) {
-        if (key.count() == 3) vec("lb_" + std::string(key.name), "lb_primitive", k);
+        if (key.count() == 3) declare_vector("lb_" + std::string(key.name), "lb_primitive", k);
     });
     // Infinity is written by its bits, since drivers differ in what a division by zero gives.
     code +=
@@ -245,11 +249,11 @@ const std::map<std::string_view, std::string_view>& types_of_doubles() {
 }
 
 /// Rewrites a number that has a point, an exponent or the suffix f for the other width. Other numbers stay as they are.
-std::string number_of(std::string_view number, bool to_doubles) {
+std::string converted_number(std::string_view number, bool to_doubles) {
     std::string text(number);
-    const bool hex = text.starts_with("0x") || text.starts_with("0X");
-    const bool real = !hex && text.find_first_of(".eEfF") != std::string::npos;
-    if (!real) return text;
+    const bool is_hex = text.starts_with("0x") || text.starts_with("0X");
+    const bool is_real = !is_hex && text.find_first_of(".eEfF") != std::string::npos;
+    if (!is_real) return text;
     while (text.ends_with('f') || text.ends_with('F') || text.ends_with('l') || text.ends_with('L')) text.pop_back();
     if (text.find_first_of(".eE") == std::string::npos) text += ".0";
     return to_doubles ? text + "LF" : text;
@@ -262,16 +266,17 @@ std::string to_precision(const std::string& text, bool to_doubles) {
     std::size_t copied = 0;
     bool in_precision = false;
     for (const Token& token : tokens_of(text)) {
-        std::string now(token.text);
-        if (token.kind == Token::Kind::number) now = number_of(token.text, to_doubles);
+        std::string replacement(token.text);
+        if (token.kind == Token::Kind::number) replacement = converted_number(token.text, to_doubles);
         if (token.kind == Token::Kind::name) {
-            for (const auto& [one, two] : types_of_doubles()) {
-                if (token.text == (to_doubles ? one : two)) now = to_doubles ? two : one;
+            for (const auto& [float_type, double_type] : types_of_doubles()) {
+                if (token.text == (to_doubles ? float_type : double_type))
+                    replacement = to_doubles ? double_type : float_type;
             }
         }
         // `precision highp float;` has no counterpart for doubles.
         in_precision = in_precision || (to_doubles && token.text == "precision");
-        result += text.substr(copied, token.offset - copied) + (in_precision ? "" : now);
+        result += text.substr(copied, token.offset - copied) + (in_precision ? "" : replacement);
         if (token.text == ";") in_precision = false;
         copied = token.offset + token.text.size();
     }
@@ -288,17 +293,17 @@ std::string program_text(const ShaderSource& shader, int bits, int version) {
     Signature signature = shader.signature;
     if (shader.hlsl) return line(1) + shader.text + line(our_first_line) + main_code(signature, shader.march, true);
     std::string text = as_compute_code(shader.text);
-    std::string site = site_declarations(text);
+    std::string declarations = site_declarations(text);
     if (signature.doubles != (bits == 64)) {
         const bool to_doubles = bits == 64;
         text = to_precision(text, to_doubles);
-        site = to_precision(site, to_doubles);
+        declarations = to_precision(declarations, to_doubles);
         for (std::string& argument : signature.arguments) argument = to_precision(argument, to_doubles);
         for (Parameter& p : signature.function.parameters) p.type = to_precision(p.type, to_doubles);
         signature.function.type = to_precision(signature.function.type, to_doubles);
         signature.doubles = to_doubles;
     }
-    return "#version " + std::to_string(version) + "\n" + site + line(1) + text + line(our_first_line) +
+    return "#version " + std::to_string(version) + "\n" + declarations + line(1) + text + line(our_first_line) +
            main_code(signature, shader.march, false);
 }
 

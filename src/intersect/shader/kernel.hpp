@@ -9,28 +9,29 @@
 
 namespace lostbits::intersect::shader {
 
-/// The buffers of the program, by their binding.
+/// The buffers of the program; the value of an enumerator is the binding.
 enum BufferBinding : unsigned { head, rays, ends, primitives, answers, hits, starts, binding_count };
 
 /// Contents of the buffer `head`.
 struct KernelHead {
     std::uint32_t rays = 0;
-    std::uint32_t stride = 0;  ///< numbers from the primitive of one ray to that of the next; 0: one for all
+    std::uint32_t stride = 0;  ///< numbers from the primitive of one ray to the primitive of the next ray; 0 if all
+                               ///< rays have the same primitive
     std::uint32_t ends = 0;    ///< 1 if rays have ends
-    std::uint32_t starts = 0;  ///< 1 if rays begin elsewhere than at 0
+    std::uint32_t starts = 0;  ///< 1 if rays have a beginning other than 0
 };
 
-/// Line number at which our part of the program begins; the user's begins with line 1. (`#line` also takes a number for
-/// the source string, but Mesa 22 loses that in expressions.)
+/// Line number at which our part of the program begins; the user's part begins with line 1. (`#line` also takes a
+/// number for the source string, but Mesa 22 loses this number in expressions.)
 inline constexpr int our_first_line = 1'000'001;
 
-/// The program, in GLSL of that version for numbers of 32 or 64 bits, or in HLSL if the file is HLSL. The user's text
-/// keeps its lines. Names that only other stages have (`gl_FragCoord`, `in` and `out` of the file, `main`) are renamed
-/// or blanked without moving a column. Uniforms become variables with the value 0, the value of a uniform that nobody
-/// sets.
+/// Returns the program, in GLSL of that version for numbers of 32 or 64 bits, or in HLSL if the file is HLSL. The
+/// user's text keeps its lines. Names that only other stages have (`gl_FragCoord`, `in` and `out` of the file, `main`)
+/// are renamed or blanked without moving a column. Uniforms become variables with the value 0, the value of a uniform
+/// that is never set.
 std::string program_text(const ShaderSource& shader, int bits, int version);
 
-/// Two texts for a program of our own that contains a GLSL file: the lines in front of the file (`#version` and
+/// Returns two texts for a program of our own that contains a GLSL file: the lines in front of the file (`#version` and
 /// declarations), and the text of the file. Lines and columns stay, and uniforms become variables without a value.
 std::pair<std::string, std::string> without_kernel(const std::string& text);
 

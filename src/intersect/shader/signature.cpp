@@ -10,16 +10,16 @@ namespace {
 
 using Qualifier = Parameter::Qualifier;
 
-std::string lower(std::string text) {
+std::string lower_case(std::string text) {
     std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
     return text;
 }
 
-/// Other spellings of the points of primitives, by the names of their keys: parts of a name, and whole names.
+/// Other spellings of the points of primitives, by the names of their keys: fragments of a name, and whole names.
 constexpr struct {
     std::string_view key;
-    std::array<std::string_view, 3> parts;
-    std::array<std::string_view, 5> words;
+    std::array<std::string_view, 3> fragments;
+    std::array<std::string_view, 5> names;
 } spellings[] = {{"centre", {"cent"}, {"c", "ce", "pos", "sc", "sphere"}},
                  {"lo", {"min", "low"}, {"lo", "a", "lb", "bl", "p1"}},
                  {"radii", {"radii", "semi"}, {"ra", "r", "radius", "abc"}},
@@ -33,47 +33,50 @@ bool is_named(const Key& key, const std::string& name) {
     return !name.empty() && (name == key.name || std::ranges::find(key.aliases, name) != key.aliases.end());
 }
 
-/// The key of a shape with that name and that many numbers; null if there is none.
+/// Returns the key of a shape with that name and that number of numbers; null if there is none.
 const Key* key_named(const ShapeRow& row, const std::string& name, std::size_t numbers) {
     const auto key =
         std::ranges::find_if(row.keys, [&](const Key& k) { return k.count() == numbers && is_named(k, name); });
     return key == row.keys.end() ? nullptr : &*key;
 }
 
-/// The expression that the name of a vec3 stands for; empty if the name says nothing. The keys of `shape` take
-/// precedence: a capsule has a `start`, and a triangle may have a `p0`.
-std::string role_of(const std::string& named, const ShapeRow* shape = nullptr) {
-    const std::string name = lower(named);
+/// Returns the expression for the argument with the name of a vec3; empty if the name is not recognised. The keys of
+/// `shape` take precedence: a capsule has a `start`, and a triangle may have a `p0`.
+std::string role_of(const std::string& parameter_name, const ShapeRow* shape = nullptr) {
+    const std::string name = lower_case(parameter_name);
     if (const Key* key = shape == nullptr ? nullptr : key_named(*shape, name, 3)) return variable_of(key->name);
-    const auto has = [&name](const auto& parts) {
-        return std::ranges::any_of(
-            parts, [&](std::string_view part) { return !part.empty() && name.find(part) != std::string::npos; });
+    const auto contains = [&name](const auto& fragments) {
+        return std::ranges::any_of(fragments, [&](std::string_view fragment) {
+            return !fragment.empty() && name.find(fragment) != std::string::npos;
+        });
     };
-    const auto is = [&name](const auto& words) { return std::ranges::find(words, name) != std::ranges::end(words); };
-    using Words = std::initializer_list<std::string_view>;
-    if (has(Words{"inv", "rcp"})) return std::string(inverse);
-    if (has(Words{"dir"}) || is(Words{"rd", "d", "rdir", "v", "raydir"})) return std::string(direction);
-    if (has(Words{"orig"}) || is(Words{"ro", "o", "eye", "start", "p0", "e"})) return std::string(origin);
+    const auto equals = [&name](const auto& names) {
+        return std::ranges::find(names, name) != std::ranges::end(names);
+    };
+    using Texts = std::initializer_list<std::string_view>;
+    if (contains(Texts{"inv", "rcp"})) return std::string(inverse);
+    if (contains(Texts{"dir"}) || equals(Texts{"rd", "d", "rdir", "v", "raydir"})) return std::string(direction);
+    if (contains(Texts{"orig"}) || equals(Texts{"ro", "o", "eye", "start", "p0", "e"})) return std::string(origin);
     for (const auto& spelling : spellings)
-        if (has(spelling.parts) || is(spelling.words)) return variable_of(spelling.key);
+        if (contains(spelling.fragments) || equals(spelling.names)) return variable_of(spelling.key);
     for (const ShapeRow& row : shape_rows)
         if (const Key* key = key_named(row, name, 3)) return variable_of(key->name);
     return {};
 }
 
-/// The roles of the vectors: the usual order of shader sites, or the order that the names give if they name each role
-/// once.
-std::vector<std::string> roles_of(const std::vector<const Parameter*>& vectors, std::vector<std::string> usual,
+/// Returns the roles of the vectors: the usual order of shader sites, or the order of the parameters' names if the
+/// names give each role once.
+std::vector<std::string> roles_of(const std::vector<const Parameter*>& vectors, std::vector<std::string> roles,
                                   const ShapeRow* shape) {
-    std::vector<std::string> named;
+    std::vector<std::string> named_roles;
     for (const Parameter* p : vectors) {
         const std::string role = role_of(p->name, shape);
-        named.push_back(role == inverse ? std::string(direction) : role);
+        named_roles.push_back(role == inverse ? std::string(direction) : role);
     }
-    if (std::ranges::is_permutation(named, usual)) usual = named;
+    if (std::ranges::is_permutation(named_roles, roles)) roles = named_roles;
     for (std::size_t k = 0; k < vectors.size(); ++k)
-        if (usual[k] == direction && role_of(vectors[k]->name, shape) == inverse) usual[k] = inverse;
-    return usual;
+        if (roles[k] == direction && role_of(vectors[k]->name, shape) == inverse) roles[k] = inverse;
+    return roles;
 }
 
 /// Number of keys that have this many numbers.
@@ -81,60 +84,63 @@ std::size_t count_of(const ShapeRow& row, std::size_t numbers) {
     return static_cast<std::size_t>(std::ranges::count(row.keys, numbers, &Key::count));
 }
 
-bool contains_any(const std::string& name, std::initializer_list<std::string_view> parts) {
-    return std::ranges::any_of(parts, [&](std::string_view part) { return name.find(part) != std::string::npos; });
+bool contains_any(const std::string& name, std::initializer_list<std::string_view> fragments) {
+    return std::ranges::any_of(fragments,
+                               [&](std::string_view fragment) { return name.find(fragment) != std::string::npos; });
 }
 
 /// Reads the signature of one function from its parameters.
-class Reader {
+class SignatureReader {
 public:
-    Reader(const Function& function, bool named) : named_(named) { found_.function = function; }
+    SignatureReader(const Function& function, bool user_named) : user_named_(user_named) {
+        signature_.function = function;
+    }
 
     std::optional<Signature> read() {
-        const auto has_type = [&function = found_.function](std::initializer_list<std::string_view> types) {
+        const auto has_type = [&function = signature_.function](std::initializer_list<std::string_view> types) {
             return std::ranges::any_of(function.parameters, [types](const Parameter& p) {
                 return std::ranges::find(types, p.type) != types.end();
             });
         };
-        found_.doubles = has_type({"dvec3", "dvec4", "double"});
-        of_hlsl_ = has_type({"float3", "float4"});
-        arguments_.resize(found_.function.parameters.size());
+        signature_.doubles = has_type({"dvec3", "dvec4", "double"});
+        is_hlsl_ = has_type({"float3", "float4"});
+        arguments_.resize(signature_.function.parameters.size());
         for (std::size_t k = 0; k < arguments_.size(); ++k) {
-            if (!sort(found_.function.parameters[k], k)) return {};
+            if (!assign_parameter(signature_.function.parameters[k], k)) return {};
         }
-        if (!take_kind()) return {};
-        take_primitive();
-        if (!take_answer()) return {};
-        found_.arguments = std::move(arguments_);
-        return std::move(found_);
+        if (!choose_kind()) return {};
+        set_primitive_arguments();
+        if (!choose_answers()) return {};
+        signature_.arguments = std::move(arguments_);
+        return std::move(signature_);
     }
 
 private:
     /// A type such as `vec3` in the function's spelling: dvec3 in doubles, float3 in HLSL.
-    [[nodiscard]] std::string typed(const std::string& type) const {
-        return of_hlsl_ ? "float" + type.substr(3) : (found_.doubles ? "d" : "") + type;
+    [[nodiscard]] std::string type_name(const std::string& type) const {
+        return is_hlsl_ ? "float" + type.substr(3) : (signature_.doubles ? "d" : "") + type;
     }
-    [[nodiscard]] std::string scalar() const { return found_.doubles ? "double" : "float"; }
+    [[nodiscard]] std::string scalar_type() const { return signature_.doubles ? "double" : "float"; }
 
-    /// Assigns a parameter to its kind. False if no intersector takes such a parameter.
-    bool sort(const Parameter& p, std::size_t k) {
+    /// Assigns a parameter to a role or a list. Returns false if no intersector takes such a parameter.
+    bool assign_parameter(const Parameter& p, std::size_t k) {
         if (p.type.find('[') != std::string::npos || p.name.find('[') != std::string::npos) return false;
         if (p.qualifier != Qualifier::in) {
             arguments_[k] = "lb_out_" + std::to_string(k);
-            if (p.type == scalar()) found_.outputs.push_back(arguments_[k]);
-            found_.knows_end = found_.knows_end || (p.qualifier == Qualifier::inout && p.type == scalar());
+            if (p.type == scalar_type()) signature_.outputs.push_back(arguments_[k]);
+            signature_.knows_end = signature_.knows_end || (p.qualifier == Qualifier::inout && p.type == scalar_type());
             return true;
         }
-        if (p.type == typed("vec3")) vectors_.push_back(k);
-        else if (p.type == typed("vec4") && !whole_) whole_ = k;
-        else if (p.type == scalar()) return take_number(p, k);
+        if (p.type == type_name("vec3")) vectors_.push_back(k);
+        else if (p.type == type_name("vec4") && !vec4_) vec4_ = k;
+        else if (p.type == scalar_type()) return assign_number(p, k);
         else return false;
         return true;
     }
 
-    /// Takes a number as a length of the primitive, or as the beginning or the end of the ray.
-    bool take_number(const Parameter& p, std::size_t k) {
-        const std::string name = lower(p.name);
+    /// Assigns a number to the lengths of the primitive, or to the beginning or the end of the ray.
+    bool assign_number(const Parameter& p, std::size_t k) {
+        const std::string name = lower_case(p.name);
         // Keys first: the `minor_radius` of a torus contains "min" and is not a minimum.
         if (std::ranges::any_of(shape_rows, [&](const ShapeRow& row) { return key_named(row, name, 1) != nullptr; })) {
             lengths_.push_back(k);
@@ -143,26 +149,28 @@ private:
         const auto has = [&name](const char* part) { return name.find(part) != std::string::npos; };
         if (has("min") || has("start")) {
             arguments_[k] = "lb_tmin";
-            found_.knows_start = true;
+            signature_.knows_start = true;
         } else if (has("max") || has("end")) {
             arguments_[k] = "lb_tmax";
-            found_.knows_end = true;
+            signature_.knows_end = true;
         } else {
             lengths_.push_back(k);
         }
         return true;
     }
 
-    /// Chooses the shape that has as many points and lengths as the function has beside `own` vectors. If several do,
-    /// the one all of whose keys are names of parameters, or else the first.
-    bool choose_shape(std::size_t own) {
-        if (vectors_.size() < own || (whole_ && vectors_.size() > own)) return false;
+    /// Chooses the shape that has as many points and lengths as the function has beside the `ray_vectors` vectors of
+    /// the ray. If several shapes match, chooses the shape all of whose keys are names of parameters, or else the
+    /// first.
+    bool choose_shape(std::size_t ray_vectors) {
+        if (vectors_.size() < ray_vectors || (vec4_ && vectors_.size() > ray_vectors)) return false;
         const auto is_parameter = [this](const Key& key) {
-            return std::ranges::any_of(found_.function.parameters, [&key](const Parameter& p) {
-                return is_named(key, lower(p.name)) || (key.count() == 3 && role_of(p.name) == variable_of(key.name));
+            return std::ranges::any_of(signature_.function.parameters, [&key](const Parameter& p) {
+                return is_named(key, lower_case(p.name)) ||
+                       (key.count() == 3 && role_of(p.name) == variable_of(key.name));
             });
         };
-        const std::size_t points = whole_ ? 1 : vectors_.size() - own, lengths = whole_ ? 1 : lengths_.size();
+        const std::size_t points = vec4_ ? 1 : vectors_.size() - ray_vectors, lengths = vec4_ ? 1 : lengths_.size();
         for (const ShapeRow& row : shape_rows) {
             if (count_of(row, 3) != points || count_of(row, 1) != lengths) continue;
             if (shape_ == nullptr || std::ranges::all_of(row.keys, is_parameter)) shape_ = &row;
@@ -170,78 +178,79 @@ private:
         return shape_ != nullptr;
     }
 
-    /// Decides between intersector, march and field: it follows from the number of vectors that belong to the
+    /// Decides between intersector, march and field. The kind follows from the number of vectors that belong to the
     /// primitive.
-    bool take_kind() {
+    bool choose_kind() {
         using Kind = Signature::Kind;
         const std::size_t vectors = vectors_.size();
-        const std::string name = lower(found_.function.name);
+        const std::string name = lower_case(signature_.function.name);
         const bool field_name = contains_any(name, {"map", "sdf", "scene", "field", "getdist"}) || name == "de";
         const bool march_name = contains_any(name, {"march", "trace", "cast"});
-        const bool has_primitive = whole_ || !lengths_.empty() || vectors > 2;
-        const bool from_point = vectors > 0 && role_of(found_.function.parameters[vectors_[0]].name) != origin;
-        if (has_primitive && choose_shape(2)) found_.kind = Kind::intersector;
-        else if (!has_primitive && vectors == 2 && (named_ || march_name)) found_.kind = Kind::march;
-        else if (from_point && (named_ || field_name) && (has_primitive ? choose_shape(1) : vectors == 1))
-            found_.kind = Kind::field;
+        const bool has_primitive = vec4_ || !lengths_.empty() || vectors > 2;
+        const bool from_point = vectors > 0 && role_of(signature_.function.parameters[vectors_[0]].name) != origin;
+        if (has_primitive && choose_shape(2)) signature_.kind = Kind::intersector;
+        else if (!has_primitive && vectors == 2 && (user_named_ || march_name)) signature_.kind = Kind::march;
+        else if (from_point && (user_named_ || field_name) && (has_primitive ? choose_shape(1) : vectors == 1))
+            signature_.kind = Kind::field;
         else return false;
         return true;
     }
 
-    void take_primitive() {
-        const bool field = found_.kind == Signature::Kind::field;
-        std::vector<std::string> usual;
-        if (field) usual = {"lb_point"};
-        else usual = {std::string(origin), std::string(direction)};
-        if (shape_ != nullptr) add_primitive(usual);
-        std::vector<const Parameter*> all;
-        for (const std::size_t k : vectors_) all.push_back(&found_.function.parameters[k]);
-        const std::vector<std::string> roles = roles_of(all, usual, shape_);
+    void set_primitive_arguments() {
+        const bool is_field = signature_.kind == Signature::Kind::field;
+        std::vector<std::string> default_roles;
+        if (is_field) default_roles = {"lb_point"};
+        else default_roles = {std::string(origin), std::string(direction)};
+        if (shape_ != nullptr) add_primitive(default_roles);
+        std::vector<const Parameter*> vectors;
+        for (const std::size_t k : vectors_) vectors.push_back(&signature_.function.parameters[k]);
+        const std::vector<std::string> roles = roles_of(vectors, default_roles, shape_);
         for (std::size_t k = 0; k < roles.size(); ++k) arguments_[vectors_[k]] = roles[k];
     }
 
-    /// Takes the lengths of the primitive, and inserts its points among the vectors where they usually stand.
-    void add_primitive(std::vector<std::string>& usual) {
-        found_.shape = shape_->shape;
+    /// Assigns the lengths of the primitive, and inserts its points among the vectors where they usually stand.
+    void add_primitive(std::vector<std::string>& default_roles) {
+        signature_.shape = shape_->shape;
         std::vector<std::string> points;
         std::size_t length = 0;
         for_each_key(shape_->shape, [&](const Key& key, std::size_t first) {
             const std::string number = "lb_primitive[" + std::to_string(first) + "]";
             if (key.count() == 3) points.push_back(variable_of(key.name));
-            else if (whole_) arguments_[*whole_] = typed("vec4") + "(" + points.front() + ", " + number + ")";
+            else if (vec4_) arguments_[*vec4_] = type_name("vec4") + "(" + points.front() + ", " + number + ")";
             else arguments_[lengths_[length++]] = number;
         });
-        if (whole_) return;
-        std::ptrdiff_t before = std::ssize(usual);
+        if (vec4_) return;
+        std::ptrdiff_t insert_position = std::ssize(default_roles);
         if (points.size() == 1 && !lengths_.empty()) {
-            // A centre comes right before its radius.
+            // A centre comes directly before its radius.
             const std::size_t centre = lengths_[0] == 0 ? vectors_.back() : lengths_[0] - 1;
-            before = std::min<std::ptrdiff_t>(before, std::ranges::find(vectors_, centre) - vectors_.begin());
+            insert_position =
+                std::min<std::ptrdiff_t>(insert_position, std::ranges::find(vectors_, centre) - vectors_.begin());
         }
-        usual.insert(usual.begin() + before, points.begin(), points.end());
+        default_roles.insert(default_roles.begin() + insert_position, points.begin(), points.end());
     }
 
-    bool take_answer() {
+    bool choose_answers() {
         using Answers = Signature::Answers;
-        const std::string& type = found_.function.type;
+        const std::string& type = signature_.function.type;
         if (type == "bool") {
-            if (found_.outputs.size() > 2) found_.outputs.resize(2);
-            found_.answers = found_.outputs.empty()       ? Answers::hit
-                             : found_.outputs.size() == 1 ? Answers::hit_and_t
-                                                          : Answers::hit_and_near_far;
+            if (signature_.outputs.size() > 2) signature_.outputs.resize(2);
+            signature_.answers = signature_.outputs.empty()       ? Answers::hit
+                                 : signature_.outputs.size() == 1 ? Answers::hit_and_t
+                                                                  : Answers::hit_and_near_far;
             return true;
         }
-        found_.outputs.clear();
-        found_.answers = type == scalar() ? Answers::t : Answers::near_far;
-        const bool one = found_.kind == Signature::Kind::field;
-        return type == scalar() || (!one && type == typed("vec2"));
+        signature_.outputs.clear();
+        signature_.answers = type == scalar_type() ? Answers::t : Answers::near_far;
+        const bool is_field = signature_.kind == Signature::Kind::field;
+        return type == scalar_type() || (!is_field && type == type_name("vec2"));
     }
 
-    bool named_, of_hlsl_ = false;
-    Signature found_;
+    bool user_named_, is_hlsl_ = false;
+    Signature signature_;
     std::vector<std::string> arguments_;
     std::vector<std::size_t> vectors_, lengths_;  ///< indices of parameters
-    std::optional<std::size_t> whole_;            ///< index of a vec4
+    std::optional<std::size_t> vec4_;             ///< index of a parameter of type vec4
     const ShapeRow* shape_ = nullptr;
 };
 
@@ -252,6 +261,8 @@ const std::string_view known_signatures =
     "`(vec3 ro, vec3 rd, vec3 lo, vec3 hi)`; or `bool` with `out float t`, or `out float near, out float far`; for "
     "marches `float march(vec3 ro, vec3 rd)` or `float map(vec3 p)`";
 
-std::optional<Signature> signature_of(const Function& function, bool named) { return Reader(function, named).read(); }
+std::optional<Signature> signature_of(const Function& function, bool user_named) {
+    return SignatureReader(function, user_named).read();
+}
 
 }  // namespace lostbits::intersect::shader

@@ -1,4 +1,5 @@
-// Arguments and answer of a shader function, found from its types, and from its names if the types leave it open.
+// The arguments and the answer of a shader function, found from its types, and from its names if the types leave
+// several choices.
 #pragma once
 
 #include <optional>
@@ -10,10 +11,11 @@
 
 namespace lostbits::intersect::shader {
 
-/// The call of a function that is an intersector. Its expressions use the names that the program around it declares:
-/// `lb_origin`, `lb_direction`, `lb_point`, `lb_primitive[k]` (number k of the primitive), `lb_tmin` and `lb_tmax`.
+/// The call of a function that is an intersector. The expressions of the call use names that the surrounding program
+/// declares: `lb_origin`, `lb_direction`, `lb_point`, `lb_primitive[k]` (number k of the primitive), `lb_tmin` and
+/// `lb_tmax`.
 struct Signature {
-    /// intersector: takes a ray and a primitive. march: takes a ray alone and has its own primitives. field: takes a
+    /// intersector: takes a ray and a primitive. march: takes only a ray and has its own primitives. field: takes a
     /// point and returns a distance; the program around it marches. If a file has several kinds, the first counts.
     enum class Kind { intersector, march, field };
     enum class Answers { t, near_far, hit, hit_and_t, hit_and_near_far };
@@ -22,16 +24,16 @@ struct Signature {
     Kind kind = Kind::intersector;
     Shape shape{};
     Answers answers = Answers::t;
-    bool doubles = false;                ///< written in dvec3 and double
-    bool knows_start = false;            ///< takes the beginning of the ray
-    bool knows_end = false;              ///< takes the end of the ray
+    bool doubles = false;                ///< true if the function is written in dvec3 and double
+    bool knows_start = false;            ///< true if the function takes the beginning of the ray
+    bool knows_end = false;              ///< true if the function takes the end of the ray
     std::vector<std::string> arguments;  ///< expressions; `lb_out_k` for the output parameter k
-    std::vector<std::string> outputs;    ///< those of `arguments` that hold t, or near and far
+    std::vector<std::string> outputs;    ///< the expressions in `arguments` that hold t, or near and far
 };
 
-/// Nothing if the types are not those of an intersector. A march and a field must have a name that says so, `march` or
-/// `map`, unless the user named the function.
-std::optional<Signature> signature_of(const Function& function, bool named = false);
+/// Returns the signature of a function; empty if the types are not those of an intersector. A march and a field must
+/// have a name such as `march` or `map`, unless the user named the function.
+std::optional<Signature> signature_of(const Function& function, bool user_named = false);
 
 /// Description of the recognised signatures, for messages.
 extern const std::string_view known_signatures;

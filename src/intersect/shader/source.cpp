@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// A property of the function, and the position where the file or the command line states it.
-struct Word {
+struct Property {
     std::string key, value, where;
 };
 
@@ -34,89 +34,95 @@ std::string read_text(const fs::path& path) {
 }
 
 /// Splits the argument into the file and the options after it.
-std::pair<std::string, std::string> split(const std::string& named) {
-    std::error_code none;
-    for (std::size_t end = named.size();; end = named.rfind(':', end - 1)) {
+std::pair<std::string, std::string> split_argument(const std::string& argument) {
+    std::error_code error;
+    for (std::size_t end = argument.size();; end = argument.rfind(':', end - 1)) {
         if (end == std::string::npos) break;
-        if (fs::exists(named.substr(0, end), none))
-            return {named.substr(0, end), end == named.size() ? "" : named.substr(end + 1)};
+        if (fs::exists(argument.substr(0, end), error))
+            return {argument.substr(0, end), end == argument.size() ? "" : argument.substr(end + 1)};
         if (end == 0) break;
     }
-    throw InputError("--shader " + named + ": no such file; write FILE.glsl or FILE.glsl:FUNCTION");
+    throw InputError("--shader " + argument + ": no such file; write FILE.glsl or FILE.glsl:FUNCTION");
 }
 
-/// Reads properties with `separator` or blanks between them; quotation marks hold one together.
-void add_words(std::string_view text, char separator, const std::string& where, std::vector<Word>& words) {
+/// Reads properties with `separator` or blanks between them. Quotation marks hold a property together.
+void add_properties(std::string_view text, char separator, const std::string& where,
+                    std::vector<Property>& properties) {
     const auto separates = [separator](char c) { return c == separator || c == ' ' || c == '\t' || c == '\r'; };
-    for (std::size_t at = 0; at < text.size();) {
-        if (separates(text[at])) {
-            ++at;
+    for (std::size_t position = 0; position < text.size();) {
+        if (separates(text[position])) {
+            ++position;
             continue;
         }
-        std::string word;
-        for (bool quoted = false; at < text.size() && (quoted || !separates(text[at])); ++at) {
-            if (text[at] == '"') quoted = !quoted;
-            else word += text[at];
+        std::string property;
+        for (bool quoted = false; position < text.size() && (quoted || !separates(text[position])); ++position) {
+            if (text[position] == '"') quoted = !quoted;
+            else property += text[position];
         }
-        const std::size_t equals = word.find('=');
-        if (equals == std::string::npos) words.push_back({"function", word, where});
-        else words.push_back({word.substr(0, equals), word.substr(equals + 1), where});
+        const std::size_t equals = property.find('=');
+        if (equals == std::string::npos) properties.push_back({"function", property, where});
+        else properties.push_back({property.substr(0, equals), property.substr(equals + 1), where});
     }
 }
 
 /// Reads the properties that comments of the file state after `lostbits:`, up to the end of the line.
-void add_header(const std::string& path, const std::vector<Token>& tokens, std::vector<Word>& words) {
+void add_comment_properties(const std::string& path, const std::vector<Token>& tokens,
+                            std::vector<Property>& properties) {
     constexpr std::string_view mark = "lostbits:";
     for (const Token& token : tokens) {
         if (token.kind != Token::Kind::comment) continue;
-        std::size_t line = token.line, counted = 0;
-        for (std::size_t at = token.text.find(mark); at != std::string_view::npos; at = token.text.find(mark, at)) {
-            line += static_cast<std::size_t>(std::ranges::count(token.text.substr(counted, at - counted), '\n'));
-            const std::size_t newline = token.text.rfind('\n', at);
-            const std::size_t column = newline == std::string_view::npos ? token.column + at : at - newline;
-            const std::size_t end = std::min(token.text.find('\n', at), token.text.size());
-            std::string_view rest = token.text.substr(at + mark.size(), end - at - mark.size());
+        std::size_t line = token.line, counted_to = 0;
+        for (std::size_t position = token.text.find(mark); position != std::string_view::npos;
+             position = token.text.find(mark, position)) {
+            line += static_cast<std::size_t>(
+                std::ranges::count(token.text.substr(counted_to, position - counted_to), '\n'));
+            const std::size_t newline = token.text.rfind('\n', position);
+            const std::size_t column = newline == std::string_view::npos ? token.column + position : position - newline;
+            const std::size_t end = std::min(token.text.find('\n', position), token.text.size());
+            std::string_view rest = token.text.substr(position + mark.size(), end - position - mark.size());
             if (rest.ends_with("*/")) rest.remove_suffix(2);
-            add_words(rest, ' ', path + ":" + std::to_string(line) + ":" + std::to_string(column), words);
-            counted = at;
-            at = end;
+            add_properties(rest, ' ', path + ":" + std::to_string(line) + ":" + std::to_string(column), properties);
+            counted_to = position;
+            position = end;
         }
     }
 }
 
-Sentinel sentinel_of(const Word& word) {
+Sentinel sentinel_of(const Property& property) {
     using Kind = Sentinel::Kind;
     constexpr std::array<std::string_view, 4> kinds{"negative", "crossed", "zero", "infinite"};
-    const auto known = std::ranges::find(kinds, word.value);
-    if (known != kinds.end()) return {static_cast<Kind>(known - kinds.begin()), 0};
+    const auto kind = std::ranges::find(kinds, property.value);
+    if (kind != kinds.end()) return {static_cast<Kind>(kind - kinds.begin()), 0};
     Sentinel above{Kind::above, 0};
-    const auto [end, error] = std::from_chars(word.value.data(), word.value.data() + word.value.size(), above.bound);
-    if (error == std::errc() && end == word.value.data() + word.value.size() && above.bound > 0) return above;
-    throw InputError(word.where + ": miss is " + external::shown_text(word.value) +
+    const auto [end, error] =
+        std::from_chars(property.value.data(), property.value.data() + property.value.size(), above.bound);
+    if (error == std::errc() && end == property.value.data() + property.value.size() && above.bound > 0) return above;
+    throw InputError(property.where + ": miss is " + external::shown_text(property.value) +
                      "; it must be negative (t < 0 means a miss), crossed (near > far), zero (t <= 0), infinite, or a "
                      "number from which on t means a miss, such as 1e20");
 }
 
-std::string place(const std::string& path, const Function& f) {
+std::string place_text(const std::string& path, const Function& f) {
     return path + ":" + std::to_string(f.line) + ":" + std::to_string(f.column);
 }
 
-std::string listed(const std::vector<Function>& functions) {
-    constexpr std::size_t most = 30;
+std::string list_text(const std::vector<Function>& functions) {
+    constexpr std::size_t max_listed = 30;
     std::string text;
     for (const Function& f : functions) {
-        if (&f - functions.data() == most) return text + "\n  and " + std::to_string(functions.size() - most) + " more";
-        text += "\n  line " + std::to_string(f.line) + ": " + f.words();
+        if (&f - functions.data() == max_listed)
+            return text + "\n  and " + std::to_string(functions.size() - max_listed) + " more";
+        text += "\n  line " + std::to_string(f.line) + ": " + f.declaration();
     }
     return text;
 }
 
-/// The functions with the signature of the first kind that the file has (intersector, march, field): a file with a
-/// march has a field too.
-std::vector<Function> candidates(const std::vector<Function>& all) {
+/// Returns the functions with the signature of the first kind that the file has (intersector, march, field), since a
+/// file with a march also has a field.
+std::vector<Function> candidates(const std::vector<Function>& functions) {
     std::vector<Function> best;
     auto kind = Signature::Kind::field;
-    for (const Function& f : all) {
+    for (const Function& f : functions) {
         const auto signature = signature_of(f);
         if (!signature || (!best.empty() && signature->kind > kind)) continue;
         if (signature->kind < kind) best.clear();
@@ -126,97 +132,99 @@ std::vector<Function> candidates(const std::vector<Function>& all) {
     return best;
 }
 
-/// Chooses the named function, or else the only one that has the types of an intersector.
-Signature choose(const std::string& path, const std::vector<Function>& all, const Word* named) {
-    if (all.empty())
+/// Chooses the function that the user names, or else the only function that has the types of an intersector.
+Signature choose(const std::string& path, const std::vector<Function>& functions, const Property* function_property) {
+    if (functions.empty())
         throw InputError(path + ": contains no function; write one, such as float f(vec3 ro, vec3 rd, vec4 sphere)");
-    std::vector<Function> chosen = candidates(all);
-    if (named) {
+    std::vector<Function> chosen = candidates(functions);
+    if (function_property) {
         chosen.clear();
-        std::ranges::copy_if(all, std::back_inserter(chosen),
-                             [&](const Function& f) { return f.name == named->value; });
+        std::ranges::copy_if(functions, std::back_inserter(chosen),
+                             [&](const Function& f) { return f.name == function_property->value; });
     }
-    if (chosen.empty() && named)
-        throw InputError(named->where + ": no function " + external::shown_text(named->value) + " in " + path +
-                         "; its functions are:" + listed(all));
+    if (chosen.empty() && function_property)
+        throw InputError(function_property->where + ": no function " + external::shown_text(function_property->value) +
+                         " in " + path + "; its functions are:" + list_text(functions));
     if (chosen.empty())
         throw InputError(path + ": no function has the types of an intersector, which are " +
-                         std::string(known_signatures) + "; the functions of the file are:" + listed(all) +
+                         std::string(known_signatures) + "; the functions of the file are:" + list_text(functions) +
                          "\nwrite one that calls yours, or name it as in --shader " + path + ":FUNCTION");
-    if (!named && chosen.size() > 1)
+    if (!function_property && chosen.size() > 1)
         throw InputError(path + ": several functions have the types of an intersector; name one, as in --shader " +
-                         path + ":" + chosen.back().name + ":" + listed(chosen));
+                         path + ":" + chosen.back().name + ":" + list_text(chosen));
     for (const Function& f : chosen) {
-        if (auto signature = signature_of(f, named != nullptr)) return *signature;
+        if (auto signature = signature_of(f, function_property != nullptr)) return *signature;
     }
-    throw InputError(place(path, chosen.front()) + ": `" + chosen.front().words() +
+    throw InputError(place_text(path, chosen.front()) + ": `" + chosen.front().declaration() +
                      "` does not have the types of an intersector, which are " + std::string(known_signatures) +
                      "; write a function that calls it");
 }
 
-/// The default contract: the properties of most functions with such a signature.
-external::Contract usual_contract(const std::string& path, const Signature& signature) {
+/// Returns the default contract: the properties of most functions with such a signature.
+external::Contract default_contract(const std::string& path, const Signature& signature) {
     external::Contract c{.name = fs::path(path).stem().string(),
-                         .title = signature.function.words(),
+                         .title = signature.function.declaration(),
                          .source = {},
                          .shape = signature.shape,
                          .bits = signature.doubles ? 64 : 32};
     using Answers = Signature::Answers;
     c.direction = row_of(signature.shape).usually_unit ? Direction::unit : Direction::any;
-    const bool two = signature.answers == Answers::near_far || signature.answers == Answers::hit_and_near_far;
-    c.roots = two ? Roots::both : signature.answers == Answers::hit ? Roots::none : Roots::near_only;
+    const bool has_two_roots = signature.answers == Answers::near_far || signature.answers == Answers::hit_and_near_far;
+    c.roots = has_two_roots ? Roots::both : signature.answers == Answers::hit ? Roots::none : Roots::near_only;
     if (signature.kind != Signature::Kind::intersector) {
         c.direction = Direction::unit;
-        c.roots = two ? Roots::both : Roots::near_only;
+        c.roots = has_two_roots ? Roots::both : Roots::near_only;
     }
-    const bool ends_at_once = signature.kind != Signature::Kind::intersector || inside_returns_zero(signature.shape);
-    if (c.roots == Roots::near_only && ends_at_once) c.inside = Inside::zero;  // a march ends where it begins
+    const bool returns_zero_inside =
+        signature.kind != Signature::Kind::intersector || inside_returns_zero(signature.shape);
+    if (c.roots == Roots::near_only && returns_zero_inside) c.inside = Inside::zero;  // a march ends where it begins
     c.flags = LB_ONE_THREAD;
     return c;
 }
 
-/// Turns the name into `shader.NAME` with only the characters that a name may have, and shortens a long title.
-void name_it(external::Contract& contract) {
+/// Changes the name to `shader.NAME` with only the characters that a name may have, and shortens a long title.
+void normalize_name(external::Contract& contract) {
     for (char& c : contract.name) {
-        const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-';
-        if (!plain) c = '_';
+        const bool is_allowed = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-';
+        if (!is_allowed) c = '_';
     }
     contract.name = "shader." + contract.name.substr(0, 40);
-    constexpr std::size_t most = 120;
-    if (contract.title.size() > most) contract.title = contract.title.substr(0, most) + "...";
+    constexpr std::size_t max_title = 120;
+    if (contract.title.size() > max_title) contract.title = contract.title.substr(0, max_title) + "...";
 }
 
 /// Reads a number x with 0 < x < 1e30.
-double positive(const Word& word) {
+double positive_number(const Property& property) {
     double number = 0;
-    const char* const end = word.value.data() + word.value.size();
-    const auto [stop, error] = std::from_chars(word.value.data(), end, number);
+    const char* const end = property.value.data() + property.value.size();
+    const auto [stop, error] = std::from_chars(property.value.data(), end, number);
     if (error != std::errc() || stop != end || !(number > 0) || !(number < 1e30))
-        throw InputError(word.where + ": " + word.key + " is " + external::shown_text(word.value) +
+        throw InputError(property.where + ": " + property.key + " is " + external::shown_text(property.value) +
                          "; it must be a number above 0 and below 1e30");
     return number;
 }
 
-void set_formats(const Word& word, ShaderSource& shader) {
-    if (word.value != "f32" && word.value != "f64" && word.value != "both")
-        throw InputError(word.where + ": format is " + external::shown_text(word.value) +
+void set_formats(const Property& property, ShaderSource& shader) {
+    if (property.value != "f32" && property.value != "f64" && property.value != "both")
+        throw InputError(property.where + ": format is " + external::shown_text(property.value) +
                          "; it must be f32, f64 or both");
-    shader.f32 = word.value != "f64";
-    shader.f64 = word.value != "f32";
+    shader.f32 = property.value != "f64";
+    shader.f64 = property.value != "f32";
 }
 
-void obey(const Word& word, ShaderSource& shader) {
+void apply_property(const Property& property, ShaderSource& shader) {
     const bool own_primitives =
         shader.signature.kind == Signature::Kind::march || shader.signature.arguments.size() == 1;
-    if (word.key == "function") return;
-    if (word.key == "miss") shader.sentinel = sentinel_of(word);
-    else if (word.key == "format") set_formats(word, shader);
-    else if (word.key == "hit_eps") shader.march.hit_eps = positive(word);
-    else if (word.key == "max_dist") shader.march.max_dist = positive(word);
-    else if (word.key == "max_steps") shader.march.max_steps = static_cast<int>(std::min(positive(word), 1e9));
-    else if ((word.key == "shape" && !own_primitives) || word.key == "source" ||
-             !external::set_word(shader.contract, word.key, word.value, word.where))
-        throw InputError(word.where + ": unknown key " + external::shown_text(word.key) +
+    if (property.key == "function") return;
+    if (property.key == "miss") shader.sentinel = sentinel_of(property);
+    else if (property.key == "format") set_formats(property, shader);
+    else if (property.key == "hit_eps") shader.march.hit_eps = positive_number(property);
+    else if (property.key == "max_dist") shader.march.max_dist = positive_number(property);
+    else if (property.key == "max_steps")
+        shader.march.max_steps = static_cast<int>(std::min(positive_number(property), 1e9));
+    else if ((property.key == "shape" && !own_primitives) || property.key == "source" ||
+             !external::set_property(shader.contract, property.key, property.value, property.where))
+        throw InputError(property.where + ": unknown key " + external::shown_text(property.key) +
                          "; known keys are function, name, title, direction, roots, touching, at_origin, inside, "
                          "facing, flags, miss "
                          "and format; for a field also hit_eps, max_dist and max_steps; for a march or field with its "
@@ -226,21 +234,22 @@ void obey(const Word& word, ShaderSource& shader) {
 
 /// Throws InputError if the function does not receive where rays begin and end.
 void require_range(const std::string& path, const Signature& s) {
-    const std::string says = place(path, s.function) + ": flags=range is given, but `" + s.function.words() + "` ";
+    const std::string message_start =
+        place_text(path, s.function) + ": flags=range is given, but `" + s.function.declaration() + "` ";
     if (s.kind == Signature::Kind::field)
-        throw InputError(says +
+        throw InputError(message_start +
                          "is a field: the loop around it begins at 0; write the march yourself, or leave range out: "
                          "lostbits then accepts only answers in the range");
     if (!s.knows_start || !s.knows_end)
         throw InputError(
-            says +
+            message_start +
             "has no parameters for where rays begin and end; add `float tmin, float tmax`, or leave range out: "
             "lostbits then takes the first root in the range");
 }
 
 }  // namespace
 
-bool Sentinel::says_miss(double near, double far) const {
+bool Sentinel::means_miss(double near, double far) const {
     switch (kind) {
         case Kind::negative: return far < 0;
         case Kind::crossed: return near > far || far < 0;
@@ -251,8 +260,8 @@ bool Sentinel::says_miss(double near, double far) const {
     return false;
 }
 
-ShaderSource read_shader(const std::string& named) {
-    const auto [path, after] = split(named);
+ShaderSource read_shader(const std::string& argument) {
+    const auto [path, options] = split_argument(argument);
     ShaderSource shader{.path = path,
                         .text = read_text(path),
                         .signature = {},
@@ -262,24 +271,25 @@ ShaderSource read_shader(const std::string& named) {
                         .hlsl = fs::path(path).extension() == ".hlsl",
                         .loops = {}};
     const std::vector<Token> tokens = tokens_of(shader.text), code = code_tokens(tokens);
-    std::vector<Word> words;
-    add_header(path, tokens, words);
-    add_words(after, ',', "--shader " + named, words);
-    const auto is_function = [](const Word& word) { return word.key == "function"; };
-    const auto function = std::find_if(words.rbegin(), words.rend(), is_function);
-    shader.signature = choose(path, functions_of(code), function == words.rend() ? nullptr : &*function);
-    shader.contract = usual_contract(path, shader.signature);
-    if (function != words.rend() && function->where.starts_with("--shader")) shader.contract.name = function->value;
+    std::vector<Property> properties;
+    add_comment_properties(path, tokens, properties);
+    add_properties(options, ',', "--shader " + argument, properties);
+    const auto is_function = [](const Property& property) { return property.key == "function"; };
+    const auto function = std::find_if(properties.rbegin(), properties.rend(), is_function);
+    shader.signature = choose(path, functions_of(code), function == properties.rend() ? nullptr : &*function);
+    shader.contract = default_contract(path, shader.signature);
+    if (function != properties.rend() && function->where.starts_with("--shader"))
+        shader.contract.name = function->value;
     if (shader.signature.answers == Signature::Answers::near_far) shader.sentinel.kind = Sentinel::Kind::crossed;
     shader.f32 = !shader.signature.doubles;
     shader.f64 = shader.signature.doubles;
-    for (const Word& word : words) obey(word, shader);
+    for (const Property& property : properties) apply_property(property, shader);
     if (shader.hlsl && shader.f64) throw InputError(path + ": HLSL is measured in floats only; leave format= out");
     if ((shader.contract.flags & LB_RANGE) != 0) require_range(path, shader.signature);
-    name_it(shader.contract);
+    normalize_name(shader.contract);
     shader.signature.shape = shader.contract.shape;
-    const bool ends = takes_tmax(shader.contract.shape) && shader.contract.roots != Roots::none;
-    if (ends && !shader.signature.knows_end) shader.contract.flags |= LB_NO_END;
+    const bool takes_end = takes_tmax(shader.contract.shape) && shader.contract.roots != Roots::none;
+    if (takes_end && !shader.signature.knows_end) shader.contract.flags |= LB_NO_END;
     external::require_sense(shader.contract, path);
     shader.loops = loops_of(tokens, code);
     if (shader.signature.kind == Signature::Kind::field)

@@ -10,10 +10,10 @@
 
 namespace lostbits::intersect::shader {
 
-/// The answer for a miss of a function that returns only numbers.
+/// The value by which a function that returns only numbers reports a miss.
 struct Sentinel {
     enum class Kind {
-        negative,  ///< t < 0; of near and far, far < 0
+        negative,  ///< t < 0; for near and far, far < 0
         crossed,   ///< near > far, or far < 0
         zero,      ///< t ≤ 0
         infinite,  ///< not finite
@@ -22,13 +22,13 @@ struct Sentinel {
     Kind kind = Kind::negative;
     double bound = 0;
 
-    /// True if these numbers mean a miss; for a function of one number, pass `t` twice. A NaN is a miss for `infinite`
-    /// alone: otherwise a hit at NaN is an answer too.
-    [[nodiscard]] bool says_miss(double near, double far) const;
+    /// True if these numbers mean a miss; for a function of one number, pass `t` twice. A NaN is a miss only for
+    /// `infinite`; for the other kinds, a hit at NaN is an answer, too.
+    [[nodiscard]] bool means_miss(double near, double far) const;
 };
 
-/// Constants of the usual loop through a field: d = map(ro + rd t); a hit at that t if d < hit_eps; else t += d; a miss
-/// if t > max_dist, or after max_steps. The defaults are those of SDF Sphere Marching (lesson P0-C1).
+/// Constants of the loop that marches a field: d = map(ro + rd t); a hit at that t if d < hit_eps; else t += d; a miss
+/// if t > max_dist, or after max_steps. The defaults are those of lesson P0-C1 of SDF Sphere Marching.
 struct ShaderMarch {
     double hit_eps = 0.001, max_dist = 20;
     int max_steps = 64;
@@ -37,18 +37,19 @@ struct ShaderMarch {
 struct ShaderSource {
     std::string path, text;
     Signature signature;
-    external::Contract contract;  ///< its `bits` are those of the numbers in the file
+    external::Contract contract;  ///< `bits` is the width of the numbers in the file
     Sentinel sentinel;
-    ShaderMarch march;             ///< used for a field
-    bool f32 = true, f64 = false;  ///< formats wanted; the file is rewritten for the one that it is not in
-    bool hlsl = false;             ///< if its name ends in .hlsl; computes in floats only
+    ShaderMarch march;             ///< used only for a field
+    bool f32 = true, f64 = false;  ///< true for the requested formats; the file is rewritten for the format in which it
+                                   ///< is not written
+    bool hlsl = false;             ///< true if the file name ends in .hlsl; such a shader computes only in floats
     std::vector<CountedLoop> loops;
 };
 
-/// Reads `FILE.glsl` or `FILE.glsl:OPTIONS`. The options, with commas between them, are a function's name and
-/// properties `key=value`, which comments of the file may state too (`// lostbits: roots=first touching=miss`). Those
-/// of the command line take precedence. InputError with the position if the file has no intersector or several, or for
-/// an invalid option.
-ShaderSource read_shader(const std::string& named);
+/// Reads `FILE.glsl` or `FILE.glsl:OPTIONS`. The options, separated by commas, are a function's name and properties
+/// `key=value`. Comments of the file may also state properties (`// lostbits: roots=first touching=miss`); properties
+/// of the command line take precedence. Throws InputError with the position if the file has no intersector or several,
+/// or for an invalid option.
+ShaderSource read_shader(const std::string& argument);
 
 }  // namespace lostbits::intersect::shader

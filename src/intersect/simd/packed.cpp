@@ -19,9 +19,10 @@ constexpr std::size_t forms = form_count;
 
 constexpr std::size_t bytes_of(Isa isa) { return isa == Isa::w512 ? 64 : isa == Isa::w256 ? 32 : 16; }
 
-/// The rows of a width. `fill` was compiled for that width, so call it only on a machine that has it.
+/// The rows for one register width. `fill` was compiled for that width, so call it only on a machine that has the
+/// width.
 struct RowsOfWidth {
-    std::array<OwnPacksOfRow, forms> packs;
+    std::array<RegisterKernels, forms> packs;
     std::array<PackedRow, forms> rows;
 
     RowsOfWidth(Isa isa, void (*fill)(RawRow*)) {
@@ -29,7 +30,7 @@ struct RowsOfWidth {
         fill(raw.data());
         for (std::size_t i = 0; i < forms; ++i) {
             packs[i] = {raw[i], bytes_of(isa)};
-            rows[i] = {table::catalogue()[i].info, packs[i].f32.bound(), packs[i].f64.bound()};
+            rows[i] = {table::catalogue()[i].info, packs[i].f32.table_kernel(), packs[i].f64.table_kernel()};
         }
     }
     RowsOfWidth(const RowsOfWidth&) = delete;
@@ -47,7 +48,7 @@ std::span<const PackedRow> scalar_rows() {
     return rows;
 }
 
-bool runs(Isa isa) {
+bool is_available(Isa isa) {
     switch (isa) {
         case Isa::scalar: return true;
 #ifdef LOSTBITS_HAS_W128
@@ -75,9 +76,9 @@ std::optional<Isa> isa_named(std::string_view name) {
 }
 
 std::vector<Isa> available_isas() {
-    std::vector<Isa> all{Isa::scalar, Isa::w128, Isa::w256, Isa::w512};
-    std::erase_if(all, [](Isa isa) { return !runs(isa); });
-    return all;
+    std::vector<Isa> isas{Isa::scalar, Isa::w128, Isa::w256, Isa::w512};
+    std::erase_if(isas, [](Isa isa) { return !is_available(isa); });
+    return isas;
 }
 
 Isa best_isa() { return available_isas().back(); }
@@ -92,13 +93,14 @@ std::atomic<Isa>& chosen_isa() {
 }  // namespace
 
 void set_isa(Isa isa) {
-    if (!runs(isa)) {
-        std::string can;
-        for (const Isa other : available_isas()) can += (can.empty() ? "" : ", ") + std::string(name_of(other));
+    if (!is_available(isa)) {
+        std::string available_names;
+        for (const Isa other : available_isas())
+            available_names += (available_names.empty() ? "" : ", ") + std::string(name_of(other));
         throw EnvironmentError(
             "--isa " + std::string(name_of(isa)) +
-            ": this processor has no registers of that width, or this build has no code for them; try one of " + can +
-            ", which all give the same bits");
+            ": this processor has no registers of that width, or this build has no code for them; try one of " +
+            available_names + ", which all give the same bits");
     }
     chosen_isa() = isa;
 }
@@ -106,7 +108,7 @@ void set_isa(Isa isa) {
 Isa current_isa() { return chosen_isa(); }
 
 std::span<const PackedRow> packed_rows(Isa isa) {
-    if (!runs(isa)) return {};
+    if (!is_available(isa)) return {};
     if (isa == Isa::scalar) return scalar_rows();
 #ifdef LOSTBITS_HAS_W256
     if (isa == Isa::w256) {
@@ -130,58 +132,59 @@ std::span<const PackedRow> packed_rows(Isa isa) {
 
 namespace {
 
-struct OwnWidths {
+struct ExternalKernels {
     const Info* info;
-    std::array<OwnPacksOfRow, 3> widths = {};
+    std::array<RegisterKernels, 3> widths = {};
 };
 
-std::deque<OwnWidths>& own_packs() {
-    static std::deque<OwnWidths> rows;
+std::deque<ExternalKernels>& external_packs() {
+    static std::deque<ExternalKernels> rows;
     return rows;
 }
 
 PackedRow native_kernels(const table::Intersector& form) { return {form.info, form.native32, form.native64}; }
 
-/// The kernels of a row at a width; nothing if the row is not compiled for packs.
-std::optional<PackedRow> found_in_packs(const table::Intersector& form, Isa isa) {
+/// Returns the kernels of a row at a width; empty if the row is not compiled for packs.
+std::optional<PackedRow> find_packed(const table::Intersector& form, Isa isa) {
     const auto scalar = scalar_rows();
-    const auto same = std::ranges::find_if(scalar, [&](const PackedRow& row) {
+    const auto entry = std::ranges::find_if(scalar, [&](const PackedRow& row) {
         return row.info == form.info && row.f32 == form.native32 && row.f64 == form.native64;
     });
-    if (same != scalar.end()) return packed_rows(isa)[static_cast<std::size_t>(same - scalar.begin())];
-    const auto own = std::ranges::find(own_packs(), form.info, &OwnWidths::info);
-    if (own == own_packs().end() || isa == Isa::scalar) return std::nullopt;
-    OwnPacksOfRow& packs = own->widths[static_cast<std::size_t>(isa) - 1];
+    if (entry != scalar.end()) return packed_rows(isa)[static_cast<std::size_t>(entry - scalar.begin())];
+    const auto external = std::ranges::find(external_packs(), form.info, &ExternalKernels::info);
+    if (external == external_packs().end() || isa == Isa::scalar) return std::nullopt;
+    RegisterKernels& kernels = external->widths[static_cast<std::size_t>(isa) - 1];
     PackedRow row = native_kernels(form);
-    if (!packs.f32.kernel) return std::nullopt;
-    row.f32 = packs.f32.bound();
-    if (packs.f64.kernel) row.f64 = packs.f64.bound();
+    if (!kernels.f32.kernel) return std::nullopt;
+    row.f32 = kernels.f32.table_kernel();
+    if (kernels.f64.kernel) row.f64 = kernels.f64.table_kernel();
     return row;
 }
 
-/// Runs a batch on a set: by the packed kernel of the form for the target's shape. `own` is the set.
+/// Runs a batch on a set, by the packed kernel of the set's form for the shape of the target. `context` is the set.
 template <class S, Isa isa>
-void run_of_set(void* own, const table::RayBatch<S>& rays, const Target<S>& target, const table::HitBatch<S>& hits) {
-    const auto& set = *static_cast<const table::Intersector*>(own);
+void run_of_set(void* context, const table::RayBatch<S>& rays, const Target<S>& target,
+                const table::HitBatch<S>& hits) {
+    const auto& set = *static_cast<const table::Intersector*>(context);
     const PackedRow row = packed_kernels(set.of(target.primitives.front().shape), isa);
     if constexpr (std::same_as<S, float>) row.f32(rays, target, hits);
     else row.f64(rays, target, hits);
 }
 
 template <Isa isa>
-PackedRow kernels_of_set(const table::Intersector& set) {
-    auto* const own = const_cast<table::Intersector*>(&set);
+PackedRow set_kernels_at(const table::Intersector& set) {
+    auto* const context = const_cast<table::Intersector*>(&set);
     PackedRow row = native_kernels(set);
-    if (row.f32) row.f32 = {run_of_set<float, isa>, own};
-    if (row.f64) row.f64 = {run_of_set<double, isa>, own};
+    if (row.f32) row.f32 = {run_of_set<float, isa>, context};
+    if (row.f64) row.f64 = {run_of_set<double, isa>, context};
     return row;
 }
 
 PackedRow kernels_of_set(const table::Intersector& set, Isa isa) {
     switch (isa) {
-        case Isa::w128: return kernels_of_set<Isa::w128>(set);
-        case Isa::w256: return kernels_of_set<Isa::w256>(set);
-        case Isa::w512: return kernels_of_set<Isa::w512>(set);
+        case Isa::w128: return set_kernels_at<Isa::w128>(set);
+        case Isa::w256: return set_kernels_at<Isa::w256>(set);
+        case Isa::w512: return set_kernels_at<Isa::w512>(set);
         case Isa::scalar: break;
     }
     return native_kernels(set);
@@ -191,7 +194,7 @@ PackedRow kernels_of_set(const table::Intersector& set, Isa isa) {
 
 PackedRow packed_kernels(const table::Intersector& form, Isa isa) {
     if (form.is_set()) return kernels_of_set(form, isa);
-    return found_in_packs(form, isa).value_or(native_kernels(form));
+    return find_packed(form, isa).value_or(native_kernels(form));
 }
 
 PackedRow packed_kernels(const table::Intersector& form) { return packed_kernels(form, current_isa()); }
@@ -199,14 +202,14 @@ PackedRow packed_kernels(const table::Intersector& form) { return packed_kernels
 bool is_packed(const table::Intersector& form, Isa isa) {
     if (form.is_set())
         return std::ranges::all_of(form.parts, [isa](const table::Intersector* part) { return is_packed(*part, isa); });
-    return isa != Isa::scalar && found_in_packs(form, isa).has_value();
+    return isa != Isa::scalar && find_packed(form, isa).has_value();
 }
 
-void register_packs(const std::vector<OwnPacks>& rows) {
-    for (const OwnPacks& row : rows) {
-        OwnWidths& kept = own_packs().emplace_back(OwnWidths{row.info, {}});
+void register_packs(const std::vector<ExternalPacks>& rows) {
+    for (const ExternalPacks& row : rows) {
+        ExternalKernels& kernels = external_packs().emplace_back(ExternalKernels{row.info, {}});
         for (std::size_t w = 0; w < row.widths.size(); ++w)
-            kept.widths[w] = {row.widths[w], bytes_of(static_cast<Isa>(w + 1))};
+            kernels.widths[w] = {row.widths[w], bytes_of(static_cast<Isa>(w + 1))};
     }
 }
 

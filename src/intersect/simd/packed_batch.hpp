@@ -1,7 +1,7 @@
-// The loop around `Form::intersect` over packs. One translation unit for each register width includes it, each with its
-// own `Width` of internal linkage (see `Registers`). These units see plain pointers only. An inline function of
-// std::span or of our own, compiled here under its ordinary name, could be the copy that the linker keeps for all
-// callers, also on machines that cannot run it. A test reads the symbols of the objects.
+// The loop around `Form::intersect` over packs. One translation unit for each register width includes this file, each
+// with its own `Width` of internal linkage (see `Registers`). The interface of these units consists of plain pointers.
+// If such a unit compiled an inline function of std::span or of our own under its ordinary name, the linker could keep
+// this copy for all callers, also on machines that cannot run it. A test reads the symbols of the objects.
 #pragma once
 
 #include <limits>
@@ -15,19 +15,19 @@
 
 namespace lostbits::intersect::simd {
 
-/// The least distance over the primitives, as in `intersect::table::Union`. It is not inlined: inlined into the forms,
-/// the distances of all shapes were a sixth of the code of a width.
+/// The least distance over the primitives, as in `intersect::table::Union`. Inlined into the forms, the distances of
+/// all shapes were a sixth of the code of a width.
 template <class P, class F>
 [[gnu::noinline, gnu::flatten]] P least_distance(const RawTarget<F>& target, const Vec<P>& p) {
     P least(0);
     for (std::size_t k = 0; k < target.primitives; ++k) {
         const F* const n = target.numbers + most_numbers * k;
-        P found(0);
+        P distance(0);
         Primitives::each([&]<template <class> class S>() {
             if (target.shapes[k] == static_cast<std::uint8_t>(shape_as<S>))
-                found = primitive_from<S, P>([n](std::size_t i) { return P(n[i]); }).distance(p);
+                distance = primitive_from<S, P>([n](std::size_t i) { return P(n[i]); }).distance(p);
         });
-        least = k == 0 ? found : min(least, found);
+        least = k == 0 ? distance : min(least, distance);
     }
     return least;
 }
@@ -40,13 +40,13 @@ Hit<P> march_pack(const Ray<P>& ray, const RawTarget<F>& target) {
         transformed(target.march, [](const F& x) { return P(x); }), unwatched);
 }
 
-/// Flattened, so every call inside is inlined. Otherwise the compiler keeps functions for the operators of `Outward`,
-/// packs travel through the stack, and sphere.pbrt_interval takes five times as long.
+/// Flattened, so that every call inside is inlined. Otherwise the compiler keeps functions for the operators of
+/// `Outward` and passes packs through the stack, and sphere.pbrt_interval takes five times as long.
 template <class Form, class F, class Width>
 [[gnu::flatten]] void packed_batch(const RawBatch<F>& batch) {
     using P = Pack<F, Width>;
-    // Copies: the stores below could change the batch itself, so without copies everything would be read again after
-    // each store.
+    // These local copies cannot change. The stores below could change the batch itself, so without copies everything
+    // would be read again after each store.
     const F *const ox = batch.rays[0], *const oy = batch.rays[1], *const oz = batch.rays[2];
     const F *const dx = batch.rays[3], *const dy = batch.rays[4], *const dz = batch.rays[5], *const tmax = batch.tmax;
     F *const t = batch.t, *const near = batch.near, *const far = batch.far;
@@ -55,15 +55,15 @@ template <class Form, class F, class Width>
     const RawTarget<F> target = *batch.target;
     P numbers[most_numbers];
     for (std::size_t k = 0; k < most_numbers; ++k) numbers[k] = P(target.numbers[k]);
-    F nowhere[P::lanes];
-    P(std::numeric_limits<F>::infinity()).store(nowhere);
+    F no_end[P::lanes];
+    P(std::numeric_limits<F>::infinity()).store(no_end);
     for (std::size_t i = 0; i < size; i += P::lanes) {
-        const auto at = [i](const F* column) { return P::load(column + i); };
-        const Ray<P> ray{{at(ox), at(oy), at(oz)}, {at(dx), at(dy), at(dz)}};
+        const auto load = [i](const F* column) { return P::load(column + i); };
+        const Ray<P> ray{{load(ox), load(oy), load(oz)}, {load(dx), load(dy), load(dz)}};
         const Hit<P> hit = [&] {
             if constexpr (marches<Form>) return march_pack<Form>(ray, target);
             else {
-                const P end = P::load(tmax ? tmax + i : nowhere);
+                const P end = P::load(tmax ? tmax + i : no_end);
                 return intersect_numbers<Form>(
                     ray, [&numbers](std::size_t k) { return numbers[k]; }, end);
             }
@@ -71,13 +71,13 @@ template <class Form, class F, class Width>
         hit.t.store(t + i);
         hit.near.store(near + i);
         hit.far.store(far + i);
-        // Stored straight into the bytes, which provide storage for bools. Through an array of bools, every register of
-        // decisions went over the stack, which took a twentieth of the time of the loop.
+        // Stored directly into the bytes, which provide storage for bools. With an array of bools in between, every
+        // register of decisions went through the stack, which took a twentieth of the time of the loop.
         hit.hit.store(reinterpret_cast<bool*>(decisions + i));
     }
 }
 
-/// The kernels of a form; null in binary64 if the form does not exist there.
+/// Returns the kernels of a form; null in binary64 if the form does not exist in this format.
 template <class Form, class Width>
 RawRow raw_row() {
     RawRow row{packed_batch<Form, float, Width>, nullptr};

@@ -20,30 +20,30 @@ struct RayNumbers {
 
 /// Runs the kernel on the primitives after the last whole register, in buffers of a register's size.
 template <class F>
-[[gnu::noinline]] void run_tail(void (*kernel)(const RawPrimitives<F>&), std::size_t lanes,
-                                const RawPrimitives<F>& all) {
-    const std::size_t left = all.size % lanes, whole = all.size - left;
+[[gnu::noinline]] void run_primitive_tail(void (*kernel)(const RawPrimitives<F>&), std::size_t lanes,
+                                          const RawPrimitives<F>& all) {
+    const std::size_t rest_count = all.size % lanes, whole_count = all.size - rest_count;
     RegisterColumn<F> numbers[std::extent_v<decltype(RawPrimitives<F>::numbers)>], t;
     std::uint8_t hit[sizeof t.lanes / sizeof(F)];
     RawPrimitives<F> part{.ray = all.ray, .numbers = {}, .t = t.lanes, .hit = hit, .size = lanes};
     for (std::size_t c = 0; c < std::size(numbers) && all.numbers[c]; ++c) {
-        numbers[c].fill(all.numbers[c] + whole, left, lanes);
+        numbers[c].fill(all.numbers[c] + whole_count, rest_count, lanes);
         part.numbers[c] = numbers[c].lanes;
     }
-    t.fill(all.t + whole, left, lanes);
+    t.fill(all.t + whole_count, rest_count, lanes);
     kernel(part);
-    std::copy_n(t.lanes, left, all.t + whole);
-    if (all.hit) std::copy_n(hit, left, all.hit + whole);
+    std::copy_n(t.lanes, rest_count, all.t + whole_count);
+    if (all.hit) std::copy_n(hit, rest_count, all.hit + whole_count);
 }
 
-/// Runs the kernel on the rest, then on the whole registers.
+/// Runs the kernel on the primitives that do not fill a register, then on the whole registers.
 template <class F>
-void run_packed(void (*kernel)(const RawPrimitives<F>&), std::size_t lanes, const Ray<F>& ray,
-                const PrimitiveArrays<F>& primitives, std::span<F> t, std::span<std::uint8_t> hit) {
+void run_primitives(void (*kernel)(const RawPrimitives<F>&), std::size_t lanes, const Ray<F>& ray,
+                    const PrimitiveArrays<F>& primitives, std::span<F> t, std::span<std::uint8_t> hit) {
     const RayNumbers<F> r(ray);
     RawPrimitives<F> all{r.numbers, {}, t.data(), hit.data(), primitives.size()};
     std::ranges::transform(primitives.numbers, all.numbers, [](const auto& column) { return column.data(); });
-    if (all.size % lanes) run_tail<F>(kernel, lanes, all);
+    if (all.size % lanes) run_primitive_tail<F>(kernel, lanes, all);
     all.size -= all.size % lanes;
     if (all.size) kernel(all);
 }
@@ -94,21 +94,22 @@ template <class S>
 void ManyKernel<S>::operator()(const Ray<S>& ray, const PrimitiveArrays<S>& primitives, std::span<S> t,
                                std::span<std::uint8_t> hit) const {
     if (plain_) plain_(ray, primitives, t, hit);
-    else run_packed<S>(packed_, lanes_, ray, primitives, t, hit);
+    else run_primitives<S>(packed_, lanes_, ray, primitives, t, hit);
 }
 
 template class ManyKernel<float>;
 template class ManyKernel<double>;
 
 ManyRow many_kernels(const table::Intersector& form) {
-    const auto table = table::catalogue();
-    for (std::size_t i = 0; i < table.size(); ++i) {
-        if (table[i].info == form.info && table[i].native32 == form.native32 && table[i].native64 == form.native64)
+    const auto catalogue = table::catalogue();
+    for (std::size_t i = 0; i < catalogue.size(); ++i) {
+        if (catalogue[i].info == form.info && catalogue[i].native32 == form.native32 &&
+            catalogue[i].native64 == form.native64)
             return many_rows(current_isa())[i];
     }
-    ManyRow none;
-    none.info = form.info;
-    return none;
+    ManyRow no_kernels;
+    no_kernels.info = form.info;
+    return no_kernels;
 }
 
 std::span<const ManyRow> many_rows(Isa isa) {

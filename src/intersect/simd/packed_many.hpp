@@ -1,22 +1,23 @@
-// One ray against many primitives, structure of arrays, at each register width: the query of a traversal. The bits are
-// those of the forms' scalar answers.
+// The query of a traversal: one ray against many primitives, structure of arrays, at each register width. The answers
+// have the same bits as the forms' scalar answers.
 #pragma once
 
 #include "intersect/simd/packed.hpp"
 
 namespace lostbits::intersect::simd {
 
-/// n primitives of one shape, a column for each of its numbers in the order of `Primitive`; S is float or double.
+/// n primitives of one shape, with a column for each number of the shape in the order of `Primitive`. S is float or
+/// double.
 template <class S>
 struct PrimitiveArrays {
     std::array<std::span<const S>, most_numbers> numbers;
     [[nodiscard]] std::size_t size() const { return numbers[0].size(); }
 };
 
-/// One ray against an array of primitives: one by one, or over packs. False if the form has no such kernel. t[i] and
-/// hit[i] (0 or 1) become the form's answers for primitive i. If the form takes the end of a ray, t[i] is that end on
-/// the way in (the closest hit found so far, or infinity) and stays if there is no hit, and `hit` is not used. (This is
-/// the interface of Barnes's article, part 3.)
+/// Runs one ray against an array of primitives, one by one or over packs. Converts to false if the form has no such
+/// kernel. t[i] and hit[i] (0 or 1) become the form's answers for primitive i. If the form takes tmax, t[i] holds tmax
+/// at the call (the closest hit found so far, or infinity) and stays if there is no hit; `hit` is then not used. (This
+/// is the interface of Barnes's article, part 3.)
 template <class S>
 class ManyKernel {
 public:
@@ -36,9 +37,9 @@ private:
     std::size_t lanes_ = 0;
 };
 
-/// A form's kernels. They are null for a march; in binary64 also if the shape has no kernels for many primitives or the
-/// form does not exist (see `Info::formats`). A kernel takes any number of primitives, allocates no memory, and does
-/// not access memory beyond the spans.
+/// The kernels of a form. They are null for a march; in binary64 also if the shape has no kernels for many primitives
+/// or the form does not exist (see `Info::formats`). A kernel takes any number of primitives, allocates no memory, and
+/// does not access memory beyond the spans.
 struct ManyRow {
     const Info* info = nullptr;
     bool takes_tmax = false;
@@ -46,7 +47,8 @@ struct ManyRow {
     ManyKernel<double> f64;
 };
 
-/// Every form, in the order of `catalogue()`; `scalar` runs the primitives one by one. Empty if `isa` is not available.
+/// The rows of all forms, in the order of `catalogue()`; `scalar` runs the primitives one by one. Empty if `isa` is not
+/// available.
 std::span<const ManyRow> many_rows(Isa isa);
 
 /// The kernels of a row of the catalogue at `current_isa()`; all null for any other row.

@@ -12,27 +12,28 @@
 
 namespace lostbits::intersect::simd {
 
-/// Forms that accept the planes of a box in order along the ray. Such a form orders them by the sign of 1/d, which is
-/// the sign of d and so the same for all boxes. box.embree_fma changes the sign of a tiny d, so it does not qualify. If
-/// d is NaN, every t is NaN, and the order has no effect.
+/// Forms that accept the planes of a box in the order in which the ray meets them. Such a form orders the planes by the
+/// sign of 1/d, which is the sign of d and so the same for all boxes. box.embree_fma changes the sign of a tiny d, so
+/// it does not qualify. If d is NaN, every t is NaN, and the order has no effect.
 template <class Form, class T>
 concept TakesOrderedBox = requires(const Ray<T>& ray, const box::OrderedBox<T>& box, const T& limit) {
     Form::intersect(ray, box, limit);
 };
 
-/// The ray is the same in every round, so the compiler moves what depends on it alone (1/d) in front of the loop.
+/// The ray is the same in every iteration, so the compiler moves computations that depend only on the ray (1/d) in
+/// front of the loop.
 template <class Form, class F, class Width>
 [[gnu::flatten]] void one_ray_many_boxes(const RawPrimitives<F>& batch) {
     using P = Pack<F, Width>;
-    constexpr bool in_order = TakesOrderedBox<Form, P>;
-    using B = std::conditional_t<in_order, box::OrderedBox<P>, Box<P>>;
-    // True if the ray meets hi first along an axis.
-    const auto turns = [r = batch.ray](int axis) { return in_order && __builtin_signbit(r[3 + axis]); };
-    const bool turned[3] = {turns(0), turns(1), turns(2)};
-    const auto column = [&](int k) { return batch.numbers[turned[k % 3] ? (k + 3) % 6 : k]; };
+    constexpr bool is_ordered = TakesOrderedBox<Form, P>;
+    using B = std::conditional_t<is_ordered, box::OrderedBox<P>, Box<P>>;
+    // True if the ray meets the plane `hi` before the plane `lo` along an axis.
+    const auto meets_hi_first = [r = batch.ray](int axis) { return is_ordered && __builtin_signbit(r[3 + axis]); };
+    const bool is_reversed[3] = {meets_hi_first(0), meets_hi_first(1), meets_hi_first(2)};
+    const auto column = [&](int k) { return batch.numbers[is_reversed[k % 3] ? (k + 3) % 6 : k]; };
     // Each pointer is read from the batch into a local variable, which no store of the loop can change. A copy of the
-    // whole struct uses wide moves, which wait for the narrow stores that filled the struct. This wait, and dead stores
-    // in the loop, made 256 boxes 8 % slower than a loop written by hand.
+    // whole struct would use wide moves, which wait for the narrow stores that filled the struct. This wait, and dead
+    // stores in the loop, made 256 boxes 8 % slower than a loop written by hand.
     const F *const first_x = column(0), *const first_y = column(1), *const first_z = column(2);
     const F *const second_x = column(3), *const second_y = column(4), *const second_z = column(5);
     F* const t = batch.t;
@@ -56,8 +57,8 @@ template <class Form, class F, class Width>
     const auto number = [&b](int k) { return P(b.ray[k]); };
     const Ray<P> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
     for (std::size_t i = 0; i < b.size; i += P::lanes) {
-        const auto at = [&](std::size_t column) { return P::load(b.numbers[column] + i); };
-        const Hit<P> hit = intersect_numbers<Form>(ray, at, P(0));
+        const auto load = [&](std::size_t column) { return P::load(b.numbers[column] + i); };
+        const Hit<P> hit = intersect_numbers<Form>(ray, load, P(0));
         hit.t.store(b.t + i);
         bool decision[P::lanes];
         hit.hit.store(decision);
@@ -65,18 +66,18 @@ template <class Form, class F, class Width>
     }
 }
 
-/// Fills a row for each form with its kernels. They are null for a march; in binary64 also if the form does not exist
-/// in this format or the shape has no kernels for many primitives (`has_many_kernels`).
+/// Fills the row of each form with the kernels of the form. They are null for a march; in binary64 also if the form
+/// does not exist in this format or the shape has no kernels for many primitives (`has_many_kernels`).
 template <class Width>
 void fill_many_raw(RawManyRow* row) {
     for_each_form([&row]<class Form>() {
-        constexpr bool f64 = Form::info.formats == Formats::all && has_many_kernels(shape_of<Form>);
+        constexpr bool has_f64 = Form::info.formats == Formats::all && has_many_kernels(shape_of<Form>);
         if constexpr (meets<Form, Box>) {
             row->f32 = one_ray_many_boxes<Form, float, Width>;
-            if constexpr (f64) row->f64 = one_ray_many_boxes<Form, double, Width>;
+            if constexpr (has_f64) row->f64 = one_ray_many_boxes<Form, double, Width>;
         } else if constexpr (!marches<Form>) {
             row->f32 = one_ray_many<Form, float, Width>;
-            if constexpr (f64) row->f64 = one_ray_many<Form, double, Width>;
+            if constexpr (has_f64) row->f64 = one_ray_many<Form, double, Width>;
         }
         ++row;
     });

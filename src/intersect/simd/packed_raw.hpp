@@ -1,4 +1,4 @@
-// The interface between packed.cpp and the translation units of the instruction sets: plain pointers.
+// The interface between packed.cpp and the translation units of the instruction sets. It consists of plain pointers.
 #pragma once
 
 #include <cstddef>
@@ -12,17 +12,17 @@ namespace lostbits::intersect::simd {
 /// The target of a form as plain pointers.
 template <class F>
 struct RawTarget {
-    const F* numbers;            ///< `most_numbers` for each primitive, in the order of `Primitive`
-    const std::uint8_t* shapes;  ///< the shape of each primitive, as a number of `Shape`
-    std::size_t primitives;      ///< their number; one for a form that does not march
-    MarchConstants<F> march;     ///< for the forms that march
+    const F* numbers;            ///< `most_numbers` numbers for each primitive, in the order of `Primitive`
+    const std::uint8_t* shapes;  ///< the shape of each primitive, as the integer value of `Shape`
+    std::size_t primitives;      ///< number of primitives; 1 for a form that does not march
+    MarchConstants<F> march;     ///< only for forms that march
 };
 
 /// Whole packs of rays, structure of arrays: `size` is a multiple of the lanes.
 template <class F>
 struct RawBatch {
     const F* rays[6];  ///< ox, oy, oz, dx, dy, dz
-    const F* tmax;     ///< end of each ray; null if none has one
+    const F* tmax;     ///< end of each ray; null if no ray has an end
     const RawTarget<F>* target;
     F *t, *near, *far;
     std::uint8_t* hit;
@@ -34,14 +34,14 @@ template <class F>
 struct RawPrimitives {
     const F* ray;                    ///< ox, oy, oz, dx, dy, dz
     const F* numbers[most_numbers];  ///< a column for each number of the form's shape, in the order of `Primitive`
-    F* t;                            ///< spheres: written; boxes: the ray's end on the way in, tmin after a hit
-    std::uint8_t* hit;               ///< spheres only
+    F* t;                            ///< for spheres written; for boxes, tmax at the call, and tmin after a hit
+    std::uint8_t* hit;               ///< only for spheres
     std::size_t size;
 };
 
-/// True for the shapes that have kernels for many primitives in binary64 too: spheres, as in a flake, and boxes, as in
-/// a hierarchy. The other shapes come in many only in sweeps over every float of a primitive's number, in binary32.
-/// Without a kernel such a sweep takes four to seven times as long.
+/// True for the shapes that have kernels for many primitives also in binary64: spheres, as in a sphere flake, and
+/// boxes, as in a hierarchy. Many primitives of another shape occur only in sweeps over every float value of one of its
+/// numbers, in binary32. Without a kernel such a sweep takes four to seven times as long.
 constexpr bool has_many_kernels(Shape shape) { return shape == shape_as<Sphere> || shape == shape_as<Box>; }
 
 struct RawManyRow {
@@ -54,12 +54,12 @@ struct RawRow {
     void (*f64)(const RawBatch<double>&);
 };
 
-/// One function for each register width, each in its own object. It fills a row for each form, in the order of the
-/// tables.
+/// One function for each register width, each in its own object file. It fills a row for each form, in the order of the
+/// catalogue.
 void fill_packed_w128(RawRow* rows);
 void fill_packed_w256(RawRow* rows);
 void fill_packed_w512(RawRow* rows);
-/// The same for many primitives.
+/// The same functions for many primitives.
 void fill_many_w128(RawManyRow* rows);
 void fill_many_w256(RawManyRow* rows);
 void fill_many_w512(RawManyRow* rows);

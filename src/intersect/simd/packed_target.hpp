@@ -9,12 +9,12 @@
 
 namespace lostbits::intersect::simd {
 
-/// The numbers of a target in one row; lives as long as the batches that point to it.
+/// The numbers of a target, contiguous in memory. It must live as long as the batches that point to it.
 template <class F>
 class FlatTarget {
 public:
     explicit FlatTarget(const Target<F>& target) {
-        // One primitive needs neither a copy nor memory: its numbers are contiguous already.
+        // A single primitive needs neither a copy nor memory: its numbers are already contiguous.
         if (target.primitives.size() == 1) {
             raw_.numbers = target.primitives.front().numbers.data();
             raw_.shapes = reinterpret_cast<const std::uint8_t*>(&target.primitives.front().shape);
@@ -58,19 +58,19 @@ RawBatch<F> raw_batch(const table::RayBatch<F>& rays, const RawTarget<F>& target
 template <class F>
 using RawKernel = void (*)(const RawBatch<F>&);
 
-/// The numbers of one column that fill a register; there is space for the widest registers.
+/// One column of the numbers that fill a register; there is space for the widest registers.
 template <class F>
 struct RegisterColumn {
     F lanes[64 / sizeof(F)];
 
-    /// Copies the `left` numbers after the last whole register. The other lanes repeat the last of them, so that no
-    /// form loops longer because of a ray that is not in the batch.
-    void fill(const F* from, std::size_t left, std::size_t width) {
-        for (std::size_t k = 0; k < width; ++k) lanes[k] = from[std::min(k, left - 1)];
+    /// Copies the `count` numbers after the last whole register. The other lanes repeat the last of these numbers, so
+    /// that no form loops longer because of a ray that is not in the batch.
+    void fill(const F* from, std::size_t count, std::size_t width) {
+        for (std::size_t k = 0; k < width; ++k) lanes[k] = from[std::min(k, count - 1)];
     }
 };
 
-/// Runs fewer rays than fill a register, in buffers of a register's size.
+/// Runs a batch with fewer rays than fill a register, in buffers of a register's size.
 template <class F>
 void run_tail(RawKernel<F> kernel, std::size_t lanes, const RawBatch<F>& rest) {
     RegisterColumn<F> rays[6], tmax, t, near, far;
@@ -103,35 +103,35 @@ template <class F>
 void run_packed(RawKernel<F> kernel, std::size_t lanes, const table::RayBatch<F>& rays, const Target<F>& target,
                 const table::HitBatch<F>& hits) {
     const FlatTarget<F> flat(target);
-    const std::size_t left = rays.size() % lanes, whole = rays.size() - left;
-    if (whole) kernel(raw_batch(rays, flat.raw(), hits, 0, whole));
-    if (left) run_tail(kernel, lanes, raw_batch(rays, flat.raw(), hits, whole, left));
+    const std::size_t rest_count = rays.size() % lanes, whole_count = rays.size() - rest_count;
+    if (whole_count) kernel(raw_batch(rays, flat.raw(), hits, 0, whole_count));
+    if (rest_count) run_tail(kernel, lanes, raw_batch(rays, flat.raw(), hits, whole_count, rest_count));
 }
 
-/// A kernel for whole registers, and their number of lanes: the data behind a kernel of the table.
+/// A kernel for whole registers, and the number of lanes of a register: the data for a kernel of the table.
 template <class F>
-struct OwnPack {
+struct RegisterKernel {
     RawKernel<F> kernel = nullptr;
     std::size_t lanes = 0;
 
-    /// The kernel of the table. It refers to this object, which must outlive it.
-    [[nodiscard]] table::Kernel<F> bound() {
+    /// Returns a kernel of the table, which refers to this object. The object must outlive the kernel.
+    [[nodiscard]] table::Kernel<F> table_kernel() {
         if (!kernel) return nullptr;
-        return {[](void* own, const auto& rays, const auto& target, const auto& hits) {
-                    const auto& pack = *static_cast<const OwnPack*>(own);
+        return {[](void* context, const auto& rays, const auto& target, const auto& hits) {
+                    const auto& pack = *static_cast<const RegisterKernel*>(context);
                     run_packed(pack.kernel, pack.lanes, rays, target, hits);
                 },
                 this};
     }
 };
 
-/// A form over packs, in registers of one size.
-struct OwnPacksOfRow {
-    OwnPack<float> f32;
-    OwnPack<double> f64;
+/// The kernels of a form over packs, in registers of one size.
+struct RegisterKernels {
+    RegisterKernel<float> f32;
+    RegisterKernel<double> f64;
 
-    OwnPacksOfRow() = default;
-    OwnPacksOfRow(const RawRow& raw, std::size_t bytes)
+    RegisterKernels() = default;
+    RegisterKernels(const RawRow& raw, std::size_t bytes)
         : f32{raw.f32, bytes / sizeof(float)}, f64{raw.f64, bytes / sizeof(double)} {}
 };
 

@@ -1,5 +1,6 @@
-// The forms in registers of one width. Compiled once for each width. The kernels for many rays and for many primitives
-// are in one unit because they share the code that is not inlined: the steps of the forms that filter.
+// Compiles the forms in registers of one width; this file is compiled once for each width. The kernels for many rays
+// and for many primitives are in one unit because they share code that is not inlined: the steps of the forms that
+// filter.
 #include "intersect/simd/packed_kernels.hpp"
 #include "intersect/simd/packed_many_kernels.hpp"
 #include "number/width.hpp"

@@ -11,7 +11,7 @@ namespace lostbits::intersect::simd {
 
 std::span<const PlainRow> plain_rows() {
 #ifdef LOSTBITS_HAS_W256
-    // Filling the rows runs code that was compiled for these registers.
+    // The function that fills the rows was itself compiled for these registers.
     const auto isas = available_isas();
     if (std::ranges::find(isas, Isa::w256) == isas.end()) return {};
     static const auto rows = [] {

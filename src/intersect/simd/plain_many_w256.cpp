@@ -5,7 +5,8 @@
 namespace lostbits::intersect::simd {
 namespace {
 
-/// The compiler gets no help to vectorise beyond __restrict: nothing else writes to what these pointers point to.
+/// Beyond __restrict, the compiler gets no help to vectorise. __restrict says that no other pointer writes to the
+/// memory that these pointers address.
 template <class Form>
 [[gnu::flatten]] void by_columns(const float* ray, const float* const* columns, float* __restrict t, std::size_t n) {
     const Ray<float> r{{ray[0], ray[1], ray[2]}, {ray[3], ray[4], ray[5]}};
@@ -29,11 +30,11 @@ template <class Form>
     }
 }
 
-/// True if the form calls wider arithmetic. Such a call is not inlined and would have an ordinary name in this unit:
-/// the linker could keep this copy for every caller, also on processors without these instructions. gcc makes local
-/// clones of the function, clang 14 does not.
+/// True if the form calls wider arithmetic. Such a call is not inlined, and the called function would be compiled under
+/// its ordinary name in this unit. The linker could keep that copy for every caller, also on processors without these
+/// instructions. gcc makes local clones of the function; clang 14 does not.
 template <class Form>
-constexpr bool calls_longer_arithmetic = requires(Ray<float> ray, Box<float> box, float limit, NoWatch watch) {
+constexpr bool calls_wider_arithmetic = requires(Ray<float> ray, Box<float> box, float limit, NoWatch watch) {
     Form::intersect(ray, box, limit, watch);
 };
 
@@ -41,7 +42,7 @@ constexpr bool calls_longer_arithmetic = requires(Ray<float> ray, Box<float> box
 
 void fill_plain_w256(PlainRow* row) {
     box::BoxForms::for_each([&row]<class Form>() {
-        if constexpr (!calls_longer_arithmetic<Form>) {
+        if constexpr (!calls_wider_arithmetic<Form>) {
             row->columns = by_columns<Form>;
             row->structs = by_structs<Form>;
         }

@@ -16,9 +16,9 @@ bool is_word_character(char c) {
 
 /// Length of the sign that begins a text.
 std::size_t length_of_sign(std::string_view text) {
-    constexpr std::array all{"..=", "<<=", ">>=", "->", "=>", "::", "<=", ">=", "==", "!=", "&&", "||",
-                             "+=",  "-=",  "*=",  "/=", "%=", "&=", "|=", "^=", "++", "--", "<<", ">>"};
-    for (const std::string_view sign : all)
+    constexpr std::array signs{"..=", "<<=", ">>=", "->", "=>", "::", "<=", ">=", "==", "!=", "&&", "||",
+                               "+=",  "-=",  "*=",  "/=", "%=", "&=", "|=", "^=", "++", "--", "<<", ">>"};
+    for (const std::string_view sign : signs)
         if (text.starts_with(sign)) return sign.size();
     return 1;
 }
@@ -34,8 +34,8 @@ std::size_t length_of_word(std::string_view text) {
     return n;
 }
 
-/// How tightly an operator of two operands binds; 0: it ends expressions.
-int level_of(std::string_view sign) {
+/// How tightly a binary operator binds; 0 for a sign that ends expressions.
+int precedence_of(std::string_view sign) {
     if (sign == "*" || sign == "/" || sign == "%") return 5;
     if (sign == "+" || sign == "-") return 4;
     if (sign == "<<" || sign == ">>" || sign == "&" || sign == "|" || sign == "^") return 3;
@@ -43,29 +43,29 @@ int level_of(std::string_view sign) {
     return sign == "&&" || sign == "||" ? 1 : 0;
 }
 
-bool joins(std::string_view sign) { return sign == "." || sign == "->" || sign == "::"; }
+bool joins_names(std::string_view sign) { return sign == "." || sign == "->" || sign == "::"; }
 
-bool begins_expression(std::string_view word) {
+bool is_keyword_before_expression(std::string_view word) {
     return word == "return" || word == "else" || word == "case" || word == "if";
 }
 
 }  // namespace
 
 SourceTokens::SourceTokens(std::string_view text) : text_(text) {
-    std::vector<std::size_t> open;
-    for (std::size_t at = 0; at < text.size();) {
-        const std::string_view rest = text.substr(at);
+    std::vector<std::size_t> open_brackets;
+    for (std::size_t position = 0; position < text.size();) {
+        const std::string_view rest = text.substr(position);
         if (std::isspace(static_cast<unsigned char>(rest[0])) != 0) {
-            ++at;
+            ++position;
             continue;
         }
         if (rest.starts_with("//")) {
-            at = std::min(text.find('\n', at), text.size());
+            position = std::min(text.find('\n', position), text.size());
             continue;
         }
         if (rest.starts_with("/*")) {
-            const std::size_t end = text.find("*/", at + 2);
-            at = end == std::string_view::npos ? text.size() : end + 2;
+            const std::size_t end = text.find("*/", position + 2);
+            position = end == std::string_view::npos ? text.size() : end + 2;
             continue;
         }
         const bool is_word = is_word_character(rest[0]) && rest[0] != '"';
@@ -74,15 +74,15 @@ SourceTokens::SourceTokens(std::string_view text) : text_(text) {
             while (length < rest.size() && rest[length] != '"') length += rest[length] == '\\' ? 2 : 1;
             length = std::min(length + 1, rest.size());
         }
-        tokens_.push_back({at, at + length, is_word});
+        tokens_.push_back({position, position + length, is_word});
         const std::size_t k = tokens_.size() - 1;
-        partner_.push_back(k);
-        if (length == 1 && std::string_view("([{").find(rest[0]) != std::string_view::npos) open.push_back(k);
-        if (length == 1 && std::string_view(")]}").find(rest[0]) != std::string_view::npos && !open.empty()) {
-            partner_[k] = open.back(), partner_[open.back()] = k;
-            open.pop_back();
+        partner_index_.push_back(k);
+        if (length == 1 && std::string_view("([{").find(rest[0]) != std::string_view::npos) open_brackets.push_back(k);
+        if (length == 1 && std::string_view(")]}").find(rest[0]) != std::string_view::npos && !open_brackets.empty()) {
+            partner_index_[k] = open_brackets.back(), partner_index_[open_brackets.back()] = k;
+            open_brackets.pop_back();
         }
-        at += length;
+        position += length;
     }
 }
 
@@ -92,8 +92,8 @@ std::size_t SourceTokens::index_at(std::size_t offset) const {
                                                            : static_cast<std::size_t>(found - tokens_.begin());
 }
 
-std::size_t SourceTokens::after(std::size_t k) const { return std::max(partner_[k], k) + 1; }
-std::size_t SourceTokens::before(std::size_t k) const { return std::min(partner_[k], k) - 1; }
+std::size_t SourceTokens::index_after(std::size_t k) const { return std::max(partner_index_[k], k) + 1; }
+std::size_t SourceTokens::index_before(std::size_t k) const { return std::min(partner_index_[k], k) - 1; }
 
 /// True for a sign in front of its only operand.
 bool SourceTokens::is_prefix(std::size_t k) const {
@@ -101,18 +101,19 @@ bool SourceTokens::is_prefix(std::size_t k) const {
     if (sign == "!" || sign == "~") return true;
     if (sign != "-" && sign != "+" && sign != "*" && sign != "&") return false;
     if (k == 0) return true;
-    const std::string_view last = text_of(k - 1);
-    return tokens_[k - 1].is_word ? begins_expression(last) : last != ")" && last != "]";
+    const std::string_view previous = text_of(k - 1);
+    return tokens_[k - 1].is_word ? is_keyword_before_expression(previous) : previous != ")" && previous != "]";
 }
 
-/// Index after the operand that begins at token k: signs, a name or a group, and what follows it in brackets.
+/// Index after the operand that begins at token k: prefix signs, a name or a group, and the brackets and members that
+/// follow it.
 std::size_t SourceTokens::end_of_operand(std::size_t k) const {
     while (k < tokens_.size() && is_prefix(k)) ++k;
-    if (k < tokens_.size()) k = after(k);
+    if (k < tokens_.size()) k = index_after(k);
     while (k < tokens_.size()) {
         const std::string_view next = text_of(k);
-        if (joins(next) && k + 1 < tokens_.size()) k += 2;
-        else if (next == "(" || next == "[") k = after(k);
+        if (joins_names(next) && k + 1 < tokens_.size()) k += 2;
+        else if (next == "(" || next == "[") k = index_after(k);
         else break;
     }
     return std::min(k, tokens_.size());
@@ -121,32 +122,36 @@ std::size_t SourceTokens::end_of_operand(std::size_t k) const {
 TextSpan SourceTokens::expression_at(std::size_t offset) const {
     const std::size_t k = index_at(offset);
     if (k == no_token) return {offset, offset + 1};
-    const int own = level_of(text_of(k));
-    if (own == 0 || is_prefix(k)) {
+    const int own_precedence = precedence_of(text_of(k));
+    if (own_precedence == 0 || is_prefix(k)) {
         const bool is_operand = tokens_[k].is_word || is_prefix(k) || text_of(k) == "(";
         const std::size_t end = is_operand ? end_of_operand(k) : k + 1;
         const bool is_call = end > k + 1 && text_of(end - 1) == ")";
         if (!tokens_[k].is_word || is_call) return {tokens_[k].begin, tokens_[end - 1].end};
         std::size_t name = k;
-        while (name + 2 < tokens_.size() && joins(text_of(name + 1)) && tokens_[name + 2].is_word) name += 2;
+        while (name + 2 < tokens_.size() && joins_names(text_of(name + 1)) && tokens_[name + 2].is_word) name += 2;
         return {tokens_[k].begin, tokens_[name].end};
     }
     std::size_t begin = k, end = k + 1;
     for (std::size_t j = k; j-- > 0; j = begin) {
         const std::string_view text = text_of(j);
         const bool opens = text == "(" || text == "[" || text == "{";
-        const int level = level_of(text);
-        if (opens || begins_expression(text)) break;
-        if (!tokens_[j].is_word && level < own && partner_[j] == j && !joins(text) && !is_prefix(j)) break;
+        const int precedence = precedence_of(text);
+        if (opens || is_keyword_before_expression(text)) break;
+        if (!tokens_[j].is_word && precedence < own_precedence && partner_index_[j] == j && !joins_names(text) &&
+            !is_prefix(j))
+            break;
         if (text == "}" || text == "=") break;
-        begin = std::min(partner_[j], j);
+        begin = std::min(partner_index_[j], j);
     }
     while (end < tokens_.size()) {
         const std::string_view text = text_of(end);
-        const int level = level_of(text);
+        const int precedence = precedence_of(text);
         if (text == ")" || text == "]" || text == "}" || text == "{") break;
-        if (!tokens_[end].is_word && partner_[end] == end && !joins(text) && !is_prefix(end) && level <= own) break;
-        end = after(end);
+        if (!tokens_[end].is_word && partner_index_[end] == end && !joins_names(text) && !is_prefix(end) &&
+            precedence <= own_precedence)
+            break;
+        end = index_after(end);
     }
     return {tokens_[begin].begin, tokens_[std::min(end, tokens_.size()) - 1].end};
 }
@@ -157,9 +162,10 @@ TextSpan SourceTokens::expression_from(std::size_t offset) const {
     std::size_t end = begin;
     while (end < tokens_.size()) {
         const std::string_view text = text_of(end);
-        const bool is_sign = !tokens_[end].is_word && partner_[end] == end && !joins(text) && !is_prefix(end);
-        if (text == "{" || text == ")" || text == "]" || text == "}" || (is_sign && level_of(text) == 0)) break;
-        end = after(end);
+        const bool is_sign =
+            !tokens_[end].is_word && partner_index_[end] == end && !joins_names(text) && !is_prefix(end);
+        if (text == "{" || text == ")" || text == "]" || text == "}" || (is_sign && precedence_of(text) == 0)) break;
+        end = index_after(end);
     }
     return {tokens_[begin].begin, tokens_[std::max(end, begin + 1) - 1].end};
 }
@@ -169,34 +175,34 @@ std::size_t SourceTokens::end_of_value(std::size_t k) const {
     while (k < tokens_.size()) {
         const std::string_view text = text_of(k);
         if (text == "," || text == ";" || text == ")" || text == "]" || text == "}") break;
-        k = after(k);
+        k = index_after(k);
     }
     return k;
 }
 
 std::optional<TextSpan> SourceTokens::value_of(std::string_view name, std::size_t begin, std::size_t end) const {
-    std::optional<TextSpan> found;
+    std::optional<TextSpan> value;
     for (std::size_t k = 0; k + 2 < tokens_.size(); ++k) {
         if (tokens_[k].begin < begin || tokens_[k].begin >= end || text_of(k) != name) continue;
-        if (k > 0 && joins(text_of(k - 1))) continue;
+        if (k > 0 && joins_names(text_of(k - 1))) continue;
         std::size_t equals = k + 1;
         if (text_of(equals) == ":" && k + 3 < tokens_.size()) equals += 2;  // Rust: name: f32 = …
         if (text_of(equals) != "=") continue;
-        const std::size_t last = end_of_value(equals + 1);
-        if (found || last == equals + 1) return {};
-        found = TextSpan{tokens_[equals + 1].begin, tokens_[last - 1].end};
+        const std::size_t value_end = end_of_value(equals + 1);
+        if (value || value_end == equals + 1) return {};
+        value = TextSpan{tokens_[equals + 1].begin, tokens_[value_end - 1].end};
     }
-    return found;
+    return value;
 }
 
 auto SourceTokens::statement_around(std::size_t offset) const -> Statement {
     std::size_t k = index_at(offset);
     if (k == no_token) return {offset, offset};
     while (k > 0) {
-        const std::string_view last = text_of(k - 1);
-        const bool is_block = last == "}" && text_of(k) != "else";
-        if (last == ";" || last == "{" || is_block) break;
-        k = before(k - 1) + 1;
+        const std::string_view previous = text_of(k - 1);
+        const bool is_block = previous == "}" && text_of(k) != "else";
+        if (previous == ";" || previous == "{" || is_block) break;
+        k = index_before(k - 1) + 1;
     }
     return {tokens_[k].begin, k == 0 ? 0 : tokens_[k - 1].end};
 }

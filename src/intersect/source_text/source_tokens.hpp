@@ -1,5 +1,5 @@
-// The tokens of a text in C, C++, Rust, GLSL or HLSL, and the expressions and statements that they make. No grammar:
-// brackets, and how tightly operators bind.
+// The tokens of a text in C, C++, Rust, GLSL or HLSL, and the expressions and statements that the tokens form. There is
+// no grammar: only brackets, and how tightly operators bind.
 #pragma once
 
 #include <cstddef>
@@ -15,19 +15,19 @@ struct TextSpan {
     friend auto operator<=>(const TextSpan&, const TextSpan&) = default;
 };
 
-/// The text must outlive it.
+/// The text must outlive this object.
 class SourceTokens {
 public:
     explicit SourceTokens(std::string_view text);
 
-    /// The expression whose operator stands at this offset; of a name, the call or the operand that begins there.
+    /// The expression whose operator stands at this offset. If a name stands there, the call or the operand that begins
+    /// with the name.
     [[nodiscard]] TextSpan expression_at(std::size_t offset) const;
-    /// The expression that begins at this offset, as long as it goes.
+    /// The longest expression that begins at this offset.
     [[nodiscard]] TextSpan expression_from(std::size_t offset) const;
-    /// The value that `name = value` gives to a variable between two offsets, if exactly one such statement begins
-    /// there.
+    /// The value that `name = value` gives to a variable, if exactly one such statement begins between the two offsets.
     [[nodiscard]] std::optional<TextSpan> value_of(std::string_view name, std::size_t begin, std::size_t end) const;
-    /// Begin of the statement around this offset, and the end of the token before it.
+    /// Begin of the statement that contains an offset, and the end of the token before the statement.
     struct Statement {
         std::size_t begin = 0, before = 0;
     };
@@ -46,13 +46,15 @@ private:
     [[nodiscard]] bool is_prefix(std::size_t k) const;
     [[nodiscard]] std::size_t end_of_operand(std::size_t k) const;
     [[nodiscard]] std::size_t end_of_value(std::size_t k) const;
-    /// Skips a group in brackets from its first or last bracket; other tokens are one step.
-    [[nodiscard]] std::size_t after(std::size_t k) const;
-    [[nodiscard]] std::size_t before(std::size_t k) const;
+    /// Index of the token after or before token k. A group in brackets counts as one token, from its first or its last
+    /// bracket.
+    [[nodiscard]] std::size_t index_after(std::size_t k) const;
+    [[nodiscard]] std::size_t index_before(std::size_t k) const;
 
     std::string_view text_;
     std::vector<Token> tokens_;
-    std::vector<std::size_t> partner_;  ///< of each bracket, the other one; of others, and without one, itself
+    std::vector<std::size_t> partner_index_;  ///< index of the matching bracket of each bracket; the token's own index
+                                              ///< for other tokens and unmatched brackets
 };
 
 }  // namespace lostbits::intersect::source_text

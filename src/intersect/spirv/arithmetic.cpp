@@ -1,4 +1,4 @@
-// Arithmetic: the instructions of SPIR-V, and those of GLSL.std.450 as their specification writes them.
+// Arithmetic instructions of SPIR-V, and those of GLSL.std.450 by the formulas of their specification.
 #include <limits>
 #include <map>
 
@@ -7,7 +7,7 @@
 namespace lostbits::intersect::spirv {
 namespace {
 
-/// Instructions of SPIR-V, and those of LLVM IR that do the same.
+/// Instructions of SPIR-V, and the instructions of LLVM IR that do the same.
 using Counterparts = std::map<std::string_view, std::string_view>;
 
 const Counterparts binaries{{"OpFAdd", "fadd"},
@@ -61,60 +61,60 @@ const Counterparts conversions{{"OpConvertFToS", "fptosi"},
                                {"OpConvertUToF", "uitofp"},
                                {"OpBitcast", "bitcast"}};
 
-std::string counterpart(const Counterparts& all, std::string_view op) {
-    const auto found = all.find(op);
-    return found == all.end() ? "" : std::string(found->second);
+std::string counterpart(const Counterparts& counterparts, std::string_view op) {
+    const auto found = counterparts.find(op);
+    return found == counterparts.end() ? "" : std::string(found->second);
 }
 
 }  // namespace
 
 TypedText Translator::binary(const std::string& op, const TypedText& a, const TypedText& b) {
-    return made(*a.type, op + " " + a.typed() + ", " + b.text);
+    return emit(*a.type, op + " " + a.typed() + ", " + b.text);
 }
 
 TypedText Translator::compare(const std::string& op, const TypedText& a, const TypedText& b) {
-    const SpirvType& one = simple_type(Kind::boolean, 1);
-    return made(a.type->kind == Kind::vector ? vector_of(one, a.type->count) : one,
+    const SpirvType& boolean = simple_type(Kind::boolean, 1);
+    return emit(a.type->kind == Kind::vector ? vector_of(boolean, a.type->count) : boolean,
                 op + " " + a.typed() + ", " + b.text);
 }
 
 TypedText Translator::select(const TypedText& when, const TypedText& a, const TypedText& b) {
-    return made(*a.type, "select " + when.typed() + ", " + a.typed() + ", " + b.typed());
+    return emit(*a.type, "select " + when.typed() + ", " + a.typed() + ", " + b.typed());
 }
 
-/// `llvm.NAME` of values of one type.
+/// Calls `llvm.NAME` with values of one type.
 TypedText Translator::intrinsic(const std::string& name, const Values& x) {
     const SpirvType& type = *x[0].type;
-    std::string given, taken;
+    std::string arguments, parameter_types;
     for (const TypedText& v : x) {
-        given += (given.empty() ? "" : ", ") + v.typed();
-        taken += (taken.empty() ? "" : ", ") + type.text;
+        arguments += (arguments.empty() ? "" : ", ") + v.typed();
+        parameter_types += (parameter_types.empty() ? "" : ", ") + type.text;
     }
     const std::string lanes = type.kind == Kind::vector ? "v" + std::to_string(type.count) : "";
-    const std::string full = "@llvm." + name + "." + lanes + "f" + std::to_string(x[0].lane().bits);
-    declarations_.insert("declare " + type.text + " " + full + "(" + taken + ")");
-    return made(type, "call " + type.text + " " + full + "(" + given + ")");
+    const std::string function_name = "@llvm." + name + "." + lanes + "f" + std::to_string(x[0].lane().bits);
+    declarations_.insert("declare " + type.text + " " + function_name + "(" + parameter_types + ")");
+    return emit(type, "call " + type.text + " " + function_name + "(" + arguments + ")");
 }
 
 TypedText Translator::splat(double x, const SpirvType& type) {
     const TypedText lane{type.kind == Kind::vector ? type.parts[0] : &type, {}, {}};
-    const std::string one = literal(x, *lane.type);
-    if (type.kind != Kind::vector) return {&type, one, {}};
-    std::string all;
-    for (std::size_t k = 0; k < type.count; ++k) all += (k == 0 ? "" : ", ") + lane.type->text + " " + one;
-    return {&type, "<" + all + ">", {}};
+    const std::string lane_text = literal(x, *lane.type);
+    if (type.kind != Kind::vector) return {&type, lane_text, {}};
+    std::string lanes;
+    for (std::size_t k = 0; k < type.count; ++k) lanes += (k == 0 ? "" : ", ") + lane.type->text + " " + lane_text;
+    return {&type, "<" + lanes + ">", {}};
 }
 
-TypedText Translator::scaled(const TypedText& vector, const TypedText& scalar) {
-    return binary("fmul", vector, joined(*vector.type, Values(vector.type->count, scalar)));
+TypedText Translator::scale(const TypedText& vector, const TypedText& scalar) {
+    return binary("fmul", vector, construct(*vector.type, Values(vector.type->count, scalar)));
 }
 
-/// x₁y₁ + x₂y₂ + ..., from the left.
+/// x₁y₁ + x₂y₂ + ..., added from the left.
 TypedText Translator::dot(const TypedText& a, const TypedText& b) {
     const TypedText products = binary("fmul", a, b);
     if (a.type->kind != Kind::vector) return products;
-    TypedText sum = part(products, 0);
-    for (std::size_t k = 1; k < a.type->count; ++k) sum = binary("fadd", sum, part(products, k));
+    TypedText sum = extract_part(products, 0);
+    for (std::size_t k = 1; k < a.type->count; ++k) sum = binary("fadd", sum, extract_part(products, k));
     return sum;
 }
 
@@ -122,71 +122,75 @@ TypedText Translator::length(const TypedText& a) {
     return a.type->kind == Kind::vector ? intrinsic("sqrt", {dot(a, a)}) : intrinsic("fabs", {a});
 }
 
-/// The sum of the columns times the lanes of the vector, from the left.
-TypedText Translator::times(const TypedText& matrix, const TypedText& vector) {
-    TypedText sum = scaled(part(matrix, 0), part(vector, 0));
+/// The sum of the columns times the lanes of the vector, added from the left.
+TypedText Translator::matrix_times_vector(const TypedText& matrix, const TypedText& vector) {
+    TypedText sum = scale(extract_part(matrix, 0), extract_part(vector, 0));
     for (std::size_t k = 1; k < matrix.type->count; ++k)
-        sum = binary("fadd", sum, scaled(part(matrix, k), part(vector, k)));
+        sum = binary("fadd", sum, scale(extract_part(matrix, k), extract_part(vector, k)));
     return sum;
 }
 
-bool Translator::matrix(const SpirvInstruction& i) {
+bool Translator::translate_matrix(const SpirvInstruction& i) {
     if (i.op.find("Times") == std::string::npos && i.op != "OpTranspose") return false;
-    const auto of_few = [&i](const SpirvType& type) -> const SpirvType& {
+    const auto require_few = [&i](const SpirvType& type) -> const SpirvType& {
         if (type.count > 16) i.fail("neither a vector nor a matrix");
         return type;
     };
     const auto operand = [&](std::size_t k) {
         const TypedText x = value(i.at(k), i);
-        of_few(*x.type);
+        require_few(*x.type);
         return x;
     };
-    const SpirvType& type = of_few(type_of(i.at(0), i));
+    const SpirvType& type = require_few(type_of(i.at(0), i));
     const TypedText a = operand(1);
     const auto b = [&] { return operand(2); };
     Values columns;
-    if (i.op == "OpVectorTimesScalar") values_[i.result] = scaled(a, b());
-    else if (i.op == "OpMatrixTimesVector") values_[i.result] = times(a, b());
+    if (i.op == "OpVectorTimesScalar") values_[i.result] = scale(a, b());
+    else if (i.op == "OpMatrixTimesVector") values_[i.result] = matrix_times_vector(a, b());
     else {
         if (i.op == "OpMatrixTimesScalar")
-            for (std::size_t k = 0; k < type.count; ++k) columns.push_back(scaled(part(a, k), b()));
+            for (std::size_t k = 0; k < type.count; ++k) columns.push_back(scale(extract_part(a, k), b()));
         else if (i.op == "OpVectorTimesMatrix")
-            for (std::size_t k = 0; k < type.count; ++k) columns.push_back(dot(a, part(b(), k)));
+            for (std::size_t k = 0; k < type.count; ++k) columns.push_back(dot(a, extract_part(b(), k)));
         else if (i.op == "OpMatrixTimesMatrix")
-            for (std::size_t k = 0; k < type.count; ++k) columns.push_back(times(a, part(b(), k)));
+            for (std::size_t k = 0; k < type.count; ++k)
+                columns.push_back(matrix_times_vector(a, extract_part(b(), k)));
         else if (i.op == "OpTranspose" && type.part(0) != nullptr) {
             for (std::size_t k = 0; k < type.count; ++k) {
                 Values lanes;
-                for (std::size_t row = 0; row < a.type->count; ++row) lanes.push_back(part(part(a, row), k));
-                columns.push_back(joined(*type.parts[0], lanes));
+                for (std::size_t row = 0; row < a.type->count; ++row)
+                    lanes.push_back(extract_part(extract_part(a, row), k));
+                columns.push_back(construct(*type.parts[0], lanes));
             }
         } else return false;
-        values_[i.result] = joined(type, columns);
+        values_[i.result] = construct(type, columns);
     }
     return true;
 }
 
-bool Translator::arithmetic(const SpirvInstruction& i) {
+bool Translator::translate_arithmetic(const SpirvInstruction& i) {
     if (i.result.empty()) return false;
     const SpirvType& type = type_of(i.at(0), i);
     const auto x = [&](std::size_t k) { return value(i.at(k), i); };
     TypedText& result = values_[i.result];
     if (const std::string op = counterpart(binaries, i.op); !op.empty()) result = binary(op, x(1), x(2));
-    else if (const std::string with = counterpart(comparisons, i.op); !with.empty()) result = compare(with, x(1), x(2));
-    else if (const std::string to = counterpart(conversions, i.op); !to.empty())
-        result = made(type, to + " " + x(1).typed() + " to " + type.text);
+    else if (const std::string comparison = counterpart(comparisons, i.op); !comparison.empty())
+        result = compare(comparison, x(1), x(2));
+    else if (const std::string conversion = counterpart(conversions, i.op); !conversion.empty())
+        result = emit(type, conversion + " " + x(1).typed() + " to " + type.text);
     else if (i.op == "OpFConvert" || i.op == "OpSConvert" || i.op == "OpUConvert") {
-        const TypedText from = x(1);
-        const bool widens = TypedText{&type}.lane().bits > from.lane().bits;
-        const std::string how = i.op == "OpFConvert"   ? (widens ? "fpext" : "fptrunc")
-                                : !widens              ? "trunc"
-                                : i.op == "OpSConvert" ? "sext"
-                                                       : "zext";
-        result = made(type, how + " " + from.typed() + " to " + type.text);
-    } else if (i.op == "OpFNegate") result = made(type, "fneg " + x(1).typed());
+        const TypedText operand = x(1);
+        const bool widens = TypedText{&type}.lane().bits > operand.lane().bits;
+        const std::string instruction_name = i.op == "OpFConvert"   ? (widens ? "fpext" : "fptrunc")
+                                             : !widens              ? "trunc"
+                                             : i.op == "OpSConvert" ? "sext"
+                                                                    : "zext";
+        result = emit(type, instruction_name + " " + operand.typed() + " to " + type.text);
+    } else if (i.op == "OpFNegate") result = emit(type, "fneg " + x(1).typed());
     else if (i.op == "OpFMod" || i.op == "OpFRem") {  // x - y floor(x/y), x - y trunc(x/y)
-        const TypedText whole = intrinsic(i.op == "OpFMod" ? "floor" : "trunc", {binary("fdiv", x(1), x(2))});
-        result = binary("fsub", x(1), binary("fmul", x(2), whole));
+        const TypedText rounded_quotient =
+            intrinsic(i.op == "OpFMod" ? "floor" : "trunc", {binary("fdiv", x(1), x(2))});
+        result = binary("fsub", x(1), binary("fmul", x(2), rounded_quotient));
     } else if (i.op == "OpSNegate") result = binary("sub", {&type, "zeroinitializer", {}}, x(1));
     else if (i.op == "OpLogicalNot") result = compare("icmp eq", x(1), {&type, "zeroinitializer", {}});
     else if (i.op == "OpSelect") result = select(x(1), x(2), x(3));
@@ -196,15 +200,15 @@ bool Translator::arithmetic(const SpirvInstruction& i) {
         result =
             compare("fcmp oeq", intrinsic("fabs", {x(1)}), splat(std::numeric_limits<double>::infinity(), *x(1).type));
     else if (i.op == "OpAny" || i.op == "OpAll") {
-        const TypedText all = x(1);
-        if (all.type->kind != Kind::vector) i.fail("a vector is missing");
-        result = part(all, 0);
-        for (std::size_t k = 1; k < all.type->count; ++k)
-            result = binary(i.op == "OpAny" ? "or" : "and", result, part(all, k));
+        const TypedText vector = x(1);
+        if (vector.type->kind != Kind::vector) i.fail("a vector is missing");
+        result = extract_part(vector, 0);
+        for (std::size_t k = 1; k < vector.type->count; ++k)
+            result = binary(i.op == "OpAny" ? "or" : "and", result, extract_part(vector, k));
     } else if (i.op == "OpExtInst" && strings_[i.at(1)] == "GLSL.std.450") {
-        Values all;
-        for (std::size_t k = 3; k < i.operands.size(); ++k) all.push_back(x(k));
-        result = extended(i, i.at(2), type, all);
+        Values arguments;
+        for (std::size_t k = 3; k < i.operands.size(); ++k) arguments.push_back(x(k));
+        result = extended_instruction(i, i.at(2), type, arguments);
     } else {
         values_.erase(i.result);
         return false;
@@ -212,10 +216,11 @@ bool Translator::arithmetic(const SpirvInstruction& i) {
     return true;
 }
 
-/// An instruction of GLSL.std.450: the operations of its formula in the specification, from the left to the right.
-TypedText Translator::extended(const SpirvInstruction& i, const std::string& name, const SpirvType& type,
-                               const Values& x) {
-    // Each name with the number of its operands.
+/// Translates an instruction of GLSL.std.450 to the operations of its formula in the specification, from the left to
+/// the right.
+TypedText Translator::extended_instruction(const SpirvInstruction& i, const std::string& name, const SpirvType& type,
+                                           const Values& x) {
+    // The names with the number of their operands.
     static const std::map<std::string_view, std::size_t> formulas{
         {"InverseSqrt", 1}, {"FMin", 2},      {"FMax", 2},        {"FClamp", 3},  {"NClamp", 3}, {"FSign", 1},
         {"FMix", 3},        {"Step", 2},      {"SmoothStep", 3},  {"SAbs", 1},    {"SMin", 2},   {"SMax", 2},
@@ -225,34 +230,36 @@ TypedText Translator::extended(const SpirvInstruction& i, const std::string& nam
                                          {"NMin", "minnum"},     {"NMax", "maxnum"},        {"Pow", "pow"},
                                          {"Floor", "floor"},     {"Ceil", "ceil"},          {"Trunc", "trunc"},
                                          {"Round", "roundeven"}, {"RoundEven", "roundeven"}};
-    if (const std::string known = counterpart(intrinsics, name); !known.empty() && !x.empty())
-        return intrinsic(known, x);
+    if (const std::string intrinsic_name = counterpart(intrinsics, name); !intrinsic_name.empty() && !x.empty())
+        return intrinsic(intrinsic_name, x);
     const auto formula = formulas.find(name);
     if (formula == formulas.end()) {
-        const bool typed = name.size() > 1 && (name[0] == 'F' || name[0] == 'S') && name[1] >= 'A' && name[1] <= 'Z';
-        std::string word = typed ? name.substr(1) : name;
-        if (!word.empty()) word[0] = static_cast<char>(word[0] | 0x20);
-        return refuse(type, "it calls " + word + ", which is not followed");
+        const bool has_type_letter =
+            name.size() > 1 && (name[0] == 'F' || name[0] == 'S') && name[1] >= 'A' && name[1] <= 'Z';
+        std::string function_name = has_type_letter ? name.substr(1) : name;
+        if (!function_name.empty()) function_name[0] = static_cast<char>(function_name[0] | 0x20);
+        return refuse(type, "it calls " + function_name + ", which is not followed");
     }
     if (x.size() < formula->second) i.fail("an operand is missing");
     const auto choose = [&](const std::string& op, const TypedText& a, const TypedText& b) {
         return select(compare(op, a, b), a, b);
     };
-    const auto least = [&](const TypedText& a, const TypedText& b) { return choose("fcmp olt", b, a); };
-    const auto most = [&](const TypedText& a, const TypedText& b) { return select(compare("fcmp olt", a, b), b, a); };
+    const auto smaller = [&](const TypedText& a, const TypedText& b) { return choose("fcmp olt", b, a); };
+    const auto larger = [&](const TypedText& a, const TypedText& b) { return select(compare("fcmp olt", a, b), b, a); };
     const auto constant = [&](double c) { return splat(c, type); };
     const auto clamped = [&](const TypedText& a, const TypedText& lo, const TypedText& hi) {
-        return least(most(a, lo), hi);
+        return smaller(larger(a, lo), hi);
     };
     if (name == "InverseSqrt") return binary("fdiv", constant(1), intrinsic("sqrt", x));
     if (name == "Fract") return binary("fsub", x[0], intrinsic("floor", x));
-    if (name == "FMin") return least(x[0], x[1]);
-    if (name == "FMax") return most(x[0], x[1]);
+    if (name == "FMin") return smaller(x[0], x[1]);
+    if (name == "FMax") return larger(x[0], x[1]);
     if (name == "FClamp") return clamped(x[0], x[1], x[2]);
     if (name == "NClamp") return intrinsic("minnum", {intrinsic("maxnum", {x[0], x[1]}), x[2]});
     if (name == "FSign") {
-        const TypedText below = select(compare("fcmp olt", x[0], constant(0)), constant(-1), constant(0));
-        return select(compare("fcmp ogt", x[0], constant(0)), constant(1), below);
+        const TypedText zero_or_negative_sign =
+            select(compare("fcmp olt", x[0], constant(0)), constant(-1), constant(0));
+        return select(compare("fcmp ogt", x[0], constant(0)), constant(1), zero_or_negative_sign);
     }
     if (name == "FMix")
         return binary("fadd", binary("fmul", x[0], binary("fsub", constant(1), x[2])), binary("fmul", x[1], x[2]));
@@ -262,14 +269,15 @@ TypedText Translator::extended(const SpirvInstruction& i, const std::string& nam
             clamped(binary("fdiv", binary("fsub", x[2], x[0]), binary("fsub", x[1], x[0])), constant(0), constant(1));
         return binary("fmul", binary("fmul", t, t), binary("fsub", constant(3), binary("fmul", constant(2), t)));
     }
-    const std::string sign(1, static_cast<char>(name[0] | 0x20));  // s or u
+    const std::string type_letter(1, static_cast<char>(name[0] | 0x20));  // s or u
     if (name == "SAbs") {
         const TypedText zero{&type, "zeroinitializer", {}};
         return choose("icmp sgt", x[0], binary("sub", zero, x[0]));
     }
-    if (name.ends_with("Min")) return choose("icmp " + sign + "lt", x[0], x[1]);
-    if (name.ends_with("Max")) return choose("icmp " + sign + "gt", x[0], x[1]);
-    if (name.ends_with("Clamp")) return choose("icmp " + sign + "lt", choose("icmp " + sign + "gt", x[0], x[1]), x[2]);
+    if (name.ends_with("Min")) return choose("icmp " + type_letter + "lt", x[0], x[1]);
+    if (name.ends_with("Max")) return choose("icmp " + type_letter + "gt", x[0], x[1]);
+    if (name.ends_with("Clamp"))
+        return choose("icmp " + type_letter + "lt", choose("icmp " + type_letter + "gt", x[0], x[1]), x[2]);
     return geometric(name, x);
 }
 
@@ -277,26 +285,26 @@ TypedText Translator::geometric(const std::string& name, const Values& x) {
     if (name == "Length") return length(x[0]);
     if (name == "Distance") return length(binary("fsub", x[0], x[1]));
     if (name == "Normalize") {
-        const TypedText own = length(x[0]);
+        const TypedText x_length = length(x[0]);
         const bool is_vector = x[0].type->kind == Kind::vector;
-        return binary("fdiv", x[0], is_vector ? joined(*x[0].type, Values(x[0].type->count, own)) : own);
+        return binary("fdiv", x[0], is_vector ? construct(*x[0].type, Values(x[0].type->count, x_length)) : x_length);
     }
     if (name == "FaceForward")
         return select(compare("fcmp olt", dot(x[2], x[1]), splat(0, x[0].lane())), x[0],
-                      made(*x[0].type, "fneg " + x[0].typed()));
+                      emit(*x[0].type, "fneg " + x[0].typed()));
     if (name == "Reflect") {
-        const TypedText twice = binary("fmul", splat(2, x[0].lane()), dot(x[1], x[0]));
+        const TypedText twice_dot = binary("fmul", splat(2, x[0].lane()), dot(x[1], x[0]));
         return binary("fsub", x[0],
-                      x[0].type->kind == Kind::vector ? scaled(x[1], twice) : binary("fmul", x[1], twice));
+                      x[0].type->kind == Kind::vector ? scale(x[1], twice_dot) : binary("fmul", x[1], twice_dot));
     }
     // Cross: x₁y₂ − y₁x₂, x₂y₀ − y₂x₀, x₀y₁ − y₀x₁
     Values lanes;
     for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t a = (k + 1) % 3, b = (k + 2) % 3;
-        lanes.push_back(
-            binary("fsub", binary("fmul", part(x[0], a), part(x[1], b)), binary("fmul", part(x[1], a), part(x[0], b))));
+        lanes.push_back(binary("fsub", binary("fmul", extract_part(x[0], a), extract_part(x[1], b)),
+                               binary("fmul", extract_part(x[1], a), extract_part(x[0], b))));
     }
-    return joined(*x[0].type, lanes);
+    return construct(*x[0].type, lanes);
 }
 
 }  // namespace lostbits::intersect::spirv

@@ -1,4 +1,4 @@
-// The text that spirv-dis writes, as instructions.
+// Reads the text that spirv-dis writes as instructions.
 #pragma once
 
 #include <string>
@@ -8,17 +8,17 @@
 namespace lostbits::intersect::spirv {
 
 struct SpirvInstruction {
-    std::string result;                 ///< without the %; empty if it has none
+    std::string result;                 ///< without the %; empty if the instruction has no result
     std::string op;                     ///< "OpFAdd"
-    std::vector<std::string> operands;  ///< names without the %, words, numbers, strings without quotation marks
-    int line = 0, column = 0;           ///< of the name of the operation in the text, from 1
+    std::vector<std::string> operands;  ///< names without the %, keywords, numbers, and strings without quotation marks
+    int line = 0, column = 0;           ///< where the name of the operation stands in the text, from 1
 
-    /// Operand k. InputError if it is missing.
+    /// Operand k. Throws InputError if the operand is missing.
     [[nodiscard]] const std::string& at(std::size_t k) const;
-    [[noreturn]] void fail(const std::string& what) const;
+    [[noreturn]] void fail(const std::string& problem) const;
 };
 
-/// Throws InputError for a text that is not such an assembly.
+/// Reads the instructions of an assembly. Throws InputError for any other text.
 std::vector<SpirvInstruction> instructions_of(std::string_view assembly);
 
 }  // namespace lostbits::intersect::spirv

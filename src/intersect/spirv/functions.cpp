@@ -1,4 +1,4 @@
-// Functions, their blocks, memory, and parts of values.
+// Translates functions, their blocks, accesses to memory, and parts of values.
 #include <algorithm>
 #include <array>
 
@@ -17,19 +17,19 @@ bool is_chain(const SpirvInstruction& i) { return i.op == "OpAccessChain" || i.o
 
 }  // namespace
 
-/// True for debug information that stands among the instructions, as of `glslangValidator -gV`.
-bool Translator::is_note(const SpirvInstruction& i) const {
+/// True for debug information that stands among the instructions, as `glslangValidator -gV` writes it.
+bool Translator::is_debug_info(const SpirvInstruction& i) const {
     if (i.op != "OpExtInst") return false;
     const auto set = strings_.find(i.at(1));
     return set != strings_.end() && set->second.starts_with("NonSemantic.");
 }
 
-/// True if the first access to the memory behind a parameter writes it: the function answers there.
-bool Translator::is_written_first(std::size_t from, std::size_t end, const std::string& id) const {
+/// True if the first access to the memory behind a parameter writes it, so that the function returns an answer there.
+bool Translator::is_written_first(std::size_t first, std::size_t end, const std::string& id) const {
     std::set<std::string> parts{id};
-    for (std::size_t k = from; k < end; ++k) {
-        const SpirvInstruction& i = all_[k];
-        if (is_note(i)) continue;
+    for (std::size_t k = first; k < end; ++k) {
+        const SpirvInstruction& i = instructions_[k];
+        if (is_debug_info(i)) continue;
         if (is_chain(i) && parts.contains(i.at(1))) parts.insert(i.result);
         else if (i.op == "OpStore" && parts.contains(i.at(0))) return true;
         else if (std::ranges::any_of(i.operands, [&](const std::string& o) { return parts.contains(o); })) return false;
@@ -37,67 +37,73 @@ bool Translator::is_written_first(std::size_t from, std::size_t end, const std::
     return false;
 }
 
-/// Adds the parameters of a function to its values, and the debug information of each. Returns the list.
+/// Adds the parameters of a function to its values, with the debug information of each parameter. Returns the list of
+/// the parameters.
 std::string Translator::parameters_of(std::size_t first, std::size_t end, const std::string& scope) {
-    const SpirvType& type = type_of(all_[first].at(2), all_[first]);
-    if (type.kind != Kind::function || type.parts.empty()) all_[first].fail("a function has no type");
-    std::string list, notes = note_of(*type.parts[0]);
-    std::size_t number = 0;
+    const SpirvType& type = type_of(instructions_[first].at(2), instructions_[first]);
+    if (type.kind != Kind::function || type.parts.empty()) instructions_[first].fail("a function has no type");
+    std::string list, type_list = metadata_of(*type.parts[0]);
+    std::size_t parameter_count = 0;
     for (std::size_t k = first + 1; k < end; ++k) {
-        const SpirvInstruction& i = all_[k];
+        const SpirvInstruction& i = instructions_[k];
         if (i.op != "OpFunctionParameter") continue;
-        const SpirvType& own = type_of(i.at(0), i);
-        std::string its = note_of(own);
-        if (own.kind == Kind::pointer && !is_written_first(k + 1, end, i.result))
-            its = note("!DIDerivedType(tag: DW_TAG_reference_type, baseType: " +
-                       note("!DIDerivedType(tag: DW_TAG_const_type, baseType: " + note_of(*own.parts[0]) + ")") +
-                       ", size: 64)");
-        values_[i.result] = {&own, "%s." + i.result, {}};
-        list += (number++ == 0 ? "" : ", ") + values_[i.result].typed();
-        notes += ", " + its;
+        const SpirvType& parameter_type = type_of(i.at(0), i);
+        std::string type_metadata = metadata_of(parameter_type);
+        if (parameter_type.kind == Kind::pointer && !is_written_first(k + 1, end, i.result))
+            type_metadata = add_metadata("!DIDerivedType(tag: DW_TAG_reference_type, baseType: " +
+                                         add_metadata("!DIDerivedType(tag: DW_TAG_const_type, baseType: " +
+                                                      metadata_of(*parameter_type.parts[0]) + ")") +
+                                         ", size: 64)");
+        values_[i.result] = {&parameter_type, "%s." + i.result, {}};
+        list += (parameter_count++ == 0 ? "" : ", ") + values_[i.result].typed();
+        type_list += ", " + type_metadata;
         const std::string name = name_of(i.result);
-        note("!DILocalVariable(name: " + quoted_name(name.empty() ? "p" + std::to_string(number - 1) : name) +
-             ", arg: " + std::to_string(number) + ", scope: " + scope + ", file: " + file_ + ", type: " + its + ")");
+        add_metadata(
+            "!DILocalVariable(name: " + quoted_name(name.empty() ? "p" + std::to_string(parameter_count - 1) : name) +
+            ", arg: " + std::to_string(parameter_count) + ", scope: " + scope + ", file: " + file_ +
+            ", type: " + type_metadata + ")");
     }
-    if (number + 1 != type.parts.size()) all_[first].fail("the parameters of a function are not those of its type");
-    metadata_.push_back("!DISubroutineType(types: " + note("!{" + notes + "}") + ")");
+    if (parameter_count + 1 != type.parts.size())
+        instructions_[first].fail("the parameters of a function are not those of its type");
+    metadata_.push_back("!DISubroutineType(types: " + add_metadata("!{" + type_list + "}") + ")");
     return list;
 }
 
-void Translator::function(std::size_t first, std::size_t end) {
-    const SpirvInstruction& head = all_[first];
-    const SpirvType& returned = type_of(head.at(0), head);
-    const bool is_defined =
-        std::any_of(all_.begin() + static_cast<std::ptrdiff_t>(first), all_.begin() + static_cast<std::ptrdiff_t>(end),
-                    [](const SpirvInstruction& i) { return i.op == "OpLabel"; });
+void Translator::translate_function(std::size_t first, std::size_t end) {
+    const SpirvInstruction& function_instruction = instructions_[first];
+    const SpirvType& returned_type = type_of(function_instruction.at(0), function_instruction);
+    const bool is_defined = std::any_of(instructions_.begin() + static_cast<std::ptrdiff_t>(first),
+                                        instructions_.begin() + static_cast<std::ptrdiff_t>(end),
+                                        [](const SpirvInstruction& i) { return i.op == "OpLabel"; });
     if (!is_defined) return;
-    scope_ = note("");
-    const std::size_t own = metadata_.size() - 1;
+    scope_ = add_metadata("");
+    const std::size_t subprogram_index = metadata_.size() - 1;
     const std::string list = parameters_of(first, end, scope_);
-    const std::string types = "!" + std::to_string(metadata_.size() - 1), name = name_of(head.result);
-    const int line = lines_.file.empty() ? head.line : places_.last().line;
-    metadata_[own] = "distinct !DISubprogram(name: " + quoted_name(name.empty() ? head.result : name) +
-                     ", scope: " + file_ + ", file: " + file_ + ", line: " + std::to_string(std::max(line, 0)) +
-                     ", type: " + types + ", unit: " + unit_ + ", spFlags: DISPFlagDefinition)";
-    body_.push_back("define internal " + returned.text + " " + symbol(head.result) + "(" + list + ") !dbg " + scope_ +
-                    " {");
+    const std::string types = "!" + std::to_string(metadata_.size() - 1), name = name_of(function_instruction.result);
+    const int line = lines_.file.empty() ? function_instruction.line : places_.last().line;
+    metadata_[subprogram_index] =
+        "distinct !DISubprogram(name: " + quoted_name(name.empty() ? function_instruction.result : name) +
+        ", scope: " + file_ + ", file: " + file_ + ", line: " + std::to_string(std::max(line, 0)) + ", type: " + types +
+        ", unit: " + unit_ + ", spFlags: DISPFlagDefinition)";
+    body_.push_back("define internal " + returned_type.text + " " + symbol(function_instruction.result) + "(" + list +
+                    ") !dbg " + scope_ + " {");
     places_.begin_function();
     known_places_.clear();
     for (std::size_t k = first + 1; k < end; ++k)
-        if (all_[k].op != "OpFunctionParameter") instruction(all_[k]);
+        if (instructions_[k].op != "OpFunctionParameter") translate_instruction(instructions_[k]);
     resolve_phis();
     body_.push_back("}");
 }
 
-/// Writes the operands of phis, which may come later than the phi itself.
+/// Writes the operands of phis, which may be defined after the phi itself.
 void Translator::resolve_phis() {
     for (const OpenPhi& phi : phis_) {
         const SpirvInstruction& i = *phi.instruction;
         std::string list;
         for (std::size_t k = 1; k + 1 < i.operands.size(); k += 2)
             list += (k == 1 ? " [ " : ", [ ") + value(i.at(k), i).text + ", " + label(i.at(k + 1)) + " ]";
-        const std::size_t mark = body_[phi.line].find('#');
-        body_[phi.line].replace(mark, 1, list);
+        const std::size_t placeholder = body_[phi.line].find('#');
+        body_[phi.line].replace(placeholder, 1, list);
     }
     phis_.clear();
 }
@@ -108,49 +114,52 @@ TypedText Translator::value(const std::string& id, const SpirvInstruction& i) co
     return found->second;
 }
 
-void Translator::line(const std::string& text) { body_.push_back("  " + text + place_); }
+void Translator::emit_line(const std::string& text) { body_.push_back("  " + text + place_); }
 
-TypedText Translator::made(const SpirvType& type, const std::string& text) {
-    const std::string name = "%t." + std::to_string(temporaries_++);
-    line(name + " = " + text);
+TypedText Translator::emit(const SpirvType& type, const std::string& text) {
+    const std::string name = "%t." + std::to_string(temporary_count_++);
+    emit_line(name + " = " + text);
     return {&type, name, {}};
 }
 
-/// Calls the function that stands for something that cannot be followed.
+/// Calls the function whose name states what cannot be followed.
 TypedText Translator::refuse(const SpirvType& type, const std::string& sentence) {
     const std::string name = "@" + quoted_name(refusal + sentence) + "()";
     declarations_.insert("declare extern_weak void " + name);
-    line("call void " + name);
+    emit_line("call void " + name);
     return {&type, "undef", {}};
 }
 
-void Translator::instruction(const SpirvInstruction& i) {
-    constexpr std::array silent{"OpNop", "OpName", "OpSelectionMerge", "OpLoopMerge", "OpNoLine"};
-    const auto place = [&](std::size_t k) { return static_cast<int>(std::clamp(wholes_[i.at(k)], 0.0, 0x1p30)); };
+void Translator::translate_instruction(const SpirvInstruction& i) {
+    constexpr std::array ignored{"OpNop", "OpName", "OpSelectionMerge", "OpLoopMerge", "OpNoLine"};
+    const auto number = [&](std::size_t k) {
+        return static_cast<int>(std::clamp(integer_constants_[i.at(k)], 0.0, 0x1p30));
+    };
     if (i.op == "OpLine") return declare(i);
-    if (is_note(i)) {
-        if (i.at(2) == "DebugLine") places_.visit(place(4), place(6));
+    if (is_debug_info(i)) {
+        if (i.at(2) == "DebugLine") places_.visit(number(4), number(6));
         return;
     }
-    if (std::ranges::find(silent, i.op) != silent.end()) return;
+    if (std::ranges::find(ignored, i.op) != ignored.end()) return;
     if (i.op == "OpLabel") {
         body_.push_back(label(i.result).substr(1) + ":");
         return;
     }
-    place_ = place_now(i);
+    place_ = debug_suffix(i);
     if (i.op == "OpUndef") return declare(i);
-    if (control(i)) return;
+    if (translate_control(i)) return;
     for (const std::string& operand : i.operands) {
-        const auto used = values_.find(operand);
-        const bool reads = used != values_.end() && !used->second.refused.empty() && !is_chain(i);
-        if (!reads) continue;
-        const std::string why = used->second.refused;
+        const auto operand_value = values_.find(operand);
+        const bool uses_refused_address =
+            operand_value != values_.end() && !operand_value->second.refusal_reason.empty() && !is_chain(i);
+        if (!uses_refused_address) continue;
+        const std::string reason = operand_value->second.refusal_reason;
         const SpirvType& type = i.result.empty() ? simple_type(Kind::integer, 32) : type_of(i.at(0), i);
-        const TypedText none = refuse(type, why);
-        if (!i.result.empty()) values_[i.result] = none;
+        const TypedText undefined = refuse(type, reason);
+        if (!i.result.empty()) values_[i.result] = undefined;
         return;
     }
-    if (memory(i) || composite(i) || matrix(i) || arithmetic(i)) return;
+    if (translate_memory(i) || translate_composite(i) || translate_matrix(i) || translate_arithmetic(i)) return;
     if (i.result.empty())
         refuse(simple_type(Kind::integer, 32), "the instruction " + i.op + " of SPIR-V is not followed");
     else {
@@ -160,152 +169,153 @@ void Translator::instruction(const SpirvInstruction& i) {
     }
 }
 
-/// The end of a block, and phis.
-bool Translator::control(const SpirvInstruction& i) {
+/// Translates phis and the instructions that end a block. Returns false for other instructions.
+bool Translator::translate_control(const SpirvInstruction& i) {
     const auto target = [&](std::size_t k) { return "label " + label(i.at(k)); };
     if (i.op == "OpPhi") {
         const SpirvType& type = type_of(i.at(0), i);
-        values_[i.result] = made(type, "phi " + type.text + "#");
+        values_[i.result] = emit(type, "phi " + type.text + "#");
         phis_.push_back({body_.size() - 1, &i});
-    } else if (i.op == "OpBranch") line("br " + target(0));
+    } else if (i.op == "OpBranch") emit_line("br " + target(0));
     else if (i.op == "OpBranchConditional")
-        line("br " + value(i.at(0), i).typed() + ", " + target(1) + ", " + target(2));
+        emit_line("br " + value(i.at(0), i).typed() + ", " + target(1) + ", " + target(2));
     else if (i.op == "OpSwitch") {
-        const TypedText on = value(i.at(0), i);
+        const TypedText selector = value(i.at(0), i);
         std::string cases;
         for (std::size_t k = 2; k + 1 < i.operands.size(); k += 2)
-            cases += on.type->text + " " + i.at(k) + ", " + target(k + 1) + " ";
-        line("switch " + on.typed() + ", " + target(1) + " [ " + cases + "]");
-    } else if (i.op == "OpReturn") line("ret void");
-    else if (i.op == "OpReturnValue") line("ret " + value(i.at(0), i).typed());
-    else if (i.op == "OpUnreachable") line("unreachable");
+            cases += selector.type->text + " " + i.at(k) + ", " + target(k + 1) + " ";
+        emit_line("switch " + selector.typed() + ", " + target(1) + " [ " + cases + "]");
+    } else if (i.op == "OpReturn") emit_line("ret void");
+    else if (i.op == "OpReturnValue") emit_line("ret " + value(i.at(0), i).typed());
+    else if (i.op == "OpUnreachable") emit_line("unreachable");
     else if (i.op == "OpKill" || i.op == "OpTerminateInvocation") {
         refuse(simple_type(Kind::integer, 32), "it discards the fragment, which is not followed");
-        line("unreachable");
+        emit_line("unreachable");
     } else return false;
     return true;
 }
 
-/// A variable of a function, and its name in the debug information.
-void Translator::variable(const SpirvInstruction& i) {
+/// Translates a variable of a function, and adds its name to the debug information.
+void Translator::translate_variable(const SpirvInstruction& i) {
     const SpirvType& type = type_of(i.at(0), i);
     if (type.kind != Kind::pointer) i.fail("a variable has no address");
-    const TypedText address = values_[i.result] = made(type, "alloca " + type.parts[0]->text);
+    const TypedText address = values_[i.result] = emit(type, "alloca " + type.parts[0]->text);
     const std::string name = name_of(i.result);
     // glslang calls its own variables "param" and "indexable".
     if (!name.empty() && name != "param" && name != "indexable") {
-        const std::string own = note("!DILocalVariable(name: " + quoted_name(name) + ", scope: " + scope_ +
-                                     ", file: " + file_ + ", type: " + note_of(*type.parts[0]) + ")");
+        const std::string variable_metadata =
+            add_metadata("!DILocalVariable(name: " + quoted_name(name) + ", scope: " + scope_ + ", file: " + file_ +
+                         ", type: " + metadata_of(*type.parts[0]) + ")");
         declarations_.insert("declare void @llvm.dbg.declare(metadata, metadata, metadata)");
-        line("call void @llvm.dbg.declare(metadata " + address.typed() + ", metadata " + own +
-             ", metadata !DIExpression())");
+        emit_line("call void @llvm.dbg.declare(metadata " + address.typed() + ", metadata " + variable_metadata +
+                  ", metadata !DIExpression())");
     }
-    if (i.operands.size() > 2) line("store " + value(i.at(2), i).typed() + ", " + address.typed());
+    if (i.operands.size() > 2) emit_line("store " + value(i.at(2), i).typed() + ", " + address.typed());
 }
 
-/// The address of a part, or a refused address.
-TypedText Translator::element(const SpirvInstruction& i) {
+/// The address of a part; a refused address for a part of a refused one.
+TypedText Translator::element_address(const SpirvInstruction& i) {
     const TypedText base = value(i.at(1), i);
     const SpirvType& type = type_of(i.at(0), i);
     if (base.type->kind != Kind::pointer) i.fail("an address is missing");
     std::string text = "getelementptr " + base.type->parts[0]->text + ", " + base.typed() + ", i32 0";
     for (std::size_t k = 2; k < i.operands.size(); ++k) text += ", " + value(i.at(k), i).typed();
-    if (!base.refused.empty()) return {&type, "null", base.refused};
-    return made(type, text);
+    if (!base.refusal_reason.empty()) return {&type, "null", base.refusal_reason};
+    return emit(type, text);
 }
 
-TypedText Translator::call(const SpirvInstruction& i) {
+TypedText Translator::translate_call(const SpirvInstruction& i) {
     const SpirvType& type = type_of(i.at(0), i);
     const auto callee = functions_.find(i.at(1));
     if (callee == functions_.end()) i.fail("%" + i.at(1) + " is not a function");
     std::string list;
     for (std::size_t k = 2; k < i.operands.size(); ++k) list += (k == 2 ? "" : ", ") + value(i.at(k), i).typed();
     const std::string text = "call " + type.text + " " + symbol(i.at(1)) + "(" + list + ")";
-    if (type.kind != Kind::nothing) return made(type, text);
-    line(text);
+    if (type.kind != Kind::nothing) return emit(type, text);
+    emit_line(text);
     return {&type, "undef", {}};
 }
 
-bool Translator::memory(const SpirvInstruction& i) {
-    if (i.op == "OpVariable") variable(i);
-    else if (is_chain(i)) values_[i.result] = element(i);
-    else if (i.op == "OpFunctionCall") values_[i.result] = call(i);
+bool Translator::translate_memory(const SpirvInstruction& i) {
+    if (i.op == "OpVariable") translate_variable(i);
+    else if (is_chain(i)) values_[i.result] = element_address(i);
+    else if (i.op == "OpFunctionCall") values_[i.result] = translate_call(i);
     else if (i.op == "OpLoad") {
         const SpirvType& type = type_of(i.at(0), i);
-        values_[i.result] = made(type, "load " + type.text + ", " + value(i.at(1), i).typed());
-    } else if (i.op == "OpStore") line("store " + value(i.at(1), i).typed() + ", " + value(i.at(0), i).typed());
+        values_[i.result] = emit(type, "load " + type.text + ", " + value(i.at(1), i).typed());
+    } else if (i.op == "OpStore") emit_line("store " + value(i.at(1), i).typed() + ", " + value(i.at(0), i).typed());
     else if (i.op == "OpCopyMemory") {
-        const TypedText from = value(i.at(1), i);
-        if (from.type->kind != Kind::pointer) i.fail("an address is missing");
-        const SpirvType& target = *from.type->parts[0];
-        line("store " + made(target, "load " + target.text + ", " + from.typed()).typed() + ", " +
-             value(i.at(0), i).typed());
+        const TypedText source = value(i.at(1), i);
+        if (source.type->kind != Kind::pointer) i.fail("an address is missing");
+        const SpirvType& target = *source.type->parts[0];
+        emit_line("store " + emit(target, "load " + target.text + ", " + source.typed()).typed() + ", " +
+                  value(i.at(0), i).typed());
     } else return false;
     return true;
 }
 
 // Parts
 
-TypedText Translator::part(const TypedText& whole, std::size_t k) {
-    const SpirvType* const found = whole.type->part(k);
-    if (found == nullptr) throw InputError("the SPIR-V cannot be read: an index is outside of its type");
-    const SpirvType& type = *found;
+TypedText Translator::extract_part(const TypedText& whole, std::size_t k) {
+    const SpirvType* const part_type = whole.type->part(k);
+    if (part_type == nullptr) throw InputError("the SPIR-V cannot be read: an index is outside of its type");
+    const SpirvType& type = *part_type;
     const std::string index = std::to_string(k);
-    if (whole.type->kind == Kind::vector) return made(type, "extractelement " + whole.typed() + ", i32 " + index);
-    return made(type, "extractvalue " + whole.typed() + ", " + index);
+    if (whole.type->kind == Kind::vector) return emit(type, "extractelement " + whole.typed() + ", i32 " + index);
+    return emit(type, "extractvalue " + whole.typed() + ", " + index);
 }
 
-TypedText Translator::with_part(const TypedText& whole, std::size_t k, const TypedText& part) {
+TypedText Translator::insert_part(const TypedText& whole, std::size_t k, const TypedText& part) {
     const std::string index = std::to_string(k);
     if (whole.type->kind == Kind::vector)
-        return made(*whole.type, "insertelement " + whole.typed() + ", " + part.typed() + ", i32 " + index);
-    return made(*whole.type, "insertvalue " + whole.typed() + ", " + part.typed() + ", " + index);
+        return emit(*whole.type, "insertelement " + whole.typed() + ", " + part.typed() + ", i32 " + index);
+    return emit(*whole.type, "insertvalue " + whole.typed() + ", " + part.typed() + ", " + index);
 }
 
-TypedText Translator::with_part(const TypedText& whole, const std::vector<std::size_t>& path, std::size_t at,
-                                const TypedText& part) {
-    if (at == path.size()) return part;
-    return with_part(whole, path[at], with_part(this->part(whole, path[at]), path, at + 1, part));
+TypedText Translator::insert_part(const TypedText& whole, const std::vector<std::size_t>& path, std::size_t depth,
+                                  const TypedText& part) {
+    if (depth == path.size()) return part;
+    return insert_part(whole, path[depth], insert_part(this->extract_part(whole, path[depth]), path, depth + 1, part));
 }
 
-/// A vector or another whole of these parts. Vectors among the parts of a vector give their lanes.
-TypedText Translator::joined(const SpirvType& type, const Values& parts) {
-    TypedText all{&type, "undef", {}};
-    std::size_t next = 0;
+/// A vector or another composite of these parts. Vectors among the parts of a vector contribute their lanes.
+TypedText Translator::construct(const SpirvType& type, const Values& parts) {
+    TypedText result{&type, "undef", {}};
+    std::size_t next_index = 0;
     for (const TypedText& p : parts) {
         const bool is_split = type.kind == Kind::vector && p.type->kind == Kind::vector;
         const std::size_t count = is_split ? p.type->count : 1;
-        for (std::size_t k = 0; k < count && type.part(next) != nullptr; ++k)
-            all = with_part(all, next++, is_split ? part(p, k) : p);
+        for (std::size_t k = 0; k < count && type.part(next_index) != nullptr; ++k)
+            result = insert_part(result, next_index++, is_split ? extract_part(p, k) : p);
     }
-    return all;
+    return result;
 }
 
-bool Translator::composite(const SpirvInstruction& i) {
+bool Translator::translate_composite(const SpirvInstruction& i) {
     const auto type = [&]() -> const SpirvType& { return type_of(i.at(0), i); };
-    const auto index = [&](const SpirvType& whole, std::size_t k) {
+    const auto index = [&](const SpirvType& composite, std::size_t k) {
         const std::size_t n =
             i.at(k).size() > 4 ? ~std::size_t{0} : static_cast<std::size_t>(std::atoi(i.at(k).c_str()));
-        if (whole.part(n) == nullptr) i.fail("an index is outside of its type");
+        if (composite.part(n) == nullptr) i.fail("an index is outside of its type");
         return n;
     };
     if (i.op == "OpCompositeConstruct") {
         Values parts;
         for (std::size_t k = 1; k < i.operands.size(); ++k) parts.push_back(value(i.at(k), i));
-        values_[i.result] = joined(type(), parts);
+        values_[i.result] = construct(type(), parts);
     } else if (i.op == "OpCompositeExtract") {
-        TypedText found = value(i.at(1), i);
-        for (std::size_t k = 2; k < i.operands.size(); ++k) found = part(found, index(*found.type, k));
-        values_[i.result] = found;
+        TypedText selected = value(i.at(1), i);
+        for (std::size_t k = 2; k < i.operands.size(); ++k) selected = extract_part(selected, index(*selected.type, k));
+        values_[i.result] = selected;
     } else if (i.op == "OpCompositeInsert") {
-        const TypedText whole = value(i.at(2), i);
+        const TypedText composite = value(i.at(2), i);
         std::vector<std::size_t> path;
-        const SpirvType* inside = whole.type;
+        const SpirvType* part_type = composite.type;
         for (std::size_t k = 3; k < i.operands.size(); ++k) {
-            path.push_back(index(*inside, k));
-            inside = inside->part(path.back());
+            path.push_back(index(*part_type, k));
+            part_type = part_type->part(path.back());
         }
-        values_[i.result] = with_part(whole, path, 0, value(i.at(1), i));
+        values_[i.result] = insert_part(composite, path, 0, value(i.at(1), i));
     } else if (i.op == "OpVectorShuffle") {
         const TypedText a = value(i.at(1), i), b = value(i.at(2), i);
         Values lanes;
@@ -315,20 +325,20 @@ bool Translator::composite(const SpirvInstruction& i) {
             const bool first = n < a.type->count;
             if (n == ~std::size_t{0}) lanes.push_back({&a.lane(), "undef", {}});
             else if (!first && b.type->part(n - a.type->count) == nullptr) i.fail("an index is outside of its type");
-            else lanes.push_back(part(first ? a : b, first ? n : n - a.type->count));
+            else lanes.push_back(extract_part(first ? a : b, first ? n : n - a.type->count));
         }
-        values_[i.result] = joined(type(), lanes);
+        values_[i.result] = construct(type(), lanes);
     } else if (i.op == "OpVectorExtractDynamic") {
         values_[i.result] =
-            made(type(), "extractelement " + value(i.at(1), i).typed() + ", " + value(i.at(2), i).typed());
+            emit(type(), "extractelement " + value(i.at(1), i).typed() + ", " + value(i.at(2), i).typed());
     } else if (i.op == "OpVectorInsertDynamic") {
-        values_[i.result] = made(type(), "insertelement " + value(i.at(1), i).typed() + ", " +
+        values_[i.result] = emit(type(), "insertelement " + value(i.at(1), i).typed() + ", " +
                                              value(i.at(2), i).typed() + ", " + value(i.at(3), i).typed());
     } else if (i.op == "OpCopyObject" || i.op == "OpCopyLogical") {
-        const TypedText same = value(i.at(1), i);
-        if (i.op == "OpCopyLogical" && same.type->kind == Kind::structure && same.type->text != type().text)
+        const TypedText source = value(i.at(1), i);
+        if (i.op == "OpCopyLogical" && source.type->kind == Kind::structure && source.type->text != type().text)
             return false;
-        values_[i.result] = same;
+        values_[i.result] = source;
     } else return false;
     return true;
 }

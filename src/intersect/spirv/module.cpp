@@ -1,4 +1,4 @@
-// Types, constants and variables of a module, and its debug information.
+// Translates types, constants and variables of a module, and writes its debug information.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -14,9 +14,9 @@
 namespace lostbits::intersect::spirv {
 namespace {
 
-constexpr std::size_t most_bytes = 1 << 20;  // of a type or of a constant's text
+constexpr std::size_t max_bytes = 1 << 20;  // limit of a type or of a constant's text
 
-std::size_t number_in(const SpirvInstruction& i, std::size_t k) {
+std::size_t number_operand(const SpirvInstruction& i, std::size_t k) {
     const std::string& digits = i.at(k);
     std::size_t n = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), n);
@@ -33,9 +33,9 @@ double number_of(std::string_view text, int bits) {
     double x = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), x,
                                               is_hex ? std::chars_format::hex : std::chars_format::general);
-    const bool is_above = bits == 32 ? x >= 0x1p128 : text.ends_with("p+1024");
-    if (is_above && text.starts_with("1p")) x = std::numeric_limits<double>::infinity();
-    else if (is_above) x = std::numeric_limits<double>::quiet_NaN();
+    const bool is_infinite_or_nan = bits == 32 ? x >= 0x1p128 : text.ends_with("p+1024");
+    if (is_infinite_or_nan && text.starts_with("1p")) x = std::numeric_limits<double>::infinity();
+    else if (is_infinite_or_nan) x = std::numeric_limits<double>::quiet_NaN();
     static_cast<void>(end), static_cast<void>(error);
     return is_negative ? -x : x;
 }
@@ -48,9 +48,9 @@ const SpirvType* SpirvType::part(std::size_t k) const {
     return has_items && k < count ? parts[0] : nullptr;
 }
 
-Translator::Translator(const std::vector<SpirvInstruction>& all, std::string path, const ShaderLines& lines,
+Translator::Translator(const std::vector<SpirvInstruction>& instructions, std::string path, const ShaderLines& lines,
                        bool is_opaque)
-    : all_(all), path_(std::move(path)), lines_(lines), places_(lines), is_opaque_(is_opaque) {}
+    : instructions_(instructions), path_(std::move(path)), lines_(lines), places_(lines), is_opaque_(is_opaque) {}
 
 std::string Translator::name_of(const std::string& id) const {
     const auto found = names_.find(id);
@@ -59,26 +59,29 @@ std::string Translator::name_of(const std::string& id) const {
     return name.starts_with('@') ? name.substr(1) : name;  // glslang writes "@f(vf3;" in HLSL
 }
 
-/// Collects names, functions, and what is written to each variable.
+/// Collects names, functions, and the values that are written to each variable.
 void Translator::collect_names() {
-    std::map<std::string, std::string> base;  // by address of a part: its variable
+    std::map<std::string, std::string> variable_of_part;  // by the address of a part
     std::string entry;
     bool in_entry = false;
-    const auto root = [&](const std::string& id) { return base.contains(id) ? base[id] : id; };
-    const auto add = [&](const std::string& id, const std::string& value) {
-        Written& w = written_[root(id)];
-        ++w.count, w.value = value;
+    const auto variable_of = [&](const std::string& id) {
+        return variable_of_part.contains(id) ? variable_of_part[id] : id;
     };
-    for (const SpirvInstruction& i : all_) {
+    const auto count_write = [&](const std::string& id, const std::string& value) {
+        VariableWrites& writes = variable_writes_[variable_of(id)];
+        ++writes.count, writes.value = value;
+    };
+    for (const SpirvInstruction& i : instructions_) {
         if (i.op == "OpName") names_[i.at(0)] = i.at(1);
-        if (i.op == "OpMemberName") member_names_[{i.at(0), number_in(i, 1)}] = i.at(2);
+        if (i.op == "OpMemberName") member_names_[{i.at(0), number_operand(i, 1)}] = i.at(2);
         if (i.op == "OpExtInstImport" || i.op == "OpString") strings_[i.result] = i.at(0);
         if (i.op == "OpFunction") functions_[i.result] = &i;
         if (i.op == "OpEntryPoint") names_.try_emplace(i.at(1), i.at(2)), entry = i.at(1);
         if (i.op == "OpFunction") in_entry = i.result == entry;
-        if (i.op == "OpAccessChain" || i.op == "OpInBoundsAccessChain") base[i.result] = root(i.at(1));
-        if (i.op == "OpStore") add(i.at(0), in_entry && !base.contains(i.at(0)) ? i.at(1) : "");
-        for (std::size_t k = 2; i.op == "OpFunctionCall" && k < i.operands.size(); ++k) add(i.at(k), "");
+        if (i.op == "OpAccessChain" || i.op == "OpInBoundsAccessChain")
+            variable_of_part[i.result] = variable_of(i.at(1));
+        if (i.op == "OpStore") count_write(i.at(0), in_entry && !variable_of_part.contains(i.at(0)) ? i.at(1) : "");
+        for (std::size_t k = 2; i.op == "OpFunctionCall" && k < i.operands.size(); ++k) count_write(i.at(k), "");
     }
 }
 
@@ -110,7 +113,7 @@ const SpirvType& Translator::pointer_to(const SpirvType& target) {
 }
 
 void Translator::add_type(const SpirvInstruction& i, SpirvType type) {
-    if (type.size > most_bytes || type.count > most_bytes) i.fail("a type is too large");
+    if (type.size > max_bytes || type.count > max_bytes) i.fail("a type is too large");
     if (types_.contains(i.result)) i.fail("a type is defined twice");
     type.id = i.result;
     types_[i.result] = std::move(type);
@@ -118,20 +121,20 @@ void Translator::add_type(const SpirvInstruction& i, SpirvType type) {
 
 void Translator::declare_type(const SpirvInstruction& i) {
     const auto part = [&](std::size_t k) { return &type_of(i.at(k), i); };
-    const auto bits = [&] { return static_cast<int>(std::min<std::size_t>(number_in(i, 0), 64)); };
+    const auto bits = [&] { return static_cast<int>(std::min<std::size_t>(number_operand(i, 0), 64)); };
     if (i.op == "OpTypeVoid") return add_type(i, {.kind = Kind::nothing, .id = {}, .text = "void"});
     if (i.op == "OpTypeBool")
         return add_type(i, {.kind = Kind::boolean, .id = {}, .text = "i1", .size = 1, .align = 1, .bits = 1});
     if (i.op == "OpTypeInt" || i.op == "OpTypeFloat") {
-        const bool is_whole = i.op == "OpTypeInt";
+        const bool is_integer = i.op == "OpTypeInt";
         const int n = bits();
-        const std::string text = is_whole ? "i" + std::to_string(n) : n == 32 ? "float" : n == 64 ? "double" : "half";
+        const std::string text = is_integer ? "i" + std::to_string(n) : n == 32 ? "float" : n == 64 ? "double" : "half";
         const auto bytes = static_cast<std::size_t>(std::max(n / 8, 1));
         return add_type(
-            i, {is_whole ? Kind::integer : Kind::floating, {}, text, bytes, bytes, n, is_whole && i.at(1) == "1"});
+            i, {is_integer ? Kind::integer : Kind::floating, {}, text, bytes, bytes, n, is_integer && i.at(1) == "1"});
     }
     if (i.op == "OpTypeVector") {
-        const std::size_t count = number_in(i, 1);
+        const std::size_t count = number_operand(i, 1);
         if (count < 2 || count > 16)
             i.fail("a vector has fewer than 2 or more than 16 components, which is not supported");
         return add_type(i, vector_of(*part(0), count));
@@ -139,10 +142,12 @@ void Translator::declare_type(const SpirvInstruction& i) {
     if (i.op == "OpTypeMatrix" || i.op == "OpTypeArray") {
         const bool is_matrix = i.op == "OpTypeMatrix";
         const SpirvType& item = *part(0);
-        const double known = is_matrix ? static_cast<double>(number_in(i, 1)) : wholes_[i.at(1)];
-        if (!(known >= 1 && known * static_cast<double>(item.size) <= most_bytes)) i.fail("a type is too large");
-        if (is_matrix && (known > 4 || item.kind != Kind::vector)) i.fail("a matrix has columns that are not followed");
-        const auto count = static_cast<std::size_t>(known);
+        const double item_count = is_matrix ? static_cast<double>(number_operand(i, 1)) : integer_constants_[i.at(1)];
+        if (!(item_count >= 1 && item_count * static_cast<double>(item.size) <= max_bytes))
+            i.fail("a type is too large");
+        if (is_matrix && (item_count > 4 || item.kind != Kind::vector))
+            i.fail("a matrix has columns that are not followed");
+        const auto count = static_cast<std::size_t>(item_count);
         return add_type(i, {is_matrix ? Kind::matrix : Kind::sequence,
                             {},
                             "[" + std::to_string(count) + " x " + item.text + "]",
@@ -154,24 +159,24 @@ void Translator::declare_type(const SpirvInstruction& i) {
                             count});
     }
     if (i.op == "OpTypeStruct") {
-        SpirvType made{.kind = Kind::structure, .id = {}, .text = "%T." + i.result};
+        SpirvType structure{.kind = Kind::structure, .id = {}, .text = "%T." + i.result};
         std::string parts;
         for (std::size_t k = 0; k < i.operands.size(); ++k) {
-            made.parts.push_back(part(k));
+            structure.parts.push_back(part(k));
             parts += (k == 0 ? "" : ", ") + part(k)->text;
-            made.size = (made.size + part(k)->align - 1) / part(k)->align * part(k)->align + part(k)->size;
-            made.align = std::max(made.align, part(k)->align);
-            if (made.size > most_bytes) i.fail("a type is too large");
+            structure.size = (structure.size + part(k)->align - 1) / part(k)->align * part(k)->align + part(k)->size;
+            structure.align = std::max(structure.align, part(k)->align);
+            if (structure.size > max_bytes) i.fail("a type is too large");
         }
-        made.size = (made.size + made.align - 1) / made.align * made.align;
-        head_.push_back(made.text + " = type { " + parts + " }");
-        return add_type(i, std::move(made));
+        structure.size = (structure.size + structure.align - 1) / structure.align * structure.align;
+        definitions_.push_back(structure.text + " = type { " + parts + " }");
+        return add_type(i, std::move(structure));
     }
     if (i.op == "OpTypePointer" && types_.contains(i.at(1))) return add_type(i, pointer_to(*part(1)));
     if (i.op == "OpTypeFunction") {
-        SpirvType made{.kind = Kind::function, .id = {}, .text = {}};
-        for (std::size_t k = 0; k < i.operands.size(); ++k) made.parts.push_back(part(k));
-        return add_type(i, std::move(made));
+        SpirvType function_type{.kind = Kind::function, .id = {}, .text = {}};
+        for (std::size_t k = 0; k < i.operands.size(); ++k) function_type.parts.push_back(part(k));
+        return add_type(i, std::move(function_type));
     }
     add_type(i, {.kind = Kind::other, .id = {}, .text = "i8", .size = 1, .align = 1});  // an image, a sampler
 }
@@ -187,58 +192,60 @@ std::string Translator::literal(double x, const SpirvType& type) const {
 
 void Translator::declare_constant(const SpirvInstruction& i) {
     const SpirvType& type = type_of(i.at(0), i);
-    TypedText& made = values_[i.result] = {&type};
-    if (i.op.ends_with("ConstantTrue")) made.text = "true";
-    else if (i.op.ends_with("ConstantFalse")) made.text = "false";
-    else if (i.op == "OpUndef") made.text = "undef";
-    else if (i.op == "OpConstantNull") made.text = "zeroinitializer";
+    TypedText& constant = values_[i.result] = {&type};
+    if (i.op.ends_with("ConstantTrue")) constant.text = "true";
+    else if (i.op.ends_with("ConstantFalse")) constant.text = "false";
+    else if (i.op == "OpUndef") constant.text = "undef";
+    else if (i.op == "OpConstantNull") constant.text = "zeroinitializer";
     else if (i.op.ends_with("ConstantComposite")) {
         const bool is_vector = type.kind == Kind::vector;
         for (std::size_t k = 1; k < i.operands.size(); ++k)
-            made.text += (k == 1 ? "" : ", ") + value(i.at(k), i).typed();
+            constant.text += (k == 1 ? "" : ", ") + value(i.at(k), i).typed();
         const char open = is_vector ? '<' : type.kind == Kind::structure ? '{' : '[';
         const char close = is_vector ? '>' : type.kind == Kind::structure ? '}' : ']';
-        made.text = open + made.text + close;
-        if (made.text.size() > most_bytes) i.fail("a constant is too large");
+        constant.text = open + constant.text + close;
+        if (constant.text.size() > max_bytes) i.fail("a constant is too large");
     } else if (type.kind == Kind::floating) {
-        made.text = literal(number_of(i.at(1), type.bits), type);
+        constant.text = literal(number_of(i.at(1), type.bits), type);
     } else if (type.kind == Kind::integer && i.op != "OpSpecConstantOp") {
         const std::string& digits = i.at(1);
         std::int64_t x = 0;
         if (std::from_chars(digits.data(), digits.data() + digits.size(), x).ptr != digits.data() + digits.size())
             i.fail("a number is missing");
-        wholes_[i.result] = static_cast<double>(x);
-        made.text = std::to_string(x);
+        integer_constants_[i.result] = static_cast<double>(x);
+        constant.text = std::to_string(x);
     } else {
-        made.text = "undef";
-        made.refused = "it uses a constant that is computed when the shader is loaded, which is not supported";
+        constant.text = "undef";
+        constant.refusal_reason =
+            "it uses a constant that is computed when the shader is loaded, which is not supported";
     }
-    if (made.text == "zeroinitializer" && type.kind == Kind::pointer) made.text = "null";
-    if (made.text == "zeroinitializer" && type.kind == Kind::floating) made.text = literal(0, type);
-    if (made.text == "zeroinitializer" && (type.kind == Kind::integer || type.kind == Kind::boolean)) made.text = "0";
+    if (constant.text == "zeroinitializer" && type.kind == Kind::pointer) constant.text = "null";
+    if (constant.text == "zeroinitializer" && type.kind == Kind::floating) constant.text = literal(0, type);
+    if (constant.text == "zeroinitializer" && (type.kind == Kind::integer || type.kind == Kind::boolean))
+        constant.text = "0";
 }
 
-/// A variable outside of functions. Its value is known if only one constant is ever written there: at its declaration,
-/// or by the main function, where glslang initialises variables.
+/// Declares a variable outside of functions. Its value is known if only one constant is ever written to it: at its
+/// declaration, or by the main function, where glslang initialises variables.
 void Translator::declare_variable(const SpirvInstruction& i) {
     const SpirvType& type = type_of(i.at(0), i);
     if (type.kind != Kind::pointer) i.fail("a variable has no address");
-    const Written& written = written_[i.result];
-    const std::string initial = i.operands.size() > 2 ? i.at(2) : written.value;
+    const VariableWrites& writes = variable_writes_[i.result];
+    const std::string initial = i.operands.size() > 2 ? i.at(2) : writes.value;
     const auto constant = values_.find(initial);
-    const bool is_known = i.at(1) == "Private" && written.count == (i.operands.size() > 2 ? 0 : 1) &&
+    const bool is_known = i.at(1) == "Private" && writes.count == (i.operands.size() > 2 ? 0 : 1) &&
                           constant != values_.end() && constant->second.type->text == type.parts[0]->text;
-    const std::string own = "@" + quoted_name("v." + i.result), name = name_of(i.result);
-    values_[i.result] = {&type, own, {}};
-    if (is_known) head_.push_back(own + " = internal constant " + constant->second.typed());
+    const std::string global_name = "@" + quoted_name("v." + i.result), name = name_of(i.result);
+    values_[i.result] = {&type, global_name, {}};
+    if (is_known) definitions_.push_back(global_name + " = internal constant " + constant->second.typed());
     else
-        values_[i.result].refused = "it reads " + (name.empty() ? "a variable outside of functions" : name) +
-                                    ", which nothing in the file sets to one value";
+        values_[i.result].refusal_reason = "it reads " + (name.empty() ? "a variable outside of functions" : name) +
+                                           ", which nothing in the file sets to one value";
 }
 
 void Translator::declare(const SpirvInstruction& i) {
     const auto number = [&](std::size_t k) {
-        return static_cast<int>(std::min<std::size_t>(number_in(i, k), 1 << 30));
+        return static_cast<int>(std::min<std::size_t>(number_operand(i, k), 1 << 30));
     };
     if (i.op == "OpLine") places_.visit(number(1), number(2));
     if (i.op.starts_with("OpType") && i.op != "OpTypeForwardPointer") declare_type(i);
@@ -248,72 +255,76 @@ void Translator::declare(const SpirvInstruction& i) {
 
 // Debug information
 
-std::string Translator::note(const std::string& text) {
+std::string Translator::add_metadata(const std::string& text) {
     metadata_.push_back(text);
     return "!" + std::to_string(metadata_.size() - 1);
 }
 
-std::string Translator::note_of_vector(const SpirvType& type) {
+std::string Translator::metadata_of_vector(const SpirvType& type) {
     std::string members;
     const SpirvType& lane = *type.parts[0];
     for (std::size_t k = 0; k < type.count; ++k) {
         const std::string name = k < 4 ? std::string(1, "xyzw"[k]) : "s" + std::to_string(k);
-        members +=
-            (k == 0 ? "" : ", ") +
-            note("!DIDerivedType(tag: DW_TAG_member, name: \"" + name + "\", baseType: " + note_of(lane) +
-                 ", size: " + std::to_string(8 * lane.size) + ", offset: " + std::to_string(8 * lane.size * k) + ")");
+        members += (k == 0 ? "" : ", ") +
+                   add_metadata("!DIDerivedType(tag: DW_TAG_member, name: \"" + name +
+                                "\", baseType: " + metadata_of(lane) + ", size: " + std::to_string(8 * lane.size) +
+                                ", offset: " + std::to_string(8 * lane.size * k) + ")");
     }
     const std::string prefix = lane.kind == Kind::boolean   ? "b"
                                : lane.kind == Kind::integer ? "i"
                                : lane.bits == 64            ? "d"
                                                             : "";
-    return note("!DICompositeType(tag: DW_TAG_structure_type, name: \"" + prefix + "vec" + std::to_string(type.count) +
-                "\", size: " + std::to_string(8 * type.size) + ", elements: " + note("!{" + members + "}") + ")");
+    return add_metadata("!DICompositeType(tag: DW_TAG_structure_type, name: \"" + prefix + "vec" +
+                        std::to_string(type.count) + "\", size: " + std::to_string(8 * type.size) +
+                        ", elements: " + add_metadata("!{" + members + "}") + ")");
 }
 
-std::string Translator::note_of_structure(const SpirvType& type) {
+std::string Translator::metadata_of_structure(const SpirvType& type) {
     std::string members;
-    std::size_t at = 0;
+    std::size_t offset = 0;
     for (std::size_t k = 0; k < type.parts.size(); ++k) {
         const SpirvType& p = *type.parts[k];
-        at = (at + p.align - 1) / p.align * p.align;
+        offset = (offset + p.align - 1) / p.align * p.align;
         members += (k == 0 ? "" : ", ") +
-                   note("!DIDerivedType(tag: DW_TAG_member, name: " + quoted_name(member_names_[{type.id, k}]) +
-                        ", baseType: " + note_of(p) + ", size: " + std::to_string(8 * p.size) +
-                        ", offset: " + std::to_string(8 * at) + ")");
-        at += p.size;
+                   add_metadata("!DIDerivedType(tag: DW_TAG_member, name: " + quoted_name(member_names_[{type.id, k}]) +
+                                ", baseType: " + metadata_of(p) + ", size: " + std::to_string(8 * p.size) +
+                                ", offset: " + std::to_string(8 * offset) + ")");
+        offset += p.size;
     }
-    return note("!DICompositeType(tag: DW_TAG_structure_type, name: " + quoted_name(name_of(type.id)) +
-                ", size: " + std::to_string(8 * type.size) + ", elements: " + note("!{" + members + "}") + ")");
+    return add_metadata("!DICompositeType(tag: DW_TAG_structure_type, name: " + quoted_name(name_of(type.id)) +
+                        ", size: " + std::to_string(8 * type.size) +
+                        ", elements: " + add_metadata("!{" + members + "}") + ")");
 }
 
-std::string Translator::note_of(const SpirvType& type) {
+std::string Translator::metadata_of(const SpirvType& type) {
     if (type.kind == Kind::nothing) return "null";
-    std::string& known = notes_of_types_[type.id];
-    if (!known.empty()) return known;
+    std::string& known_metadata = metadata_of_types_[type.id];
+    if (!known_metadata.empty()) return known_metadata;
     const std::string size = ", size: " + std::to_string(8 * type.size);
-    std::string made;
-    if (type.kind == Kind::vector) made = note_of_vector(type);
-    else if (type.kind == Kind::structure) made = note_of_structure(type);
+    std::string new_metadata;
+    if (type.kind == Kind::vector) new_metadata = metadata_of_vector(type);
+    else if (type.kind == Kind::structure) new_metadata = metadata_of_structure(type);
     else if (type.kind == Kind::matrix || type.kind == Kind::sequence)
-        made = note("!DICompositeType(tag: DW_TAG_array_type, baseType: " + note_of(*type.parts[0]) + size +
-                    ", elements: " + note("!{" + note("!DISubrange(count: " + std::to_string(type.count) + ")") + "}") +
-                    ")");
+        new_metadata = add_metadata(
+            "!DICompositeType(tag: DW_TAG_array_type, baseType: " + metadata_of(*type.parts[0]) + size +
+            ", elements: " +
+            add_metadata("!{" + add_metadata("!DISubrange(count: " + std::to_string(type.count) + ")") + "}") + ")");
     else if (type.kind == Kind::pointer)
-        made = note("!DIDerivedType(tag: DW_TAG_reference_type, baseType: " + note_of(*type.parts[0]) + ", size: 64)");
+        new_metadata = add_metadata(
+            "!DIDerivedType(tag: DW_TAG_reference_type, baseType: " + metadata_of(*type.parts[0]) + ", size: 64)");
     else
-        made = note("!DIBasicType(name: \"" + (type.kind == Kind::boolean ? "bool" : type.text) + "\"" + size +
-                    ", encoding: " +
-                    (type.kind == Kind::floating  ? "DW_ATE_float"
-                     : type.kind == Kind::boolean ? "DW_ATE_boolean"
-                     : type.is_signed             ? "DW_ATE_signed"
-                                                  : "DW_ATE_unsigned") +
-                    ")");
-    return notes_of_types_[type.id] = made;
+        new_metadata = add_metadata("!DIBasicType(name: \"" + (type.kind == Kind::boolean ? "bool" : type.text) + "\"" +
+                                    size + ", encoding: " +
+                                    (type.kind == Kind::floating  ? "DW_ATE_float"
+                                     : type.kind == Kind::boolean ? "DW_ATE_boolean"
+                                     : type.is_signed             ? "DW_ATE_signed"
+                                                                  : "DW_ATE_unsigned") +
+                                    ")");
+    return metadata_of_types_[type.id] = new_metadata;
 }
 
-/// `, !dbg !12`: the place of an instruction.
-std::string Translator::place_now(const SpirvInstruction& i) {
+/// Returns `, !dbg !12`, the reference to the place of an instruction.
+std::string Translator::debug_suffix(const SpirvInstruction& i) {
     std::string name;
     if (i.op == "OpExtInst") name = i.at(2);
     TokenPlace p = places_.place_of(i.op, name);
@@ -321,57 +332,58 @@ std::string Translator::place_now(const SpirvInstruction& i) {
     const std::string text = "!DILocation(line: " + std::to_string(std::max(p.line, 0)) +
                              ", column: " + std::to_string(std::clamp(p.column, 0, 65535)) + ", scope: " + scope_ + ")";
     const auto [known, is_new] = known_places_.try_emplace(text, static_cast<int>(metadata_.size()));
-    if (is_new) note(text);
+    if (is_new) add_metadata(text);
     return ", !dbg !" + std::to_string(known->second);
 }
 
 std::string Translator::module() {
     collect_names();
-    file_ = note("!DIFile(filename: " + quoted_name(lines_.file.empty() ? path_ : lines_.file) + ", directory: \"\")");
-    unit_ = note("distinct !DICompileUnit(language: DW_LANG_C99, file: " + file_ +
-                 ", producer: \"spirv\", isOptimized: false, runtimeVersion: 0, emissionKind: FullDebug)");
-    const std::string version = note("!{i32 2, !\"Debug Info Version\", i32 3}");
-    std::size_t functions = 0, variables = 0;
-    for (std::size_t k = 0; k < all_.size(); ++k) {
-        const SpirvInstruction& i = all_[k];
+    file_ = add_metadata("!DIFile(filename: " + quoted_name(lines_.file.empty() ? path_ : lines_.file) +
+                         ", directory: \"\")");
+    unit_ = add_metadata("distinct !DICompileUnit(language: DW_LANG_C99, file: " + file_ +
+                         ", producer: \"spirv\", isOptimized: false, runtimeVersion: 0, emissionKind: FullDebug)");
+    const std::string version = add_metadata("!{i32 2, !\"Debug Info Version\", i32 3}");
+    std::size_t function_count = 0, next_variable = 0;
+    for (std::size_t k = 0; k < instructions_.size(); ++k) {
+        const SpirvInstruction& i = instructions_[k];
         if (i.op != "OpFunction") {
             declare(i);
             continue;
         }
         // The constants that variables hold may be declared after the variables.
-        for (; variables < k && functions == 0; ++variables)
-            if (all_[variables].op == "OpVariable") declare_variable(all_[variables]);
-        ++functions;
+        for (; next_variable < k && function_count == 0; ++next_variable)
+            if (instructions_[next_variable].op == "OpVariable") declare_variable(instructions_[next_variable]);
+        ++function_count;
         std::size_t end = k;
-        while (end < all_.size() && all_[end].op != "OpFunctionEnd") ++end;
-        if (end == all_.size()) i.fail("a function has no end");
+        while (end < instructions_.size() && instructions_[end].op != "OpFunctionEnd") ++end;
+        if (end == instructions_.size()) i.fail("a function has no end");
         const std::string name = name_of(i.result);
         const bool is_main = !lines_.tokens.empty() && (name == "main" || name == "lb_main" || name == "lb_m");
-        if (!is_main) function(k, end);
+        if (!is_main) translate_function(k, end);
         k = end;
     }
     if (functions_.empty()) throw InputError("the SPIR-V cannot be read: it defines no function");
     std::string text;
-    for (const std::vector<std::string>* part : {&head_, &body_})
-        for (const std::string& one : *part) text += one + "\n";
-    for (const std::string& one : declarations_) text += one + "\n";
+    for (const std::vector<std::string>* part : {&definitions_, &body_})
+        for (const std::string& text_line : *part) text += text_line + "\n";
+    for (const std::string& text_line : declarations_) text += text_line + "\n";
     text += "!llvm.dbg.cu = !{" + unit_ + "}\n!llvm.module.flags = !{" + version + "}\n";
     for (std::size_t k = 0; k < metadata_.size(); ++k) text += "!" + std::to_string(k) + " = " + metadata_[k] + "\n";
     return text;
 }
 
 std::string source_name(const std::string& assembly) {
-    const std::vector<SpirvInstruction> all = instructions_of(assembly);
-    const auto line = std::ranges::find(all, "OpLine", &SpirvInstruction::op);
-    if (line == all.end()) return "";
-    const auto file = std::ranges::find(all, line->at(0), &SpirvInstruction::result);
-    return file == all.end() || file->op != "OpString" ? "" : file->at(0);
+    const std::vector<SpirvInstruction> instructions = instructions_of(assembly);
+    const auto line = std::ranges::find(instructions, "OpLine", &SpirvInstruction::op);
+    if (line == instructions.end()) return "";
+    const auto file = std::ranges::find(instructions, line->at(0), &SpirvInstruction::result);
+    return file == instructions.end() || file->op != "OpString" ? "" : file->at(0);
 }
 
 std::string llvm_text_of(const std::string& assembly, const std::string& path, const ShaderLines& lines,
                          bool is_opaque) {
-    const std::vector<SpirvInstruction> all = instructions_of(assembly);
-    return Translator(all, path, lines, is_opaque).module();
+    const std::vector<SpirvInstruction> instructions = instructions_of(assembly);
+    return Translator(instructions, path, lines, is_opaque).module();
 }
 
 }  // namespace lostbits::intersect::spirv

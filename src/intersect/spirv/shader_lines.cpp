@@ -11,12 +11,13 @@ namespace lostbits::intersect::spirv {
 namespace {
 
 bool is_operator(std::string_view text) {
-    constexpr std::array all{"++", "--", "+=", "-=", "*=", "/=", "%=", "<=", ">=",  "==",
-                             "!=", "&&", "||", "^^", "<<", ">>", "&=", "|=", "<<=", ">>="};
-    return std::ranges::find(all, text) != all.end();
+    constexpr std::array operators{"++", "--", "+=", "-=", "*=", "/=", "%=", "<=", ">=",  "==",
+                                   "!=", "&&", "||", "^^", "<<", ">>", "&=", "|=", "<<=", ">>="};
+    return std::ranges::find(operators, text) != operators.end();
 }
 
-/// The first character of the operator that an instruction comes from; 0: it is a call or has none.
+/// The first character of the operator from which an instruction comes; 0 for a call or for an instruction without
+/// operator.
 char sign_of(std::string_view op) {
     struct Sign {
         std::string_view end;
@@ -34,20 +35,21 @@ char sign_of(std::string_view op) {
     return 0;
 }
 
-std::string small(std::string_view text) {
-    std::string made;
-    for (const char c : text) made += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return made;
+std::string lower_case(std::string_view text) {
+    std::string result;
+    for (const char c : text) result += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return result;
 }
 
-/// True if `name` of GLSL or HLSL is the extended instruction: `abs` for FAbs, `rsqrt` for InverseSqrt.
+/// True if `name` is the name in GLSL or HLSL of the extended instruction: `abs` for FAbs, `rsqrt` for InverseSqrt.
 bool is_extended(std::string_view name, std::string_view extended) {
-    const std::string word = small(extended), own = small(name);
-    return own == word || own == word.substr(1) || (own == "rsqrt" && word == "inversesqrt") ||
-           (own == "frac" && word == "fract");
+    const std::string extended_name = lower_case(extended), shader_name = lower_case(name);
+    return shader_name == extended_name || shader_name == extended_name.substr(1) ||
+           (shader_name == "rsqrt" && extended_name == "inversesqrt") ||
+           (shader_name == "frac" && extended_name == "fract");
 }
 
-std::string main_of(device::Language language) {
+std::string main_function_of(device::Language language) {
     const bool is_hlsl = language == device::Language::hlsl;
     return "\n" + std::string(is_hlsl ? "[numthreads(1, 1, 1)]" : "layout(local_size_x = 1) in;") + " void " +
            device::entry_of(language) + "() {}\n";
@@ -56,9 +58,9 @@ std::string main_of(device::Language language) {
 }  // namespace
 
 std::string whole_program(const std::string& text, device::Language language) {
-    if (language == device::Language::hlsl) return text + main_of(language);
+    if (language == device::Language::hlsl) return text + main_function_of(language);
     const auto [head, body] = shader::without_kernel(text);
-    return head + "#line 1\n" + body + main_of(language);
+    return head + "#line 1\n" + body + main_function_of(language);
 }
 
 std::string split_program(const std::string& text, device::Language language, ShaderLines& lines) {
@@ -75,8 +77,8 @@ std::string split_program(const std::string& text, device::Language language, Sh
     for (const shader::Token& t : tokens) {
         if (t.kind == shader::Token::Kind::comment) continue;
         if (t.in_directive && t.text == "#" && &t != &tokens.back() && (&t)[1].text == "line") line_directive = t.line;
-        if (t.in_directive && t.line == line_directive) continue;  // lines are those of the file itself
-        // A directive is one line; a backslash at the end of a line joins the next one to it.
+        if (t.in_directive && t.line == line_directive) continue;  // lines are counted in the file itself
+        // A directive is one line; a backslash at the end of a line joins the next line to it.
         if (t.in_directive) {
             if (t.line != line) begin_line(t);
             else if (t.offset > end) program += ' ';
@@ -86,30 +88,30 @@ std::string split_program(const std::string& text, device::Language language, Sh
             continue;
         }
         line = 0;
-        std::string& last = lines.tokens.empty() ? program : lines.tokens.back().text;
-        const bool joins =
-            t.kind == shader::Token::Kind::sign && end == t.offset && is_operator(last + std::string(t.text));
-        if (joins) last += t.text;
+        std::string& last_text = lines.tokens.empty() ? program : lines.tokens.back().text;
+        const bool continues_operator =
+            t.kind == shader::Token::Kind::sign && end == t.offset && is_operator(last_text + std::string(t.text));
+        if (continues_operator) last_text += t.text;
         else begin_line(t);
         program += t.text;
         end = t.offset + t.text.size();
     }
-    return program + main_of(language);
+    return program + main_function_of(language);
 }
 
 PlaceFinder::PlaceFinder(const ShaderLines& lines) : lines_(lines), opening_(lines.tokens.size(), 0) {
-    std::vector<std::size_t> open;
+    std::vector<std::size_t> open_brackets;
     for (std::size_t k = 0; k < lines.tokens.size(); ++k) {
         opening_[k] = k;
-        if (lines.tokens[k].text == "(") open.push_back(k);
-        if (lines.tokens[k].text != ")" || open.empty()) continue;
-        opening_[k] = open.back();
-        open.pop_back();
+        if (lines.tokens[k].text == "(") open_brackets.push_back(k);
+        if (lines.tokens[k].text != ")" || open_brackets.empty()) continue;
+        opening_[k] = open_brackets.back();
+        open_brackets.pop_back();
     }
 }
 
 void PlaceFinder::visit(int line, int column) {
-    now_ = {{}, line, column};
+    current_place_ = {{}, line, column};
     if (lines_.tokens.empty()) return;
     token_ = static_cast<std::size_t>(std::max(line - 1, 0));
     if (token_ >= lines_.tokens.size()) token_ = 0;
@@ -121,7 +123,7 @@ std::size_t PlaceFinder::name_of(std::size_t token) const {
     return open == token || open == 0 ? token : open - 1;
 }
 
-TokenPlace PlaceFinder::last() const { return lines_.tokens.empty() ? now_ : lines_.tokens[name_of(token_)]; }
+TokenPlace PlaceFinder::last() const { return lines_.tokens.empty() ? current_place_ : lines_.tokens[name_of(token_)]; }
 
 bool PlaceFinder::take_last(char sign, std::size_t& token) {
     for (std::size_t k = visited_.size(); k-- > 0;) {
@@ -136,19 +138,20 @@ bool PlaceFinder::take_last(char sign, std::size_t& token) {
 TokenPlace PlaceFinder::place_of(std::string_view op, std::string_view extended) {
     const char sign = sign_of(op);
     if (lines_.tokens.empty()) {
-        TokenPlace found = now_;
-        if (found.column > 0 || found.line < 1 || static_cast<std::size_t>(found.line) > lines_.lines.size())
-            return found;
-        const std::string& line = lines_.lines[static_cast<std::size_t>(found.line) - 1];
-        std::size_t at = sign == 0 ? std::string::npos : line.find(sign);
-        // With more than one such operator on the line, no one knows which of them it is.
-        if (at != std::string::npos && line.find(sign, at + 1) != std::string::npos) at = std::string::npos;
-        found.column = at == std::string::npos ? 0 : static_cast<int>(at) + 1;
-        return found;
+        TokenPlace place = current_place_;
+        if (place.column > 0 || place.line < 1 || static_cast<std::size_t>(place.line) > lines_.lines.size())
+            return place;
+        const std::string& line = lines_.lines[static_cast<std::size_t>(place.line) - 1];
+        std::size_t position = sign == 0 ? std::string::npos : line.find(sign);
+        // If the line has more than one such operator, the column is unknown.
+        if (position != std::string::npos && line.find(sign, position + 1) != std::string::npos)
+            position = std::string::npos;
+        place.column = position == std::string::npos ? 0 : static_cast<int>(position) + 1;
+        return place;
     }
     std::size_t token = token_;
     if (sign != 0 && take_last(sign, token)) return lines_.tokens[token];
-    // glslang names a call of one argument by the place of that argument, which stands in its brackets.
+    // glslang gives a call of one argument the place of that argument, which stands in the brackets of the call.
     for (std::size_t k = token_; k > 0 && !extended.empty(); --k) {
         if (lines_.tokens[k].text == ")") k = std::max<std::size_t>(opening_[k], 1);
         else if (lines_.tokens[k].text == ";" || lines_.tokens[k].text == "{") break;

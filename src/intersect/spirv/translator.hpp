@@ -32,8 +32,8 @@ struct SpirvType {
     int bits = 0;
     bool is_signed = false;
     std::vector<const SpirvType*> parts = {};  ///< members; the item; the target; the result and the parameters
-    std::size_t count = 0;                     ///< of the items of a vector, a matrix or a sequence
-    /// The item of a sequence, or member k of a structure; null if there is none.
+    std::size_t count = 0;                     ///< number of items of a vector, a matrix or a sequence
+    /// The item of a sequence, or member k of a structure; null if there is no part k.
     [[nodiscard]] const SpirvType* part(std::size_t k) const;
 };
 
@@ -41,26 +41,28 @@ struct SpirvType {
 struct TypedText {
     const SpirvType* type = nullptr;
     std::string text = {};
-    std::string refused = {};  ///< of an address: the sentence about reading there
+    std::string refusal_reason = {};  ///< sentence about what an instruction that reads this address does; empty if the
+                                      ///< address can be read
     [[nodiscard]] std::string typed() const { return type->text + " " + text; }
-    /// The type of a lane of a vector; the type itself of others.
+    /// The type of a lane of a vector; for other types, the type itself.
     [[nodiscard]] const SpirvType& lane() const {
         return type->kind == SpirvType::Kind::vector ? *type->parts[0] : *type;
     }
 };
 
-/// A name between quotation marks, without the characters that would end it.
+/// A name in quotation marks, without the characters that would end the name.
 inline std::string quoted_name(const std::string& text) {
-    std::string made = "\"";
+    std::string quoted = "\"";
     for (const char c : text)
-        if (c != '"' && c != '\\' && static_cast<unsigned char>(c) >= ' ') made += c;
-    return made + "\"";
+        if (c != '"' && c != '\\' && static_cast<unsigned char>(c) >= ' ') quoted += c;
+    return quoted + "\"";
 }
 
 class Translator {
 public:
-    Translator(const std::vector<SpirvInstruction>& all, std::string path, const ShaderLines& lines, bool is_opaque);
-    /// The module. To be called once.
+    Translator(const std::vector<SpirvInstruction>& instructions, std::string path, const ShaderLines& lines,
+               bool is_opaque);
+    /// Translates the module and returns its text. Call it only once.
     std::string module();
 
 private:
@@ -82,78 +84,79 @@ private:
     std::string literal(double x, const SpirvType& type) const;
 
     // Debug information
-    std::string note(const std::string& text);
-    std::string note_of(const SpirvType& type);
-    std::string note_of_vector(const SpirvType& type);
-    std::string note_of_structure(const SpirvType& type);
-    std::string place_now(const SpirvInstruction& i);
+    std::string add_metadata(const std::string& text);
+    std::string metadata_of(const SpirvType& type);
+    std::string metadata_of_vector(const SpirvType& type);
+    std::string metadata_of_structure(const SpirvType& type);
+    std::string debug_suffix(const SpirvInstruction& i);
 
     // Functions
-    void function(std::size_t first, std::size_t end);
+    void translate_function(std::size_t first, std::size_t end);
     std::string parameters_of(std::size_t first, std::size_t end, const std::string& scope);
-    [[nodiscard]] bool is_note(const SpirvInstruction& i) const;
-    [[nodiscard]] bool is_written_first(std::size_t from, std::size_t end, const std::string& id) const;
+    [[nodiscard]] bool is_debug_info(const SpirvInstruction& i) const;
+    [[nodiscard]] bool is_written_first(std::size_t first, std::size_t end, const std::string& id) const;
     void resolve_phis();
-    void instruction(const SpirvInstruction& i);
-    bool control(const SpirvInstruction& i);
-    bool memory(const SpirvInstruction& i);
-    bool composite(const SpirvInstruction& i);
-    bool arithmetic(const SpirvInstruction& i);
-    bool matrix(const SpirvInstruction& i);
-    TypedText extended(const SpirvInstruction& i, const std::string& name, const SpirvType& type, const Values& x);
+    void translate_instruction(const SpirvInstruction& i);
+    bool translate_control(const SpirvInstruction& i);
+    bool translate_memory(const SpirvInstruction& i);
+    bool translate_composite(const SpirvInstruction& i);
+    bool translate_arithmetic(const SpirvInstruction& i);
+    bool translate_matrix(const SpirvInstruction& i);
+    TypedText extended_instruction(const SpirvInstruction& i, const std::string& name, const SpirvType& type,
+                                   const Values& x);
     TypedText geometric(const std::string& name, const Values& x);
-    void variable(const SpirvInstruction& i);
-    TypedText element(const SpirvInstruction& i);
-    TypedText call(const SpirvInstruction& i);
+    void translate_variable(const SpirvInstruction& i);
+    TypedText element_address(const SpirvInstruction& i);
+    TypedText translate_call(const SpirvInstruction& i);
 
     // Values
     TypedText value(const std::string& id, const SpirvInstruction& i) const;
-    TypedText made(const SpirvType& type, const std::string& text);
-    void line(const std::string& text);
+    TypedText emit(const SpirvType& type, const std::string& text);
+    void emit_line(const std::string& text);
     TypedText refuse(const SpirvType& type, const std::string& sentence);
     TypedText binary(const std::string& op, const TypedText& a, const TypedText& b);
     TypedText intrinsic(const std::string& name, const Values& x);
     TypedText compare(const std::string& op, const TypedText& a, const TypedText& b);
     TypedText select(const TypedText& when, const TypedText& a, const TypedText& b);
-    TypedText part(const TypedText& whole, std::size_t k);
-    TypedText with_part(const TypedText& whole, std::size_t k, const TypedText& part);
-    TypedText with_part(const TypedText& whole, const std::vector<std::size_t>& path, std::size_t at,
-                        const TypedText& part);
-    TypedText joined(const SpirvType& type, const Values& parts);
+    TypedText extract_part(const TypedText& whole, std::size_t k);
+    TypedText insert_part(const TypedText& whole, std::size_t k, const TypedText& part);
+    TypedText insert_part(const TypedText& whole, const std::vector<std::size_t>& path, std::size_t depth,
+                          const TypedText& part);
+    TypedText construct(const SpirvType& type, const Values& parts);
     TypedText splat(double x, const SpirvType& type);
-    TypedText scaled(const TypedText& vector, const TypedText& scalar);
+    TypedText scale(const TypedText& vector, const TypedText& scalar);
     TypedText dot(const TypedText& a, const TypedText& b);
     TypedText length(const TypedText& a);
-    TypedText times(const TypedText& matrix, const TypedText& vector);
+    TypedText matrix_times_vector(const TypedText& matrix, const TypedText& vector);
     [[nodiscard]] std::string pointer(const SpirvType& target) const { return is_opaque_ ? "ptr" : target.text + "*"; }
 
-    const std::vector<SpirvInstruction>& all_;
+    const std::vector<SpirvInstruction>& instructions_;
     std::string path_;
     const ShaderLines& lines_;
     PlaceFinder places_;
     bool is_opaque_;
     std::map<std::string, SpirvType> types_;
     std::map<std::string, TypedText> values_;
-    std::map<std::string, double> wholes_;  ///< integer constants
+    std::map<std::string, double> integer_constants_;  ///< by id
     std::map<std::string, std::string> names_, strings_;
-    struct Written {
+    struct VariableWrites {
         int count = 0;      ///< number of instructions that write to a variable
-        std::string value;  ///< the value that the main function writes; empty for others
+        std::string value;  ///< the value that the main function writes; empty if another function writes
     };
-    std::map<std::string, Written> written_;
+    std::map<std::string, VariableWrites> variable_writes_;
     std::map<std::pair<std::string, std::size_t>, std::string> member_names_;
     std::map<std::string, const SpirvInstruction*> functions_;
-    std::map<std::string, std::string> notes_of_types_;
+    std::map<std::string, std::string> metadata_of_types_;
     std::map<std::string, int> known_places_;
     std::set<std::string> declarations_;
-    std::vector<std::string> metadata_, head_, body_;
+    std::vector<std::string> metadata_, definitions_, body_;
     struct OpenPhi {
         std::size_t line;
         const SpirvInstruction* instruction;
     };
     std::vector<OpenPhi> phis_;
     std::string file_, unit_, scope_, place_;
-    std::size_t temporaries_ = 0;
+    std::size_t temporary_count_ = 0;
 };
 
 }  // namespace lostbits::intersect::spirv
