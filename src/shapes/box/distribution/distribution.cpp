@@ -71,8 +71,7 @@ Vec<double> draw_direction(Random& random, const TouchPoint& touch) {
     int face_count = 0;
     double last_side = 0;
     for (int i = 0; i < 3; ++i) {
-        const double sign =
-            random.sign();  // drawn in its own statement, because compilers evaluate operands in any order
+        const double sign = random.sign();  // in a statement of its own: compilers may evaluate operands in any order
         d[i] = sign * random.between(0.1, 1);
         if (touch.outward[i] == 0) continue;
         // The line crosses the plane of the second face in the opposite sense to the first. The drawn sign stays for a

@@ -30,9 +30,9 @@ struct BrlCad {
         const T c4 = square(a2), four(4);
         const Quartic<T> f{T(2) * (a2 * a1) / c4, (T(2) * (a2 * a0) + square(a1) - four * x2) / c4,
                            (T(2) * (a1 * a0) - four * x1) / c4, (square(a0) - four * x0) / c4};
-        FirstHit<T> first_root;
-        quartic_roots<T>(f, [&](const auto& is_root, const T& k) { first_root.take(is_root, (k - to_closest) * R); });
-        return first_root.answer();
+        FirstHit<T> first_hit;
+        quartic_roots<T>(f, [&](const auto& is_root, const T& k) { first_hit.take(is_root, (k - to_closest) * R); });
+        return first_hit.answer();
     }
 };
 

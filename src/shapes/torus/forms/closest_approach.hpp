@@ -26,7 +26,7 @@ struct TorusFromClosest {
         const T e = named("e", a * ((R + r) * (R - r)) + square(w)), mk = dot(m, k), k2 = square(k);
         const T p = named("p", T(2) * e - four_r2 * k2 / n), q = named("q", T(-2) * (four_r2 * mk) / n);
         const T s = named("r", square(e) - four_r2 * square(m) / n);
-        FirstHit<T> first_root;
+        FirstHit<T> first_hit;
         depressed_roots<T>(p, q, s, [&](const auto& is_root, const T& first_x) {
             T x = first_x;
             for (int i = 0; i < 2; ++i) {
@@ -34,9 +34,9 @@ struct TorusFromClosest {
                 const T residual = n * square(inner) - four_r2 * square(Vec<T>(m + x * k));
                 x = select(abs(slope) > T(0), x - residual / slope, x);
             }
-            first_root.take(is_root, (x - b) / a);
+            first_hit.take(is_root, (x - b) / a);
         });
-        return first_root.answer();
+        return first_hit.answer();
     }
 };
 

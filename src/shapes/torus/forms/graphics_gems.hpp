@@ -21,10 +21,10 @@ struct GraphicsGems {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
         const AlongAxis<T> in(ray, torus);
-        FirstHit<T> first_root;
+        FirstHit<T> first_hit;
         quartic_roots<T>(quartic_in_t<T>(in.p, in.d, in.pz, in.dz, torus),
-                         [&](const auto& is_root, const T& t) { first_root.take(is_root, t); });
-        return first_root.answer();
+                         [&](const auto& is_root, const T& t) { first_hit.take(is_root, t); });
+        return first_hit.answer();
     }
 };
 

@@ -23,10 +23,10 @@ struct PovRay {
         const T distance = length(in.p), bound = torus.major_radius + torus.minor_radius + torus.minor_radius;
         const T shift = named("closer", select(distance > bound, distance - bound, T(0)));
         const Vec<T> p = in.p + shift * in.d;
-        FirstHit<T> first_root;
+        FirstHit<T> first_hit;
         quartic_roots<T>(quartic_in_t<T>(p, in.d, in.pz + shift * in.dz, in.dz, torus),
-                         [&](const auto& is_root, const T& t) { first_root.take(is_root, t + shift); });
-        return first_root.answer();
+                         [&](const auto& is_root, const T& t) { first_hit.take(is_root, t + shift); });
+        return first_hit.answer();
     }
 };
 

@@ -40,16 +40,16 @@ struct QuilezTorus {
         const T z = named("z", c2 - root), d1 = z - three * c2, d2 = square(z) - three * c0;
         const auto is_small = abs(d1) < one / T(10000), has_none = (is_small && d2 < zero) || (!is_small && d1 < zero);
         const T e1 = select(is_small, d1, sqrt(d1 / two)), e2 = select(is_small, sqrt(d2), c1 / e1);
-        FirstHit<T> first_root;
+        FirstHit<T> first_hit;
         const auto add_pair = [&](const T& h, const T& centre) {
             const auto is_real = h > zero && !has_none;
             for (const T& t : {centre - sqrt(h) - k3, centre + sqrt(h) - k3}) {
                 const T t_in_ray = select(is_reciprocal, two / t, t);
-                first_root.take(is_real && t_in_ray > zero, t_in_ray);
+                first_hit.take(is_real && t_in_ray > zero, t_in_ray);
             }
         };
         add_pair(square(e1) - z + e2, -e1), add_pair(square(e1) - z - e2, e1);
-        return first_root.answer();
+        return first_hit.answer();
     }
 };
 
