@@ -229,8 +229,8 @@ bool is_hit_again(const Primitive<double>& primitive) {
 bool passes_through(const Vec<double>& a, const Vec<double>& b, const Primitive<double>& primitive) {
     if (a == b) return find_meeting({{a, {1, 0, 0}}, 0}, primitive).inside;
     return escalate([&]<class E>() {
-        const Vec<E> from = lift_vec<E>(a), to = lift_vec<E>(b);
-        return with_span(Ray<E>{from, to - from}, lift_primitive<E>(primitive),
+        const Vec<E> start = lift_vec<E>(a), end = lift_vec<E>(b);
+        return with_span(Ray<E>{start, end - start}, lift_primitive<E>(primitive),
                          [](const auto& span) { return segment_meets<E>(span); });
     });
 }

@@ -19,7 +19,7 @@
 
 namespace lostbits::measure::picture {
 
-/// What the form sees at a pixel, compared with the truth.
+/// Content of a pixel as the form sees it, compared with the true content.
 enum class Seen : std::uint8_t {
     same_sphere,
     background,

@@ -243,16 +243,17 @@ template <Number T>
                                                            const mask_t<T>& fit) {
     using B = number::wide::OneWord<T>;
     using number::wide::sum_of, number::wide::widen, number::wide::TwoWords;
-    const auto apart = [](const Vec<T>& x, const Vec<T>& from) {
-        const auto one = [](const T& r, const T& s) { return sum_of<B>(widen<B>(r), -widen<B>(s)); };
-        return ThreeSums<B>{one(x.x, from.x), one(x.y, from.y), one(x.z, from.z)};
+    const auto differences = [](const Vec<T>& x, const Vec<T>& base) {
+        const auto difference = [](const T& r, const T& s) { return sum_of<B>(widen<B>(r), -widen<B>(s)); };
+        return ThreeSums<B>{difference(x.x, base.x), difference(x.y, base.y), difference(x.z, base.z)};
     };
-    const ThreeSums<B> d = apart(ray.direction, Vec<T>(T(0), T(0), T(0))), a = apart(triangle.a, ray.origin),
-                       b = apart(triangle.b, ray.origin), c = apart(triangle.c, ray.origin);
+    const ThreeSums<B> d = differences(ray.direction, Vec<T>(T(0), T(0), T(0))),
+                       a = differences(triangle.a, ray.origin), b = differences(triangle.b, ray.origin),
+                       c = differences(triangle.c, ray.origin);
     const B ea = triple_product<B>(d, b, c), eb = triple_product<B>(d, c, a), ec = triple_product<B>(d, a, b);
-    const B k = triple_product<B>(a, apart(triangle.b, triangle.a), apart(triangle.c, triangle.a));
-    const B m = ea + eb + ec, zero(0), least = min(min(ea, eb), ec), most = max(max(ea, eb), ec);
-    const mask_t<B> hit = (least >= zero && m > zero && k >= zero) || (most <= zero && m < zero && k <= zero);
+    const B k = triple_product<B>(a, differences(triangle.b, triangle.a), differences(triangle.c, triangle.a));
+    const B m = ea + eb + ec, zero(0), least = min(min(ea, eb), ec), greatest = max(max(ea, eb), ec);
+    const mask_t<B> hit = (least >= zero && m > zero && k >= zero) || (greatest <= zero && m < zero && k <= zero);
     const T t = number::wide::narrow<T>(select(hit, abs(k / m), B(-1)));
     return {fit, t >= T(0), t};
 }
