@@ -10,7 +10,7 @@ using BoundingBox = Box<T>;
 /// The shape of a bounding box; the forms of boxes intersect it.
 inline constexpr Shape bounding_box_shape = shape_as<Box>;
 
-/// True if a shape has a bounding box. Planes have none: they have a direction, and no length that ends them.
+/// True if a shape has a bounding box. Planes have none: they have a direction, and no length that limits them.
 inline bool has_bounding_box(Shape shape) {
     if (!is_primitive(shape)) return false;
     bool has_direction = false, has_length = false;
@@ -21,37 +21,38 @@ inline bool has_bounding_box(Shape shape) {
     return has_length || !has_direction;
 }
 
-/// Bounding box of a primitive from its own numbers, without its matrix: the box of the points of its keys, extended
-/// on each side by the longest of its lengths, or by the sum of both for a torus.
+/// Returns the bounding box of a primitive from its own numbers, without its matrix: the box around the points among
+/// its keys, extended on each side by the longest of its lengths, or by the sum of both for a torus.
 ///
 /// This is the smallest box for spheres, ellipsoids, capsules, triangles and boxes. For cylinders, tubes, cones and
 /// discs it is the box that renderers take, and the smallest one may be smaller. Sums round as T does.
 template <Number T>
 BoundingBox<T> bounding_box_of(const Primitive<T>& primitive) {
     BoundingBox<T> bounding_box{primitive.point(0), primitive.point(0)};
-    Vec<T> reach(T(0), T(0), T(0));
+    Vec<T> extension(T(0), T(0), T(0));
     for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
         if (key.kind == Key::Kind::direction) return;
         for (int i = 0; i < 3; ++i) {
             const T& x = primitive.numbers[k + (key.kind == Key::Kind::length ? 0 : static_cast<std::size_t>(i))];
             if (key.is_length()) {
-                reach[i] = key.limit == Key::Limit::positive_below_previous ? reach[i] + x : max(reach[i], x);
+                extension[i] =
+                    key.limit == Key::Limit::positive_below_previous ? extension[i] + x : max(extension[i], x);
             } else {
                 bounding_box.lo[i] = min(bounding_box.lo[i], x);
                 bounding_box.hi[i] = max(bounding_box.hi[i], x);
             }
         }
     });
-    return {bounding_box.lo - reach, bounding_box.hi + reach};
+    return {bounding_box.lo - extension, bounding_box.hi + extension};
 }
 
-/// Bounding box of the eight corners of a box, each transformed by `to(corner)`.
-template <Number T, class To>
-BoundingBox<T> bounding_box_of_corners(const BoundingBox<T>& box, const To& to) {
+/// Returns the bounding box of the eight corners of a box, each transformed by `transform(corner)`.
+template <Number T, class Transform>
+BoundingBox<T> bounding_box_of_corners(const BoundingBox<T>& box, const Transform& transform) {
     BoundingBox<T> bounding_box = box;
     for (int corner = 0; corner < 8; ++corner) {
         const auto side = [&](int i) { return (corner >> i & 1) != 0 ? box.hi[i] : box.lo[i]; };
-        const Vec<T> p = to(Vec<T>(side(0), side(1), side(2)));
+        const Vec<T> p = transform(Vec<T>(side(0), side(1), side(2)));
         for (int i = 0; i < 3; ++i) {
             bounding_box.lo[i] = corner == 0 ? p[i] : min(bounding_box.lo[i], p[i]);
             bounding_box.hi[i] = corner == 0 ? p[i] : max(bounding_box.hi[i], p[i]);

@@ -20,7 +20,7 @@ template <class E, class S>
 E lift(const S& x) {
     return E(x);
 }
-/// Converts a 256-bit number to a ball: two words and a radius for the rest.
+/// Converts a 256-bit number to a ball: a double-double, and a radius that covers the rest.
 template <>
 inline Ball lift<Ball, Real>(const Real& x) {
     const auto hi = x.convert_to<double>();
@@ -60,8 +60,8 @@ Primitive<double> as_doubles(const Primitive<T>& primitive) {
     return transformed(primitive, [](const T& x) { return as_double(x); });
 }
 
-/// `word_of` is the double nearest to a number, and `low_word_of` the double nearest to the rest. The low word is NaN
-/// if the two do not enclose the number to 2^-104 of itself, as `lift` requires.
+/// `word_of` returns the double nearest to a number, and `low_word_of` the double nearest to the remainder. The low
+/// word is NaN if the sum of both may not be within 2^-104 of the number, relatively, as `lift` requires.
 inline double word_of(double x) { return x; }
 inline double low_word_of(double) { return 0; }
 inline double word_of(const Real& x) { return x.convert_to<double>(); }

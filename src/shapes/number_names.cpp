@@ -9,62 +9,65 @@ namespace {
 
 using Strings = std::vector<std::string>;
 
-/// Collects `each(key, component)` for every number. The component is empty if the key has one number.
-template <class Each>
-Strings named(Shape shape, const Each& each) {
+/// Returns `make_name(key, component)` for every number of a shape. The component is empty if the key has one number.
+template <class MakeName>
+Strings names_from(Shape shape, const MakeName& make_name) {
     Strings names;
     for (const Key& key : row_of(shape).keys) {
-        if (key.count() == 1) names.push_back(each(key, std::string()));
+        if (key.count() == 1) names.push_back(make_name(key, std::string()));
         else
-            for (const char* const component : {"x", "y", "z"}) names.push_back(each(key, std::string(component)));
+            for (const char* const component : {"x", "y", "z"}) names.push_back(make_name(key, std::string(component)));
     }
     return names;
 }
 
-/// Makes one list for each shape.
-template <class Each>
-std::array<Strings, shape_rows.size()> of_all(const Each& each) {
+/// Returns the lists of names for all shapes.
+template <class MakeName>
+std::array<Strings, shape_rows.size()> lists_for_shapes(const MakeName& make_name) {
     std::array<Strings, shape_rows.size()> lists;
-    for (const ShapeRow& row : shape_rows) lists[static_cast<std::size_t>(row.shape)] = named(row.shape, each);
+    for (const ShapeRow& row : shape_rows)
+        lists[static_cast<std::size_t>(row.shape)] = names_from(row.shape, make_name);
     return lists;
 }
 
-std::string joined(std::string_view name, std::string_view between, const std::string& component) {
-    return std::string(name) + (component.empty() ? "" : std::string(between) + component);
+std::string join_name(std::string_view name, std::string_view separator, const std::string& component) {
+    return std::string(name) + (component.empty() ? "" : std::string(separator) + component);
 }
 
 }  // namespace
 
 std::span<const std::string> number_names(Shape shape) {
-    static const auto lists = of_all([](const Key& key, const auto& part) { return joined(key.name, "_", part); });
+    static const auto lists =
+        lists_for_shapes([](const Key& key, const auto& component) { return join_name(key.name, "_", component); });
     return lists[static_cast<std::size_t>(shape)];
 }
 
 std::span<const std::string> column_names(Shape shape) {
-    static const auto lists = of_all([](const Key& key, const auto& part) {
-        return part.empty() ? std::string(key.name) : joined(key.letter, "", part);
+    static const auto lists = lists_for_shapes([](const Key& key, const auto& component) {
+        return component.empty() ? std::string(key.name) : join_name(key.letter, "", component);
     });
     return lists[static_cast<std::size_t>(shape)];
 }
 
 std::vector<std::string> other_column_names(Shape shape, std::size_t k) {
     Strings others;
-    const auto add = [&](const auto& each) {
-        const std::string name = named(shape, each)[k];
+    const auto add_name = [&](const auto& make_name) {
+        const std::string name = names_from(shape, make_name)[k];
         if (!name.empty() && name != column_names(shape)[k]) others.push_back(name);
     };
-    add([](const Key& key, const auto& part) { return joined(key.name, "_", part); });
+    add_name([](const Key& key, const auto& component) { return join_name(key.name, "_", component); });
     for (std::size_t alias = 0; alias < Key().aliases.size(); ++alias)
-        add([alias](const Key& key, const auto& part) {
-            return key.aliases[alias].empty() ? std::string() : joined(key.aliases[alias], "_", part);
+        add_name([alias](const Key& key, const auto& component) {
+            return key.aliases[alias].empty() ? std::string() : join_name(key.aliases[alias], "_", component);
         });
-    add([](const Key& key, const auto& part) { return joined(key.letter, "", part); });
+    add_name([](const Key& key, const auto& component) { return join_name(key.letter, "", component); });
     return others;
 }
 
 std::vector<std::string> number_paths(Shape shape) {
-    const std::string front = std::string(name_of(shape)) + '.';
-    return named(shape, [&](const Key& key, const auto& part) { return front + joined(key.name, ".", part); });
+    const std::string prefix = std::string(name_of(shape)) + '.';
+    return names_from(
+        shape, [&](const Key& key, const auto& component) { return prefix + join_name(key.name, ".", component); });
 }
 
 std::string with_article(Shape shape) {
@@ -73,43 +76,45 @@ std::string with_article(Shape shape) {
 }
 
 std::string option_placeholder(Shape shape) {
-    // A shape with several radii names each: RMAJOR, RMINOR.
-    const auto word = [](const Key& key, const std::string& part) {
-        constexpr std::string_view tail = "_radius";
+    // The radii of a shape with several get their own names: RMAJOR, RMINOR.
+    const auto placeholder_of = [](const Key& key, const std::string& component) {
+        constexpr std::string_view suffix = "_radius";
         const std::string_view name = key.name;
-        return name.ends_with(tail) ? "r" + std::string(name.substr(0, name.size() - tail.size()))
-                                    : joined(key.letter, "", part);
+        return name.ends_with(suffix) ? "r" + std::string(name.substr(0, name.size() - suffix.size()))
+                                      : join_name(key.letter, "", component);
     };
-    std::string words;
-    for (const std::string& name : named(shape, word)) words += (words.empty() ? "" : ",") + name;
-    std::ranges::transform(words, words.begin(), [](char c) { return c >= 'a' && c <= 'z' ? char(c - 'a' + 'A') : c; });
-    return words;
+    std::string placeholder;
+    for (const std::string& name : names_from(shape, placeholder_of))
+        placeholder += (placeholder.empty() ? "" : ",") + name;
+    std::ranges::transform(placeholder, placeholder.begin(),
+                           [](char c) { return c >= 'a' && c <= 'z' ? char(c - 'a' + 'A') : c; });
+    return placeholder;
 }
 
 std::string key_phrase(Shape shape) {
     const auto keys = row_of(shape).keys;
-    std::string words(keys.front().name);
-    for (const Key& key : keys.subspan(1)) words += (&key == &keys.back() ? " and " : ", ") + std::string(key.name);
-    return words;
+    std::string text(keys.front().name);
+    for (const Key& key : keys.subspan(1)) text += (&key == &keys.back() ? " and " : ", ") + std::string(key.name);
+    return text;
 }
 
 std::string key_list(Shape shape) {
-    std::string words;
-    for (const Key& key : row_of(shape).keys) words += (words.empty() ? "" : ", ") + std::string(key.name);
-    return words;
+    std::string text;
+    for (const Key& key : row_of(shape).keys) text += (text.empty() ? "" : ", ") + std::string(key.name);
+    return text;
 }
 
 std::string order_phrase(const Key& key) {
-    const Key& before = *(&key - 1);
-    return std::string(before.name) + " <= " + std::string(key.name);
+    const Key& previous = *(&key - 1);
+    return std::string(previous.name) + " <= " + std::string(key.name);
 }
 
 std::string no_end_reason(Shape shape) {
-    std::string told;
+    std::string shapes;
     for (const ShapeRow& row : shape_rows)
-        if (row.takes_tmax) told += (told.empty() ? "" : ", ") + std::string(row.plural);
-    return "ends a ray only for the forms of " + told + "; the forms of " + std::string(row_of(shape).plural) +
-           " take no end and would ignore it; leave it out, or use " + told;
+        if (row.takes_tmax) shapes += (shapes.empty() ? "" : ", ") + std::string(row.plural);
+    return "ends a ray only for the forms of " + shapes + "; the forms of " + std::string(row_of(shape).plural) +
+           " take no end and would ignore it; leave it out, or use " + shapes;
 }
 
 std::string limit_phrase(Shape shape, const Key& key) {

@@ -14,17 +14,17 @@ namespace lostbits {
 /// Builds the primitive whose numbers are `number(0)`, `number(1)`, …
 template <template <class> class S, class T, class Numbers>
 constexpr S<T> primitive_from(const Numbers& number) {
-    const auto part = [&number]<std::size_t key>(std::integral_constant<std::size_t, key>) {
+    const auto make_key = [&number]<std::size_t key_index>(std::integral_constant<std::size_t, key_index>) {
         constexpr std::size_t first = [] {
-            std::size_t before = 0;
-            for (std::size_t k = 0; k < key; ++k) before += S<T>::keys[k].count();
-            return before;
+            std::size_t count = 0;
+            for (std::size_t k = 0; k < key_index; ++k) count += S<T>::keys[k].count();
+            return count;
         }();
-        if constexpr (S<T>::keys[key].count() == 1) return T(number(first));
+        if constexpr (S<T>::keys[key_index].count() == 1) return T(number(first));
         else return Vec<T>{number(first), number(first + 1), number(first + 2)};
     };
-    return [&part]<std::size_t... key>(std::index_sequence<key...>) {
-        return S<T>{part(std::integral_constant<std::size_t, key>())...};
+    return [&make_key]<std::size_t... key_index>(std::index_sequence<key_index...>) {
+        return S<T>{make_key(std::integral_constant<std::size_t, key_index>())...};
     }
     (std::make_index_sequence<S<T>::keys.size()>());
 }
@@ -32,24 +32,24 @@ constexpr S<T> primitive_from(const Numbers& number) {
 /// Calls `take(number)` for each number.
 template <template <class> class S, class T, class Take>
 constexpr void each_number(const S<T>& primitive, const Take& take) {
-    const auto part = [&take](const auto&... parts) {
-        const auto one = [&take](const auto& x) {
+    const auto visit_keys = [&take](const auto&... values) {
+        const auto visit_key = [&take](const auto& x) {
             if constexpr (std::same_as<decltype(x), const Vec<T>&>) take(x.x), take(x.y), take(x.z);
             else take(x);
         };
-        (one(parts), ...);
+        (visit_key(values), ...);
     };
     constexpr std::size_t keys = S<T>::keys.size();
     static_assert(keys >= 2 && keys <= 4);
     if constexpr (keys == 2) {
         const auto& [a, b] = primitive;
-        part(a, b);
+        visit_keys(a, b);
     } else if constexpr (keys == 3) {
         const auto& [a, b, c] = primitive;
-        part(a, b, c);
+        visit_keys(a, b, c);
     } else {
         const auto& [a, b, c, d] = primitive;
-        part(a, b, c, d);
+        visit_keys(a, b, c, d);
     }
 }
 

@@ -18,8 +18,8 @@ bool is_finite(const S& x) {
     return isfinite(x);
 }
 
-/// The determinant is a sum of six products of three numbers. An interval of 3·(1024 + 1074) + 8 bits holds it exactly
-/// for doubles.
+/// Returns the exact sign of the determinant, a sum of six products of three numbers. For doubles, an interval of
+/// 3·(1024 + 1074) + 8 bits holds it exactly.
 template <class S>
 int exact_orientation(std::span<const S, 12> matrix) {
     for (int bits = 256; bits <= 32768; bits *= 2) {
@@ -37,16 +37,19 @@ int exact_orientation(std::span<const S, 12> matrix) {
 
 int orientation_of(std::span<const double, 12> matrix) {
     if (!std::ranges::all_of(matrix, is_finite<double>)) return 0;
-    // Each product has three roundings, and sums and differences have five: γ(8) times the sum of sizes, and what
-    // underflows.
+    // Each product has three roundings, and sums and differences have five. So the error is at most γ(8) times the sum
+    // of the sizes of the products, plus what underflows.
     const Affine<double> m = Affine<double>::of([&](std::size_t k) { return matrix[k]; });
-    const auto size = [](const Vec<double>& v) { return Vec<double>(std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)); };
-    const Vec<double> a = size(m.rows[0]), b = size(m.rows[1]), c = size(m.rows[2]);
-    const double all = a.x * (b.y * c.z + b.z * c.y) + a.y * (b.z * c.x + b.x * c.z) + a.z * (b.x * c.y + b.y * c.x);
+    const auto abs_of = [](const Vec<double>& v) {
+        return Vec<double>(std::fabs(v.x), std::fabs(v.y), std::fabs(v.z));
+    };
+    const Vec<double> a = abs_of(m.rows[0]), b = abs_of(m.rows[1]), c = abs_of(m.rows[2]);
+    const double absolute_sum =
+        a.x * (b.y * c.z + b.z * c.y) + a.y * (b.z * c.x + b.x * c.z) + a.z * (b.x * c.y + b.y * c.x);
     const double det = m.determinant();
     // Below 2^100, a product that underflows changes the sum by less than 2^-970.
     const bool in_range = std::ranges::all_of(matrix, [](double x) { return std::fabs(x) < 0x1p100; });
-    if (in_range && std::fabs(det) > 0x1p-48 * all + 0x1p-900) return det > 0 ? 1 : -1;
+    if (in_range && std::fabs(det) > 0x1p-48 * absolute_sum + 0x1p-900) return det > 0 ? 1 : -1;
     return exact_orientation(matrix);
 }
 

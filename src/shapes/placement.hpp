@@ -1,4 +1,5 @@
-// Primitives under a matrix: its stored numbers, and the same question in the space of the primitive.
+// Placement of a primitive by a matrix: its stored numbers, and the transform of rays and points to the space of the
+// primitive.
 #pragma once
 
 #include <array>
@@ -18,7 +19,7 @@ namespace lostbits {
 /// not depend on MPFR.
 int orientation_of(std::span<const double, 12> matrix);
 
-/// A stored matrix of three rows and four columns, row by row, and its direction.
+/// A stored matrix of three rows and four columns, row by row, and whether it is the inverse.
 template <class S>
 struct Placement {
     std::array<S, Affine<S>::numbers> matrix;
@@ -33,31 +34,31 @@ struct Placement {
     friend bool operator==(const Placement&, const Placement&) = default;
 };
 
-/// Converts each number by `lift`. Doubles may have been rounded, so the sign is computed again for them. Callers that
-/// round in a wider number type compute the sign themselves.
+/// Converts each number by `lift`. If the result is in doubles, `lift` may have rounded, so the sign of the determinant
+/// is computed again. Callers that round in a wider number type must compute the sign themselves.
 template <class S, class Lift>
-auto transformed(const Placement<S>& from, Lift lift) {
+auto transformed(const Placement<S>& placement, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
     const auto numbers = [&]<std::size_t... k>(std::index_sequence<k...>) {
-        return std::array<T, sizeof...(k)>{lift(from.matrix[k])...};
+        return std::array<T, sizeof...(k)>{lift(placement.matrix[k])...};
     };
-    constexpr std::make_index_sequence<Affine<T>::numbers> places;
-    Placement<T> to{numbers(places), from.is_inverse, from.orientation};
-    if constexpr (std::same_as<T, double>) to.orientation = orientation_of(to.matrix);
-    return to;
+    constexpr std::make_index_sequence<Affine<T>::numbers> indices;
+    Placement<T> result{numbers(indices), placement.is_inverse, placement.orientation};
+    if constexpr (std::same_as<T, double>) result.orientation = orientation_of(result.matrix);
+    return result;
 }
 
-/// A ray of the world in the space of the stored primitive: the same line with the same t, for a primitive that is
-/// `scale` > 0 times as large.
+/// A world ray in the space of the stored primitive: the same line with the same t, if the primitive is made `scale` >
+/// 0 times as large.
 template <class E>
 struct InObject {
     Ray<E> ray;
     E scale;
 };
 
-/// M = [A τ] leads from the primitive to the world. With v = o − τ, p' = A⁻¹(p − τ) turns the ray into
-/// (adj(A) v + t adj(A) d)/det A. Multiply by |det A|, and mirror with the primitive where det A < 0, so that no number
-/// is divided. With s the sign of det A,
+/// Transforms a ray to the space of the stored primitive. M = [A τ] leads from the primitive to the world. With v = o −
+/// τ, p' = A⁻¹(p − τ) turns the ray into (adj(A) v + t adj(A) d)/det A. To avoid a division, the ray and the primitive
+/// are multiplied by |det A|. With s the sign of det A,
 ///     o' = s adj(A) v,   d' = s adj(A) d,   and the primitive is s det A = |det A| times as large.
 /// For a stored inverse, o' = A o + τ, d' = A d, and the primitive keeps its size.
 template <class E>
@@ -70,7 +71,7 @@ InObject<E> in_object(const Ray<E>& ray, const Placement<E>& placed) {
             sign * m.determinant()};
 }
 
-/// Transforms the point p of the world to the space of the stored primitive.
+/// Transforms the world point p to the space of the stored primitive.
 template <class E>
 Vec<E> point_in_object(const Vec<E>& p, const Placement<E>& placed) {
     const Affine<E> m = placed.map();

@@ -15,11 +15,11 @@
 
 namespace lostbits {
 
-/// The largest count of numbers that a primitive is stored by: those of the shape, then those of the matrix.
+/// Largest number of stored numbers of a primitive: those of its shape, then those of its matrix.
 inline constexpr std::size_t most_stored = most_numbers + Affine<double>::numbers;
 
 /// A shape and its numbers in storage type S. Entries beyond the numbers of the shape are zero. A placement transforms
-/// the primitive to the world; without one, its numbers are in world coordinates.
+/// the primitive to the world. Without a placement, its numbers are in world coordinates.
 template <class S>
 struct Primitive {
     Shape shape = shape_rows.front().shape;
@@ -27,14 +27,14 @@ struct Primitive {
     std::optional<Placement<S>> placed = {};
 
     Primitive() = default;
-    explicit Primitive(Shape of) : shape(of) {}
+    explicit Primitive(Shape initial_shape) : shape(initial_shape) {}
     template <template <class> class Of>
     requires(shape_as<Of> != Shape::sdf) Primitive(const Of<S>& primitive) : shape(shape_as<Of>) {
         std::size_t k = 0;
         each_number(primitive, [&](const S& x) { numbers[k++] = x; });
     }
 
-    /// The numbers of the shape, without those of its matrix.
+    /// Returns the numbers of the shape, without those of its matrix.
     [[nodiscard]] std::span<const S> used() const { return std::span(numbers).first(row_of(shape).numbers); }
     [[nodiscard]] std::span<S> used() { return std::span(numbers).first(row_of(shape).numbers); }
 
@@ -42,12 +42,12 @@ struct Primitive {
     [[nodiscard]] bool is() const {
         return shape == shape_as<Of>;
     }
-    /// The primitive as its own struct; `Of` must be the shape that `shape` names.
+    /// Returns the primitive as the struct of its shape. `Of` must be the shape that `shape` names.
     template <template <class> class Of>
     [[nodiscard]] Of<S> as() const {
         return primitive_from<Of, S>([this](std::size_t k) { return numbers[k]; });
     }
-    /// The point whose first coordinate is number `k`.
+    /// Returns the point whose first coordinate is the number at index `k`.
     [[nodiscard]] Vec<S> point(std::size_t k) const { return {numbers[k], numbers[k + 1], numbers[k + 2]}; }
     void set_point(std::size_t k, const Vec<S>& p) { numbers[k] = p.x, numbers[k + 1] = p.y, numbers[k + 2] = p.z; }
 #define LOSTBITS_LINE(folder, S_) \
@@ -80,15 +80,15 @@ decltype(auto) visit(const Primitive<S>& primitive, const Act& act) {
 /// Scales a primitive by k > 0 about the origin, without its matrix.
 template <class S>
 Primitive<S> scaled(const Primitive<S>& primitive, const S& k) {
-    Primitive<S> larger(primitive.shape);
+    Primitive<S> result(primitive.shape);
     std::size_t i = 0;
     for (const Key& key : row_of(primitive.shape).keys)
         for (const std::size_t end = i + key.count(); i < end; ++i)
-            larger.numbers[i] = key.kind == Key::Kind::direction ? primitive.numbers[i] : k * primitive.numbers[i];
-    return larger;
+            result.numbers[i] = key.kind == Key::Kind::direction ? primitive.numbers[i] : k * primitive.numbers[i];
+    return result;
 }
 
-/// Sets d·d of every part of a span to that of the world ray, in place of that in the space of the primitive.
+/// Sets d·d in every part of a span to that of the world ray; it was that of the ray in the space of the primitive.
 template <class Span, class S>
 void tell_distances(Span& span, const S& d2) {
     span.d2 = d2;
@@ -97,7 +97,7 @@ void tell_distances(Span& span, const S& d2) {
     if constexpr (requires { span.enter.d2; }) tell_distances(span.enter, d2), tell_distances(span.leave, d2);
 }
 
-/// Calls `act(shape, ray)` in the space of a primitive of that shape.
+/// Calls `act(shape, ray)` with a primitive of shape `Of` and the ray, both in the space of the primitive.
 template <template <class> class Of, class S, class Act>
 auto in_object_space(const Ray<S>& ray, const Primitive<S>& primitive, const Act& act) {
     if (!primitive.placed) return act(primitive.template as<Of>(), ray);
@@ -105,11 +105,11 @@ auto in_object_space(const Ray<S>& ray, const Primitive<S>& primitive, const Act
     return act(scaled(primitive, in.scale).template as<Of>(), in.ray);
 }
 
-/// The interval in which the ray's line is inside a primitive of that shape. Distances are those of the world.
+/// Returns the interval in which the ray's line is inside a primitive of shape `Of`. Distances are in the world.
 template <template <class> class Of, class S>
 auto span_of(const Ray<S>& ray, const Primitive<S>& primitive) {
-    auto span =
-        in_object_space<Of>(ray, primitive, [](const Of<S>& shape, const Ray<S>& its) { return shape.span(its); });
+    auto span = in_object_space<Of>(
+        ray, primitive, [](const Of<S>& shape, const Ray<S>& object_ray) { return shape.span(object_ray); });
     if (primitive.placed) tell_distances(span, square(ray.direction));
     return span;
 }
@@ -120,8 +120,8 @@ auto with_span(const Ray<S>& ray, const Primitive<S>& primitive, const Act& act)
     return visit_shape(primitive, [&]<template <class> class Of>() { return act(span_of<Of>(ray, primitive)); });
 }
 
-/// Centre and radius of a ball that holds the primitive. Under a stored matrix, |A p| ≤ ‖A‖ |p| with the Frobenius
-/// norm. Do not call it for a primitive under a stored inverse.
+/// Returns centre and radius of a ball that holds the primitive. Under a stored matrix, |A p| ≤ ‖A‖ |p| with the
+/// Frobenius norm. Do not call it for a primitive under a stored inverse.
 template <class S>
 auto ball_around(const Primitive<S>& primitive) {
     auto ball = visit(primitive, [](const auto& shape) { return shape.ball_around(); });
@@ -136,33 +136,33 @@ auto ball_around(const Primitive<S>& primitive) {
 /// Builds a primitive of this shape around a point. It extends `half` from the point on each axis.
 template <class S>
 Primitive<S> primitive_around(Shape shape, const Vec<S>& point, const S& half) {
-    Primitive<S> made(shape);
-    visit_shape(made, [&]<template <class> class Of>() { made = Of<S>::around(point, half); });
-    return made;
+    Primitive<S> primitive(shape);
+    visit_shape(primitive, [&]<template <class> class Of>() { primitive = Of<S>::around(point, half); });
+    return primitive;
 }
 
 /// Converts each number by `lift`, in order. The numbers of the matrix come last.
 template <class S, class Lift>
-auto transformed(const Primitive<S>& from, Lift lift) {
-    Primitive<std::decay_t<std::invoke_result_t<Lift, const S&>>> to(from.shape);
-    for (std::size_t i = 0; i < from.used().size(); ++i) to.numbers[i] = lift(from.numbers[i]);
-    if (from.placed) to.placed = transformed(*from.placed, lift);
-    return to;
+auto transformed(const Primitive<S>& primitive, Lift lift) {
+    Primitive<std::decay_t<std::invoke_result_t<Lift, const S&>>> result(primitive.shape);
+    for (std::size_t i = 0; i < primitive.used().size(); ++i) result.numbers[i] = lift(primitive.numbers[i]);
+    if (primitive.placed) result.placed = transformed(*primitive.placed, lift);
+    return result;
 }
 
 /// True if two points differ and none of their numbers is NaN.
 template <class S>
 bool are_apart(const Vec<S>& a, const Vec<S>& b) {
-    bool differ = false;
+    bool any_differs = false;
     for (int i = 0; i < 3; ++i) {
         if (!(a[i] < b[i] || a[i] >= b[i])) return false;
-        differ = differ || a[i] != b[i];
+        any_differs = any_differs || a[i] != b[i];
     }
-    return differ;
+    return any_differs;
 }
 
-/// A limit of a key that these numbers break, and the number that breaks it. For a point on a line, that is its first
-/// coordinate. NaN breaks every limit.
+/// A limit of a key that a primitive breaks, and the index of the number that breaks it. If a point breaks the limit,
+/// this is the index of its first coordinate. NaN breaks every limit.
 struct BrokenLimit {
     const Key* key;
     std::size_t number;
@@ -216,7 +216,7 @@ struct LengthKey {
     const Key* key;
     std::size_t number;
 };
-/// The first length of a shape; nothing if it has none.
+/// Returns the first length of a shape; nothing if it has none.
 inline std::optional<LengthKey> length_key(Shape shape) {
     std::optional<LengthKey> found;
     for_each_key(shape, [&found](const Key& key, std::size_t k) {

@@ -1,4 +1,4 @@
-// The closed list of shapes, as rows of their properties.
+// Table of all shapes: one row of properties for each.
 #pragma once
 
 #include <algorithm>
@@ -22,8 +22,8 @@
 
 namespace lostbits {
 
-/// The shapes that a primitive can have, and `sdf`: all primitives together, as one field of distances. Forms can be
-/// asked about each of them. The values are those of the C interface.
+/// The shapes that a primitive can have, and `sdf`, the distance field of all primitives together. Each form is of one
+/// of them. The values are those of the C interface.
 #define LOSTBITS_LINE(folder, S) folder,
 enum class Shape : std::uint8_t { LOSTBITS_SHAPES(LOSTBITS_LINE) sdf };
 #undef LOSTBITS_LINE
@@ -76,10 +76,10 @@ struct ShapeRow {
     std::span<const Key> keys;
     std::size_t numbers = 0;
     bool takes_tmax = false;           ///< its forms take tmax, where a ray ends
-    bool inside_returns_zero = false;  ///< from inside the answer is 0, unless a form says otherwise, and not the exit
+    bool inside_returns_zero = false;  ///< from inside, t is 0 and not the exit, unless a form says otherwise
     bool usually_unit = false;         ///< most code for this shape takes directions of length one
-    bool round = false;                ///< its points are at one distance from a centre, so it is its own bounding ball
-    bool flat = false;                 ///< a surface with a normal: a ray meets its front or its back
+    bool round = false;                ///< it is its own bounding ball
+    bool flat = false;                 ///< a flat surface with a normal: a ray meets its front or its back
     bool surface = false;              ///< it has no inside: a line crosses it at single points
     bool edges = false;                ///< its keys are corners, and rays can be aimed at the edges between them
     bool shaded = false;               ///< it has a normal for shading, so pictures can be made of it
@@ -88,31 +88,31 @@ struct ShapeRow {
 
 namespace detail {
 
-template <class One>
-concept Shaded = requires(const One& one, const Vec<float>& p) {
-    one.shading_normal(p);
+template <class FloatShape>
+concept Shaded = requires(const FloatShape& shape, const Vec<float>& p) {
+    shape.shading_normal(p);
 };
 
 inline constexpr std::array<ShapeRow, Primitives::size> shape_rows = [] {
     std::array<ShapeRow, Primitives::size> rows{};
-    std::size_t row = 0;
+    std::size_t index = 0;
     Primitives::each([&]<template <class> class S>() {
-        ShapeRow& r = rows[row++];
-        using One = S<float>;
-        r = {.shape = shape_as<S>,
-             .name = One::name,
-             .plural = One::plural,
-             .keys = One::keys,
-             .takes_tmax = One::takes_tmax,
-             .inside_returns_zero = One::inside_returns_zero,
-             .usually_unit = One::usually_unit,
-             .round = One::round,
-             .flat = std::same_as<decltype(std::declval<One>().span(Ray<float>{})), FlatSpan<float>>,
-             .surface = SurfaceSpan<decltype(std::declval<One>().span(Ray<float>{})), float>,
-             .edges = One::edges,
-             .shaded = Shaded<One>,
-             .texts = One::texts};
-        for (const Key& key : r.keys) r.numbers += key.count();
+        ShapeRow& row = rows[index++];
+        using FloatShape = S<float>;
+        row = {.shape = shape_as<S>,
+               .name = FloatShape::name,
+               .plural = FloatShape::plural,
+               .keys = FloatShape::keys,
+               .takes_tmax = FloatShape::takes_tmax,
+               .inside_returns_zero = FloatShape::inside_returns_zero,
+               .usually_unit = FloatShape::usually_unit,
+               .round = FloatShape::round,
+               .flat = std::same_as<decltype(std::declval<FloatShape>().span(Ray<float>{})), FlatSpan<float>>,
+               .surface = SurfaceSpan<decltype(std::declval<FloatShape>().span(Ray<float>{})), float>,
+               .edges = FloatShape::edges,
+               .shaded = Shaded<FloatShape>,
+               .texts = FloatShape::texts};
+        for (const Key& key : row.keys) row.numbers += key.count();
     });
     return rows;
 }();
@@ -132,7 +132,7 @@ inline constexpr std::array<Shape, shape_rows.size() + 1> all_shapes = [] {
 
 inline constexpr bool is_primitive(Shape shape) { return shape != Shape::sdf; }
 
-/// The row of a shape that a primitive can have.
+/// Returns the row of a shape that a primitive can have.
 inline constexpr const ShapeRow& row_of(Shape shape) { return shape_rows[static_cast<std::size_t>(shape)]; }
 
 /// True if the forms of a shape take tmax, where a ray ends.
@@ -159,26 +159,26 @@ inline constexpr std::optional<Shape> shape_named(std::string_view name) {
     return std::nullopt;
 }
 
-/// A set of shapes, and a flag that says whether the primitives are under matrices. It converts from one shape.
+/// A set of shapes, and a flag that is set if the primitives are under matrices. A single shape converts to it.
 class Shapes {
 public:
     constexpr Shapes() = default;
-    constexpr Shapes(Shape one) : bits_(1U << static_cast<unsigned>(one)) {}
-    constexpr Shapes(std::span<const Shape> all) {
-        for (const Shape one : all) *this |= one;
+    constexpr Shapes(Shape shape) : bits_(1U << static_cast<unsigned>(shape)) {}
+    constexpr Shapes(std::span<const Shape> shapes) {
+        for (const Shape shape : shapes) *this |= shape;
     }
 
-    [[nodiscard]] constexpr bool has(Shape one) const { return (bits_ & Shapes(one).bits_) != 0; }
+    [[nodiscard]] constexpr bool has(Shape shape) const { return (bits_ & Shapes(shape).bits_) != 0; }
     /// True if the set has more than one shape.
     [[nodiscard]] constexpr bool are_several() const {
         const unsigned shapes = bits_ & ~placed_bit;
         return (shapes & (shapes - 1)) != 0;
     }
-    /// The same set, with or without the flag for matrices.
+    /// Returns the same set, with or without the flag for matrices.
     [[nodiscard]] constexpr Shapes placed(bool under_matrix = true) const {
-        Shapes all = *this;
-        all.bits_ = under_matrix ? bits_ | placed_bit : bits_ & ~placed_bit;
-        return all;
+        Shapes result = *this;
+        result.bits_ = under_matrix ? bits_ | placed_bit : bits_ & ~placed_bit;
+        return result;
     }
     [[nodiscard]] constexpr bool are_placed() const { return (bits_ & placed_bit) != 0; }
     constexpr Shapes& operator|=(Shapes other) {

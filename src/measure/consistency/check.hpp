@@ -1,5 +1,5 @@
-// Table of checks. A check is a pair of questions that should have the same answer: one function of a row on a band,
-// and one row of the table.
+// Table of checks. A check asks a form two questions that should have the same answer. Each check is one function and
+// one row of the table.
 #pragma once
 
 #include <array>
@@ -23,11 +23,11 @@ namespace lostbits::measure::consistency {
 
 /// Result of a check at a pixel.
 ///
-/// - `not_asked`: the pixel has no such pair of questions.
-/// - `first_alone`, `second_alone`: one answer is yes (a hit) and the other no; at least one of them is wrong.
+/// - `not_asked`: the check has no questions at this pixel.
+/// - `first_alone`, `second_alone`: only the first (second) answer is yes, a hit. At least one of the answers is wrong.
 /// - `other_number`: the decisions are the same, but the numbers differ by more than they may.
-/// - `by_inputs`: the answers differ as the exact answers do, because the stored numbers of the two questions are not
-///   quite the same problem.
+/// - `by_inputs`: the answers differ as the exact answers do, because the stored numbers of the two questions differ
+///   slightly.
 /// - `unresolved`: the exact answers are not proved.
 enum class CheckResult : std::uint8_t {
     not_asked,
@@ -46,8 +46,8 @@ inline constexpr bool is_disagreement(CheckResult a) {
     return a == CheckResult::first_alone || a == CheckResult::second_alone || a == CheckResult::other_number;
 }
 
-/// Rays of both questions of a pixel, for `lostbits explain`. Directions are not yet normalised for a form that assumes
-/// unit length.
+/// Rays of both questions at a pixel, for `lostbits explain`. The directions are not yet normalised for a form that
+/// assumes unit length.
 struct TwoRays {
     std::size_t pixel = 0;  ///< index in the band
     scene::rays::RayGroup first, second;
@@ -58,30 +58,31 @@ struct PixelCheckResults {
     explicit PixelCheckResults(std::size_t pixels) : results(pixels, CheckResult::not_asked) {}
 
     std::vector<CheckResult> results;
-    /// For checks that compare numbers: the difference in ulps, and its excess over (or shortfall from) the difference
-    /// of the exact numbers. NaN if nothing is compared; empty for other checks.
+    /// For checks that compare numbers: `apart` is the difference of the two answers in ulps, and `excess` how much it
+    /// differs from the difference of the exact numbers. NaN if nothing is compared; both are empty for other checks.
     std::vector<double> apart, excess;
     std::optional<TwoRays> shown;  ///< the first disagreement
 
-    /// Sets the result of a pixel. `rays()` makes the two rays; called only for the first disagreement.
+    /// Sets the result of a pixel. `make_rays()` returns the rays of both questions; it is called only for the first
+    /// disagreement.
     template <class Rays>
-    void set(std::size_t pixel, CheckResult how, const Rays& rays) {
-        results[pixel] = how;
-        if (is_disagreement(how) && !shown) {
-            shown = rays();
+    void set(std::size_t pixel, CheckResult result, const Rays& make_rays) {
+        results[pixel] = result;
+        if (is_disagreement(result) && !shown) {
+            shown = make_rays();
             shown->pixel = pixel;
         }
     }
 };
 
-/// Result of comparing two decisions whose exact values are known.
+/// Compares two decisions whose exact values are known.
 inline constexpr CheckResult check_result_of(bool first, bool second, bool exact_first, bool exact_second) {
     if (first == second) return CheckResult::agree;
     if (first == exact_first && second == exact_second) return CheckResult::by_inputs;
     return first ? CheckResult::first_alone : CheckResult::second_alone;
 }
 
-/// Answers of a form to some rays, widened to double. The numbers are meaningless where `hit` is 0.
+/// Answers of a form for some rays, widened to double. The numbers of a ray are meaningless if its `hit` is 0.
 struct AllAnswers {
     std::vector<double> t, near, far;
     std::vector<std::uint8_t> hit;
@@ -92,30 +93,33 @@ struct AllAnswers {
 /// Calls of a kernel: one with all rays, or one for each ray.
 enum class Calls : std::uint8_t { together, one_by_one };
 
-/// A form in a format, evaluated by the kernels in `native`.
+/// A form in a format, and the kernels in `native` that evaluate it.
 struct FormKernels {
     const intersect::table::Intersector& form;
     Format format;
     intersect::process::StopToken stop;
     intersect::simd::PackedRow native;
 
-    /// Uses the kernels of one ray, or those of a register width that this machine has.
-    FormKernels(const intersect::table::Intersector& tested, const Format& tested_in,
+    /// Uses the kernels for single rays, or those of a register width that this machine has.
+    FormKernels(const intersect::table::Intersector& tested_form, const Format& tested_format,
                 intersect::process::StopToken stop_token = {}, intersect::simd::Isa isa = intersect::simd::Isa::scalar)
-        : form(tested), format(tested_in), stop(stop_token), native(intersect::simd::packed_kernels(tested, isa)) {}
+        : form(tested_form),
+          format(tested_format),
+          stop(stop_token),
+          native(intersect::simd::packed_kernels(tested_form, isa)) {}
 };
 
-/// Evaluates the form on rays whose numbers and ends are in the format. With one primitive, all rays are tested against
-/// it. With as many primitives as rays, each ray is tested against its own, by the kernels of one ray.
+/// Evaluates the form on rays whose numbers and ends are in the format. A single primitive is tested with all rays.
+/// With as many primitives as rays, ray i is tested against primitive i, by the kernels for single rays.
 AllAnswers answers_of(const FormKernels& kernels, const scene::rays::RayBlock& rays,
                       std::span<const Primitive<double>> primitives, Calls calls = Calls::together);
 
-/// True if the form answers t, which an end can be compared with.
+/// True if the form reports t, so that an end can be compared with it.
 bool tells_t(const intersect::Info& info);
 
-/// A form in a format over the pixels of a band: the input of every check.
+/// A form in a format on the pixels of a band: the input of every check.
 struct FormOnBand {
-    FormOnBand(const scene::file::Scene& tested_scene, const evaluate::TestedForm& tested,
+    FormOnBand(const scene::file::Scene& tested_scene, const evaluate::TestedForm& tested_form,
                const truth::Band& tested_band);
 
     const scene::file::Scene& scene;
@@ -123,71 +127,73 @@ struct FormOnBand {
     const truth::Band& band;
     FormKernels form;
     truth::FormatInputs inputs;
-    answer::Answers closest;  ///< answers as in a map
+    answer::Answers closest;  ///< closest hits, as in a map
 
-    /// Rays of the pixels, for the form's kind of direction.
+    /// Returns the rays of the pixels, with unit directions if the form assumes them.
     [[nodiscard]] const scene::rays::RayBlock& rays() const { return inputs.rays_for(*row.form->info); }
     [[nodiscard]] std::size_t pixels() const { return closest.hit.size(); }
     [[nodiscard]] const FloatFormat& format() const { return row.format.parameters; }
     [[nodiscard]] bool is_unit() const { return row.form->info->direction == intersect::Direction::unit; }
-    /// The primitives that a ray may meet: all, or those of a large mesh that a tree finds. With the index of each.
+    /// The primitives that rays may meet, and their indices: all primitives, or the triangles of a large mesh that a
+    /// tree finds.
     struct Candidates {
         std::vector<std::uint32_t> indices;
         std::vector<Primitive<double>> primitives;
     };
     [[nodiscard]] Candidates candidates(const Ray<double>& ray) const { return candidates(std::span(&ray, 1)); }
-    /// The primitives that any of the rays may meet.
+    /// Returns the primitives that any of the rays may meet.
     [[nodiscard]] Candidates candidates(std::span<const Ray<double>> rays) const;
-    /// Calls `act(primitive, rays, places)` for each primitive that any of the rays may meet, with those rays and their
-    /// places among `all`.
+    /// Calls `act(primitive, rays, ray_indices)` for each primitive that any of the rays may meet, with these rays and
+    /// their indices in `all_rays`.
     template <class Act>
-    void by_primitive(const scene::rays::RayBlock& all, const Act& act) const {
-        const RaysOfPrimitives pairs(*this, all);
-        for (std::size_t k = 0; k < pairs.size(); ++k) pairs.call(k, act);
+    void by_primitive(const scene::rays::RayBlock& all_rays, const Act& act) const {
+        const RaysOfPrimitives rays_of_primitives(*this, all_rays);
+        for (std::size_t k = 0; k < rays_of_primitives.size(); ++k) rays_of_primitives.call(k, act);
     }
-    /// A ray, its end and all primitives; without primitives if there are too many.
+    /// Returns a ray with its end and all primitives, or without primitives if there are too many.
     [[nodiscard]] scene::rays::RayGroup shown(const Ray<double>& ray, double tmax) const;
 
 private:
-    /// The rays that each primitive may be met by.
+    /// For each primitive, the rays that may meet it.
     class RaysOfPrimitives {
     public:
-        RaysOfPrimitives(const FormOnBand& band_form, const scene::rays::RayBlock& all);
+        RaysOfPrimitives(const FormOnBand& band_form, const scene::rays::RayBlock& all_rays);
         [[nodiscard]] std::size_t size() const {
             return band_form_.tree_ ? runs_.size() : band_form_.inputs.primitives.size();
         }
         template <class Act>
         void call(std::size_t k, const Act& act) const {
-            if (!band_form_.tree_) return act(band_form_.inputs.primitives[k], all_, places_);
+            if (!band_form_.tree_) return act(band_form_.inputs.primitives[k], all_rays_, ray_indices_);
             const auto [begin, end] = runs_[k];
-            const std::span<const std::size_t> places = std::span(places_).subspan(begin, end - begin);
-            act(band_form_.inputs.primitives[primitives_[begin]], rays_at(places), places);
+            const std::span<const std::size_t> ray_indices = std::span(ray_indices_).subspan(begin, end - begin);
+            act(band_form_.inputs.primitives[primitives_[begin]], rays_at(ray_indices), ray_indices);
         }
 
     private:
-        [[nodiscard]] scene::rays::RayBlock rays_at(std::span<const std::size_t> places) const;
+        [[nodiscard]] scene::rays::RayBlock rays_at(std::span<const std::size_t> ray_indices) const;
 
         const FormOnBand& band_form_;
-        const scene::rays::RayBlock& all_;
-        std::vector<std::size_t> places_;                        ///< of rays; without a tree those of all
-        std::vector<std::uint32_t> primitives_;                  ///< for each of them
-        std::vector<std::pair<std::size_t, std::size_t>> runs_;  ///< begin and end of each primitive's rays
+        const scene::rays::RayBlock& all_rays_;
+        std::vector<std::size_t> ray_indices_;   ///< grouped by primitive; without a tree, 0, 1, …
+        std::vector<std::uint32_t> primitives_;  ///< index of the primitive for each element of `ray_indices_`
+        std::vector<std::pair<std::size_t, std::size_t>> runs_;  ///< begin and end of each primitive's elements
     };
 
-    std::shared_ptr<const culling::PrimitiveIndex> tree_;  ///< for large meshes; null: all primitives are tested
+    std::shared_ptr<const culling::PrimitiveIndex> tree_;  ///< for large meshes; null if all primitives are tested
 };
 
-/// For each ray, 1 if the form meets the primitive, or any that the ray may meet, before the ray's `tmax`, as in a
-/// shadow test. Forms that take the end of a ray (boxes) decide by themselves. For other forms a primitive counts if it
-/// is hit and its t, or the far side if the form answers that, lies in 0 < t < tmax. A near side that differs from t
-/// does not count: the form itself has rejected it.
+/// Returns 1 for each ray on which the form finds a hit before the ray's `tmax`, as in a shadow test. The first
+/// overload tests one primitive, the second all primitives that the ray may meet. Forms that take the end of a ray
+/// (boxes) decide by themselves. For other forms, a primitive counts if it is hit and its t, or its far side if the
+/// form answers that, lies in 0 < t < tmax. A near side that differs from t does not count, because the form itself has
+/// rejected it.
 std::vector<std::uint8_t> meets_before_end(const FormKernels& kernels, const scene::rays::RayBlock& rays,
                                            const Primitive<double>& primitive);
 std::vector<std::uint8_t> meets_before_end(const FormOnBand& band_form, const scene::rays::RayBlock& rays);
 
 struct Check {
     std::string_view name;    ///< `reverse`
-    std::string_view title;   ///< line that says what must agree
+    std::string_view title;   ///< says in one line what must agree
     std::string_view first;   ///< the question whose yes is `first_alone`
     std::string_view second;  ///< the other question
     /// True if the check applies to a form on a scene.

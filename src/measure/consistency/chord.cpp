@@ -1,5 +1,5 @@
-// Compares a segment from either end: p to q with the direction q − p as it rounds, and q to p with exactly the
-// opposite.
+// Compares a segment from either end. The ray from p has the direction q − p, rounded; the ray from q has exactly the
+// opposite direction.
 #include <algorithm>
 #include <cmath>
 
@@ -21,12 +21,12 @@ std::optional<Ends<E>> chord_of(const Ray<double>& ray, const Primitive<double>&
     return with_span(lift_ray<E>(ray), lift_primitive<E>(primitive), [](const auto& span) { return ends_of(span); });
 }
 
-/// A double with an error of at most `error`.
-std::optional<double> within(const Ball& x, double error) {
+/// Returns a double within `error` of x; nothing if x is not known so well.
+std::optional<double> to_double_within(const Ball& x, double error) {
     if (!x.is_bounded() || x.radius() > error / 2) return std::nullopt;
     return x.hi() + x.lo();
 }
-std::optional<double> within(const Interval& x, double error) {
+std::optional<double> to_double_within(const Interval& x, double error) {
     if (!x.is_bounded()) return std::nullopt;
     const double low = mpfr_get_d(x.lower(), MPFR_RNDD), high = mpfr_get_d(x.upper(), MPFR_RNDU);
     if (!(high - low <= error)) return std::nullopt;
@@ -34,31 +34,32 @@ std::optional<double> within(const Interval& x, double error) {
 }
 
 template <class E>
-std::optional<ChordError> error_of(const ReversedRays& ends, const ChordAnswer& answer, bool distances, double ulp) {
-    const auto forth = chord_of<E>(ends.forth, ends.primitive), back = chord_of<E>(ends.back, ends.primitive);
+std::optional<ChordError> chord_error_in(const ReversedRays& rays, const ChordAnswer& answer, bool are_distances,
+                                         double ulp) {
+    const auto forth = chord_of<E>(rays.forth, rays.primitive), back = chord_of<E>(rays.back, rays.primitive);
     if (!forth || !back) return std::nullopt;
-    const E size = distances ? length(lift_vec<E>(ends.forth.direction)) : E(1);
-    ChordError most;
-    const auto take = [&](const E& exact, double one, double other) {
-        const E sum = E(one) + E(other);
-        const auto apart = within(sum - size, ulp * 0x1p-10);
-        const auto excess = within(sum - exact * size, ulp * 0x1p-10);
+    const E segment_length = are_distances ? length(lift_vec<E>(rays.forth.direction)) : E(1);
+    ChordError largest;
+    const auto add_sum = [&](const E& exact, double t, double t_back) {
+        const E sum = E(t) + E(t_back);
+        const auto apart = to_double_within(sum - segment_length, ulp * 0x1p-10);
+        const auto excess = to_double_within(sum - exact * segment_length, ulp * 0x1p-10);
         if (!apart || !excess) return false;
-        most.apart = std::max(most.apart, std::fabs(*apart / ulp));
-        most.excess = std::max(most.excess, std::fabs(*excess / ulp));
+        largest.apart = std::max(largest.apart, std::fabs(*apart / ulp));
+        largest.excess = std::max(largest.excess, std::fabs(*excess / ulp));
         return true;
     };
     // A near side that may lie behind the origin is not compared.
-    const bool ahead = (forth->near > E(0)).is_yes(), ahead_back = (back->near > E(0)).is_yes();
-    if (ahead && !take(forth->near + back->far, answer.near, answer.far_back)) return std::nullopt;
-    if (ahead_back && !take(forth->far + back->near, answer.far, answer.near_back)) return std::nullopt;
-    return most;
+    const bool near_is_ahead = (forth->near > E(0)).is_yes(), near_back_is_ahead = (back->near > E(0)).is_yes();
+    if (near_is_ahead && !add_sum(forth->near + back->far, answer.near, answer.far_back)) return std::nullopt;
+    if (near_back_is_ahead && !add_sum(forth->far + back->near, answer.far, answer.near_back)) return std::nullopt;
+    return largest;
 }
 
-/// A ball around a primitive, seen along a ray, in doubles. It only decides where the segment ends.
+/// A ball around a primitive, relative to a ray, in doubles. It only decides where the segment ends.
 struct BallOnRay {
-    double middle, half;  ///< t of the point nearest to its centre, and its radius in lengths of the direction
-    double aside;         ///< distance of the line from the centre, in radii, squared
+    double middle, half;      ///< t of the point nearest to the centre; radius in lengths of the direction
+    double centre_distance2;  ///< squared distance of the line from the centre, in radii²
 
     BallOnRay(const Ray<double>& ray, const Primitive<double>& primitive) {
         const auto [centre, radius] = offset::ball_of(primitive);
@@ -66,47 +67,53 @@ struct BallOnRay {
         const double a = square(ray.direction);
         middle = dot(f, ray.direction) / a;
         half = radius / std::sqrt(a);
-        aside = square(cross<double>(f, ray.direction)) / (a * radius * radius);
+        centre_distance2 = square(cross<double>(f, ray.direction)) / (a * radius * radius);
     }
     [[nodiscard]] bool is_ahead() const { return middle + half > 0; }
-    /// The end lies as far behind the primitive as p lies in front of it, and behind it by at least half of its size.
+    /// Returns the t at which the segment ends: as far behind the primitive as p lies in front of it, but at least half
+    /// of its size behind it.
     [[nodiscard]] double end() const { return middle + std::max(middle, 2 * half); }
 };
 
-/// The primitive at the pixel. If there is none, the one ahead that the ray passes nearest to; of a large mesh, only if
-/// it comes near its box.
+/// Returns the primitive that the ray of the pixel truly meets. If there is none, returns the primitive ahead that the
+/// ray passes nearest to, in units of its radius. Of a large mesh, only primitives whose box the ray comes near are
+/// considered.
 std::optional<std::size_t> primitive_of(const FormOnBand& band_form, std::size_t i) {
     const Truth truth = band_form.band.truth(i, band_form.row.convention());
     if (truth.is_hit()) return static_cast<std::size_t>(truth.object);
     std::optional<std::size_t> nearest;
     double least = HUGE_VAL;
-    const FormOnBand::Candidates near = band_form.candidates(band_form.inputs.rays[i]);
-    for (std::size_t k = 0; k < near.indices.size(); ++k) {
-        const BallOnRay around(band_form.inputs.rays[i], near.primitives[k]);
-        if (around.is_ahead() && around.aside < least) least = around.aside, nearest = near.indices[k];
+    const FormOnBand::Candidates candidates = band_form.candidates(band_form.inputs.rays[i]);
+    for (std::size_t k = 0; k < candidates.indices.size(); ++k) {
+        const BallOnRay ball(band_form.inputs.rays[i], candidates.primitives[k]);
+        if (ball.is_ahead() && ball.centre_distance2 < least)
+            least = ball.centre_distance2, nearest = candidates.indices[k];
     }
     return nearest;
 }
 
-/// The segment of a pixel; q is its end, rounded to the format. Nothing if there is no primitive.
+/// Returns the segment of a pixel from p, the origin of its ray, to q, its end, rounded to the format. Returns nothing
+/// if there is no primitive.
 std::optional<ReversedRays> segment_of(const FormOnBand& band_form, std::size_t i) {
     const auto k = primitive_of(band_form, i);
     if (!k) return std::nullopt;
     const Ray<double> ray = band_form.inputs.rays[i];
-    const BallOnRay around(ray, band_form.inputs.primitives[*k]);
-    if (!around.is_ahead()) return std::nullopt;
+    const BallOnRay ball(ray, band_form.inputs.primitives[*k]);
+    if (!ball.is_ahead()) return std::nullopt;
     const Vec<double> p = ray.origin;
-    Vec<double> q{0, 0, 0}, way{0, 0, 0};
+    Vec<double> q{0, 0, 0}, difference{0, 0, 0};
     with_number(band_form.row.format, [&]<class T>() {
         for (int axis = 0; axis < 3; ++axis) {
-            const T end = static_cast<T>(std::fma(around.end(), ray.direction[axis], p[axis]));
+            const T end = static_cast<T>(std::fma(ball.end(), ray.direction[axis], p[axis]));
             q[axis] = as_double(end);
-            way[axis] = as_double(end - static_cast<T>(p[axis]));
+            difference[axis] = as_double(end - static_cast<T>(p[axis]));
         }
     });
-    const ReversedRays ends{{p, way}, {q, Vec<double>(-way.x, -way.y, -way.z)}, band_form.inputs.primitives[*k]};
-    if (!truth::is_proper(ends.forth) || !truth::is_proper(ends.back)) return std::nullopt;
-    return ends;
+    const ReversedRays rays{{p, difference},
+                            {q, Vec<double>(-difference.x, -difference.y, -difference.z)},
+                            band_form.inputs.primitives[*k]};
+    if (!truth::is_proper(rays.forth) || !truth::is_proper(rays.back)) return std::nullopt;
+    return rays;
 }
 
 RayBlock as_unit(RayBlock rays, const FloatFormat& format) {
@@ -114,7 +121,7 @@ RayBlock as_unit(RayBlock rays, const FloatFormat& format) {
     return rays;
 }
 
-/// Segments of a band seen from one end: their truth, and the form's answers.
+/// Segments of a band from one end: their truth, and the form's answers.
 struct SegmentsFromEnd {
     truth::Band band;
     AllAnswers answers;
@@ -125,28 +132,30 @@ struct SegmentsFromEnd {
               answers_of(band_form.form, band_form.is_unit() ? as_unit(rays, band_form.format()) : rays, primitives)) {}
 };
 
-CheckResult check_result_of_numbers(const FormOnBand& band_form, const ReversedRays& ends, const ChordAnswer& answer,
+CheckResult check_result_of_numbers(const FormOnBand& band_form, const ReversedRays& rays, const ChordAnswer& answer,
                                     double& apart, double& excess) {
-    const double size = band_form.is_unit() ? length(ends.forth.direction) : 1;
-    const double ulp = std::ldexp(1.0, static_cast<int>(ulp_exponent(band_form.format(), std::ilogb(size))));
-    const auto error = chord_error(ends, answer, band_form.is_unit(), ulp);
+    const double segment_length = band_form.is_unit() ? length(rays.forth.direction) : 1;
+    const double ulp = std::ldexp(1.0, static_cast<int>(ulp_exponent(band_form.format(), std::ilogb(segment_length))));
+    const auto error = chord_error(rays, answer, band_form.is_unit(), ulp);
     if (!error) return CheckResult::unresolved;
     apart = error->apart;
     excess = error->excess;
-    // Each t is at most L. Rounded correctly, it is off by at most half an ulp of L, and two of them by at most one.
-    constexpr double most = 1;
-    return error->excess > most  ? CheckResult::other_number
-           : error->apart > most ? CheckResult::by_inputs
-                                 : CheckResult::agree;
+    // Each t is at most the length L. If it is correctly rounded, its error is at most half an ulp of L, so that of a
+    // sum of two is at most one ulp.
+    constexpr double largest_excess = 1;
+    return error->excess > largest_excess  ? CheckResult::other_number
+           : error->apart > largest_excess ? CheckResult::by_inputs
+                                           : CheckResult::agree;
 }
 
 }  // namespace
 
-std::optional<ChordError> chord_error(const ReversedRays& ends, const ChordAnswer& answer, bool distances, double ulp) {
+std::optional<ChordError> chord_error(const ReversedRays& rays, const ChordAnswer& answer, bool are_distances,
+                                      double ulp) {
     for (const double t : {answer.near, answer.far, answer.near_back, answer.far_back}) {
         if (!std::isfinite(t)) return ChordError{HUGE_VAL, HUGE_VAL};
     }
-    return truth::by_rising_precision([&]<class E>() { return error_of<E>(ends, answer, distances, ulp); });
+    return truth::by_rising_precision([&]<class E>() { return chord_error_in<E>(rays, answer, are_distances, ulp); });
 }
 
 void check_reverse(const FormOnBand& band_form, PixelCheckResults& out) {
@@ -155,35 +164,37 @@ void check_reverse(const FormOnBand& band_form, PixelCheckResults& out) {
     std::vector<std::size_t> pixels;
     std::vector<ReversedRays> segments;
     std::vector<Primitive<double>> primitives;
-    RayBlock there, back;
+    RayBlock from_p_rays, from_q_rays;
     for (std::size_t i = 0; i < band_form.pixels(); ++i) {
-        const auto ends = segment_of(band_form, i);
-        if (!ends) continue;
+        const auto segment = segment_of(band_form, i);
+        if (!segment) continue;
         pixels.push_back(i);
-        segments.push_back(*ends);
-        primitives.push_back(ends->primitive);
-        there.push(ends->forth);
-        back.push(ends->back);
+        segments.push_back(*segment);
+        primitives.push_back(segment->primitive);
+        from_p_rays.push(segment->forth);
+        from_q_rays.push(segment->back);
     }
     if (pixels.empty()) return;
-    const SegmentsFromEnd from_p(band_form, there, primitives), from_q(band_form, back, primitives);
-    const bool numbers = band_form.row.form->info->roots == intersect::Roots::both;
-    const AllAnswers &a = from_p.answers, &b = from_q.answers;
+    const SegmentsFromEnd forth(band_form, from_p_rays, primitives), back(band_form, from_q_rays, primitives);
+    const bool has_numbers = band_form.row.form->info->roots == intersect::Roots::both;
+    const AllAnswers &a = forth.answers, &b = back.answers;
     for (std::size_t k = 0; k < pixels.size(); ++k) {
         const std::size_t i = pixels[k];
-        const auto p = from_p.band.truth(k, band_form.row.convention()).decision;
-        const auto q = from_q.band.truth(k, band_form.row.convention()).decision;
-        CheckResult how =
-            check_result_of(a.hit[k] != 0, b.hit[k] != 0, p == Truth::Decision::hit, q == Truth::Decision::hit);
-        if (p == Truth::Decision::unresolved || q == Truth::Decision::unresolved) how = CheckResult::unresolved;
-        const bool all_hit = a.hit[k] != 0 && b.hit[k] != 0 && p == Truth::Decision::hit && q == Truth::Decision::hit;
-        if (numbers && all_hit)
-            how = check_result_of_numbers(band_form, segments[k], {a.near[k], a.far[k], b.near[k], b.far[k]},
-                                          out.apart[i], out.excess[i]);
-        out.set(i, how, [&] {
-            TwoRays two{i, scene::rays::group_of(segments[k].forth), scene::rays::group_of(segments[k].back)};
-            two.first.primitives = two.second.primitives = {segments[k].primitive};
-            return two;
+        const auto p_decision = forth.band.truth(k, band_form.row.convention()).decision;
+        const auto q_decision = back.band.truth(k, band_form.row.convention()).decision;
+        CheckResult result = check_result_of(a.hit[k] != 0, b.hit[k] != 0, p_decision == Truth::Decision::hit,
+                                             q_decision == Truth::Decision::hit);
+        if (p_decision == Truth::Decision::unresolved || q_decision == Truth::Decision::unresolved)
+            result = CheckResult::unresolved;
+        const bool all_hit =
+            a.hit[k] != 0 && b.hit[k] != 0 && p_decision == Truth::Decision::hit && q_decision == Truth::Decision::hit;
+        if (has_numbers && all_hit)
+            result = check_result_of_numbers(band_form, segments[k], {a.near[k], a.far[k], b.near[k], b.far[k]},
+                                             out.apart[i], out.excess[i]);
+        out.set(i, result, [&] {
+            TwoRays two_rays{i, scene::rays::group_of(segments[k].forth), scene::rays::group_of(segments[k].back)};
+            two_rays.first.primitives = two_rays.second.primitives = {segments[k].primitive};
+            return two_rays;
         });
     }
 }

@@ -9,13 +9,13 @@ namespace lostbits::measure::consistency {
 
 namespace {
 
-void add_check(const PixelCheckResults& found, const ConsistencyBand& band, CheckSummary& summary) {
-    for (const CheckResult a : found.results) ++summary.count[static_cast<std::size_t>(a)];
-    summary.apart.add(found.apart);
-    summary.excess.add(found.excess);
-    if (!found.shown || summary.shown) return;
-    const auto pixel = static_cast<int>(found.shown->pixel);
-    summary.shown = ShownDisagreement{pixel % band.width, band.y0 + pixel / band.width, *found.shown};
+void add_check(const PixelCheckResults& check_results, const ConsistencyBand& band, CheckSummary& summary) {
+    for (const CheckResult result : check_results.results) ++summary.count[static_cast<std::size_t>(result)];
+    summary.apart.add(check_results.apart);
+    summary.excess.add(check_results.excess);
+    if (!check_results.shown || summary.shown) return;
+    const auto pixel = static_cast<int>(check_results.shown->pixel);
+    summary.shown = ShownDisagreement{pixel % band.width, band.y0 + pixel / band.width, *check_results.shown};
 }
 
 using C = CheckSummary;
@@ -87,13 +87,13 @@ void ConsistencyStudy::require() const { offset::require_few_primitives(scene); 
 
 ConsistencyBand ConsistencyStudy::measure(const truth::Band& band, std::size_t row, RowChecks& summary) const {
     const FormOnBand band_form(scene, rows[row], band);
-    ConsistencyBand out{.y0 = band.y0(), .rows = band.rows(), .width = scene.width, .checks = {}};
+    ConsistencyBand result_band{.y0 = band.y0(), .rows = band.rows(), .width = scene.width, .checks = {}};
     for (std::size_t c = 0; c < checks.size(); ++c) {
-        PixelCheckResults& pixels = out.checks.emplace_back(band_form.pixels());
-        if (checks[c]->applies(scene, *rows[row].form)) checks[c]->measure(band_form, pixels);
-        add_check(pixels, out, summary[c]);
+        PixelCheckResults& pixel_results = result_band.checks.emplace_back(band_form.pixels());
+        if (checks[c]->applies(scene, *rows[row].form)) checks[c]->measure(band_form, pixel_results);
+        add_check(pixel_results, result_band, summary[c]);
     }
-    return out;
+    return result_band;
 }
 
 std::span<const ConsistencyColumn> consistency_columns() { return column_rows; }

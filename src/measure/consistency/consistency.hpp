@@ -1,4 +1,4 @@
-// Compares the answers of a form to the same question asked in two ways, over the pixels of a scene.
+// Compares the answers of a form to the same question asked in two ways, for every pixel of a scene.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@
 
 namespace lostbits::measure::consistency {
 
-/// First disagreement of a check: a pixel of the picture and both rays.
+/// First disagreement of a check: the pixel of the picture and the rays of both questions.
 struct ShownDisagreement {
     int x = 0, y = 0;
     TwoRays rays;
@@ -29,7 +29,7 @@ struct CheckSummary {
     [[nodiscard]] std::uint64_t of(CheckResult a) const { return count[static_cast<std::size_t>(a)]; }
     /// Number of pixels at which both questions are asked.
     [[nodiscard]] std::uint64_t asked() const;
-    /// Number of differences that the form is to blame for; `decisions` counts those in the decision.
+    /// Number of differences that the form is to blame for. `decisions` counts those that are in the decision.
     [[nodiscard]] std::uint64_t disagreements() const { return decisions() + of(CheckResult::other_number); }
     [[nodiscard]] std::uint64_t decisions() const {
         return of(CheckResult::first_alone) + of(CheckResult::second_alone);
@@ -40,10 +40,10 @@ LOSTBITS_FIELDS(TwoRays, pixel, first, second)
 LOSTBITS_FIELDS(ShownDisagreement, x, y, rays)
 LOSTBITS_FIELDS(CheckSummary, count, apart, excess, shown)
 
-/// One summary for each check of the request. A check that does not apply has only `not_asked`.
+/// One summary for each check of the request. A check that does not apply has only `not_asked` pixels.
 using RowChecks = std::vector<CheckSummary>;
 
-/// Results of a row on some scanlines, for each check in the order of the request.
+/// Results of a row on some scanlines, one element for each check of the request.
 struct ConsistencyBand {
     int y0 = 0, rows = 0, width = 0;
     std::vector<PixelCheckResults> checks;
@@ -69,14 +69,14 @@ struct ConsistencyStudy {
     ConsistencyBand measure(const truth::Band& band, std::size_t row, RowChecks& summary) const;
 };
 
-/// Checks that apply to at least one of the rows on a scene.
+/// Returns the checks of `among` that apply to at least one of the rows on a scene.
 std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std::vector<evaluate::TestedForm>& rows,
                                      std::vector<const Check*> among = all_checks());
 
-/// True if the form is of a primitive; forms that march are not compared.
+/// True if the form intersects a primitive. Forms that march a distance field are not compared.
 bool can_be_compared(const intersect::table::Intersector& form);
 
-/// A column of the summary, after check, form and format. The CSV and the claims use the same table.
+/// A column of the summary that follows the columns check, form and format. The CSV and the claims use the same table.
 using ConsistencyColumn = metric::MeasuredColumn<const CheckSummary&>;
 std::span<const ConsistencyColumn> consistency_columns();
 

@@ -15,26 +15,26 @@ using truth::Truth;
 
 namespace {
 
-/// Moves the primitive to its own centre, under a matrix that moves it back.
+/// Returns the primitive moved so that its middle is the origin, under a matrix that moves it back.
 Primitive<double> under_matrix(const Primitive<double>& primitive, const FloatFormat& format) {
     const auto stored = [&format](double x) { return rounding::to_format(x, 0, format); };
     const auto stored_point = [&](const Vec<double>& v) { return Vec<double>(stored(v.x), stored(v.y), stored(v.z)); };
     const Vec<double> middle = stored_point(visit(primitive, [](const auto& shape) { return shape.middle(); }));
-    Primitive<double> there = primitive;
+    Primitive<double> moved_primitive = primitive;
     for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
-        if (key.kind == Key::Kind::point) there.set_point(k, stored_point(primitive.point(k) - middle));
+        if (key.kind == Key::Kind::point) moved_primitive.set_point(k, stored_point(primitive.point(k) - middle));
     });
-    there.placed = Placement<double>{{1, 0, 0, middle.x, 0, 1, 0, middle.y, 0, 0, 1, middle.z}, false, 1};
-    return there;
+    moved_primitive.placed = Placement<double>{{1, 0, 0, middle.x, 0, 1, 0, middle.y, 0, 0, 1, middle.z}, false, 1};
+    return moved_primitive;
 }
 
-/// Common factor of a matrix on all lengths, if there is one within the rounding of the format.
+/// Returns the common factor by which a matrix scales all lengths, if there is one within the rounding of the format.
 std::optional<double> common_scale(const Affine<double>& m, const FloatFormat& format) {
     const auto column = [&m](int i) { return Vec<double>(m.rows[0][i], m.rows[1][i], m.rows[2][i]); };
     const Vec<double> x = column(0), y = column(1), z = column(2);
-    const double size = square(x), most = std::ldexp(size, 3 - format.precision);
-    for (const double off : {dot(x, y), dot(y, z), dot(z, x), square(y) - size, square(z) - size})
-        if (!(std::fabs(off) <= most)) return std::nullopt;
+    const double size = square(x), tolerance = std::ldexp(size, 3 - format.precision);
+    for (const double deviation : {dot(x, y), dot(y, z), dot(z, x), square(y) - size, square(z) - size})
+        if (!(std::fabs(deviation) <= tolerance)) return std::nullopt;
     return std::sqrt(size);
 }
 
@@ -43,10 +43,10 @@ bool is_diagonal(const Affine<double>& m) {
            m.rows[2].y == 0;
 }
 
-/// The primitive without a matrix that stands where one under a stored matrix stands, with each number rounded once to
-/// the format. Nothing if there is none:
+/// Returns the image of a primitive under its stored matrix as a primitive without a matrix, with each number rounded
+/// once to the format. Returns nothing for:
 ///
-/// - a shape with lengths or directions, under a matrix that is not a rotation and a common scale within 4u;
+/// - a shape with lengths or directions, under a matrix that is not a rotation with a common scale, to within 4u;
 /// - a box, under a matrix that is not diagonal;
 /// - a shape with a radius for each axis;
 /// - a matrix that is stored as its inverse.
@@ -54,12 +54,13 @@ std::optional<Primitive<double>> image_of(const Primitive<double>& primitive, co
     if (!primitive.placed || primitive.placed->is_inverse) return std::nullopt;
     const Affine<double> m = primitive.placed->map();
     const std::span<const Key> keys = row_of(primitive.shape).keys;
-    const bool along_axes =
+    const bool is_axis_aligned =
         std::ranges::any_of(keys, [](const Key& key) { return key.limit == Key::Limit::at_least_before; });
-    const bool all_points = std::ranges::all_of(keys, [](const Key& key) { return key.kind == Key::Kind::point; });
-    const bool by_axis = std::ranges::any_of(keys, [](const Key& key) { return key.kind == Key::Kind::lengths; });
+    const bool has_only_points = std::ranges::all_of(keys, [](const Key& key) { return key.kind == Key::Kind::point; });
+    const bool has_axis_lengths =
+        std::ranges::any_of(keys, [](const Key& key) { return key.kind == Key::Kind::lengths; });
     const auto scale = common_scale(m, format);
-    if (along_axes ? !is_diagonal(m) : by_axis || (!all_points && !scale)) return std::nullopt;
+    if (is_axis_aligned ? !is_diagonal(m) : has_axis_lengths || (!has_only_points && !scale)) return std::nullopt;
     Primitive<double> image = primitive;
     image.placed.reset();
     for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
@@ -69,37 +70,40 @@ std::optional<Primitive<double>> image_of(const Primitive<double>& primitive, co
             default: image.numbers[k] = scale.value_or(1) * primitive.numbers[k];
         }
     });
-    if (along_axes)
+    if (is_axis_aligned)
         for (std::size_t i = 0; i < 3; ++i)
             if (image.numbers[i] > image.numbers[i + 3]) std::swap(image.numbers[i], image.numbers[i + 3]);
     return transformed(image, [&format](double x) { return rounding::to_format(x, 0, format); });
 }
 
-/// A form that takes primitives with and without matrices: the form itself, or the form with the usual transform.
-const Intersector& form_for(const Intersector& form) {
-    const auto& usual = intersect::transform::usual_transform_method();
+/// Returns a form that takes primitives with and without matrices: the form itself, or the form with the usual
+/// transform method.
+const Intersector& form_with_matrices(const Intersector& form) {
+    const auto& usual_method = intersect::transform::usual_transform_method();
     if (form.shapes().are_placed()) return form;
-    if (!form.is_set()) return intersect::transform::through(usual, form);
+    if (!form.is_set()) return intersect::transform::through(usual_method, form);
     std::vector<const Intersector*> parts;
-    for (const Intersector* const part : form.parts) parts.push_back(&intersect::transform::through(usual, *part));
+    for (const Intersector* const part : form.parts)
+        parts.push_back(&intersect::transform::through(usual_method, *part));
     return intersect::table::set_of(parts);
 }
 
-/// The primitives changed to the other way where possible, and unchanged elsewhere. Empty if none can be changed.
-std::vector<Primitive<double>> in_other_place(const FormOnBand& band_form,
-                                              const std::vector<Primitive<double>>& primitives) {
-    bool any = false;
-    std::vector<Primitive<double>> others;
+/// Returns each primitive under a matrix without it, and each other primitive under a matrix. A primitive that cannot
+/// be converted is unchanged. Returns an empty list if none can be converted.
+std::vector<Primitive<double>> converted_primitives(const FormOnBand& band_form,
+                                                    const std::vector<Primitive<double>>& primitives) {
+    bool any_converted = false;
+    std::vector<Primitive<double>> converted;
     for (const Primitive<double>& primitive : primitives) {
-        const auto other = primitive.placed ? image_of(primitive, band_form.format())
-                                            : std::optional(under_matrix(primitive, band_form.format()));
-        any = any || other;
-        others.push_back(other.value_or(primitive));
+        const auto other_primitive = primitive.placed ? image_of(primitive, band_form.format())
+                                                      : std::optional(under_matrix(primitive, band_form.format()));
+        any_converted = any_converted || other_primitive;
+        converted.push_back(other_primitive.value_or(primitive));
     }
-    return any ? others : std::vector<Primitive<double>>{};
+    return any_converted ? converted : std::vector<Primitive<double>>{};
 }
 
-/// The rays of the band among other primitives, and the index of these.
+/// The rays of the band with other primitives, and the index of these primitives.
 struct BandAmongPrimitives {
     std::unique_ptr<culling::Culler> culler = {};
     std::unique_ptr<truth::Band> band;
@@ -114,7 +118,7 @@ struct BandAmongPrimitives {
     }
 };
 
-/// All primitives, or those of a large mesh that a ray of the band may meet.
+/// Returns all primitives, or the triangles of a large mesh that a ray of the band may meet.
 std::vector<Primitive<double>> primitives_of(const FormOnBand& band_form) {
     std::vector<Ray<double>> rays;
     for (std::size_t i = 0; i < band_form.pixels(); ++i) rays.push_back(band_form.inputs.rays[i]);
@@ -127,37 +131,38 @@ void check_placed(const FormOnBand& band_form, PixelCheckResults& out) {
     out.apart.assign(band_form.pixels(), truth::missing);
     out.excess.assign(band_form.pixels(), truth::missing);
     const std::vector<Primitive<double>> primitives = primitives_of(band_form),
-                                         others = in_other_place(band_form, primitives);
-    if (others.empty()) return;
-    const BandAmongPrimitives as_given(band_form, primitives), in_other(band_form, others);
-    const truth::Band &here = *as_given.band, &there = *in_other.band;
-    const Intersector& form = form_for(*band_form.row.form);
-    const bool unit = form.info->direction == intersect::Direction::unit;
-    const auto answers = answer::evaluate(form, there.inputs_for(band_form.row.format, *form.info));
-    const answer::Answers &a = band_form.closest, &b = answers;
+                                         converted = converted_primitives(band_form, primitives);
+    if (converted.empty()) return;
+    const BandAmongPrimitives given_band(band_form, primitives), converted_band(band_form, converted);
+    const truth::Band &given_truth = *given_band.band, &converted_truth = *converted_band.band;
+    const Intersector& form = form_with_matrices(*band_form.row.form);
+    const bool is_unit = form.info->direction == intersect::Direction::unit;
+    const auto converted_answers = answer::evaluate(form, converted_truth.inputs_for(band_form.row.format, *form.info));
+    const answer::Answers &a = band_form.closest, &b = converted_answers;
     for (std::size_t i = 0; i < band_form.pixels(); ++i) {
-        const Truth p = here.truth(i, band_form.row.convention()), q = there.truth(i, band_form.row.convention());
-        CheckResult how = check_result_of(a.hit[i] != 0, b.hit[i] != 0, p.is_hit(), q.is_hit());
+        const Truth p = given_truth.truth(i, band_form.row.convention()),
+                    q = converted_truth.truth(i, band_form.row.convention());
+        CheckResult result = check_result_of(a.hit[i] != 0, b.hit[i] != 0, p.is_hit(), q.is_hit());
         if (p.decision == Truth::Decision::unresolved || q.decision == Truth::Decision::unresolved)
-            how = CheckResult::unresolved;
+            result = CheckResult::unresolved;
         else if (a.hit[i] != 0 && b.hit[i] != 0 && p.is_hit() && q.is_hit() && tells_t(*form.info)) {
-            const auto &one = unit ? p.distance : p.t, &other = unit ? q.distance : q.t;
-            const std::int64_t ulp = ulp_exponent(band_form.format(), one.floor_log2());
-            const auto off = [ulp](double t, const truth::Certified& exact) {
+            const auto &first = is_unit ? p.distance : p.t, &second = is_unit ? q.distance : q.t;
+            const std::int64_t ulp = ulp_exponent(band_form.format(), first.floor_log2());
+            const auto error_in_ulps = [ulp](double t, const truth::Certified& exact) {
                 return truth::scaled_difference(truth::exactly(t), exact, ulp);
             };
-            out.apart[i] = std::fabs(off(a.t[i], truth::exactly(b.t[i])));
-            out.excess[i] = std::fabs(off(a.t[i], one) - off(b.t[i], other));
-            // Each t that is rounded correctly is off by at most half an ulp, and two of them by at most one.
-            how = !(out.excess[i] <= 1) ? CheckResult::other_number
-                  : out.apart[i] > 1    ? CheckResult::by_inputs
-                                        : CheckResult::agree;
+            out.apart[i] = std::fabs(error_in_ulps(a.t[i], truth::exactly(b.t[i])));
+            out.excess[i] = std::fabs(error_in_ulps(a.t[i], first) - error_in_ulps(b.t[i], second));
+            // The error of a correctly rounded t is at most half an ulp, so two of them differ by at most one ulp.
+            result = !(out.excess[i] <= 1) ? CheckResult::other_number
+                     : out.apart[i] > 1    ? CheckResult::by_inputs
+                                           : CheckResult::agree;
         }
-        out.set(i, how, [&] {
-            TwoRays two{i, band_form.shown(band_form.inputs.rays[i], HUGE_VAL),
-                        scene::rays::group_of(band_form.inputs.rays[i])};
-            if (others.size() <= truth::Band::most_given) two.second.primitives = others;
-            return two;
+        out.set(i, result, [&] {
+            TwoRays two_rays{i, band_form.shown(band_form.inputs.rays[i], HUGE_VAL),
+                             scene::rays::group_of(band_form.inputs.rays[i])};
+            if (converted.size() <= truth::Band::most_given) two_rays.second.primitives = converted;
+            return two_rays;
         });
     }
 }

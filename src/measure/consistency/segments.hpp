@@ -1,5 +1,5 @@
-// A segment between two stored points as a ray with an end, written in the two ways that renderers use; and its chord
-// from either end.
+// Segments between two stored points: as a ray with an end, written in the two ways that renderers use, and as a pair
+// of rays from either end.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace lostbits::measure::consistency {
 
-/// End of a segment: at q, or at 1 − 1e-4 of the way, as pbrt's shadow rays end (its ShadowEpsilon).
+/// End of a segment: at q, or after 1 − 1e-4 of the way to q, like pbrt's shadow rays (ShadowEpsilon).
 enum class EndOfSegment : std::uint8_t { whole, shortened };
 
 struct SegmentRays {
@@ -19,40 +19,43 @@ struct SegmentRays {
     double difference_end = 1;
     Ray<double>
         by_unit;  ///< direction (q − p)/|q − p| as the format computes it: three products, two sums, root, quotients
-    double unit_end = 1;  ///< |q − p| as computed, times the share of the way
+    double unit_end = 1;  ///< |q − p| as computed, times the fraction of the way
 };
 
 /// Writes a segment in both ways. p and q are numbers of the format.
 SegmentRays write_segment(const Vec<double>& p, const Vec<double>& q, const Format& format, EndOfSegment end);
 
-/// True decision for a ray with this end and any of the primitives: a sphere counts at 0 < t < end, a closed (or open)
-/// box at 0 ≤ t ≤ end (or <). For boxes, whose forms take the end, the convention on touching decides.
+/// Decides exactly whether a ray with this end meets any of the primitives. A sphere counts at 0 < t < end. A box
+/// counts at 0 ≤ t ≤ end if it is closed, and at 0 < t < end if it is open; the convention on touching says which it
+/// is.
 truth::Truth::Decision truly_meets_before(const Ray<double>& ray, double end,
                                           std::span<const Primitive<double>> primitives,
                                           intersect::Convention convention);
 
-/// A chord as the form answers it from either end: t of entry and exit from p, and t of entry and exit from q.
+/// Answers of a form for a chord from either end: t of entry and exit on the ray from p, then on the ray from q.
 struct ChordAnswer {
     double near = 0, far = 0, near_back = 0, far_back = 0;
 };
 
-/// A ray from p and one from q, each the other's reverse as far as their stored numbers go, with one primitive.
+/// A ray from p, the reversed ray from q, and one primitive. The reverse is exact in the direction; q is p + d only up
+/// to rounding.
 struct ReversedRays {
     Ray<double> forth, back;
     Primitive<double> primitive;
 };
 
-/// Error of t and the remaining part of the other t, whose sum should be the length of the segment. The length L is 1
-/// or, for forms that take unit directions, |q − p| as stored. With δ = near + far′ − L (and far + near′ − L), in units
-/// of `ulp`: `apart` is the larger |δ̂| of the answers, and `excess` the larger |δ̂ − δ*|, with δ* that of the exact
-/// chords. δ* is not 0: q plus the reversed direction is not quite on the line of p.
+/// Errors of two sums of t, one of the ray from p and one (primed) of the ray from q, that should be the length L of
+/// the segment: near + far′ and far + near′. L is 1 or, for forms that take unit directions, |q − p| as stored. Let δ
+/// be the sum minus L, in units of `ulp`, δ̂ of the answers and δ* of the exact chords. `apart` is the larger |δ̂|, and
+/// `excess` the larger |δ̂ − δ*|. δ* is not 0, because q plus the reversed direction is not quite p.
 struct ChordError {
     double apart = 0, excess = 0;
 };
 
-/// Computes the chord error. `distances`: the answers are distances, not parameters. A near side behind p (or q) is not
-/// used, because not every form answers it. Both rays must truly meet the primitive. Nothing if no precision settles
-/// it.
-std::optional<ChordError> chord_error(const ReversedRays& ends, const ChordAnswer& answer, bool distances, double ulp);
+/// Computes the chord error. `are_distances` is true if the answers are distances, not parameters. A near side behind p
+/// (or q) is not used, because not every form answers it. Both rays must truly meet the primitive. Returns nothing if
+/// no precision is enough.
+std::optional<ChordError> chord_error(const ReversedRays& rays, const ChordAnswer& answer, bool are_distances,
+                                      double ulp);
 
 }  // namespace lostbits::measure::consistency

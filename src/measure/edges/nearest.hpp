@@ -1,5 +1,5 @@
-// Aims rays at edges and vertices of a mesh, with a seed: counts those that a form lets through or counts twice, and
-// searches for the smallest distance from which it does so.
+// Aims seeded random rays at the edges and vertices of a mesh. Counts the rays that a form lets through or hits twice,
+// and searches for the smallest distance from which such a ray exists.
 #pragma once
 
 #include <array>
@@ -14,14 +14,14 @@
 
 namespace lostbits::measure::edges {
 
-/// Outcomes that are searched for, each by itself.
+/// Outcomes that are searched for, one at a time.
 inline constexpr std::array searched_outcomes{answer::Outcome::crack, answer::Outcome::double_hit};
 
-/// The nearest ray found with an outcome.
+/// Nearest ray that was found to have an outcome.
 struct NearestRay {
-    double distance = 0;  ///< from the eye to the point of an edge that it is aimed at, in lengths of that edge
-    Ray<double> ray{};    ///< in numbers of binary32, or of the format if that is narrower
-    std::array<std::uint32_t, 2> faces{};  ///< the faces that share the edge, or an edge of the vertex it is aimed at
+    double distance = 0;                   ///< from the eye to the point aimed at, in lengths of the edge
+    Ray<double> ray{};                     ///< in numbers of binary32, or of the format if that is narrower
+    std::array<std::uint32_t, 2> faces{};  ///< faces that share the edge aimed at, or an edge of the vertex aimed at
     double t = 0;                          ///< the form's answer; NaN for a miss
     double truth = 0;                      ///< t*, correctly rounded to binary64
 };
@@ -30,7 +30,7 @@ struct NearestRay {
 enum class EdgeTarget : std::uint8_t { edge, vertex };
 inline constexpr std::array<std::string_view, 2> edge_target_names{"edge", "vertex"};
 
-/// Number of rays of a census at one kind of target, and of those with an outcome, in the order of `searched_outcomes`.
+/// Number of rays of a census at one kind of target, and the number with each outcome of `searched_outcomes`.
 struct EdgeCount {
     std::uint64_t rays = 0;
     std::array<std::uint64_t, searched_outcomes.size()> outcomes{};
@@ -40,7 +40,7 @@ struct EdgeCount {
 struct EdgeFinding {
     std::array<EdgeCount, edge_target_names.size()> census{};  ///< by target
     std::array<std::optional<NearestRay>, searched_outcomes.size()> nearest;
-    /// Number of rays tested: all, or those until one was found at the smallest distance of the search.
+    /// Number of rays tested. The search stops early when it finds a ray at the smallest distance of its range.
     std::array<std::uint64_t, searched_outcomes.size()> rays{};
 };
 
@@ -56,18 +56,19 @@ struct EdgeRequest {
 /// Units of progress of one row: one for the census, and one for the search for each outcome.
 inline constexpr std::size_t edge_units = 1 + searched_outcomes.size();
 
-/// Counts for each row, and searches for each row and outcome separately; the results have one element for each row of
-/// the share. The result depends only on the file and its scene, not on the number of threads.
+/// Runs the census of each row of the share, and searches separately for each of its outcomes. The result has one
+/// element for each row of the share. It depends only on the file and its scene, not on the number of threads.
 ///
-/// A batch has 512 rays, aimed from 16 eyes at a point of an edge each; one point in four is an end of the edge. Of an
-/// eye's 32 rays, all but the first have the components of their directions moved by up to `ulps` places of the format.
-/// Eyes are drawn from all distances up to the nearest found, each octave as often as another. Once there is a nearest
-/// ray, every other eye is its eye, moved to between its distance and a sixteenth of it. The eyes of the census are all
-/// drawn anew from the whole range, the same for each row.
+/// A batch has 512 rays from 16 eyes. Each eye aims 32 rays at one point of an edge; one point in four is an end of the
+/// edge. The first ray of an eye has the direction to the point. In the other rays, each component of this direction is
+/// moved by up to `ulps` numbers of the format. The distances of the eyes go up to that of the nearest ray found so
+/// far, and every octave is equally likely. Once there is a nearest ray, half of the eyes are drawn close to its eye,
+/// at distances from a sixteenth of its distance up to the whole. The census draws each eye independently from the
+/// whole range, the same eyes for each row.
 ///
-/// A ray counts if it truly meets first a face of the edge or vertex that it is aimed at. For double hits, no other
-/// face that the form claims may truly be at the same t: rounding has no part in such a tie. A ray is tested again
-/// alone before it is kept.
+/// A ray counts if the first face that it truly meets contains the edge or vertex that it is aimed at. It is not a
+/// double hit if another face that the form claims is truly at the same t, because rounding has no part in such a tie.
+/// A ray is tested again by itself before the search accepts it.
 std::vector<EdgeFinding> find_nearest(const EdgeRequest& request);
 
 }  // namespace lostbits::measure::edges

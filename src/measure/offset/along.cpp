@@ -11,42 +11,43 @@ namespace lostbits::measure::offset {
 using scene::file::Camera;
 using scene::file::Scene;
 
-std::vector<double> factors_along(SceneAxis a) {
+std::vector<double> factors_along(SceneAxis axis) {
     struct Exponents {
         int from, to, step;
     };
     constexpr std::array<Exponents, 3> exponents{{{0, 13, 1}, {-12, 24, 2}, {-2, 22, 2}}};  // distance, radius, world
-    const auto& [from, to, step] = exponents[static_cast<std::size_t>(a)];
+    const auto& [from, to, step] = exponents[static_cast<std::size_t>(axis)];
     std::vector<double> factors;
     for (int k = from; k <= to; k += step) factors.push_back(std::ldexp(1.0, k));
     return factors;
 }
 
-Scene moved_along(const Scene& scene, SceneAxis a, double k) {
+Scene moved_along(const Scene& scene, SceneAxis axis, double factor) {
     if (scene.flake || scene.camera.kind == Camera::Kind::pixel_plane)
         throw InputError("--along: scene " + scene.id +
                          (scene.flake ? " has a [sphereflake], whose numbers are fixed"
                                       : " has a camera with its pixels in the plane z = 0, which cannot move") +
                          "; try another scene");
     constexpr int most_columns = 48;
-    Scene s = scene;
-    const Real scale(k);
-    if (s.width > most_columns) {
-        s.height = std::max(1, s.height * most_columns / s.width);
-        s.width = most_columns;
+    Scene moved_scene = scene;
+    const Real scale(factor);
+    if (moved_scene.width > most_columns) {
+        moved_scene.height = std::max(1, moved_scene.height * most_columns / moved_scene.width);
+        moved_scene.width = most_columns;
     }
-    switch (a) {
+    switch (axis) {
         case SceneAxis::distance: {
-            auto far = scene::file::farther(std::move(s), scale);
-            if (!far)
+            auto farther_scene = scene::file::farther(std::move(moved_scene), scale);
+            if (!farther_scene)
                 throw InputError("--along distance: the middle of the primitives of scene " + scene.id +
                                  " lies behind its camera; try another scene");
-            return std::move(*far);
+            return std::move(*farther_scene);
         }
-        case SceneAxis::radius: return scene::file::enlarged(std::move(s), scale);
-        case SceneAxis::world: return scene::file::moved(std::move(s), scale * scene::file::offset_direction());
+        case SceneAxis::radius: return scene::file::enlarged(std::move(moved_scene), scale);
+        case SceneAxis::world:
+            return scene::file::moved(std::move(moved_scene), scale * scene::file::offset_direction());
     }
-    return s;
+    return moved_scene;
 }
 
 }  // namespace lostbits::measure::offset

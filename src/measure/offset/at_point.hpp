@@ -1,4 +1,5 @@
-// Everything measured at one point where a form hit a primitive.
+// Measures offsets at one point where a form hits a primitive: the rays that leave it by each strategy, their faults,
+// and the smallest safe offset.
 #pragma once
 
 #include <array>
@@ -17,7 +18,7 @@
 
 namespace lostbits::measure::offset {
 
-/// Faults of a next ray. One ray can have several.
+/// Faults of a new ray that leaves a hit point. One ray can have several.
 ///
 ///   self_hit            Outside: the exact half-line from the new origin, beyond tmin, meets inner points of the
 ///                       primitive that the ray leaves, before the far side of this primitive begins (`far_side`). For
@@ -54,7 +55,7 @@ inline constexpr std::array<std::string_view, 8> fault_names{
     "lost_exit", "lost_exit_by_form", "wrong_side",    "not_finite"};
 inline constexpr unsigned bit_of(Fault f) { return 1U << static_cast<unsigned>(f); }
 
-/// Ray made by a strategy, in numbers of the format.
+/// Ray that a strategy makes, in numbers of the format.
 struct NewRay {
     Ray<double> ray{};
     double tmin = 0, tmax = 0;
@@ -62,7 +63,7 @@ struct NewRay {
     unsigned faults = 0;  ///< set of faults, by `bit_of`
 
     [[nodiscard]] bool has(Fault f) const { return (faults & bit_of(f)) != 0; }
-    /// True if the ray has a fault other than `wrong_side`, which changes no picture by itself.
+    /// True if the ray has a fault other than `wrong_side`, which by itself changes no picture.
     [[nodiscard]] bool is_bad() const { return (faults & ~bit_of(Fault::wrong_side)) != 0; }
 };
 
@@ -70,21 +71,21 @@ LOSTBITS_FIELDS(NewRay, ray, tmin, tmax, tests_left_primitive, faults)
 
 /// Results of a strategy at a point, over the rays to one side.
 struct StrategyAtPoint {
-    std::array<std::uint8_t, fault_names.size()> count{};
-    std::uint8_t bad = 0;  ///< rays with a fault other than `wrong_side`
+    std::array<std::uint8_t, fault_names.size()> count{};  ///< number of rays with each fault
+    std::uint8_t bad = 0;                                  ///< number of rays with a fault other than `wrong_side`
     double size = 0;  ///< the largest |new origin − p|, world units; for the strategy `tmin`, the t that is skipped
 
     [[nodiscard]] std::uint8_t operator[](Fault f) const { return count[static_cast<std::size_t>(f)]; }
 };
 
-/// Results on one side of a point, whatever the strategy.
+/// Results on one side of a point that do not depend on a strategy.
 struct SideOfPoint {
     std::uint8_t rays = 0;
-    double safe = truth::missing;   ///< the smallest safe offset; infinite where there is none
+    double safe = truth::missing;   ///< the smallest safe offset; infinite if there is none
     double quiet = truth::missing;  ///< the smallest offset that is safe and has no `self_hit_by_form`
 };
 
-/// Hit of a form: the ray, the t that the form found, and the index of the primitive.
+/// Hit that a form reports: the ray, its t, and the index of the primitive.
 struct FormHit {
     Ray<double> ray{};
     double t = 0;
@@ -94,35 +95,36 @@ struct FormHit {
 /// Measures points of one form in one format. The scene's primitives and light are numbers of the format.
 class PointWork {
 public:
-    /// `near` finds primitives near a point; if it is null, every primitive is tested.
+    /// `tree` finds the primitives near a point. If it is null, every primitive is tested.
     PointWork(const evaluate::TestedForm& row, HitPoint point, const scene::rays::PrimitiveList<double>& primitives,
-              const culling::BoxTree* near, std::optional<Vec<double>> light,
+              const culling::BoxTree* tree, std::optional<Vec<double>> light,
               std::span<const Strategy* const> strategies)
-        : row_(row), point_(point), primitives_(primitives), near_(near), light_(light), strategies_(strategies) {}
+        : row_(row), point_(point), primitives_(primitives), tree_(tree), light_(light), strategies_(strategies) {}
 
-    /// Measures both sides. The index of a strategy in `by_strategy` is side·strategies + its own index. Returns false
-    /// and fills in nothing if the computed point or its normal is not finite. Searches for the quiet offset only with
-    /// `quiet`; otherwise it stays missing.
-    bool measure(const FormHit& met, std::array<SideOfPoint, 2>& sides, std::span<StrategyAtPoint> by_strategy,
+    /// Measures both sides. Strategy k to a side has index side·strategies + k in `by_strategy`. Returns false and
+    /// fills in nothing if the computed point or its normal is not finite. Searches for the quiet offset
+    /// (`SideOfPoint::quiet`) only if `quiet` is true; otherwise it stays missing.
+    bool measure(const FormHit& form_hit, std::array<SideOfPoint, 2>& sides, std::span<StrategyAtPoint> by_strategy,
                  bool quiet = true) const;
 
-    /// Rays of one strategy to one side, with their faults.
-    [[nodiscard]] std::vector<NewRay> rays(const FormHit& met, const Strategy& strategy, Side side) const;
+    /// Returns the rays of one strategy to one side, with their faults.
+    [[nodiscard]] std::vector<NewRay> rays(const FormHit& form_hit, const Strategy& strategy, Side side) const;
 
     /// True if all rays to a side that start at p + side·e·n are safe by truth and, with `by_form`, by the form's
     /// arithmetic as well.
-    [[nodiscard]] bool is_safe(const FormHit& met, Side side, double e, bool by_form) const;
-    /// Computed point and its normal; nothing if they are not finite.
+    [[nodiscard]] bool is_safe(const FormHit& form_hit, Side side, double e, bool by_form) const;
+    /// Computed point and its normal.
     struct Start {
         Vec<double> p, n;
     };
-    [[nodiscard]] std::optional<Start> start(const FormHit& met) const;
+    /// Returns nothing if the point or its normal is not finite.
+    [[nodiscard]] std::optional<Start> start(const FormHit& form_hit) const;
 
 private:
     const evaluate::TestedForm& row_;
     HitPoint point_;
     const scene::rays::PrimitiveList<double>& primitives_;
-    const culling::BoxTree* near_;
+    const culling::BoxTree* tree_;
     std::optional<Vec<double>> light_;
     std::span<const Strategy* const> strategies_;
 

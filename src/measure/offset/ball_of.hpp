@@ -1,4 +1,4 @@
-// Bounding ball of a primitive in the world, in doubles, for uses that need no proof.
+// Bounding ball of a primitive in the world, in doubles. It is not proved to hold the primitive.
 #pragma once
 
 #include <cmath>
@@ -7,12 +7,12 @@
 
 namespace lostbits::measure::offset {
 
-/// Like `ball_around`, but also for a primitive under a stored inverse, whose matrix is adj(A)/det(A).
+/// Returns what `ball_around` does, and also takes a primitive under a stored inverse A, whose matrix is adj(A)/det(A).
 inline auto ball_of(const Primitive<double>& primitive) {
     if (!primitive.placed || !primitive.placed->is_inverse) return ball_around(primitive);
-    Primitive<double> there = primitive;
-    there.placed.reset();
-    auto ball = ball_around(there);
+    Primitive<double> object_primitive = primitive;
+    object_primitive.placed.reset();
+    auto ball = ball_around(object_primitive);
     const Affine<double> m = primitive.placed->map();
     const auto columns = m.adjugate();
     const double det = m.determinant();

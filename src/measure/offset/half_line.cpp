@@ -17,22 +17,22 @@ using truth::sign;
 namespace {
 
 template <class E>
-std::optional<Meeting> enclosed(const QuadraticSpan<E>& s) {
+std::optional<Meeting> meeting_of(const QuadraticSpan<E>& s) {
     const auto c = sign(s.c);
     if (!c) return std::nullopt;
     if (*c < 0) return Meeting{.inside = true, .outside = false, .meets = true};
-    Meeting met{.inside = false, .outside = *c > 0, .meets = false};
+    Meeting meeting{.inside = false, .outside = *c > 0, .meets = false};
     const auto h = sign(s.h);
     if (!h) return std::nullopt;
-    if (*h >= 0) return met;
-    const auto through = sign(s.q);
-    if (!through) return std::nullopt;
-    met.meets = *through > 0;
-    return met;
+    if (*h >= 0) return meeting;
+    const auto q = sign(s.q);
+    if (!q) return std::nullopt;
+    meeting.meets = *q > 0;
+    return meeting;
 }
 
 template <class E>
-std::optional<Meeting> enclosed(const SlabSpan<E>& s) {
+std::optional<Meeting> meeting_of(const SlabSpan<E>& s) {
     Tri inside = s.open, outside = !s.closed;
     for (std::size_t i = 0; i < s.entry.size(); ++i) {
         inside = inside && s.entry[i].n < E(0) && s.exit[i].n > E(0);
@@ -44,33 +44,34 @@ std::optional<Meeting> enclosed(const SlabSpan<E>& s) {
 }
 
 template <class E, ComparableSpan<E> S>
-std::optional<Meeting> enclosed(const S& s) {
-    const Fraction<E> begin{E(0), E(1)};
-    const auto enters = s.enters_to(begin), leaves = s.leaves_to(begin);
-    const Tri through = s.is_open(), met = s.is_hit();
-    const Tri inside = through && enters.less && !leaves.at_most;
-    const Tri outside = !met || !enters.at_most || leaves.less;
-    const Tri meets = through && !leaves.at_most;
+std::optional<Meeting> meeting_of(const S& s) {
+    const Fraction<E> start{E(0), E(1)};
+    const auto enters = s.enters_to(start), leaves = s.leaves_to(start);
+    const Tri open = s.is_open(), closed = s.is_hit();
+    const Tri inside = open && enters.less && !leaves.at_most;
+    const Tri outside = !closed || !enters.at_most || leaves.less;
+    const Tri meets = open && !leaves.at_most;
     if (inside.is_unknown() || outside.is_unknown() || meets.is_unknown()) return std::nullopt;
     return Meeting{.inside = inside.is_yes(), .outside = outside.is_yes(), .meets = meets.is_yes()};
 }
 
-/// A surface has no inside. A line that crosses its rim does not meet the open surface.
+/// A surface has no inside. A line through its rim does not meet the open surface.
 template <class E, SurfaceSpan<E> S>
-std::optional<Meeting> enclosed(const S& s) {
-    Tri on = Tri::no, meets = Tri::no;
+std::optional<Meeting> meeting_of(const S& s) {
+    Tri on_surface = Tri::no, meets = Tri::no;
     for (int i = 0; i < S::crossings; ++i) {
-        const auto at = s.crossing(i);
-        const auto to_begin = s.order_to(i, {E(0), E(1)});
-        on = on || (at.closed && to_begin.at_most && !to_begin.less);
-        meets = meets || (at.open && !to_begin.at_most);
+        const auto crossing = s.crossing(i);
+        const auto order = s.order_to(i, {E(0), E(1)});
+        on_surface = on_surface || (crossing.closed && order.at_most && !order.less);
+        meets = meets || (crossing.open && !order.at_most);
     }
-    if (on.is_unknown() || meets.is_unknown()) return std::nullopt;
-    return Meeting{.inside = false, .outside = on.is_no(), .meets = meets.is_yes()};
+    if (on_surface.is_unknown() || meets.is_unknown()) return std::nullopt;
+    return Meeting{.inside = false, .outside = on_surface.is_no(), .meets = meets.is_yes()};
 }
 
-/// True if the line is inside of a quartic anywhere between x = b and `end`, or anywhere beyond b if `end` is null: in
-/// a stretch from one root that it crosses to the next. Running errors cannot find roots, so they decide nothing here.
+/// True if the line is inside a quartic anywhere between x = b and `end`, or anywhere beyond b if `end` is null. It is
+/// inside between two successive roots at which the quartic changes its sign. Numbers with a running error bound cannot
+/// find roots, so they decide nothing here.
 template <class E>
 std::optional<bool> is_inside_between(const QuarticSpan<E>& s, const E* end) {
     if constexpr (std::same_as<E, number::wide::Running<double>>) {
@@ -80,81 +81,84 @@ std::optional<bool> is_inside_between(const QuarticSpan<E>& s, const E* end) {
         if (!roots) return std::nullopt;
         for (int i = 0, entry = -1; i < roots->count; ++i) {
             if (!(*roots)[i].crosses) continue;
-            const int from = std::exchange(entry, entry < 0 ? i : -1);
-            if (from < 0) continue;
-            const auto ends = roots->order(i, s.b), begins = end ? roots->order(from, *end) : std::optional(-1);
-            if (!ends || !begins) return std::nullopt;
-            if (*ends > 0 && *begins < 0) return true;
+            const int previous_entry = std::exchange(entry, entry < 0 ? i : -1);
+            if (previous_entry < 0) continue;
+            const auto exit_order = roots->order(i, s.b),
+                       entry_order = end ? roots->order(previous_entry, *end) : std::optional(-1);
+            if (!exit_order || !entry_order) return std::nullopt;
+            if (*exit_order > 0 && *entry_order < 0) return true;
         }
         return false;
     }
 }
 
 template <class E>
-std::optional<Meeting> enclosed(const QuarticSpan<E>& s) {
-    const auto at = known_sign(s.f.at(s.b));
+std::optional<Meeting> meeting_of(const QuarticSpan<E>& s) {
+    const auto sign_at_start = known_sign(s.f.at(s.b));
     const auto meets = is_inside_between<E>(s, nullptr);
-    if (!at || !meets) return std::nullopt;
-    return Meeting{.inside = *at<0, .outside = *at> 0, .meets = *meets};
+    if (!sign_at_start || !meets) return std::nullopt;
+    return Meeting{.inside = *sign_at_start<0, .outside = *sign_at_start> 0, .meets = *meets};
 }
 
-/// Ray that starts where the half-line does.
+/// Returns a ray that starts where the half-line does.
 template <class E>
-Ray<E> begun(const HalfLine& line) {
-    Ray<E> from = lift_ray<E>(line.ray);
-    if (line.from > 0) from.origin = from.origin + E(line.from) * from.direction;
-    return from;
+Ray<E> ray_from_start(const HalfLine& line) {
+    Ray<E> ray = lift_ray<E>(line.ray);
+    if (line.from > 0) ray.origin = ray.origin + E(line.from) * ray.direction;
+    return ray;
 }
 
 template <class E>
-std::optional<Meeting> enclosed(const HalfLine& line, const Primitive<double>& primitive) {
-    return with_span(begun<E>(line), lift_primitive<E>(primitive), [](const auto& span) { return enclosed<E>(span); });
+std::optional<Meeting> meeting_of(const HalfLine& line, const Primitive<double>& primitive) {
+    return with_span(ray_from_start<E>(line), lift_primitive<E>(primitive),
+                     [](const auto& span) { return meeting_of<E>(span); });
 }
 
-/// Result of `find` at the first precision that decides. Running errors decide most signs, and enough bits decide every
-/// one.
+/// Returns the result of `find` at the first precision that decides. Numbers with a running error bound decide most
+/// signs, and intervals of enough bits decide every sign.
 template <class Find>
 auto escalate(const Find& find) {
-    if (const auto quick = find.template operator()<number::wide::Running<double>>()) return *quick;
-    if (const auto found = truth::by_rising_precision(find)) return *found;
+    if (const auto by_running_errors = find.template operator()<number::wide::Running<double>>())
+        return *by_running_errors;
+    if (const auto by_intervals = truth::by_rising_precision(find)) return *by_intervals;
     throw Error(Exit::internal, "no precision was enough to decide how a ray meets a primitive");
 }
 
-/// Decides whether the segment a + s(b − a), 0 ≤ s ≤ 1, meets the open primitive. A quadratic is tested at both ends,
-/// or at the point in between that is nearest to its middle. For slabs, the ray ends at s = 1.
+/// True if the segment a + s(b − a), 0 ≤ s ≤ 1, meets the open primitive; nothing if this precision does not decide. A
+/// quadratic is tested at both ends, and at its minimum if that lies between them. For slabs, the ray ends at s = 1.
 template <class E>
-std::optional<bool> passes(const QuadraticSpan<E>& s) {
+std::optional<bool> segment_meets(const QuadraticSpan<E>& s) {
     for (const auto& c : {sign(s.c), sign<E>(s.a + s.h + s.h + s.c)}) {
         if (!c) return std::nullopt;
         if (*c < 0) return true;
     }
-    const auto from = sign(s.h), to = sign<E>(s.a + s.h), through = sign(s.q);
-    if (!from || !to || !through) return std::nullopt;
-    return *from < 0 && *to > 0 && *through > 0;
+    const auto h_start = sign(s.h), h_end = sign<E>(s.a + s.h), q = sign(s.q);
+    if (!h_start || !h_end || !q) return std::nullopt;
+    return *h_start < 0 && *h_end > 0 && *q > 0;
 }
 
 template <class E>
-std::optional<bool> passes(const SlabSpan<E>& s) {
-    const RangeOfSpan<E> way{E(0), {E(1), E(1)}, {}};
-    const Tri hit = truth::enclose<E>(s, &way, intersect::Touching::miss).hit;
+std::optional<bool> segment_meets(const SlabSpan<E>& s) {
+    const RangeOfSpan<E> segment{E(0), {E(1), E(1)}, {}};
+    const Tri hit = truth::enclose<E>(s, &segment, intersect::Touching::miss).hit;
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
 }
 
 template <class E>
-std::optional<bool> passes(const QuarticSpan<E>& s) {
+std::optional<bool> segment_meets(const QuarticSpan<E>& s) {
     const E end = s.a + s.b;
     return is_inside_between(s, &end);
 }
 
 template <class E, ComparableSpan<E> S>
-std::optional<bool> passes(const S& s) {
-    const Fraction<E> from{E(0), E(1)}, to{E(1), E(1)};
-    const Tri hit = s.is_open() && !s.leaves_to(from).at_most && s.enters_to(to).less;
+std::optional<bool> segment_meets(const S& s) {
+    const Fraction<E> start{E(0), E(1)}, end{E(1), E(1)};
+    const Tri hit = s.is_open() && !s.leaves_to(start).at_most && s.enters_to(end).less;
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
 }
 
 template <class E, SurfaceSpan<E> S>
-std::optional<bool> passes(const S& s) {
+std::optional<bool> segment_meets(const S& s) {
     Tri hit = Tri::no;
     for (int i = 0; i < S::crossings; ++i)
         hit = hit || (s.crossing(i).open && !s.order_to(i, {E(0), E(1)}).at_most && s.order_to(i, {E(1), E(1)}).less);
@@ -163,10 +167,10 @@ std::optional<bool> passes(const S& s) {
 
 /// True for shapes that a ray may meet again after it has touched them: those that are neither convex nor flat.
 template <template <class> class Of>
-constexpr bool hit_again = decltype(std::declval<Of<double>>().span(Ray<double>{}))::may_hit_behind_touch;
+constexpr bool may_be_hit_again = decltype(std::declval<Of<double>>().span(Ray<double>{}))::may_hit_behind_touch;
 
-/// For a ray from a point of the surface. If it goes towards the axis, the point is the near root. The far root is the
-/// far wall if it lies between the rims.
+/// The ray starts at a point of the surface. If it goes towards the axis, its start is the near root, and the far root
+/// is the far wall if it lies between the rims.
 FarSide far_side_of(const WallSpan<double>& s) {
     const auto& side = s.primitive.side;
     if (!(side.h < 0)) return {};
@@ -174,9 +178,10 @@ FarSide far_side_of(const WallSpan<double>& s) {
     if (s.crossing(1).closed) far.wall = ends_of(side)->far;
     return far;
 }
-/// f has two dips, one for either side of the ring, or only one. The turn between two of them is a largest value, which
-/// lies outside where the line leaves the ring in between. All turns lie within the bound: for |x| ≥ 2√a (R + r) on a
-/// line that meets the ball of R + r, |p| ≤ 1.12|x|/√a, so that the slope of f has the sign of x.
+/// Along the line, f has two local minima, one for each side of the ring, or only one. Between two minima lies a local
+/// maximum, and f > 0 there if the line leaves the ring in between. All turning points lie within the bound: for |x| ≥
+/// 2√a (R + r) on a line that meets the ball of radius R + r, |p| ≤ 1.12|x|/√a, so that the slope of f has the sign of
+/// x.
 FarSide far_side_of(const QuarticSpan<double>& s) {
     const NearRoots<double> turns = near_roots(s.f.slope(), s.bound);
     if (turns.count < 3) return {};
@@ -194,39 +199,39 @@ FarSide far_side_of(const QuarticSpan<double>& s) {
 bool HalfLine::is_proper() const { return truth::is_proper(ray) && std::isfinite(from) && from >= 0; }
 
 Meeting find_meeting(const HalfLine& line, const Primitive<double>& primitive) {
-    return escalate([&]<class E>() { return enclosed<E>(line, primitive); });
+    return escalate([&]<class E>() { return meeting_of<E>(line, primitive); });
 }
 
 bool meets_before(const HalfLine& line, double end, const Primitive<double>& primitive) {
     if (std::isinf(end)) return find_meeting(line, primitive).meets;
     if (!(line.from < end)) return false;
     return escalate([&]<class E>() {
-        const Ray<E> from = begun<E>(line);
-        return with_span(Ray<E>{from.origin, (E(end) - E(line.from)) * from.direction}, lift_primitive<E>(primitive),
-                         [](const auto& span) { return passes<E>(span); });
+        const Ray<E> ray = ray_from_start<E>(line);
+        return with_span(Ray<E>{ray.origin, (E(end) - E(line.from)) * ray.direction}, lift_primitive<E>(primitive),
+                         [](const auto& span) { return segment_meets<E>(span); });
     });
 }
 
-FarSide far_side(const Ray<double>& leaving, const Primitive<double>& primitive) {
+FarSide far_side(const Ray<double>& ray, const Primitive<double>& primitive) {
     return visit_shape(primitive, [&]<template <class> class Of>() {
-        if constexpr (!hit_again<Of>) return FarSide{};
+        if constexpr (!may_be_hit_again<Of>) return FarSide{};
         else
-            return in_object_space<Of>(leaving, primitive, [](const Of<double>& shape, const Ray<double>& its) {
-                return far_side_of(shape.span({shape.projected(its, its.origin), its.direction}));
+            return in_object_space<Of>(ray, primitive, [](const Of<double>& shape, const Ray<double>& object_ray) {
+                return far_side_of(shape.span({shape.projected(object_ray, object_ray.origin), object_ray.direction}));
             });
     });
 }
 
 bool is_hit_again(const Primitive<double>& primitive) {
-    return visit_shape(primitive, []<template <class> class Of>() { return hit_again<Of>; });
+    return visit_shape(primitive, []<template <class> class Of>() { return may_be_hit_again<Of>; });
 }
 
 bool passes_through(const Vec<double>& a, const Vec<double>& b, const Primitive<double>& primitive) {
     if (a == b) return find_meeting({{a, {1, 0, 0}}, 0}, primitive).inside;
     return escalate([&]<class E>() {
-        const Vec<E> from = lift_vec<E>(a), to = lift_vec<E>(b);
-        return with_span(Ray<E>{from, to - from}, lift_primitive<E>(primitive),
-                         [](const auto& span) { return passes<E>(span); });
+        const Vec<E> start = lift_vec<E>(a), end = lift_vec<E>(b);
+        return with_span(Ray<E>{start, end - start}, lift_primitive<E>(primitive),
+                         [](const auto& span) { return segment_meets<E>(span); });
     });
 }
 

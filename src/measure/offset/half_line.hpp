@@ -1,5 +1,5 @@
-// Decides how an exact half-line meets one primitive: signs of dyadic polynomials in stored numbers, each of them
-// proved.
+// Decides how an exact half-line meets one primitive. Each decision is the proved sign of a dyadic polynomial in stored
+// numbers.
 #pragma once
 
 #include <limits>
@@ -13,47 +13,50 @@ struct HalfLine {
     Ray<double> ray;
     double from = 0;
 
-    /// True where every number is finite, w is not zero, and from is not negative.
+    /// True if every number is finite, w is not zero, and `from` is not negative.
     [[nodiscard]] bool is_proper() const;
 };
 
-/// Position of the start q = o + from·w, and of the whole half-line.
+/// Position of a half-line and its start q = o + from·w relative to a primitive.
 struct Meeting {
     bool inside = false;   ///< q is an inner point of the primitive
-    bool outside = false;  ///< q is not in the primitive; where neither holds, q lies on its surface
+    bool outside = false;  ///< q is not in the primitive; if `inside` is false too, q lies on its surface
     bool meets = false;    ///< a point with t > from is an inner point of the primitive
 
     friend bool operator==(const Meeting&, const Meeting&) = default;
 };
 
-/// Finds how a half-line meets a primitive. With f = q − G, c = f·f − r², h = f·w and aΔ = w·w r² − |f × w|²: q is
-/// inside where c < 0, and the half-line meets inner points where c < 0, or h < 0 and aΔ > 0. A box compares q with its
-/// planes, and uses the slabs of the open box. Double-double balls are tried first, then intervals of as many bits as
-/// it takes: every polynomial is dyadic, so enough bits always decide. The half-line must be proper.
+/// Finds how a half-line meets a primitive. For a sphere with centre G and radius r, let f = q − G, c = f·f − r², h =
+/// f·w and aΔ = w·w r² − |f × w|². Then q is inside if c < 0, and the half-line meets inner points if c < 0, or if h <
+/// 0 and aΔ > 0. For a box, q is compared with the planes, and the slabs of the open box are used. Numbers with a
+/// running error bound are tried first, then intervals with more and more bits. Every polynomial is dyadic, so enough
+/// bits always decide. The half-line must be proper.
 Meeting find_meeting(const HalfLine& line, const Primitive<double>& primitive);
 
-/// Like `meets`, but for t < end alone: a point with from < t < end is an inner point of the primitive. A surface is
-/// crossed there, but not at a rim.
+/// Like `Meeting::meets`, but only for t < end: true if a point with from < t < end is an inner point of the primitive.
+/// For a surface, true if the half-line crosses it at such a t, and not at a rim.
 bool meets_before(const HalfLine& line, double end, const Primitive<double>& primitive);
 
-/// Far side of the primitive that a ray leaves, ahead of the point of its surface that is nearest to the origin of the
-/// ray. Only a torus and a tube have one; infinite otherwise.
+/// Far side of the primitive that a ray leaves: the part of its surface that the ray may meet again ahead. Only a torus
+/// and a tube have one. For other shapes both numbers are infinite.
 struct FarSide {
-    double from = std::numeric_limits<double>::infinity();  ///< what is met at a larger t belongs to the far side
-    double wall = std::numeric_limits<double>::infinity();  ///< where it is met, if it is
+    double from = std::numeric_limits<double>::infinity();  ///< the far side is everything at a larger t
+    double wall = std::numeric_limits<double>::infinity();  ///< t at which the ray meets the far side, if it does
 
     friend bool operator==(const FarSide&, const FarSide&) = default;
 };
 
-/// Finds the far side. It begins where the polynomial of the surface turns along the ray: half of the way across a
-/// tube, and farthest from the part of a torus that is left and from the part across the hole, whether or not the ray
-/// meets that part. Computed in doubles: it separates a far wall from the surface that is left, and proves nothing.
-FarSide far_side(const Ray<double>& leaving, const Primitive<double>& primitive);
+/// Finds the far side ahead of the point of the surface that is nearest to the origin of the ray. The far side begins
+/// where the polynomial of the surface has a turning point along the ray. In a tube this is half of the way across. In
+/// a torus it is between the part that the ray leaves and the part across the hole, whether or not the ray meets the
+/// latter. The result is computed in doubles and proves nothing: it only separates a far wall from the surface that the
+/// ray leaves.
+FarSide far_side(const Ray<double>& ray, const Primitive<double>& primitive);
 
-/// True where a ray that has left the primitive may meet it again; false for convex and flat ones.
+/// True if a ray that has left the primitive may meet it again; false for convex and flat primitives.
 bool is_hit_again(const Primitive<double>& primitive);
 
-/// True where the segment from a to b, ends included, meets inner points of the primitive. a and b must be finite.
+/// True if the segment from a to b, ends included, meets inner points of the primitive. a and b must be finite.
 bool passes_through(const Vec<double>& a, const Vec<double>& b, const Primitive<double>& primitive);
 
 }  // namespace lostbits::measure::offset

@@ -15,17 +15,17 @@
 
 namespace lostbits::measure::offset {
 
-/// Same point in object space, for a primitive under a matrix, where it is needed.
+/// The hit point of a primitive under a matrix, in the object space of the primitive.
 template <class T>
 struct ObjectPoint {
     Ray<T> ray;
-    T t;  ///< t of that ray
+    T t;  ///< t of the hit along this ray
     Vec<T> p, n;
     Affine<T> to_world, to_object;
 };
 
-/// Input of a strategy: a ray hit a primitive at t, and a new one leaves in direction w. Everything is in world space.
-/// A primitive under a matrix has no numbers there.
+/// Input of a strategy: a ray hit a primitive at t, and a new ray leaves the hit point in direction w. Everything but
+/// `object` is in world space. The numbers of a primitive under a matrix are in its object space.
 template <class T>
 struct Leaving {
     Ray<T> ray;
@@ -39,7 +39,7 @@ struct Leaving {
     T reach;                                    ///< distance to the target; infinite without one
 };
 
-/// New ray; only what it meets at tmin < t < tmax counts.
+/// New ray. Only hits at tmin < t < tmax count.
 template <class T>
 struct Respawn {
     Vec<T> origin;
@@ -47,10 +47,10 @@ struct Respawn {
     bool tests_left_primitive = true;  ///< also tested against the primitive that it leaves
 };
 
-/// Hit point of a strategy: as computed, o + t·d, or projected onto the surface first.
+/// Point from which a strategy starts: as computed, o + t·d, or this point projected onto the surface.
 enum class HitPoint : std::uint8_t { computed, projected };
 
-/// p + k·v, component by component.
+/// Returns p + k·v, component by component.
 template <Number T>
 Vec<T> moved(const Vec<T>& p, const T& k, const Vec<T>& v) {
     return Vec<T>(p.x + k * v.x, p.y + k * v.y, p.z + k * v.z);
@@ -85,12 +85,13 @@ struct Departure {
     T side, reach;  ///< as in `Leaving`
 };
 
-/// Cosines of the angle to the normal. The first has one direction, each other one has four, a right angle apart.
+/// Denominators of the cosines 1/n of the angles between ray and normal. At the first angle there is one direction, at
+/// each other four, a right angle apart.
 inline constexpr std::array cosine_denominators{1, 2, 8, 64, 1024};
-/// Ratio 1/η of a refracted ray that goes in from outside: glass of index 3/2.
+/// Ratio 1/η of a refracted ray that enters from outside: 2/3 for glass of index 3/2.
 inline constexpr std::array glass{2, 3};
 
-/// Adds the ray w of length one, unless it lies in the surface or is not a direction.
+/// Adds a ray in the unit direction w, unless w lies in the surface or is NaN.
 template <Number T>
 void add_departure(const Vec<T>& w, const Vec<T>& n, const T& reach, std::vector<Departure<T>>& departures) {
     const T cosine = dot(n, w);
@@ -98,27 +99,27 @@ void add_departure(const Vec<T>& w, const Vec<T>& n, const T& reach, std::vector
     else if (cosine < T(0)) departures.push_back({w, T(-1), reach});
 }
 
-/// The directions of all rays that leave a point, in order: to the light, where there is one and it lies outside;
-/// mirrored, d − 2(d·n)n; refracted, where it is not mirrored totally; 17 over the hemisphere around n and the same
-/// around −n. The hemisphere's frame is that of Duff et al., Building an Orthonormal Basis, Revisited (2017).
-/// Everything is computed in T.
+/// Returns the directions of all rays that leave a point, in order: to the light, if there is one and it lies outside;
+/// mirrored, d − 2(d·n)n; refracted, unless there is total reflection; 17 over the hemisphere around n, and 17 over the
+/// hemisphere around −n. The frame of a hemisphere is that of Duff et al., Building an Orthonormal Basis, Revisited
+/// (2017). Everything is computed in T.
 template <Number T>
 std::vector<Departure<T>> departures_from(const Ray<T>& ray, const Vec<T>& p, const Vec<T>& n, const T& infinite,
                                           const std::optional<Vec<T>>& light) {
     std::vector<Departure<T>> departures;
     if (light) {
-        const Vec<T> way = *light - p;
-        if (dot(n, way) > T(0)) add_departure<T>(unit_of<T>(way), n, length(way), departures);
+        const Vec<T> to_light = *light - p;
+        if (dot(n, to_light) > T(0)) add_departure<T>(unit_of<T>(to_light), n, length(to_light), departures);
     }
     const Vec<T> d = unit_of<T>(ray.direction);
     const T facing = dot(d, n);
     add_departure<T>(moved<T>(d, -(T(2) * facing), n), n, infinite, departures);
     const bool enters = facing < T(0);
     const T eta = enters ? T(glass[0]) / T(glass[1]) : T(glass[1]) / T(glass[0]);
-    const T cosine = abs(facing), rest = T(1) - eta * eta * (T(1) - cosine * cosine);
-    if (rest > T(0)) {
-        const T along = enters ? eta * cosine - sqrt(rest) : sqrt(rest) - eta * cosine;
-        add_departure<T>(moved<T>(Vec<T>(eta * d.x, eta * d.y, eta * d.z), along, n), n, infinite, departures);
+    const T cosine = abs(facing), radicand = T(1) - eta * eta * (T(1) - cosine * cosine);
+    if (radicand > T(0)) {
+        const T normal_part = enters ? eta * cosine - sqrt(radicand) : sqrt(radicand) - eta * cosine;
+        add_departure<T>(moved<T>(Vec<T>(eta * d.x, eta * d.y, eta * d.z), normal_part, n), n, infinite, departures);
     }
 
     const T sign = copysign(T(1), n.z), a = T(-1) / (sign + n.z), b = n.x * n.y * a;
@@ -132,9 +133,9 @@ std::vector<Departure<T>> departures_from(const Ray<T>& ray, const Vec<T>& p, co
                 const T height = side * up_cosine;
                 add_departure<T>(moved<T>(Vec<T>(height * n.x, height * n.y, height * n.z), sine, tangent), n, infinite,
                                  departures);
-                const T turned = -y;
+                const T next_x = -y;
                 y = x;
-                x = turned;
+                x = next_x;
             }
         }
     }

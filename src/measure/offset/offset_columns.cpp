@@ -11,23 +11,23 @@ namespace {
 
 using S = OffsetSummary;
 
-double number(std::uint64_t n) { return static_cast<double>(n); }
+double to_double(std::uint64_t n) { return static_cast<double>(n); }
 
-const StrategySummary& of(const S& s, Side side, std::size_t k) { return s.side_summary(side).strategies[k]; }
+const StrategySummary& strategy_of(const S& s, Side side, std::size_t k) { return s.side_summary(side).strategies[k]; }
 
 template <Fault f>
-double share(const S& s, Side side, std::size_t k) {
-    return fraction(of(s, side, k)[f], s.side_summary(side).rays);
+double fault_share(const S& s, Side side, std::size_t k) {
+    return fraction(strategy_of(s, side, k)[f], s.side_summary(side).rays);
 }
 
 template <Distribution SideSummary::*d, int percent>
-double needed(const S& s, Side side, std::size_t) {
+double side_percentile(const S& s, Side side, std::size_t) {
     return (s.side_summary(side).*d).quantile(percent / 100.0);
 }
 
 template <Distribution StrategySummary::*d, int percent>
 double offset_percentile(const S& s, Side side, std::size_t k) {
-    return (of(s, side, k).*d).quantile(percent / 100.0);
+    return (strategy_of(s, side, k).*d).quantile(percent / 100.0);
 }
 
 template <std::uint64_t SideSummary::*n>
@@ -40,66 +40,68 @@ using E = StrategySummary;
 
 constexpr OffsetColumn table[] = {
     {"points", "", "pixels where the form hits the primitive that the ray truly hits first, and the point is finite",
-     true, [](const S& s, Side, std::size_t) { return number(s.points); }},
+     true, [](const S& s, Side, std::size_t) { return to_double(s.points); }},
     {"rays", "", "next rays that leave these points to this side", true,
-     [](const S& s, Side side, std::size_t) { return number(s.side_summary(side).rays); }},
+     [](const S& s, Side side, std::size_t) { return to_double(s.side_summary(side).rays); }},
     {"bad_fraction", "", "share of rays with any fault other than a start on the wrong side, which alone harms nothing",
      false,
-     [](const S& s, Side side, std::size_t k) { return fraction(of(s, side, k).bad, s.side_summary(side).rays); }},
+     [](const S& s, Side side, std::size_t k) {
+         return fraction(strategy_of(s, side, k).bad, s.side_summary(side).rays);
+     }},
     {"self_hit_fraction", "",
      "share of rays that truly meet the primitive that they leave, except for its far wall; for rays into the "
      "primitive: the surface at which they start",
-     false, share<Fault::self_hit>},
+     false, fault_share<Fault::self_hit>},
     {"self_hit_by_form_fraction", "", "share of rays with a self-hit by the form's own arithmetic", false,
-     share<Fault::self_hit_by_form>},
+     fault_share<Fault::self_hit_by_form>},
     {"lost_occluder_fraction", "",
      "share of rays that start behind a surface that they should have met: that of another primitive, or a far wall of "
      "their own",
-     false, share<Fault::lost_occluder>},
+     false, fault_share<Fault::lost_occluder>},
     {"begins_in_neighbour_fraction", "",
      "share of rays that start inside another primitive, though their point does not lie there", false,
-     share<Fault::begins_in_neighbour>},
+     fault_share<Fault::begins_in_neighbour>},
     {"lost_exit_fraction", "",
      "share of rays into the primitive that truly start past its far side, or are not tested against it", false,
-     share<Fault::lost_exit>},
+     fault_share<Fault::lost_exit>},
     {"lost_exit_by_form_fraction", "", "share of rays into the primitive for which the form finds no exit", false,
-     share<Fault::lost_exit_by_form>},
+     fault_share<Fault::lost_exit_by_form>},
     {"wrong_side_fraction", "",
      "share of rays to the outside that start inside the primitive, or of rays to the inside that do not start in it",
-     false, share<Fault::wrong_side>},
-    {"not_finite_fraction", "", "share of rays whose new origin is not finite", false, share<Fault::not_finite>},
+     false, fault_share<Fault::wrong_side>},
+    {"not_finite_fraction", "", "share of rays whose new origin is not finite", false, fault_share<Fault::not_finite>},
     {"offset_p50", "world units", "median over the points of the largest distance from p to a new origin", false,
      offset_percentile<&E::size, 50>},
     {"offset_max", "world units", "maximum over the points of the largest distance from p to a new origin", false,
      offset_percentile<&E::size, 100>},
     {"oversize_points", "", "points whose smallest safe offset is finite and not 0", true,
-     [](const S& s, Side side, std::size_t k) { return number(of(s, side, k).oversize.count()); }},
+     [](const S& s, Side side, std::size_t k) { return to_double(strategy_of(s, side, k).oversize.count()); }},
     {"oversize_p50", "", "of these, how many times larger the offset is than the smallest safe one: median", false,
      offset_percentile<&E::oversize, 50>},
     {"oversize_p99", "", "the same: 99th percentile", false, offset_percentile<&E::oversize, 99>},
     {"oversize_max", "", "the same: largest", false, offset_percentile<&E::oversize, 100>},
     {"too_small_fraction", "", "share of these points whose offset is less than the smallest safe one", false,
      [](const S& s, Side side, std::size_t k) {
-         return fraction(of(s, side, k).too_small, of(s, side, k).oversize.count());
+         return fraction(strategy_of(s, side, k).too_small, strategy_of(s, side, k).oversize.count());
      }},
     {"already_safe_fraction", "", "share of points that need no offset", false, share_of_points<&D::already_safe>},
     {"never_safe_fraction", "", "share of points that no offset along the normal makes safe", false,
      share_of_points<&D::never_safe>},
     {"safe_p50", "world units", "smallest safe offset of the points that have one, 0 among them: median", false,
-     needed<&D::safe, 50>},
-    {"safe_p99", "world units", "the same: 99th percentile", false, needed<&D::safe, 99>},
-    {"safe_max", "world units", "the same: largest", false, needed<&D::safe, 100>},
+     side_percentile<&D::safe, 50>},
+    {"safe_p99", "world units", "the same: 99th percentile", false, side_percentile<&D::safe, 99>},
+    {"safe_max", "world units", "the same: largest", false, side_percentile<&D::safe, 100>},
     {"safe_ulps_p50", "ulp", "the same in ulps of the largest coordinate of p: median", false,
-     needed<&D::safe_ulps, 50>},
-    {"safe_ulps_p99", "ulp", "the same: 99th percentile", false, needed<&D::safe_ulps, 99>},
-    {"safe_ulps_max", "ulp", "the same: largest", false, needed<&D::safe_ulps, 100>},
+     side_percentile<&D::safe_ulps, 50>},
+    {"safe_ulps_p99", "ulp", "the same: 99th percentile", false, side_percentile<&D::safe_ulps, 99>},
+    {"safe_ulps_max", "ulp", "the same: largest", false, side_percentile<&D::safe_ulps, 100>},
     {"never_quiet_fraction", "",
      "share of points that no offset along the normal makes safe both by truth and by the form's own arithmetic", false,
      share_of_points<&D::never_quiet>},
     {"quiet_p50", "world units", "smallest offset that is safe by truth and by the form's arithmetic: median", false,
-     needed<&D::quiet, 50>},
-    {"quiet_p99", "world units", "the same: 99th percentile", false, needed<&D::quiet, 99>},
-    {"quiet_max", "world units", "the same: largest", false, needed<&D::quiet, 100>},
+     side_percentile<&D::quiet, 50>},
+    {"quiet_p99", "world units", "the same: 99th percentile", false, side_percentile<&D::quiet, 99>},
+    {"quiet_max", "world units", "the same: largest", false, side_percentile<&D::quiet, 100>},
 };
 
 }  // namespace

@@ -27,51 +27,50 @@ public:
           row_(row),
           inputs_(band.inputs_for(row.row.format, *row.row.form->info)),
           answers_(answer::evaluate(*row.row.form, inputs_)),
-          near_(tree_of(band, row.row.format.parameters, inputs_.primitives)),
-          work_(row_.row, row_.point, inputs_.primitives, near_.get(), light(), study.strategies),
-          truth_(band) {
+          tree_(tree_of(band, row.row.format.parameters, inputs_.primitives)),
+          work_(row_.row, row_.point, inputs_.primitives, tree_.get(), light(), study.strategies),
+          band_(band) {
         const std::size_t n = band.pixels(), m = study.strategies.size();
-        out_.y0 = band.y0();
-        out_.rows = band.rows();
-        out_.width = study.scene.width;
-        out_.strategies = m;
-        out_.is_point.assign(n, 0);
-        out_.object.assign(n, -1);
-        out_.ulp.assign(n, truth::missing);
-        out_.sides.resize(n);
-        out_.by_strategy.resize(2 * n * m);
+        result_.y0 = band.y0();
+        result_.rows = band.rows();
+        result_.width = study.scene.width;
+        result_.strategies = m;
+        result_.is_point.assign(n, 0);
+        result_.object.assign(n, -1);
+        result_.ulp.assign(n, truth::missing);
+        result_.sides.resize(n);
+        result_.by_strategy.resize(2 * n * m);
     }
 
     void measure() {
-        const std::size_t m = out_.strategies;
-        intersect::process::in_parallel(
-            tbb::blocked_range<std::size_t>(0, truth_.pixels(), 16), [&](const auto& range) {
-                for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                    study_.limit.stop.check();
-                    if (!meets_the_true_primitive(i)) continue;
-                    const auto by_strategy = std::span(out_.by_strategy).subspan(2 * i * m, 2 * m);
-                    if (!work_.measure(met(i), out_.sides[i], by_strategy, study_.quiet)) continue;
-                    out_.is_point[i] = 1;
-                    out_.object[i] = answers_.object[i];
-                    out_.ulp[i] = ulp_of(work_.start(met(i))->p);
-                }
-            });
+        const std::size_t m = result_.strategies;
+        intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, band_.pixels(), 16), [&](const auto& range) {
+            for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                study_.limit.stop.check();
+                if (!hits_true_primitive(i)) continue;
+                const auto by_strategy = std::span(result_.by_strategy).subspan(2 * i * m, 2 * m);
+                if (!work_.measure(form_hit(i), result_.sides[i], by_strategy, study_.quiet)) continue;
+                result_.is_point[i] = 1;
+                result_.object[i] = answers_.object[i];
+                result_.ulp[i] = ulp_of(work_.start(form_hit(i))->p);
+            }
+        });
     }
 
     void add_to(OffsetSummary& summary) const {
-        summary.pixels += out_.is_point.size();
-        for (std::size_t i = 0; i < out_.is_point.size(); ++i) {
-            if (truth_.truth(i, row_.row.convention()).decision == Truth::Decision::unresolved) ++summary.unresolved;
-            if (out_.is_point[i] == 0) continue;
+        summary.pixels += result_.is_point.size();
+        for (std::size_t i = 0; i < result_.is_point.size(); ++i) {
+            if (band_.truth(i, row_.row.convention()).decision == Truth::Decision::unresolved) ++summary.unresolved;
+            if (result_.is_point[i] == 0) continue;
             ++summary.points;
             for (const Side side : both_sides) add_side(i, side, summary.sides[static_cast<std::size_t>(side)]);
         }
     }
 
-    [[nodiscard]] OffsetBand take() { return std::move(out_); }
+    [[nodiscard]] OffsetBand take_result() { return std::move(result_); }
 
 private:
-    /// The tree over the primitives in the format; null if they are few, or spheres.
+    /// Returns the tree over the primitives in the format; null if there are few primitives, or only spheres.
     static std::shared_ptr<const culling::BoxTree> tree_of(const Band& band, const FloatFormat& format,
                                                            const scene::rays::PrimitiveList<double>& primitives) {
         const auto index = band.culler() ? band.culler()->for_stored_truth(format, primitives) : nullptr;
@@ -81,11 +80,11 @@ private:
         if (!study_.scene.appearance.light) return std::nullopt;
         return picture::input_appearance(study_.scene, row_.row.format.parameters).light;
     }
-    [[nodiscard]] bool meets_the_true_primitive(std::size_t i) const {
+    [[nodiscard]] bool hits_true_primitive(std::size_t i) const {
         if (answers_.hit[i] == 0 || !(answers_.t[i] > 0)) return false;
-        return answer::meets_first(truth_, i, answers_.object[i], row_.row.convention());
+        return answer::meets_first(band_, i, answers_.object[i], row_.row.convention());
     }
-    [[nodiscard]] FormHit met(std::size_t i) const {
+    [[nodiscard]] FormHit form_hit(std::size_t i) const {
         return {inputs_.rays_for(*row_.row.form->info)[i], answers_.t[i], static_cast<std::size_t>(answers_.object[i])};
     }
     [[nodiscard]] double ulp_of(const Vec<double>& p) const {
@@ -95,42 +94,42 @@ private:
     }
 
     void add_side(std::size_t i, Side side, SideSummary& summary) const {
-        const SideOfPoint& at = out_.sides[i][static_cast<std::size_t>(side)];
-        summary.rays += at.rays;
-        summary.already_safe += static_cast<std::uint64_t>(at.safe == 0);
-        summary.never_safe += static_cast<std::uint64_t>(std::isinf(at.safe));
-        summary.never_quiet += static_cast<std::uint64_t>(std::isinf(at.quiet));
-        if (std::isfinite(at.safe)) {
-            summary.safe.add(at.safe);
-            summary.safe_ulps.add(at.safe / out_.ulp[i]);
+        const SideOfPoint& side_result = result_.sides[i][static_cast<std::size_t>(side)];
+        summary.rays += side_result.rays;
+        summary.already_safe += static_cast<std::uint64_t>(side_result.safe == 0);
+        summary.never_safe += static_cast<std::uint64_t>(std::isinf(side_result.safe));
+        summary.never_quiet += static_cast<std::uint64_t>(std::isinf(side_result.quiet));
+        if (std::isfinite(side_result.safe)) {
+            summary.safe.add(side_result.safe);
+            summary.safe_ulps.add(side_result.safe / result_.ulp[i]);
         }
-        if (std::isfinite(at.quiet)) summary.quiet.add(at.quiet);
-        for (std::size_t k = 0; k < out_.strategies; ++k) add_strategy(i, side, k, summary);
+        if (std::isfinite(side_result.quiet)) summary.quiet.add(side_result.quiet);
+        for (std::size_t k = 0; k < result_.strategies; ++k) add_strategy(i, side, k, summary);
     }
 
     void add_strategy(std::size_t i, Side side, std::size_t k, SideSummary& summary) const {
-        const double safe = out_.sides[i][static_cast<std::size_t>(side)].safe;
-        const StrategyAtPoint& at = out_.at(i, side, k);
+        const double safe = result_.sides[i][static_cast<std::size_t>(side)].safe;
+        const StrategyAtPoint& strategy_result = result_.at(i, side, k);
         StrategySummary& s = summary.strategies[k];
-        s.size.add(at.size);
+        s.size.add(strategy_result.size);
         if (std::isfinite(safe) && safe > 0) {
-            s.oversize.add(at.size / safe);
-            s.too_small += static_cast<std::uint64_t>(at.size < safe);
+            s.oversize.add(strategy_result.size / safe);
+            s.too_small += static_cast<std::uint64_t>(strategy_result.size < safe);
         }
-        bool shows = false, any = false;
+        bool has_new_fault = false, has_fault = false;
         for (std::size_t f = 0; f < fault_names.size(); ++f) {
-            s.count[f] += at.count[f];
-            any = any || at.count[f] > 0;
-            shows = shows || (at.count[f] > 0 && !s.first[f]);
+            s.count[f] += strategy_result.count[f];
+            has_fault = has_fault || strategy_result.count[f] > 0;
+            has_new_fault = has_new_fault || (strategy_result.count[f] > 0 && !s.first[f]);
         }
-        if (!any) return;
-        s.bad += at.bad;
-        if (!shows) return;
-        for (const NewRay& ray : work_.rays(met(i), *study_.strategies[k], side)) {
+        if (!has_fault) return;
+        s.bad += strategy_result.bad;
+        if (!has_new_fault) return;
+        for (const NewRay& ray : work_.rays(form_hit(i), *study_.strategies[k], side)) {
             for (std::size_t f = 0; f < fault_names.size(); ++f) {
                 if (s.first[f] || !ray.has(static_cast<Fault>(f))) continue;
                 const auto pixel = static_cast<int>(i);
-                s.first[f] = BadRay{pixel % out_.width, out_.y0 + pixel / out_.width, answers_.object[i], ray,
+                s.first[f] = BadRay{pixel % result_.width, result_.y0 + pixel / result_.width, answers_.object[i], ray,
                                     inputs_.primitives[static_cast<std::size_t>(answers_.object[i])]};
             }
         }
@@ -140,21 +139,21 @@ private:
     const OffsetRow& row_;
     truth::FormatInputs inputs_;
     answer::Answers answers_;
-    std::shared_ptr<const culling::BoxTree> near_;
+    std::shared_ptr<const culling::BoxTree> tree_;
     PointWork work_;
-    const Band& truth_;
-    OffsetBand out_;
+    const Band& band_;
+    OffsetBand result_;
 };
 
 }  // namespace
 
 void require_few_primitives(const Scene& scene) {
-    const std::size_t beside = scene.primitive_count() - (scene.mesh ? scene.mesh->faces.size() : 0);
-    if (beside <= most_primitives) return;
+    const std::size_t outside_meshes = scene.primitive_count() - (scene.mesh ? scene.mesh->faces.size() : 0);
+    if (outside_meshes <= most_primitives) return;
     throw InputError(
         fmt::format("scene {} has {} primitives beside its meshes, and every ray is tested against all of them; {} is "
                     "the most: try a part of the scene",
-                    scene.id, beside, most_primitives));
+                    scene.id, outside_meshes, most_primitives));
 }
 
 bool can_measure_offsets(const intersect::table::Intersector& form) {
@@ -168,7 +167,7 @@ const std::vector<std::string_view>& usual_forms() {
         "ellipsoid.half_b", "cylinder.framed",       "capsule.half_b",
         "tube.framed",      "cone.framed",           "disc.framed",
         "plane.quotient",   "torus.closest_approach"};
-    static const std::vector<std::string_view> all = [&] {
+    static const std::vector<std::string_view> all_names = [&] {
         std::vector<std::string_view> names;
         for (const ShapeRow& shape : shape_rows) {
             std::string_view name;
@@ -181,7 +180,7 @@ const std::vector<std::string_view>& usual_forms() {
         }
         return names;
     }();
-    return all;
+    return all_names;
 }
 
 void OffsetStudy::require() const { require_few_primitives(scene); }
@@ -193,18 +192,18 @@ OffsetSummary OffsetStudy::begin(std::size_t) const {
 }
 
 OffsetBand OffsetStudy::measure(const truth::Band& band, std::size_t row, OffsetSummary& summary) const {
-    OffsetMeasurement found(*this, rows[row], band);
-    found.measure();
-    found.add_to(summary);
-    return found.take();
+    OffsetMeasurement measurement(*this, rows[row], band);
+    measurement.measure();
+    measurement.add_to(summary);
+    return measurement.take_result();
 }
 
 std::vector<SafeStrategy> safe_strategies(const OffsetSummary& summary, const std::vector<const Strategy*>& strategies,
                                           Shape shape, std::span<const Side> sides) {
     std::vector<SafeStrategy> safe;
     for (std::size_t k = 0; k < strategies.size() && summary.points > 0; ++k) {
-        const auto is_right = [&](Side side) { return summary.side_summary(side).strategies[k].bad == 0; };
-        if (!std::ranges::all_of(sides, is_right)) continue;
+        const auto has_no_bad_ray = [&](Side side) { return summary.side_summary(side).strategies[k].bad == 0; };
+        if (!std::ranges::all_of(sides, has_no_bad_ray)) continue;
         double oversize = truth::missing;
         for (const Side side : sides) {
             const double median = summary.side_summary(side).strategies[k].oversize.quantile(0.5);

@@ -1,5 +1,5 @@
-// Offsets over a picture: at every point where a form hits the primitive that the ray truly hits first, the smallest
-// safe offset, and every strategy compared with it.
+// Measures offsets over a picture. Each point where a form hits the primitive that the ray truly hits first gets its
+// smallest safe offset, and every strategy is compared with this offset.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace lostbits::measure::offset {
 inline constexpr std::array<std::string_view, 2> point_names{"computed", "projected"};
 inline constexpr std::string_view name_of(HitPoint p) { return point_names[static_cast<std::size_t>(p)]; }
 
-/// Respawned ray that shows a fault, with everything needed to reproduce it.
+/// New ray with a fault, and everything needed to reproduce it.
 struct BadRay {
     int x = -1, y = -1;
     int object = -1;
@@ -51,16 +51,16 @@ struct SideSummary {
     std::uint64_t rays = 0;
     std::uint64_t already_safe = 0;  ///< points that need no offset
     std::uint64_t never_safe = 0;    ///< points that no offset along the normal makes safe
-    std::uint64_t never_quiet = 0;   ///< points where none makes the form's arithmetic safe as well
+    std::uint64_t never_quiet = 0;   ///< points that no such offset makes safe by the form's arithmetic as well
     metric::Distribution safe;       ///< smallest safe offset of the points that have one, 0 among them; world units
     metric::Distribution safe_ulps;  ///< the same in ulps of max |p|
-    metric::Distribution quiet;      ///< smallest offset that is safe and in which the form finds no self-hit
+    metric::Distribution quiet;      ///< smallest offset that is safe and from which the form finds no self-hit
     std::vector<StrategySummary> strategies;
 };
 
 LOSTBITS_FIELDS(SideSummary, rays, already_safe, never_safe, never_quiet, safe, safe_ulps, quiet, strategies)
 
-/// A form in a format, and how its points are made.
+/// A form in a format, and the kind of its hit points.
 struct OffsetRow {
     evaluate::TestedForm row;
     HitPoint point = HitPoint::computed;
@@ -80,8 +80,8 @@ struct OffsetSummary {
 
 LOSTBITS_FIELDS(OffsetSummary, pixels, points, unresolved, sides)
 
-/// Results of a row over some scanlines, pixel by pixel. Where `is_point` is set for a pixel, they include its two
-/// sides and the strategies, those to the outside first.
+/// Results of a row over some scanlines, pixel by pixel. A pixel with `is_point` set has results for both sides, and
+/// for each strategy to the outside and then to the inside.
 struct OffsetBand {
     int y0 = 0, rows = 0, width = 0;
     std::vector<std::uint8_t> is_point;
@@ -100,13 +100,13 @@ struct OffsetBand {
 struct OffsetStudy {
     using Band = OffsetBand;
     using Summary = OffsetSummary;
-    static constexpr int pixels_together = 1;  ///< few, because every pixel keeps some kilobytes
+    static constexpr int pixels_together = 1;  ///< few, because every pixel takes some kilobytes
 
     const scene::file::Scene& scene;
     std::vector<OffsetRow> rows;  ///< rows whose forms are of primitives and report t
     std::vector<const Strategy*> strategies;
     truth::TruthLimit limit{};
-    bool quiet = true;  ///< also look for the smallest quiet offset, which takes as long as all the rest
+    bool quiet = true;  ///< also searches for the smallest quiet offset, which takes as long as all the rest
     shard::Share share = {};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
@@ -117,33 +117,33 @@ struct OffsetStudy {
     OffsetBand measure(const truth::Band& band, std::size_t row, OffsetSummary& summary) const;
 };
 
-/// Forms that measure points and self-hits where none is named, one a shape in the order of the shapes, and their
-/// format.
+/// Forms and format that are measured if the user names none: one form for each shape, in the order of the shapes.
 const std::vector<std::string_view>& usual_forms();
 inline constexpr std::string_view usual_format = "f32";
 
-/// Most primitives of a scene beside its meshes: each point is compared with all of them.
+/// Largest number of primitives of a scene outside its meshes. Each point is compared with all of them.
 inline constexpr std::size_t most_primitives = 1000;
-/// InputError for a scene with more primitives; the message names it.
+/// Throws InputError for a scene with more than `most_primitives` outside its meshes. The message names the scene.
 void require_few_primitives(const scene::file::Scene& scene);
-/// True where offsets of a form can be measured: it is of a primitive and reports t.
+/// True if offsets of a form can be measured: the form intersects a primitive and reports t.
 bool can_measure_offsets(const intersect::table::Intersector& form);
 
-/// Column of the summary, after point, side, strategy, form and format. The CSV and the claims read the same columns.
+/// Column of the summary that follows the columns point, side, strategy, form and format. The CSV and the claims use
+/// the same columns.
 using OffsetColumn = metric::MeasuredColumn<const OffsetSummary&, Side, std::size_t>;
 std::span<const OffsetColumn> offset_columns();
 
-/// Strategy with which no next ray goes wrong.
+/// Strategy that makes no bad ray (`StrategySummary::bad` is 0).
 struct SafeStrategy {
     const Strategy* strategy;
-    /// Operations of one new ray as the rule is written (`Strategy::operations`): a count, not a time.
+    /// Number of operations for one new ray as the rule is written (`Strategy::operations`); not a time.
     std::uint64_t operations;
-    double oversize;  ///< how many times larger than needed, the median over the sides; NaN where nothing is needed
+    double oversize;  ///< median of `StrategySummary::oversize`, the largest over the sides; NaN if there is none
 };
 
-/// Safe strategies of a measured row to all of these sides, the cheapest first; equally cheap ones in the order of the
-/// table. Safe means `StrategySummary::bad` = 0: no self-hit by truth or by the form, no lost occluder and no lost
-/// exit. Empty where no strategy is safe, and where there is no point.
+/// Returns the strategies of a measured row that are safe to all of these sides, the cheapest first, and equally cheap
+/// ones in the order of the table. Safe means `StrategySummary::bad` = 0: no self-hit by truth or by the form, no lost
+/// occluder and no lost exit. The result is empty if no strategy is safe, or if the row has no points.
 std::vector<SafeStrategy> safe_strategies(const OffsetSummary& summary, const std::vector<const Strategy*>& strategies,
                                           Shape shape, std::span<const Side> sides = both_sides);
 

@@ -1,4 +1,4 @@
-// Finds the smallest sufficient number of a format by bisection over its floats.
+// Finds the smallest number of a format that is enough, by bisection over the numbers of the format.
 #pragma once
 
 #include <cstdint>
@@ -13,34 +13,35 @@ namespace lostbits::measure::offset {
 enum class OffsetVerdict : std::int8_t { too_little, enough, too_much };
 
 /// Finds a number e ≥ 0 of the format with judge(e) = enough whose lower neighbour is too little. Returns 0 if 0 is
-/// enough, and infinity if no number up to `most` is. From `start` on, e is doubled until it is not too little; then
-/// the floats in between are bisected. Where `judge` is monotone, the result is the smallest. Where it is not (a step
-/// of one component can turn a grazing ray back), it is one of the places where "too little" ends.
+/// enough, and infinity if no number up to `most` is. The search doubles e from `start` on until e is not too little.
+/// Then it bisects between the last two numbers. If `judge` is monotone, the result is the smallest number that is
+/// enough. If `judge` is not monotone (one more float in a component can turn a grazing ray back), the result is one of
+/// several numbers at which "too little" ends.
 template <class Judge>
 double smallest_enough(const FloatFormat& format, double start, double most, const Judge& judge) {
     if (judge(0.0) == OffsetVerdict::enough) return 0;
     const std::int64_t binade = std::int64_t{1} << (format.precision - 1);
     const std::int64_t infinity = truth::ordinal(std::numeric_limits<double>::infinity(), format);
-    const auto number = [&](std::int64_t n) {
-        return n < infinity ? truth::number_at(n, format) : std::numeric_limits<double>::infinity();
+    const auto number_at_index = [&](std::int64_t index) {
+        return index < infinity ? truth::number_at(index, format) : std::numeric_limits<double>::infinity();
     };
     std::int64_t low = 0, high = truth::ordinal(start, format);
     if (high < 1) high = 1;
-    OffsetVerdict at_high = judge(number(high));
+    OffsetVerdict at_high = judge(number_at_index(high));
     while (at_high == OffsetVerdict::too_little) {
         low = high;
         high += binade;
-        const double e = number(high);
+        const double e = number_at_index(high);
         if (!(e <= most)) return std::numeric_limits<double>::infinity();
         at_high = judge(e);
     }
     while (high - low > 1) {
         const std::int64_t middle = low + (high - low) / 2;
-        const OffsetVerdict at_middle = judge(number(middle));
+        const OffsetVerdict at_middle = judge(number_at_index(middle));
         if (at_middle == OffsetVerdict::too_little) low = middle;
         else high = middle, at_high = at_middle;
     }
-    return at_high == OffsetVerdict::enough ? number(high) : std::numeric_limits<double>::infinity();
+    return at_high == OffsetVerdict::enough ? number_at_index(high) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace lostbits::measure::offset

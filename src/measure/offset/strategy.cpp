@@ -1,5 +1,5 @@
-// Published rules for the start of the next ray: one function each, and the table of them. Where a rule gives a
-// constant for float, the comment says how it is scaled to other formats. u is ½ε of the format.
+// Published rules for the start of a new ray: one function for each, and the table of all. If a rule gives a constant
+// for float, the comment says how it is scaled to other formats. u is ½ε of the format.
 #include "measure/offset/strategy.hpp"
 
 #include <numeric>
@@ -42,13 +42,13 @@ Vec<T> facing(const Leaving<T>& l) {
     return Vec<T>(l.side * l.n.x, l.side * l.n.y, l.side * l.n.z);
 }
 
-/// New ray from an origin; everything ahead of it counts.
+/// Returns a new ray from an origin, tested from t = 0 on against every primitive.
 template <Number T>
-Respawn<T> from(const Vec<T>& origin, const Leaving<T>& l) {
+Respawn<T> ray_from(const Vec<T>& origin, const Leaving<T>& l) {
     return {origin, T(0), l.reach, true};
 }
 
-/// 10^-k: the quotient of 1 and 10^k, rounded to the format. For float and k = 3 it is the literal 1e-3f.
+/// Returns 10^-k: the quotient of 1 and 10^k, rounded to the format. For float and k = 3 it is the literal 1e-3f.
 template <Number T, int k>
 T tenth_power() {
     T x(1);
@@ -59,7 +59,7 @@ T tenth_power() {
 struct None {
     template <Number T>
     static Respawn<T> respawn(const Leaving<T>& l) {
-        return from<T>(l.p, l);
+        return ray_from<T>(l.p, l);
     }
 };
 
@@ -75,7 +75,7 @@ template <int k>
 struct Epsilon {
     template <Number T>
     static Respawn<T> respawn(const Leaving<T>& l) {
-        return from<T>(moved<T>(l.p, l.side * tenth_power<T, k>(), l.n), l);
+        return ray_from<T>(moved<T>(l.p, l.side * tenth_power<T, k>(), l.n), l);
     }
 };
 
@@ -83,7 +83,7 @@ template <int k>
 struct AlongNewRay {
     template <Number T>
     static Respawn<T> respawn(const Leaving<T>& l) {
-        return from<T>(moved<T>(l.p, tenth_power<T, k>(), l.w), l);
+        return ray_from<T>(moved<T>(l.p, tenth_power<T, k>(), l.w), l);
     }
 };
 
@@ -93,12 +93,12 @@ struct Ulps {
     template <Number T>
     static Respawn<T> respawn(const Leaving<T>& l) {
         const T size = largest_of<T>(l.p);
-        return from<T>(moved<T>(l.p, l.side * (T(k) * (next_up(size) - size)), l.n), l);
+        return ray_from<T>(moved<T>(l.p, l.side * (T(k) * (next_up(size) - size)), l.n), l);
     }
 };
 
-/// Moves each component: its bits by 256 n, or, where |p| < 1/32, to p + n/65536. 1/65536 is 256u of float; other
-/// formats use 256u too.
+/// Moves each component p by 256 n floats, where n is that component of the normal, or to p + n/65536 if |p| < 1/32.
+/// 1/65536 is 256u of float; other formats use 256u too.
 struct Integer {
     template <Number T>
     static Respawn<T> respawn(const Leaving<T>& l) {
@@ -106,15 +106,15 @@ struct Integer {
         const T step = T(256) * unit_roundoff<T>(), near_zero = T(1) / T(32);
         Vec<T> o = l.p;
         for (int i = 0; i < 3; ++i) {
-            const T by_bits = moved_by_floats(l.p[i], whole_of(T(256) * n[i]));
-            o[i] = select(abs(l.p[i]) < near_zero, l.p[i] + step * n[i], by_bits);
+            const T moved_bits = moved_by_floats(l.p[i], whole_of(T(256) * n[i]));
+            o[i] = select(abs(l.p[i]) < near_zero, l.p[i] + step * n[i], moved_bits);
         }
-        return from<T>(o, l);
+        return ray_from<T>(o, l);
     }
 };
 
-/// Moves each component: its bits by 32 to the side to which n points, or, where |p| < 1, to p + 1e-5 n. 1e-5 is 167.8u
-/// of float; other formats use the same multiple of their u.
+/// Moves each component p by 32 floats to the side to which n points, or to p + 1e-5 n if |p| < 1. 1e-5 is 167.8u of
+/// float; other formats use the same multiple of their u.
 struct Cycles {
     template <Number T>
     static Respawn<T> respawn(const Leaving<T>& l) {
@@ -122,14 +122,14 @@ struct Cycles {
         const T step = T(4096) * unit_roundoff<T>() * T(4096) / T(1000) / T(100);
         Vec<T> o = l.p;
         for (int i = 0; i < 3; ++i) {
-            const T by_bits = moved_by_floats(l.p[i], n[i] < T(0) ? -32 : 32);
-            o[i] = select(abs(l.p[i]) < T(1), l.p[i] + step * n[i], by_bits);
+            const T moved_bits = moved_by_floats(l.p[i], n[i] < T(0) ? -32 : 32);
+            o[i] = select(abs(l.p[i]) < T(1), l.p[i] + step * n[i], moved_bits);
         }
-        return from<T>(o, l);
+        return ray_from<T>(o, l);
     }
 };
 
-/// Moves p by (1 + max |p|) 1500u, and 1500u is 750ε. A ray that is aimed at something ends at 1 − 15000u of the way.
+/// Moves p along n by (1 + max |p|) 1500u; 1500u is 750ε. A ray with a target ends at 1 − 15000u of the way to it.
 struct Relative {
     template <Number T>
     static Respawn<T> respawn(const Leaving<T>& l) {
@@ -140,7 +140,7 @@ struct Relative {
     }
 };
 
-/// p + d n with d = |n|·δ, then each component one float further away.
+/// Returns p + d n with d = |n|·δ, each component moved one float further in the direction of n.
 template <Number T>
 Vec<T> beyond_bound(const BoundedPoint<T>& b, const Vec<T>& n) {
     const T d = abs(n.x) * b.delta.x + abs(n.y) * b.delta.y + abs(n.z) * b.delta.z;
@@ -149,36 +149,40 @@ Vec<T> beyond_bound(const BoundedPoint<T>& b, const Vec<T>& n) {
     return o;
 }
 
-/// Point with its error bound; under a matrix both are in object space.
+/// Returns the point with its error bound. For a primitive under a matrix, both are in object space.
 template <Number T>
-BoundedPoint<T> bounded_there(const Leaving<T>& l) {
+BoundedPoint<T> bounded_point_of(const Leaving<T>& l) {
     return visit(l.primitive, [&l](const auto& shape) {
         return l.object ? shape.bounded_point(l.object->ray, l.object->t, l.object->p)
                         : shape.bounded_point(l.ray, l.t, l.p);
     });
 }
 
-/// M p, and its bound (γ₃ + 1)|A| δ + γ₃(|A||p| + |τ|), as in pbrt-v4's Transform::operator()(Point3fi).
+/// Returns M p with M = [A τ], and its error bound (γ₃ + 1)|A| δ + γ₃(|A||p| + |τ|), as in pbrt-v4's
+/// Transform::operator()(Point3fi).
 template <Number T>
 BoundedPoint<T> mapped(const Affine<T>& m, const BoundedPoint<T>& b) {
     const T g = gamma_bound<T>(3);
-    BoundedPoint<T> to{Vec<T>(T(0), T(0), T(0)), Vec<T>(T(0), T(0), T(0))};
+    BoundedPoint<T> world_point{Vec<T>(T(0), T(0), T(0)), Vec<T>(T(0), T(0), T(0))};
     for (int i = 0; i < 3; ++i) {
-        const Vec<T>& a = m.rows[static_cast<std::size_t>(i)];
-        const Vec<T> parts(a.x * b.p.x, a.y * b.p.y, a.z * b.p.z);
-        to.p[i] = (parts.x + parts.y) + (parts.z + m.shift[i]);
-        to.delta[i] = (g + T(1)) * (abs(a.x) * b.delta.x + abs(a.y) * b.delta.y + abs(a.z) * b.delta.z) +
-                      g * (abs(parts.x) + abs(parts.y) + abs(parts.z) + abs(m.shift[i]));
+        const Vec<T>& a_row = m.rows[static_cast<std::size_t>(i)];
+        const Vec<T> parts(a_row.x * b.p.x, a_row.y * b.p.y, a_row.z * b.p.z);
+        world_point.p[i] = (parts.x + parts.y) + (parts.z + m.shift[i]);
+        world_point.delta[i] =
+            (g + T(1)) * (abs(a_row.x) * b.delta.x + abs(a_row.y) * b.delta.y + abs(a_row.z) * b.delta.z) +
+            g * (abs(parts.x) + abs(parts.y) + abs(parts.z) + abs(m.shift[i]));
     }
-    return to;
+    return world_point;
 }
 
-/// Under a matrix, the bound is transformed to world space together with the point, as in pbrt's SpawnRay.
+/// Moves p beyond its error bound. For a primitive under a matrix, the bound is transformed to world space together
+/// with the point, as in pbrt's SpawnRay.
 struct Bound {
     template <Number T>
     static Respawn<T> respawn(const Leaving<T>& l) {
-        const BoundedPoint<T> there = bounded_there(l);
-        return from<T>(beyond_bound<T>(l.object ? mapped<T>(l.object->to_world, there) : there, facing<T>(l)), l);
+        const BoundedPoint<T> bounded = bounded_point_of(l);
+        return ray_from<T>(beyond_bound<T>(l.object ? mapped<T>(l.object->to_world, bounded) : bounded, facing<T>(l)),
+                           l);
     }
 };
 
@@ -189,8 +193,8 @@ struct BoundInObject {
     static Respawn<T> respawn(const Leaving<T>& l) {
         if (!l.object) return Bound::respawn(l);
         const Vec<T>& n = l.object->n;
-        const Vec<T> o = beyond_bound<T>(bounded_there(l), Vec<T>(l.side * n.x, l.side * n.y, l.side * n.z));
-        return from<T>(l.object->to_world.point(o), l);
+        const Vec<T> o = beyond_bound<T>(bounded_point_of(l), Vec<T>(l.side * n.x, l.side * n.y, l.side * n.z));
+        return ray_from<T>(l.object->to_world.point(o), l);
     }
 };
 

@@ -1,4 +1,4 @@
-// Table of strategies: each is one function and one row of strategy.cpp.
+// Table of strategies. A strategy is a rule for the start of a new ray: one function and one row of strategy.cpp.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,8 @@ struct Strategy {
     std::string_view name;    ///< `offset.integer`
     std::string_view title;   ///< the new origin, in one line
     std::string_view source;  ///< publication of the rule
-    bool keeps_point;         ///< the new origin is p itself: the rule only limits what the ray is tested against
+    bool keeps_point;  ///< true if the new origin is p itself, so that the rule only limits what the ray is tested
+                       ///< against
     Respawn<float> (*in_float)(const Leaving<float>&);
     Respawn<double> (*in_double)(const Leaving<double>&);
     Respawn<RoundedAny> (*in_any)(const Leaving<RoundedAny>&);
@@ -29,14 +30,14 @@ struct Strategy {
         else if constexpr (std::is_same_v<T, double>) return in_double(l);
         else return in_any(l);
     }
-    /// Counts the operations of one new ray, as the rule is written: additions, products, quotients, roots,
-    /// comparisons, choices, conversions and moves of bits, each counted once.
+    /// Returns the number of operations for one new ray, as the rule is written. Additions, products, quotients, roots,
+    /// comparisons, selections, conversions and moves of bits count one each.
     [[nodiscard]] std::uint64_t operations(Shape shape) const;
 };
 
-/// Rows of the table, in the order of every table.
+/// Rows of the table, in the order of every output.
 std::span<const Strategy> strategies();
-/// Same rows, as a vector of pointers.
+/// The same rows, as a vector of pointers.
 std::vector<const Strategy*> all_strategies();
 
 }  // namespace lostbits::measure::offset

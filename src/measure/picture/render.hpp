@@ -1,4 +1,5 @@
-// Rendered picture: every stage in every format by a form's own hits and shadows, compared with the certified picture.
+// Renders pictures: every stage in every format, by a form's own hits and shadows, and compares them with the certified
+// picture.
 #pragma once
 
 #include <array>
@@ -18,7 +19,7 @@
 
 namespace lostbits::measure::picture {
 
-/// Content of a pixel, form compared with truth.
+/// Content of a pixel as the form sees it, compared with the true content.
 enum class Seen : std::uint8_t {
     same_sphere,
     background,
@@ -31,9 +32,9 @@ enum class Seen : std::uint8_t {
 inline constexpr std::array<std::string_view, 7> seen_names{
     "same_sphere", "background", "other_sphere", "lost_sphere", "extra_sphere", "not_a_number", "unresolved"};
 
-/// Shadow decision of the form, compared with the truth's. It is compared where both see the background, or the same
-/// sphere at a point that truly faces the light: a point that faces away gets no light either way. `own_shadow` is a
-/// false shadow that the point's own sphere alone casts: acne.
+/// Shadow decision of the form, compared with that of the truth. The two are compared where both see the background, or
+/// the same sphere at a point that truly faces the light. A point that faces away gets no light in either case.
+/// `own_shadow` is acne: a false shadow that only the point's own sphere casts.
 enum class Shadow : std::uint8_t {
     not_compared,
     both_lit,
@@ -47,15 +48,16 @@ inline constexpr std::array<std::string_view, 7> shadow_names{
     "not_compared", "both_lit", "both_shadowed", "false_shadow", "own_shadow", "false_light", "unresolved"};
 
 struct Painted {
-    Vec<double> colour{0, 0, 0};  ///< numbers of the format, not clamped; NaN where the form's t is
+    Vec<double> colour{0, 0, 0};  ///< numbers of the format, not clamped; NaN if the form's t is NaN
     std::array<std::uint8_t, 3> byte{};
-    double error = 0;  ///< largest |channel - true channel|, in 8-bit steps; NaN where either does not exist
+    double error = 0;  ///< largest |channel - true channel|, in 8-bit steps; NaN if either is unknown
 };
 
-/// Rounds 255c half up (once) and clamps it to 0…255. A NaN gives 0 and is drawn as a NaN.
+/// Returns 255c, rounded once, half up, and clamped to 0…255, with c the channel. Returns 0 for NaN; pictures mark such
+/// a pixel separately.
 std::uint8_t byte_of(double channel);
 
-/// One form in one format over some scanlines.
+/// Picture of one form in one format over some scanlines.
 struct RenderBand {
     int y0, rows, width;
     answer::Answers answers;
@@ -65,7 +67,7 @@ struct RenderBand {
     std::vector<double>
         normal_angle;              ///< between the computed and the true normal, radians; NaN except on `same_sphere`
     std::vector<double> residual;  ///< the metric of that name; NaN except on `same_sphere`
-    std::vector<std::vector<Painted>> painted;  ///< one picture a stage, in the order of the study
+    std::vector<std::vector<Painted>> painted;  ///< one picture for each stage, in the order of the study
     std::vector<std::int32_t> truth_object;     ///< −1: background
 };
 
@@ -75,12 +77,12 @@ struct RenderSummary {
     ShadeRule rule;
     std::uint64_t pixels = 0;
     std::array<std::uint64_t, seen_names.size()> seen{};
-    /// Counts by what is compared: index 0 is points on spheres, 1 the background.
+    /// Counts of shadow decisions: index 0 for points on spheres, 1 for the background.
     std::array<std::array<std::uint64_t, shadow_names.size()>, 2> shadow{};
     std::uint64_t faces_away = 0;   ///< same sphere, truly seen from the unlit side
     std::uint64_t true_shadow = 0;  ///< points on spheres that face the light and are truly in shadow
     std::uint64_t light_in_true_shadow =
-        0;                      ///< those of `true_shadow` that the true picture gives diffuse light anyway
+        0;                      ///< those of `true_shadow` that have diffuse light in the true picture anyway
     std::uint64_t changed = 0;  ///< pixels with a byte that differs from the true one
     std::uint64_t colour_unresolved = 0, colour_not_a_number = 0;
     metric::Distribution colour_error, normal_angle, residual;
@@ -89,16 +91,16 @@ struct RenderSummary {
     [[nodiscard]] std::uint64_t count(bool on_background, Shadow s) const {
         return shadow[on_background ? 1 : 0][static_cast<std::size_t>(s)];
     }
-    /// Pixels that show another sphere than the true one, no sphere where there is one, a sphere where there is none,
-    /// or NaN.
+    /// Returns the number of pixels that show the wrong sphere, no sphere where there is one, a sphere where there is
+    /// none, or NaN.
     [[nodiscard]] std::uint64_t seen_wrong() const;
-    /// Shadow decisions that differ from the truth's, without the shadows of the point's own sphere.
+    /// Returns the number of shadow decisions that differ from the truth, without shadows by the point's own sphere.
     [[nodiscard]] std::uint64_t flips() const;
-    /// Pixels where what is seen, the shadow or the colour is not proved.
+    /// Returns the number of pixels whose content, shadow or colour is not proved.
     [[nodiscard]] std::uint64_t unresolved() const;
 };
 
-/// The stage and its rule are those of the study and not listed.
+/// Lists the fields for shards. The stage and its rule are those of the study, and are left out.
 template <class Bits>
 void fields(Bits& bits, RenderSummary& whole) {
     auto& [stage, rule, pixels, seen, shadow, faces_away, true_shadow, light_in_true_shadow, changed, colour_unresolved,
@@ -107,12 +109,12 @@ void fields(Bits& bits, RenderSummary& whole) {
          colour_not_a_number, colour_error, normal_angle, residual);
 }
 
-/// Adds a band to the summary of one stage, pixel by pixel from the top. `place` is the stage's index in the study.
-/// `look` holds the scene's paint as binary64 is given it.
-void add_to_summary(const RenderBand& band, std::size_t place, const StoredAppearance<double>& look,
+/// Adds a band to the summary of one stage, pixel by pixel from the top. `stage_index` is the index of the stage in the
+/// study. `appearance` holds the scene's paint in binary64.
+void add_to_summary(const RenderBand& band, std::size_t stage_index, const StoredAppearance<double>& appearance,
                     RenderSummary& summary);
 
-/// Column of the summary, after stage, form and format. The CSV and the claims read the same columns.
+/// Column of the summary that follows the columns stage, form and format. The CSV and the claims use the same columns.
 using RenderColumn = metric::MeasuredColumn<const RenderSummary&>;
 std::span<const RenderColumn> render_columns();
 
@@ -123,12 +125,12 @@ struct FormatRenderInputs {
     std::vector<Vec<double>> points;  ///< of the pixels at z = 0; empty under other cameras
 };
 
-/// Everything that the rows of a band share.
+/// Inputs that all rows share on a band.
 struct SharedRenderInputs {
     const truth::Band& band;
     std::vector<TruePixel> truth;
     std::map<std::string, FormatRenderInputs> inputs;  ///< by the name of the format
-    StoredAppearance<double> look;                     ///< as binary64 is given it
+    StoredAppearance<double> look;                     ///< in binary64
 };
 
 /// A study, see measure/study/study.hpp. The summary of a row has one element for each stage.
@@ -138,7 +140,7 @@ struct RenderStudy {
     static constexpr int pixels_together = 32768;
 
     const scene::file::Scene& scene;         ///< a scene of spheres
-    std::vector<scene::file::Stage> stages;  ///< in rising order, none beyond what the scene asks for
+    std::vector<scene::file::Stage> stages;  ///< in rising order, only stages that the scene asks for
     std::vector<evaluate::TestedForm> rows;
     PictureLimit limit{};
     shard::Share share = {};
@@ -147,7 +149,7 @@ struct RenderStudy {
     void require() const {}
     [[nodiscard]] Summary begin(std::size_t row) const;
     [[nodiscard]] SharedRenderInputs prepare(const truth::Band& band) const;
-    RenderBand measure(const SharedRenderInputs& on, std::size_t row, Summary& summary) const;
+    RenderBand measure(const SharedRenderInputs& shared, std::size_t row, Summary& summary) const;
 };
 
 }  // namespace lostbits::measure::picture

@@ -9,27 +9,28 @@ namespace lostbits::measure::picture {
 using scene::file::Scene;
 
 StoredAppearance<Real> own_appearance(const scene::file::Appearance& appearance) {
-    StoredAppearance<Real> look;
-    look.background = appearance.background;
-    if (appearance.light) look.light = *appearance.light;
+    StoredAppearance<Real> stored;
+    stored.background = appearance.background;
+    if (appearance.light) stored.light = *appearance.light;
     if (appearance.shadows) {
-        look.shadow_on_background = appearance.shadows->background;
-        look.epsilon = appearance.shadows->epsilon;
+        stored.shadow_on_background = appearance.shadows->background;
+        stored.epsilon = appearance.shadows->epsilon;
     }
     for (const scene::file::Material& m : appearance.materials)
-        look.paints.push_back({m.colour, m.ambient, m.diffuse, m.specular, m.exponent, m.specular > 0});
-    return look;
+        stored.paints.push_back({m.colour, m.ambient, m.diffuse, m.specular, m.exponent, m.specular > 0});
+    return stored;
 }
 
 StoredAppearance<double> shared_appearance(const scene::file::Appearance& appearance) {
     return lifted(own_appearance(appearance), [](const Real& x) { return scene::toml::round_to_format(x, binary32); });
 }
 
-StoredAppearance<double> input_appearance(const Scene& scene, const FloatFormat& f) {
+StoredAppearance<double> input_appearance(const Scene& scene, const FloatFormat& format) {
     if (scene.inputs == scene::file::Inputs::own)
         return lifted(own_appearance(scene.appearance),
-                      [&f](const Real& x) { return scene::toml::round_to_format(x, f); });
-    return lifted(shared_appearance(scene.appearance), [&f](double x) { return rounding::to_format(x, 0, f); });
+                      [&format](const Real& x) { return scene::toml::round_to_format(x, format); });
+    return lifted(shared_appearance(scene.appearance),
+                  [&format](double x) { return rounding::to_format(x, 0, format); });
 }
 
 template <class S>
@@ -50,14 +51,14 @@ std::vector<Vec<S>> pixel_points(const Scene& scene, int y0, int y1) {
 template std::vector<Vec<double>> pixel_points<double>(const Scene&, int, int);
 template std::vector<Vec<Real>> pixel_points<Real>(const Scene&, int, int);
 
-std::vector<Vec<double>> input_pixel_points(const Scene& scene, int y0, int y1, const FloatFormat& f) {
+std::vector<Vec<double>> input_pixel_points(const Scene& scene, int y0, int y1, const FloatFormat& format) {
     std::vector<Vec<double>> points;
     if (scene.inputs == scene::file::Inputs::own) {
         for (const auto& p : pixel_points<Real>(scene, y0, y1))
-            points.push_back(lifted(p, [&f](const Real& x) { return scene::toml::round_to_format(x, f); }));
+            points.push_back(lifted(p, [&format](const Real& x) { return scene::toml::round_to_format(x, format); }));
     } else {
         for (const auto& p : pixel_points<double>(scene, y0, y1))
-            points.push_back(lifted(p, [&f](double x) { return rounding::to_format(x, 0, f); }));
+            points.push_back(lifted(p, [&format](double x) { return rounding::to_format(x, 0, format); }));
     }
     return points;
 }

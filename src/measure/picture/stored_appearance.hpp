@@ -1,4 +1,4 @@
-// Light and paint of a scene as stored numbers, rounded as its geometry is.
+// Light and paint of a scene as stored numbers, rounded in the same way as its geometry.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,8 @@
 
 namespace lostbits::measure::picture {
 
-/// S is double (shared inputs: every number rounded once to binary32; or any format's numbers) or Real (own inputs).
+/// Light and paint in numbers of type S. S is double for shared inputs (each number rounded once to binary32) and for
+/// the numbers of a format. S is Real for own inputs.
 template <class S>
 struct StoredAppearance {
     Vec<S> background{S(0), S(0), S(0)};
@@ -32,30 +33,32 @@ auto lifted(const Paint<S>& p, Lift lift) {
     return Paint<T>{lifted(p.colour, lift), lift(p.ambient), lift(p.diffuse), lift(p.specular), p.exponent, p.shiny};
 }
 
-/// Converts each number by `lift`. A shiny sphere stays shiny: a ks that a format rounds to 0 adds nothing by itself.
+/// Converts each number by `lift`. A shiny sphere stays shiny even if a format rounds its ks to 0; its highlight is
+/// then 0.
 template <class S, class Lift>
-auto lifted(const StoredAppearance<S>& look, Lift lift) {
+auto lifted(const StoredAppearance<S>& appearance, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
-    StoredAppearance<T> to{lifted(look.background, lift),
-                           lifted(look.light, lift),
-                           lift(look.shadow_on_background),
-                           lift(look.epsilon),
-                           {}};
-    for (const Paint<S>& p : look.paints) to.paints.push_back(lifted(p, lift));
-    return to;
+    StoredAppearance<T> result{lifted(appearance.background, lift),
+                               lifted(appearance.light, lift),
+                               lift(appearance.shadow_on_background),
+                               lift(appearance.epsilon),
+                               {}};
+    for (const Paint<S>& p : appearance.paints) result.paints.push_back(lifted(p, lift));
+    return result;
 }
 
-/// Light and paint in ideal numbers.
+/// Returns light and paint in ideal numbers.
 StoredAppearance<Real> own_appearance(const scene::file::Appearance& appearance);
-/// Light and paint with each number rounded once to binary32: the inputs that all formats share.
+/// Returns light and paint with each number rounded once to binary32: the inputs that all formats share.
 StoredAppearance<double> shared_appearance(const scene::file::Appearance& appearance);
-/// Light and paint as a form in format F is given them, like `scene::rays::input_rays`.
-StoredAppearance<double> input_appearance(const scene::file::Scene& scene, const FloatFormat& f);
+/// Returns light and paint as a form in the format is given them, like `scene::rays::input_rays`.
+StoredAppearance<double> input_appearance(const scene::file::Scene& scene, const FloatFormat& format);
 
-/// Points of the pixels of rows [y0, y1) in the plane z = 0, where the camera has them there; S as above.
+/// Returns the points of the pixels of rows [y0, y1) in the plane z = 0, or nothing if the camera does not have its
+/// pixels there. S is as in `StoredAppearance`.
 template <class S>
 std::vector<Vec<S>> pixel_points(const scene::file::Scene& scene, int y0, int y1);
-/// Same points as a form in format F is given them.
-std::vector<Vec<double>> input_pixel_points(const scene::file::Scene& scene, int y0, int y1, const FloatFormat& f);
+/// Returns these points as a form in the format is given them.
+std::vector<Vec<double>> input_pixel_points(const scene::file::Scene& scene, int y0, int y1, const FloatFormat& format);
 
 }  // namespace lostbits::measure::picture

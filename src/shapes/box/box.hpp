@@ -1,4 +1,4 @@
-// The axis-aligned box.
+// The axis-aligned box: its numbers, its exact span on a ray, and its distances.
 #pragma once
 
 #include <array>
@@ -38,18 +38,18 @@ struct Box {
         const T half = T(1) / T(2);
         return {half * lo + half * hi, half * length(Vec<T>(hi - lo))};
     }
-    /// The point at these fractions of its sides.
+    /// Returns the point at the fractions u of the sides.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         return {lo.x + u.x * (hi.x - lo.x), lo.y + u.y * (hi.y - lo.y), lo.z + u.z * (hi.z - lo.z)};
     }
-    [[nodiscard]] std::optional<Box> grown(const Vec<T>& still, const T& k) const {
-        Box to;
+    [[nodiscard]] std::optional<Box> grown(const Vec<T>& fixed, const T& k) const {
+        Box result;
         for (int i = 0; i < 3; ++i) {
-            const T there = min(max(still[i], lo[i]), hi[i]);
-            to.lo[i] = there + k * (lo[i] - there);
-            to.hi[i] = there + k * (hi[i] - there);
+            const T fixed_coordinate = min(max(fixed[i], lo[i]), hi[i]);
+            result.lo[i] = fixed_coordinate + k * (lo[i] - fixed_coordinate);
+            result.hi[i] = fixed_coordinate + k * (hi[i] - fixed_coordinate);
         }
-        return to;
+        return result;
     }
 
     /// entry = (lo − o)/d and exit = (hi − o)/d where d > 0. They are swapped where d < 0. Both are scaled to a
@@ -80,9 +80,9 @@ struct Box {
         });
         return slabs;
     }
-    /// The largest of lo − p and p − hi over the axes, in units of `unit()`. If it is positive, it is how far p lies
-    /// outside by its worst component, which is less than the distance beside an edge or a corner. If it is negative,
-    /// it is how far p lies inside the nearest face.
+    /// Returns the largest of lo − p and p − hi over the axes, in units of `unit()`. If it is positive, p lies outside
+    /// by this much in its worst component; beside an edge or a corner this is less than the distance. If it is
+    /// negative, p lies inside by this much from the nearest face.
     [[nodiscard]] T off_surface(const Vec<T>& p) const {
         const auto beyond = [&](int i) { return max(lo[i] - p[i], p[i] - hi[i]); };
         return max(max(beyond(0), beyond(1)), beyond(2)) / unit();
@@ -92,9 +92,9 @@ struct Box {
         const Vec<T> side = hi - lo;
         return max(max(side.x, side.y), side.z);
     }
-    /// Signed distance from p. With q = max(lo − p, p − hi) in each component, how far p lies beyond the nearer plane
-    /// of each pair, it is |max(q, 0)| + min(max(q.x, max(q.y, q.z)), 0). The second term is zero outside, the first
-    /// one inside. Source: SDF Sphere Marching (lesson P0-C1).
+    /// Returns the signed distance from p, |max(q, 0)| + min(max(q.x, max(q.y, q.z)), 0). In each component, q = max(lo
+    /// − p, p − hi) is how far p lies beyond the nearer plane. The second term is zero outside, the first one inside.
+    /// Source: SDF Sphere Marching (lesson P0-C1).
     [[nodiscard]] T distance(const Vec<T>& p) const {
         const T zero(0);
         const auto beyond = [](const T& low, const T& high, const T& x) { return max(low - x, x - high); };
@@ -102,50 +102,50 @@ struct Box {
         const T outside = length(Vec<T>(max(q.x, zero), max(q.y, zero), max(q.z, zero)));
         return outside + min(max(q.x, max(q.y, q.z)), zero);
     }
-    /// The plane that a ray met: that of its latest entry or, from inside, of its earliest exit.
+    /// Face that a ray hits: that of its latest entry or, from inside, of its earliest exit.
     struct Face {
         int axis = 0;
         bool high = false;
     };
     [[nodiscard]] Face face_met(const Ray<T>& ray) const {
-        Face entry, exit;
-        bool any = false;
-        T latest(0), earliest(0);
+        Face entry_face, exit_face;
+        bool found_any = false;
+        T latest_entry(0), earliest_exit(0);
         for (int i = 0; i < 3; ++i) {
             const bool ahead = ray.direction[i] > T(0);
             if (!ahead && !(ray.direction[i] < T(0))) continue;
-            const T in = ((ahead ? lo[i] : hi[i]) - ray.origin[i]) / ray.direction[i];
-            const T out = ((ahead ? hi[i] : lo[i]) - ray.origin[i]) / ray.direction[i];
-            if (!any || in > latest) latest = in, entry = {i, !ahead};
-            if (!any || out < earliest) earliest = out, exit = {i, ahead};
-            any = true;
+            const T entry_t = ((ahead ? lo[i] : hi[i]) - ray.origin[i]) / ray.direction[i];
+            const T exit_t = ((ahead ? hi[i] : lo[i]) - ray.origin[i]) / ray.direction[i];
+            if (!found_any || entry_t > latest_entry) latest_entry = entry_t, entry_face = {i, !ahead};
+            if (!found_any || exit_t < earliest_exit) earliest_exit = exit_t, exit_face = {i, ahead};
+            found_any = true;
         }
-        return latest > T(0) ? entry : exit;
+        return latest_entry > T(0) ? entry_face : exit_face;
     }
-    /// The outward unit normal at the hit: that of the face.
+    /// Returns the outward unit normal of the face that the ray hits.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>&) const {
         const Face face = face_met(ray);
         Vec<T> n(T(0), T(0), T(0));
         n[face.axis] = face.high ? T(1) : T(-1);
         return n;
     }
-    /// Moves the point of a ray onto the surface: the coordinate of the face replaces the computed one.
+    /// Moves the hit point of a ray onto the surface: the coordinate of the face replaces the computed one.
     [[nodiscard]] Vec<T> projected(const Ray<T>& ray, const Vec<T>& p) const {
         const Face face = face_met(ray);
-        Vec<T> on = p;
-        on[face.axis] = face.high ? hi[face.axis] : lo[face.axis];
-        return on;
+        Vec<T> surface_point = p;
+        surface_point[face.axis] = face.high ? hi[face.axis] : lo[face.axis];
+        return surface_point;
     }
     /// The hit is at t = (plane − o)·(1/d), whose error is at most γ(3)|t|. Each component of p = o + t·d is off by at
     /// most δ = (γ(3) + 1)γ(3)|t d| + γ(3)|t d| + u|o + t d|.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>& ray, const T& t, const Vec<T>& p) const {
-        BoundedPoint<T> b{p, p};
+        BoundedPoint<T> bounded{p, p};
         for (int i = 0; i < 3; ++i) {
-            const T far = abs(t * ray.direction[i]);
-            b.delta[i] = (gamma_bound<T>(3) + T(1)) * (gamma_bound<T>(3) * far) + gamma_bound<T>(3) * far +
-                         unit_roundoff<T>() * abs(p[i]);
+            const T step = abs(t * ray.direction[i]);
+            bounded.delta[i] = (gamma_bound<T>(3) + T(1)) * (gamma_bound<T>(3) * step) + gamma_bound<T>(3) * step +
+                               unit_roundoff<T>() * abs(p[i]);
         }
-        return b;
+        return bounded;
     }
 };
 

@@ -1,4 +1,4 @@
-// The capsule.
+// The capsule: its numbers, its exact span on a ray, and its distances.
 #pragma once
 
 #include <array>
@@ -32,78 +32,83 @@ struct Capsule {
          {.name = "end", .letter = "e", .limit = Key::Limit::apart_from_before},
          {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
 
-    /// Builds a capsule along z. A quarter of its length at each end is round.
+    /// Builds a capsule along z. The ball at each end is a quarter of its length.
     static Capsule around(const Vec<T>& p, const T& half) {
         const T r = half / T(2);
         return {{p.x, p.y, p.z - r}, {p.x, p.y, p.z + r}, r};
     }
 
     [[nodiscard]] Vec<T> middle() const { return (T(1) / T(2)) * start + (T(1) / T(2)) * end; }
-    /// Half of its length.
+    /// Returns half of its length.
     [[nodiscard]] T half_extent() const { return radius + length(axis()) / T(2); }
     [[nodiscard]] Sphere<T> ball_around() const { return {middle(), half_extent()}; }
-    /// A point near the axis: at the fraction u.x of the axis, and moved within a cube of side 2 `radius`.
+    /// Returns a point near the axis: the point at the fraction u.x of the axis, moved within a cube of side 2
+    /// `radius`.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         const T k = 2 * radius;
         return start + u.x * axis() + Vec<T>((u.x - T(1) / 2) * k, (u.y - T(1) / 2) * k, (u.z - T(1) / 2) * k);
     }
-    /// Scales it by k and keeps its point nearest to `still` where it was. Returns nothing if no point is nearest.
-    [[nodiscard]] std::optional<Capsule> grown(const Vec<T>& still, const T& k) const {
-        const Vec<T> w = still - on_axis(still);
+    /// Returns the capsule scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
+    /// there is no single nearest point.
+    [[nodiscard]] std::optional<Capsule> grown(const Vec<T>& fixed, const T& k) const {
+        const Vec<T> w = fixed - on_axis(fixed);
         if (length(w) == 0) return std::nullopt;
-        const Vec<T> there = onto_surface(still);
-        return Capsule{there + k * (start - there), there + k * (end - there), k * radius};
+        const Vec<T> nearest_point = onto_surface(fixed);
+        return Capsule{nearest_point + k * (start - nearest_point), nearest_point + k * (end - nearest_point),
+                       k * radius};
     }
 
-    /// The line passes the planes at the two ends in some order. It enters by the ball at the first end if it enters
-    /// the side before the first plane, by the side if it does so between the planes, and by the other ball if it does
-    /// so behind both. It leaves in the same way. A line parallel to the axis enters and leaves by the balls. A line
-    /// parallel to the planes meets the side if it is between them, and the ball at an end if it is beyond that end.
-    /// The side is that of the cylinder: with v = end − start, f = o − start, m = v × f and n = v × d, h = m·n, c = m²
-    /// − r²v², a = n², q = v²(r²n² − (f·n)²).
+    /// The line crosses the planes at the two ends in some order, and enters the infinite cylinder of the side once. If
+    /// it enters the cylinder before the first plane, it enters the capsule by the ball at the first end; between the
+    /// planes, by the side; and behind both, by the other ball. It leaves in the same way. A line parallel to the axis
+    /// enters and leaves by the balls. A line parallel to the planes meets the side if it is between them, and the ball
+    /// at an end if it is beyond that end. The side is that of the cylinder: with v = end − start, f = o − start, m = v
+    /// × f and n = v × d, h = m·n, c = m² − r²v², a = n², q = v²(r²n² − (f·n)²).
     [[nodiscard]] JoinedSpan<T> span(const Ray<T>& ray) const {
         const T zero(0), one(1);
         const Vec<T>& d = ray.direction;
         const Vec<T> v = axis(), f = ray.origin - start, m = cross(v, f), n = cross(v, d);
-        const T v2 = square(v), r2 = square(radius), a = square(n), low = dot(v, f), across = dot(v, d), d2 = square(d);
+        const T v2 = square(v), r2 = square(radius), a = square(n), low = dot(v, f), rise = dot(v, d), d2 = square(d);
         const QuadraticSpan<T> side{dot(m, n), square(m) - r2 * v2, a, v2 * (r2 * a - square(dot(f, n))), d2};
         const QuadraticSpan<T> at_start = Sphere<T>{start, radius}.span(ray), at_end = Sphere<T>{end, radius}.span(ray);
-        const auto up = across > zero, still = !(up || across < zero), below = low<zero, above = low> v2;
-        const T size = select(up, across, -across);
-        const Fraction<T> before{-one, zero}, after{one, zero};
-        const Fraction<T> none_in = select(below, after, before), none_out = select(above, before, after);
-        const Fraction<T> in = select(still, none_in, select(up, Fraction<T>{-low, size}, Fraction<T>{low - v2, size}));
-        const Fraction<T> out =
-            select(still, none_out, select(up, Fraction<T>{v2 - low, size}, Fraction<T>{low, size}));
-        const QuadraticSpan<T> first = select(up || (still && !above), at_start, at_end);
-        const QuadraticSpan<T> last = select(up || (still && !below), at_end, at_start);
-        const auto beside = a <= zero, in_before = quadratic_at(side, in).near_root().less;
-        const auto in_between = quadratic_at(side, out).near_root().at_most;
-        const auto out_before = quadratic_at(side, in).far_root().less;
-        const auto out_between = quadratic_at(side, out).far_root().at_most;
-        return {.enter = select(beside || in_before, first, select(in_between, side, last)),
-                .leave = select(beside || !out_between, last, select(out_before, first, side)),
+        const auto up = rise > zero, is_parallel = !(up || rise < zero), below = low<zero, above = low> v2;
+        const T size = select(up, rise, -rise);
+        const Fraction<T> minus_infinity{-one, zero}, plus_infinity{one, zero};
+        const Fraction<T> in_if_parallel = select(below, plus_infinity, minus_infinity),
+                          out_if_parallel = select(above, minus_infinity, plus_infinity);
+        const Fraction<T> t_in =
+            select(is_parallel, in_if_parallel, select(up, Fraction<T>{-low, size}, Fraction<T>{low - v2, size}));
+        const Fraction<T> t_out =
+            select(is_parallel, out_if_parallel, select(up, Fraction<T>{v2 - low, size}, Fraction<T>{low, size}));
+        const QuadraticSpan<T> first = select(up || (is_parallel && !above), at_start, at_end);
+        const QuadraticSpan<T> last = select(up || (is_parallel && !below), at_end, at_start);
+        const auto is_along_axis = a <= zero, in_before = quadratic_at(side, t_in).near_root().less;
+        const auto in_between = quadratic_at(side, t_out).near_root().at_most;
+        const auto out_before = quadratic_at(side, t_in).far_root().less;
+        const auto out_between = quadratic_at(side, t_out).far_root().at_most;
+        return {.enter = select(is_along_axis || in_before, first, select(in_between, side, last)),
+                .leave = select(is_along_axis || !out_between, last, select(out_before, first, side)),
                 .d2 = d2};
     }
-    /// Relative distance of a point outside, in units of `unit()`.
+    /// Returns the signed distance of a point from the surface, in units of `unit()`, positive outside.
     [[nodiscard]] T off_surface(const Vec<T>& p) const { return distance(p) / radius; }
     [[nodiscard]] T unit() const { return radius; }
-    /// Signed distance of a point from the surface, negative inside: |p − q| − r with q the point of the axis nearest
-    /// to p.
+    /// Returns the signed distance of a point from the surface, negative inside: |p − q| − r with q the point of the
+    /// axis nearest to p.
     [[nodiscard]] T distance(const Vec<T>& p) const { return length(Vec<T>(p - on_axis(p))) - radius; }
-    /// The outward unit normal at the point p of a ray: away from the axis.
+    /// Returns the outward unit normal at the point p of a ray: away from the axis.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
         const Vec<T> w = p - on_axis(p);
         const T k = T(1) / length(w);
         return {k * w.x, k * w.y, k * w.z};
     }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
-    /// The projected point with its error, which is that of the cylinder.
+    /// Returns the projected point with its error bound, which is that of the cylinder.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - start)) + radius;
-        BoundedPoint<T> b{onto_surface(p), p};
-        for (int i = 0; i < 3; ++i) b.delta[i] = gamma_bound<T>(16) * size + gamma_bound<T>(3) * abs(start[i]);
-        return b;
+        BoundedPoint<T> bounded{onto_surface(p), p};
+        for (int i = 0; i < 3; ++i) bounded.delta[i] = gamma_bound<T>(16) * size + gamma_bound<T>(3) * abs(start[i]);
+        return bounded;
     }
 
 private:

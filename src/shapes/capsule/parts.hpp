@@ -1,4 +1,4 @@
-// The primitives whose union a capsule is.
+// Splits a capsule into the primitives whose union it is.
 #pragma once
 
 #include "shapes/capsule/capsule.hpp"

@@ -1,4 +1,4 @@
-// The cone.
+// The cone: its numbers, its exact span on a ray, and its distances.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@
 namespace lostbits {
 
 /// All points between the planes across the axis at `base` and `top` that are no farther from the axis than a radius
-/// which changes linearly from `base_radius` > 0 to `top_radius` ≥ 0. It is closed, with caps. A top radius of 0 is an
-/// apex.
+/// which changes linearly from `base_radius` > 0 to `top_radius` ≥ 0. The cone is closed, with caps. If the top radius
+/// is 0, the top is an apex.
 template <class T>
 struct Cone {
     Vec<T> base;
@@ -41,20 +41,23 @@ struct Cone {
     }
 
     [[nodiscard]] Vec<T> middle() const { return (T(1) / T(2)) * base + (T(1) / T(2)) * top; }
-    /// Half of its height or its larger radius, the larger of the two.
+    /// Returns half of its height or its larger radius, whichever is larger.
     [[nodiscard]] T half_extent() const { return max(unit(), length(axis()) / T(2)); }
     [[nodiscard]] Sphere<T> ball_around() const { return {middle(), sqrt(square(unit()) + square(axis()) / T(4))}; }
-    /// The point of the cone at the fraction u.x of its height, and at the fractions u.y and u.z of its width there.
+    /// Returns the point of the cone at the fraction u.x of its height, and at the fractions u.y and u.z of its width
+    /// there.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         const AcrossAxis<T> across(axis());
         const T r = base_radius + u.x * (top_radius - base_radius);
         return base + u.x * axis() + ((2 * u.y - 1) * r) * across.side + ((2 * u.z - 1) * r) * across.other;
     }
-    /// Scales it by k and keeps its point nearest to `still` where it was. Returns nothing if no point is nearest.
-    [[nodiscard]] std::optional<Cone> grown(const Vec<T>& still, const T& k) const {
-        if (length(perpendicular_to_axis(still)) == 0) return std::nullopt;
-        const Vec<T> there = onto_surface(still);
-        return Cone{there + k * (base - there), there + k * (top - there), k * base_radius, k * top_radius};
+    /// Returns the cone scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
+    /// there is no single nearest point.
+    [[nodiscard]] std::optional<Cone> grown(const Vec<T>& fixed, const T& k) const {
+        if (length(perpendicular_to_axis(fixed)) == 0) return std::nullopt;
+        const Vec<T> nearest_point = onto_surface(fixed);
+        return Cone{nearest_point + k * (base - nearest_point), nearest_point + k * (top - nearest_point),
+                    k * base_radius, k * top_radius};
     }
 
     /// Let v = top − base, f = o − base, s = top_radius − base_radius, m = v × f and n = v × d. The radius of the cone
@@ -77,42 +80,45 @@ struct Cone {
                           v2 * (square(k) - square(v2 * vw)), square(d)},
                          low, along_axis, v2);
     }
-    /// Relative distance of a point outside the side or the caps, the larger of the two, in units of `unit()`.
+    /// Returns the signed distance of a point from the side or from the caps, whichever is larger, in units of
+    /// `unit()`, positive outside.
     [[nodiscard]] T off_surface(const Vec<T>& p) const {
-        const Profile at(*this, p);
-        return max(at.off_side(), at.off_caps()) / unit();
+        const Profile profile(*this, p);
+        return max(profile.off_side(), profile.off_caps()) / unit();
     }
-    /// The larger radius.
+    /// Returns the larger radius.
     [[nodiscard]] T unit() const { return max(base_radius, top_radius); }
-    /// Signed distance of a point from the surface, negative inside.
+    /// Returns the signed distance of a point from the surface, negative inside.
     [[nodiscard]] T distance(const Vec<T>& p) const {
-        const Profile at(*this, p);
-        const T inside = max(at.off_side(), at.off_caps());
-        return select(inside <= T(0), inside, at.distance_to_nearest());
+        const Profile profile(*this, p);
+        const T signed_distance = max(profile.off_side(), profile.off_caps());
+        return select(signed_distance <= T(0), signed_distance, profile.distance_to_nearest());
     }
-    /// The outward unit normal at the point p of a ray: that of the side or the cap, whichever is nearer to p.
+    /// Returns the outward unit normal at the point p of a ray: that of the side or of the cap, whichever is nearer to
+    /// p.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
-        const Profile at(*this, p);
+        const Profile profile(*this, p);
         const Vec<T> v = axis(), w = perpendicular_to_axis(p);
-        const auto cap = at.off_caps() > at.off_side();
-        const T end = select(at.y + at.y < at.height, T(-1), T(1));
-        const T along = select(cap, end, at.fall / at.slant) / at.height;
-        const T aside = select(cap, T(0), at.height / at.slant / length(w));
-        return {along * v.x + aside * w.x, along * v.y + aside * w.y, along * v.z + aside * w.z};
+        const auto is_cap = profile.off_caps() > profile.off_side();
+        const T end_sign = select(profile.y + profile.y < profile.height, T(-1), T(1));
+        const T axis_factor = select(is_cap, end_sign, profile.fall / profile.slant) / profile.height;
+        const T radial_factor = select(is_cap, T(0), profile.height / profile.slant / length(w));
+        return {axis_factor * v.x + radial_factor * w.x, axis_factor * v.y + radial_factor * w.y,
+                axis_factor * v.z + radial_factor * w.z};
     }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
-    /// The projected point with its error. It is that of the cylinder, with two more roundings of the position along
-    /// the side. They move the point along the surface, except for the rounding of the radius there.
+    /// Returns the projected point with its error bound. The bound is that of the cylinder, with two more roundings of
+    /// the position along the side. They move the point along the surface, except for the rounding of the radius there.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - base)) + unit();
-        BoundedPoint<T> b{onto_surface(p), p};
-        for (int i = 0; i < 3; ++i) b.delta[i] = gamma_bound<T>(18) * size + gamma_bound<T>(3) * abs(base[i]);
-        return b;
+        BoundedPoint<T> bounded{onto_surface(p), p};
+        for (int i = 0; i < 3; ++i) bounded.delta[i] = gamma_bound<T>(18) * size + gamma_bound<T>(3) * abs(base[i]);
+        return bounded;
     }
 
 private:
-    /// A point and the cone in a plane through the axis: x is the distance from the axis, y runs along it from the
-    /// base.
+    /// A point and the cone in a plane through the axis: x is the distance from the axis, and y the position along the
+    /// axis from the base.
     struct Profile {
         struct Point {
             T x, y;
@@ -131,38 +137,39 @@ private:
               slant(sqrt(square(height) + square(fall))) {}
         [[nodiscard]] T off_side() const { return ((x - base_radius) * height + y * fall) / slant; }
         [[nodiscard]] T off_caps() const { return max(-y, y - height); }
-        /// The nearest point of the side.
+        /// Returns the nearest point of the side.
         [[nodiscard]] Point on_side() const {
-            const T way = (y * height - (x - base_radius) * fall) / square(slant), k = min(max(way, T(0)), T(1));
-            return {base_radius - k * fall, k * height};
+            const T position = (y * height - (x - base_radius) * fall) / square(slant),
+                    fraction = min(max(position, T(0)), T(1));
+            return {base_radius - fraction * fall, fraction * height};
         }
         [[nodiscard]] Point on_base() const { return {min(x, base_radius), T(0)}; }
         [[nodiscard]] Point on_top() const { return {min(x, top_radius), height}; }
         [[nodiscard]] T distance_to(const Point& q) const { return sqrt(square(x - q.x) + square(y - q.y)); }
         [[nodiscard]] Point nearest() const {
-            const Point cap = nearer(on_base(), on_top());
-            return nearer(on_side(), cap);
+            const Point cap_point = nearer(on_base(), on_top());
+            return nearer(on_side(), cap_point);
         }
         [[nodiscard]] T distance_to_nearest() const { return distance_to(nearest()); }
 
     private:
         [[nodiscard]] Point nearer(const Point& a, const Point& b) const {
-            const auto first = distance_to(a) <= distance_to(b);
-            return {select(first, a.x, b.x), select(first, a.y, b.y)};
+            const auto a_is_nearer = distance_to(a) <= distance_to(b);
+            return {select(a_is_nearer, a.x, b.x), select(a_is_nearer, a.y, b.y)};
         }
     };
 
     [[nodiscard]] Vec<T> axis() const { return top - base; }
-    /// The vector from the axis to p, perpendicular to the axis.
+    /// Returns the vector from the axis to p, perpendicular to the axis.
     [[nodiscard]] Vec<T> perpendicular_to_axis(const Vec<T>& p) const {
         const Vec<T> v = axis(), f = p - base;
         return f - (dot(v, f) / square(v)) * v;
     }
     [[nodiscard]] Vec<T> onto_surface(const Vec<T>& p) const {
-        const Profile at(*this, p);
-        const auto q = at.nearest();
+        const Profile profile(*this, p);
+        const auto nearest_point = profile.nearest();
         const Vec<T> w = perpendicular_to_axis(p);
-        return base + (q.y / at.height) * axis() + (q.x / length(w)) * w;
+        return base + (nearest_point.y / profile.height) * axis() + (nearest_point.x / length(w)) * w;
     }
 };
 

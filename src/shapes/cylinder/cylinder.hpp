@@ -1,4 +1,4 @@
-// The cylinder.
+// The cylinder: its numbers, its exact span on a ray, and its distances.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@
 
 namespace lostbits {
 
-/// All points no farther than `radius` > 0 from the line through `base` and `top`, and between the planes across it at
-/// these two points. It is closed, with caps.
+/// All points no farther than `radius` > 0 from the line through `base` and `top`, and between the planes across this
+/// line at the two points. The cylinder is closed, with caps.
 template <class T>
 struct Cylinder {
     Vec<T> base;
@@ -38,19 +38,22 @@ struct Cylinder {
     }
 
     [[nodiscard]] Vec<T> middle() const { return (T(1) / T(2)) * base + (T(1) / T(2)) * top; }
-    /// Half of its height or its radius, the larger of the two.
+    /// Returns half of its height or its radius, whichever is larger.
     [[nodiscard]] T half_extent() const { return max(radius, length(axis()) / T(2)); }
     [[nodiscard]] Sphere<T> ball_around() const { return {middle(), sqrt(square(radius) + square(axis()) / T(4))}; }
-    /// The point of the cylinder at the fraction u.x of its height, and at the fractions u.y and u.z of its width.
+    /// Returns the point of the cylinder at the fraction u.x of its height, and at the fractions u.y and u.z of its
+    /// width.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         const AcrossAxis<T> across(axis());
         return base + u.x * axis() + ((2 * u.y - 1) * radius) * across.side + ((2 * u.z - 1) * radius) * across.other;
     }
-    /// Scales it by k and keeps its point nearest to `still` where it was. Returns nothing if no point is nearest.
-    [[nodiscard]] std::optional<Cylinder> grown(const Vec<T>& still, const T& k) const {
-        if (length(across(still)) == 0) return std::nullopt;
-        const Vec<T> there = onto_surface(still);
-        return Cylinder{there + k * (base - there), there + k * (top - there), k * radius};
+    /// Returns the cylinder scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
+    /// there is no single nearest point.
+    [[nodiscard]] std::optional<Cylinder> grown(const Vec<T>& fixed, const T& k) const {
+        if (length(across(fixed)) == 0) return std::nullopt;
+        const Vec<T> nearest_point = onto_surface(fixed);
+        return Cylinder{nearest_point + k * (base - nearest_point), nearest_point + k * (top - nearest_point),
+                        k * radius};
     }
 
     /// With v = top − base, f = o − base, m = v × f and n = v × d, the side is |m + t n|² ≤ r²|v|²: h = m·n, c = m² −
@@ -64,38 +67,42 @@ struct Cylinder {
         return capped<T>({dot(m, n), square(m) - r2 * v2, a, v2 * (r2 * a - square(dot(f, n))), square(d)}, dot(v, f),
                          dot(v, d), v2);
     }
-    /// Relative distance of a point outside the side or the caps, the larger of the two, in units of `unit()`.
+    /// Returns the signed distance of a point from the side or from the caps, whichever is larger, in units of
+    /// `unit()`, positive outside.
     [[nodiscard]] T off_surface(const Vec<T>& p) const { return max(off_side(p), off_caps(p)) / radius; }
     [[nodiscard]] T unit() const { return radius; }
-    /// Signed distance of a point from the surface, negative inside. It is that of a box in the plane of the axis and
-    /// the point.
+    /// Returns the signed distance of a point from the surface, negative inside: that of a rectangle in the plane of
+    /// the axis and the point.
     [[nodiscard]] T distance(const Vec<T>& p) const {
         const T zero(0), x = off_side(p), y = off_caps(p), out_x = max(x, zero), out_y = max(y, zero);
         return sqrt(square(out_x) + square(out_y)) + min(max(x, y), zero);
     }
-    /// The outward unit normal at the point p of a ray: that of the side or the cap, whichever is nearer to p.
+    /// Returns the outward unit normal at the point p of a ray: that of the side or of the cap, whichever is nearer to
+    /// p.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
         const Vec<T> v = axis(), w = across(p);
-        const T along = dot(v, Vec<T>(p - middle())), of_w = T(1) / length(w), size = T(1) / length(v);
-        const auto cap = off_caps(p) > off_side(p);
-        const T of_v = select(along < T(0), -size, size);
-        const auto one = [&](const T& side, const T& end) { return select(cap, end * of_v, side * of_w); };
-        return {one(w.x, v.x), one(w.y, v.y), one(w.z, v.z)};
+        const T axis_position = dot(v, Vec<T>(p - middle())), w_factor = T(1) / length(w), size = T(1) / length(v);
+        const auto is_cap = off_caps(p) > off_side(p);
+        const T v_factor = select(axis_position < T(0), -size, size);
+        const auto component = [&](const T& w_component, const T& v_component) {
+            return select(is_cap, v_component * v_factor, w_component * w_factor);
+        };
+        return {component(w.x, v.x), component(w.y, v.y), component(w.z, v.z)};
     }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
-    /// The projected point with its error. The position along the axis is off by γ(8)|p − base|/|v|, which only moves
-    /// the point along the surface. The vector across the axis, the foot and the sum add about ten more roundings of
-    /// no more than |p − base| + r.
+    /// Returns the projected point with its error bound. The position along the axis is off by γ(8)|p − base|/|v|,
+    /// which only moves the point along the surface. The vector across the axis, the foot of the perpendicular and the
+    /// sum add about ten more roundings of no more than |p − base| + r.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - base)) + radius;
-        BoundedPoint<T> b{onto_surface(p), p};
-        for (int i = 0; i < 3; ++i) b.delta[i] = gamma_bound<T>(16) * size + gamma_bound<T>(3) * abs(base[i]);
-        return b;
+        BoundedPoint<T> bounded{onto_surface(p), p};
+        for (int i = 0; i < 3; ++i) bounded.delta[i] = gamma_bound<T>(16) * size + gamma_bound<T>(3) * abs(base[i]);
+        return bounded;
     }
 
 private:
     [[nodiscard]] Vec<T> axis() const { return top - base; }
-    /// The vector from the axis to p, across the axis.
+    /// Returns the vector from the axis to p, perpendicular to the axis.
     [[nodiscard]] Vec<T> across(const Vec<T>& p) const {
         const Vec<T> v = axis(), f = p - base;
         return f - (dot(v, f) / square(v)) * v;
@@ -107,16 +114,18 @@ private:
         const Vec<T> v = axis();
         return max(-dot(v, Vec<T>(p - base)), dot(v, Vec<T>(p - top))) / length(v);
     }
-    /// Moves a point to the surface. Outside, each coordinate that is too large is reduced to its limit. Inside, the
-    /// coordinate that is nearer to its limit is raised to it.
+    /// Moves a point to the surface. The coordinates are the distance from the axis and the position along it. Outside,
+    /// each coordinate beyond its limit is moved to the limit. Inside, the coordinate nearer to its limit is moved to
+    /// it.
     [[nodiscard]] Vec<T> onto_surface(const Vec<T>& p) const {
         const T zero(0), one(1), x = off_side(p), y = off_caps(p);
         const Vec<T> v = axis(), w = across(p);
-        const T along = dot(v, Vec<T>(p - base)) / square(v), size = length(w);
-        const auto to_side = x > zero || (x >= y && y <= zero), to_cap = y > zero || (y > x && x <= zero);
-        const T k = select(to_side, radius / size, one);
-        const T end = select(along + along < one, zero, one), at = select(to_cap, end, along);
-        return base + at * v + k * w;
+        const T axis_fraction = dot(v, Vec<T>(p - base)) / square(v), size = length(w);
+        const auto moves_to_side = x > zero || (x >= y && y <= zero), moves_to_cap = y > zero || (y > x && x <= zero);
+        const T k = select(moves_to_side, radius / size, one);
+        const T nearest_end = select(axis_fraction + axis_fraction < one, zero, one),
+                new_fraction = select(moves_to_cap, nearest_end, axis_fraction);
+        return base + new_fraction * v + k * w;
     }
 };
 

@@ -1,4 +1,4 @@
-// The disc.
+// The disc: its numbers, its exact span on a ray, and its distances.
 #pragma once
 
 #include <array>
@@ -13,9 +13,9 @@
 
 namespace lostbits {
 
-/// All points of the plane through `centre` across `normal` that are no farther from the centre than `outer_radius` >
-/// 0 and no nearer than `inner_radius` ≥ 0. It is closed, and met from both sides. With an inner radius it is an
-/// annulus. A line in its plane misses it.
+/// All points of the plane through `centre` across `normal` that are no farther from the centre than `outer_radius` > 0
+/// and no nearer than `inner_radius` ≥ 0. The disc is closed, and a ray may hit it from both sides. With an inner
+/// radius it is an annulus. A line in its plane misses it.
 template <class T>
 struct Disc {
     Vec<T> centre;
@@ -40,8 +40,8 @@ struct Disc {
           .limit = Key::Limit::non_negative_below_previous,
           .optional = true}}};
 
-    /// Builds a disc across the z axis of the point, `half` below it. A disc is flat, so it cannot extend that far on
-    /// all sides.
+    /// Builds a disc of radius `half` in the plane z = p.z − half. A disc is flat, so it cannot extend that far on all
+    /// sides.
     static Disc around(const Vec<T>& p, const T& half) {
         return {{p.x, p.y, p.z - half}, {T(0), T(0), T(1)}, half, T(0)};
     }
@@ -49,7 +49,8 @@ struct Disc {
     [[nodiscard]] Vec<T> middle() const { return centre; }
     [[nodiscard]] T half_extent() const { return outer_radius; }
     [[nodiscard]] Sphere<T> ball_around() const { return {centre, outer_radius}; }
-    /// The point at the fraction u.z of the distance from the inner rim to the outer, in the direction of u.x and u.y.
+    /// Returns the point at the fraction u.z of the distance from the inner rim to the outer, in the direction of u.x
+    /// and u.y.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         const AcrossAxis<T> across(normal);
         const T x = 2 * u.x - 1, y = 2 * u.y - 1, size = sqrt(square(x) + square(y));
@@ -57,10 +58,10 @@ struct Disc {
         if (size == 0) return centre + r * across.side;
         return centre + (r * x / size) * across.side + (r * y / size) * across.other;
     }
-    [[nodiscard]] std::optional<Disc> grown(const Vec<T>& still, const T& k) const {
-        if (length(Vec<T>(onto_plane(still) - centre)) == 0) return std::nullopt;
-        const Vec<T> there = nearest(still);
-        return Disc{there + k * (centre - there), normal, k * outer_radius, k * inner_radius};
+    [[nodiscard]] std::optional<Disc> grown(const Vec<T>& fixed, const T& k) const {
+        if (length(Vec<T>(onto_plane(fixed) - centre)) == 0) return std::nullopt;
+        const Vec<T> nearest_point = nearest(fixed);
+        return Disc{nearest_point + k * (centre - nearest_point), normal, k * outer_radius, k * inner_radius};
     }
 
     /// With f = o − centre, n the normal and m = d·n, t = −(f·n)/m. The vector from the centre to that point, times m,
@@ -81,30 +82,30 @@ struct Disc {
                 .front = front,
                 .d2 = square(d)};
     }
-    /// Signed distance of a point from the plane, in units of `unit()`, positive on the side that the normal points
-    /// to.
+    /// Returns the signed distance of a point from the plane, in units of `unit()`, positive on the side that the
+    /// normal points to.
     [[nodiscard]] T off_surface(const Vec<T>& p) const {
         return dot(p - centre, normal) / (length(normal) * outer_radius);
     }
     [[nodiscard]] T unit() const { return outer_radius; }
-    /// |p − q| with q the point of the disc nearest to p. A disc has no inside, so this is never negative.
+    /// Returns |p − q| with q the point of the disc nearest to p. A disc has no inside, so this is never negative.
     [[nodiscard]] T distance(const Vec<T>& p) const {
-        const T from = length(Vec<T>(onto_plane(p) - centre)), up = dot(p - centre, normal) / length(normal);
-        return sqrt(square(max(max(inner_radius - from, from - outer_radius), T(0))) + square(up));
+        const T radius_of_p = length(Vec<T>(onto_plane(p) - centre)), up = dot(p - centre, normal) / length(normal);
+        return sqrt(square(max(max(inner_radius - radius_of_p, radius_of_p - outer_radius), T(0))) + square(up));
     }
-    /// The unit normal on the side that the ray comes from.
+    /// Returns the unit normal on the side that the ray comes from.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>&) const {
         const T size = length(normal);
         return (T(1) / (dot(normal, ray.direction) > T(0) ? -size : size)) * normal;
     }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_plane(p); }
-    /// The projected point p − (n·f/n²) n, f = p − centre, with its error: the subtracted term is off by γ(10)|f|, f
-    /// and the difference by one rounding each.
+    /// Returns the projected point p − (n·f/n²) n, f = p − centre, with its error bound: the subtracted term is off by
+    /// γ(10)|f|, and f and the difference by one rounding each.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - centre));
-        BoundedPoint<T> b{onto_plane(p), p};
-        for (int i = 0; i < 3; ++i) b.delta[i] = gamma_bound<T>(12) * size + gamma_bound<T>(2) * abs(p[i]);
-        return b;
+        BoundedPoint<T> bounded{onto_plane(p), p};
+        for (int i = 0; i < 3; ++i) bounded.delta[i] = gamma_bound<T>(12) * size + gamma_bound<T>(2) * abs(p[i]);
+        return bounded;
     }
 
 private:
@@ -113,8 +114,8 @@ private:
     }
     [[nodiscard]] Vec<T> nearest(const Vec<T>& p) const {
         const Vec<T> w = onto_plane(p) - centre;
-        const T from = length(w);
-        return centre + (min(max(from, inner_radius), outer_radius) / from) * w;
+        const T distance_from_centre = length(w);
+        return centre + (min(max(distance_from_centre, inner_radius), outer_radius) / distance_from_centre) * w;
     }
 };
 

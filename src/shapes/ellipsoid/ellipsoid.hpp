@@ -1,4 +1,4 @@
-// The ellipsoid.
+// The ellipsoid: its numbers, its exact span on a ray, and its distances.
 #pragma once
 
 #include <array>
@@ -39,15 +39,15 @@ struct Ellipsoid {
     /// Half of the longest side of its bounding box.
     [[nodiscard]] T half_extent() const { return max(max(radii.x, radii.y), radii.z); }
     [[nodiscard]] Sphere<T> ball_around() const { return {centre, half_extent()}; }
-    /// The point at these fractions of the sides of its bounding box.
+    /// Returns the point at the fractions u of the sides of its bounding box.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         const auto along = [](const T& c, const T& share, const T& r) { return c + (2 * share - 1) * r; };
         return {along(centre.x, u.x, radii.x), along(centre.y, u.y, radii.y), along(centre.z, u.z, radii.z)};
     }
-    /// Scales it by k and keeps its point between the centre and `still` where it was. Returns nothing for the centre
-    /// itself.
-    [[nodiscard]] std::optional<Ellipsoid> grown(const Vec<T>& still, const T& k) const {
-        const Vec<T> towards = still - centre;
+    /// Returns the ellipsoid scaled by k so that its surface point between the centre and `fixed` does not move.
+    /// Returns nothing if `fixed` is the centre.
+    [[nodiscard]] std::optional<Ellipsoid> grown(const Vec<T>& fixed, const T& k) const {
+        const Vec<T> towards = fixed - centre;
         const T distance = length(in_radii(towards));
         if (distance == 0) return std::nullopt;
         return Ellipsoid{centre - ((k - 1) / distance) * towards, k * radii};
@@ -63,8 +63,9 @@ struct Ellipsoid {
         const T volume2 = square(T(radii.x * s.x)), a = square(sd);
         return {dot(sf, sd), square(sf) - volume2, a, volume2 * (a - square(m)), square(ray.direction)};
     }
-    /// Relative distance of a point outside, in units of `unit()`: (|v/r|² − 1)/(|v/r| + 1) with v = p − G. Along the
-    /// shortest radius this is the distance. Elsewhere it is less, so no point of the surface is nearer.
+    /// Returns a lower bound of the signed distance of a point from the surface, in units of `unit()`, positive
+    /// outside: (|v/r|² − 1)/(|v/r| + 1) with v = p − G. Along the shortest radius this is the distance; elsewhere it
+    /// is less.
     [[nodiscard]] T off_surface(const Vec<T>& p) const {
         const Vec<T> v = in_radii(p - centre);
         const T v2 = square(v);
@@ -72,11 +73,11 @@ struct Ellipsoid {
     }
     /// The shortest radius.
     [[nodiscard]] T unit() const { return min(min(radii.x, radii.y), radii.z); }
-    /// Lower bound of the distance of a point from the surface, negative inside: (|v/r| − 1) min(r), because |v/r|
-    /// grows by at most 1/min(r) per unit of length. The distance itself has no closed form.
+    /// Returns a lower bound of the distance of a point from the surface, negative inside: (|v/r| − 1) min(r), because
+    /// |v/r| grows by at most 1/min(r) per unit of length. The distance itself has no closed form.
     [[nodiscard]] T distance(const Vec<T>& p) const { return (length(in_radii(p - centre)) - T(1)) * unit(); }
-    /// The outward unit normal at the point p of a ray: along v/r². Its components are multiplied by the shortest
-    /// radius, so that none is larger than 1 on the surface.
+    /// Returns the outward unit normal at the point p of a ray, along v/r². Its components are multiplied by the
+    /// shortest radius, so that none is larger than 1 on the surface.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
         const Vec<T> v = in_radii(p - centre);
         const T least = unit();
@@ -90,20 +91,20 @@ struct Ellipsoid {
         const T k = T(1) / length(in_radii(v));
         return {centre.x + k * v.x, centre.y + k * v.y, centre.z + k * v.z};
     }
-    /// The projected point with its error. |v/r| is off by γ(4) of itself (a quotient, a square, two sums, half of
-    /// these by the root, which rounds too), 1/|v/r| by γ(5), and each component v' of the product by γ(6)|v'|. In the
-    /// world it is that of the sphere.
+    /// Returns the projected point with its error bound. |v/r| is off by γ(4) of itself (a quotient, a square and two
+    /// sums, halved by the root, which rounds too), 1/|v/r| by γ(5), and each component v' of the product by γ(6)|v'|.
+    /// In the world, the bound follows as for the sphere.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const Vec<T> v = p - centre;
         const T scale = T(1) / length(in_radii(v));
-        BoundedPoint<T> b{p, p};
+        BoundedPoint<T> bounded{p, p};
         for (int i = 0; i < 3; ++i) {
-            const T on = v[i] * scale, size = abs(on);
-            b.p[i] = on + centre[i];
-            b.delta[i] =
+            const T coordinate = v[i] * scale, size = abs(coordinate);
+            bounded.p[i] = coordinate + centre[i];
+            bounded.delta[i] =
                 (gamma_bound<T>(3) + T(1)) * (gamma_bound<T>(6) * size) + gamma_bound<T>(3) * (size + abs(centre[i]));
         }
-        return b;
+        return bounded;
     }
 
 private:

@@ -1,4 +1,4 @@
-// The plane.
+// The plane: its numbers, its exact span on a ray, and its distances.
 #pragma once
 
 #include <array>
@@ -13,7 +13,8 @@
 
 namespace lostbits {
 
-/// All points p with n·(p − through) = 0. It has no end, and is met from both sides. A line in the plane misses it.
+/// All points p with n·(p − through) = 0, with n the normal. A ray may hit the plane from both sides. A line in the
+/// plane misses it.
 template <class T>
 struct Plane {
     Vec<T> through;
@@ -34,10 +35,10 @@ struct Plane {
 
     [[nodiscard]] Vec<T> middle() const { return through; }
     [[nodiscard]] T half_extent() const { return T(1); }
-    /// A ball at which random rays are aimed. It does not contain the plane: if that matters, ask `has_bounding_box`.
+    /// Returns a large ball for uses that need one. It does not contain the plane; `has_bounding_box` is false for
+    /// planes.
     [[nodiscard]] Sphere<T> ball_around() const { return {through, T(0x1p100)}; }
-    /// The projection onto the plane of a point of a cube with side four, around the point that the plane goes
-    /// through.
+    /// Returns the projection onto the plane of a point of the cube of side four around `through`.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         return onto_plane(through + Vec<T>(4 * u.x - 2, 4 * u.y - 2, 4 * u.z - 2));
     }
@@ -53,22 +54,22 @@ struct Plane {
                 .front = front,
                 .d2 = square(ray.direction)};
     }
-    /// Signed distance of a point from the plane, positive on the side that the normal points to.
+    /// Returns the signed distance of a point from the plane, positive on the side that the normal points to.
     [[nodiscard]] T off_surface(const Vec<T>& p) const { return dot(normal, Vec<T>(p - through)) / length(normal); }
     [[nodiscard]] T unit() const { return T(1); }
     [[nodiscard]] T distance(const Vec<T>& p) const { return abs(off_surface(p)); }
-    /// The unit normal on the side that the ray comes from.
+    /// Returns the unit normal on the side that the ray comes from.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>&) const {
         const T size = length(normal);
         return (T(1) / (dot(normal, ray.direction) > T(0) ? -size : size)) * normal;
     }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_plane(p); }
-    /// The projected point with its error, which is that of the disc with f = p − through.
+    /// Returns the projected point with its error bound, which is that of the disc with f = p − through.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - through));
-        BoundedPoint<T> b{onto_plane(p), p};
-        for (int i = 0; i < 3; ++i) b.delta[i] = gamma_bound<T>(12) * size + gamma_bound<T>(2) * abs(p[i]);
-        return b;
+        BoundedPoint<T> bounded{onto_plane(p), p};
+        for (int i = 0; i < 3; ++i) bounded.delta[i] = gamma_bound<T>(12) * size + gamma_bound<T>(2) * abs(p[i]);
+        return bounded;
     }
 
 private:

@@ -1,4 +1,4 @@
-// The sphere.
+// The sphere: its numbers, its exact span on a ray, and its distances.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace lostbits {
 
-/// All points at distance `radius` > 0 from `centre`.
+/// All points at distance `radius` > 0 from `centre`. In formulas, G is the centre and r the radius.
 template <class T>
 struct Sphere {
     Vec<T> centre;
@@ -33,18 +33,19 @@ struct Sphere {
     static Sphere around(const Vec<T>& point, const T& half) { return {point, half}; }
 
     [[nodiscard]] Vec<T> middle() const { return centre; }
-    /// Half of the longest side of its bounding box.
+    /// Returns half of the longest side of the bounding box.
     [[nodiscard]] T half_extent() const { return radius; }
-    /// Centre and radius of a ball that holds it.
+    /// Returns centre and radius of a ball that holds the sphere.
     [[nodiscard]] Sphere ball_around() const { return *this; }
-    /// The point at these fractions of the sides of its bounding cube.
+    /// Returns the point at the fractions u of the sides of its bounding cube.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         const auto along = [this](const T& c, const T& share) { return c + (2 * share - 1) * radius; };
         return {along(centre.x, u.x), along(centre.y, u.y), along(centre.z, u.z)};
     }
-    /// Scales it by k and keeps its point nearest to `still` where it was. Returns nothing if no point is nearest.
-    [[nodiscard]] std::optional<Sphere> grown(const Vec<T>& still, const T& k) const {
-        const Vec<T> towards = still - centre;
+    /// Returns the sphere scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
+    /// there is no single nearest point.
+    [[nodiscard]] std::optional<Sphere> grown(const Vec<T>& fixed, const T& k) const {
+        const Vec<T> towards = fixed - centre;
         const T distance = length(towards);
         if (distance == 0) return std::nullopt;
         return Sphere{centre - ((k - 1) * radius / distance) * towards, k * radius};
@@ -57,20 +58,20 @@ struct Sphere {
         const T r2 = square(radius), a = square(ray.direction);
         return {dot(f, ray.direction), square(f) - r2, a, a * r2 - square(cross(f, ray.direction)), a};
     }
-    /// Relative distance of a point outside, in units of `unit()`: (|v| − r)/r = (v·v − r²)/(r(|v| + r)) with v = p −
-    /// G.
+    /// Returns the signed distance of a point from the surface, in units of `unit()`, positive outside: (|v| − r)/r =
+    /// (v·v − r²)/(r(|v| + r)) with v = p − G.
     [[nodiscard]] T off_surface(const Vec<T>& p) const {
         const Vec<T> v = p - centre;
         const T v2 = square(v);
         return (v2 - square(radius)) / (radius * (sqrt(v2) + radius));
     }
     [[nodiscard]] T unit() const { return radius; }
-    /// Signed distance of a point from the surface, negative inside: |p − G| − r.
+    /// Returns the signed distance of a point from the surface, negative inside: |p − G| − r.
     [[nodiscard]] T distance(const Vec<T>& p) const { return length(p - centre) - radius; }
-    /// The outward unit normal at the point p of a ray: (p − G)/|p − G|.
+    /// Returns the outward unit normal at the point p of a ray: (p − G)/|p − G|.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const { return unit_of(Vec<T>(p - centre)); }
-    /// The normal that pictures shade with: (p − G)/r, outward on both sides. It has unit length only as far as p is
-    /// on the surface.
+    /// Returns the normal that pictures shade with: (p − G)/r, outward on both sides. It has unit length only if p is
+    /// exactly on the surface.
     [[nodiscard]] Vec<T> shading_normal(const Vec<T>& p) const {
         return Vec<T>((p.x - centre.x) / radius, (p.y - centre.y) / radius, (p.z - centre.z) / radius);
     }
@@ -80,19 +81,19 @@ struct Sphere {
         const T k = radius / length(f);
         return {centre.x + k * f.x, centre.y + k * f.y, centre.z + k * f.z};
     }
-    /// Moves the point of a ray at t onto the surface in object space: f' = f r/|f| with f = p − G, each component off
-    /// by at most γ(5)|f'|. In the world, δ = (γ(3) + 1)γ(5)|f'| + γ(3)(|f'| + |G|).
+    /// Returns the projected point with its error bound. In object space it is f' = f r/|f| with f = p − G, each
+    /// component off by at most γ(5)|f'|. In the world, the bound is δ = (γ(3) + 1)γ(5)|f'| + γ(3)(|f'| + |G|).
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const Vec<T> f = p - centre;
         const T scale = radius / length(f);
-        BoundedPoint<T> b{p, p};
+        BoundedPoint<T> bounded{p, p};
         for (int i = 0; i < 3; ++i) {
-            const T on = f[i] * scale, size = abs(on);
-            b.p[i] = on + centre[i];
-            b.delta[i] =
+            const T coordinate = f[i] * scale, size = abs(coordinate);
+            bounded.p[i] = coordinate + centre[i];
+            bounded.delta[i] =
                 (gamma_bound<T>(3) + T(1)) * (gamma_bound<T>(5) * size) + gamma_bound<T>(3) * (size + abs(centre[i]));
         }
-        return b;
+        return bounded;
     }
 };
 

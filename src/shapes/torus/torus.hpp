@@ -1,4 +1,4 @@
-// The torus.
+// The torus: its numbers, its exact span on a ray, and its distances.
 #pragma once
 
 #include <array>
@@ -13,9 +13,9 @@
 
 namespace lostbits {
 
-/// All points no farther than `minor_radius` > 0 from the circle of `major_radius` around `centre`, across `axis`,
-/// which may have any length. The minor radius is less than the major one, so there is a hole. Otherwise the surface
-/// would intersect itself, and its inside would no longer be where the polynomial is negative.
+/// All points no farther than `minor_radius` > 0 from the circle of `major_radius` around `centre` across `axis`, which
+/// may have any length. The minor radius is less than the major one, so the torus has a hole. Otherwise the surface
+/// would intersect itself, and the polynomial would not be negative everywhere inside.
 template <class T>
 struct Torus {
     Vec<T> centre;
@@ -39,7 +39,8 @@ struct Torus {
           .kind = Key::Kind::length,
           .limit = Key::Limit::positive_below_previous}}};
 
-    /// Builds a torus across y. The rays at the plainest primitives run along z, and such a ray meets it four times.
+    /// Builds a torus with its axis along y. The rays at the plainest primitives run along z, and such a ray meets the
+    /// torus four times.
     static Torus around(const Vec<T>& p, const T& half) {
         const T r = half / T(8);
         return {p, {T(0), T(1), T(0)}, T(5) * r, T(3) * r};
@@ -48,20 +49,22 @@ struct Torus {
     [[nodiscard]] Vec<T> middle() const { return centre; }
     [[nodiscard]] T half_extent() const { return major_radius + minor_radius; }
     [[nodiscard]] Sphere<T> ball_around() const { return {centre, half_extent()}; }
-    /// The point in the direction of u.x and u.y across the axis, at the fraction u.z of the width of the ring.
+    /// Returns the point of the ring's plane in the direction of u.x and u.y, at the fraction u.z of the width of the
+    /// ring.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         const AcrossAxis<T> across(axis);
         const T x = 2 * u.x - 1, y = 2 * u.y - 1, size = sqrt(square(x) + square(y));
         const T r = major_radius + (2 * u.z - 1) * minor_radius;
         if (size == 0) return centre + r * across.side;
-        return centre + (r * x / size) * across.side + (r * y / size) * across.other;
+        return centre + (r * x / size) * across.side + (r * y / size) * part_across_axis.other;
     }
-    /// Scales it by k and keeps its point nearest to `still` where it was. Returns nothing if no point is nearest.
-    [[nodiscard]] std::optional<Torus> grown(const Vec<T>& still, const T& k) const {
-        const FromCircle from(*this, still);
-        if (length(from.aside) == 0 || from.away == 0) return std::nullopt;
-        const Vec<T> there = onto_surface(still);
-        return Torus{there + k * (centre - there), axis, k * major_radius, k * minor_radius};
+    /// Returns the torus scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
+    /// there is no single nearest point.
+    [[nodiscard]] std::optional<Torus> grown(const Vec<T>& fixed, const T& k) const {
+        const RelativeToCircle relative(*this, fixed);
+        if (length(relative.across_axis) == 0 || relative.circle_distance == 0) return std::nullopt;
+        const Vec<T> nearest_point = onto_surface(fixed);
+        return Torus{nearest_point + k * (centre - nearest_point), axis, k * major_radius, k * minor_radius};
     }
 
     /// With f = o − centre, n the axis, w = f × d, a = d·d and x = a t + d·f, the vector from the centre to a point of
@@ -83,65 +86,71 @@ struct Torus {
                 .bound = T(2) * (sqrt(a) * outer),
                 .d2 = a};
     }
-    /// The polynomial of `span` in t itself: n² (p² + R² − r²)² − 4 R² |n × p|² with p = f + t d, since x = a t + d·f
-    /// and |n × p|² = n² p² − (n·p)². It is computed by + − × alone, so numbers without a root or a quotient can hold
-    /// it.
+    /// Returns the polynomial of `span` in t: n² (p² + R² − r²)² − 4 R² |n × p|² with p = f + t d, since x = a t + d·f
+    /// and |n × p|² = n² p² − (n·p)². It is computed by + − × alone, so number types without roots and quotients can be
+    /// used.
     [[nodiscard]] Polynomial<T> along(const Ray<T>& ray) const {
-        const auto by = [](const Vec<T>& u, const Vec<T>& v) { return u.x * v.x + u.y * v.y + u.z * v.z; };
+        const auto dot_product = [](const Vec<T>& u, const Vec<T>& v) { return u.x * v.x + u.y * v.y + u.z * v.z; };
         const Vec<T>&o = ray.origin, &d = ray.direction;
         const Vec<T> f(o.x - centre.x, o.y - centre.y, o.z - centre.z);
-        const T n = by(axis, axis), u = by(axis, f), v = by(axis, d), f2 = by(f, f), h = by(f, d), a = by(d, d);
+        const T n = dot_product(axis, axis), u = dot_product(axis, f), v = dot_product(axis, d), f2 = dot_product(f, f),
+                h = dot_product(f, d), a = dot_product(d, d);
         const T s = f2 + (major_radius + minor_radius) * (major_radius - minor_radius);
         const T four_r2 = T(4) * (major_radius * major_radius), ns = n * s, nh = n * h, na = n * a;
         return {{ns * s - four_r2 * (n * f2 - u * u), T(4) * (ns * h) - T(2) * (four_r2 * (nh - u * v)),
                  T(4) * (nh * h) + T(2) * (na * s) - four_r2 * (na - v * v), T(4) * (nh * a), na * a},
                 4};
     }
-    /// Relative distance of a point outside the surface, in units of `unit()`.
+    /// Returns the signed distance of a point from the surface, in units of `unit()`, positive outside.
     [[nodiscard]] T off_surface(const Vec<T>& p) const { return distance(p) / minor_radius; }
     [[nodiscard]] T unit() const { return minor_radius; }
-    /// Signed distance of a point from the surface, negative inside.
-    [[nodiscard]] T distance(const Vec<T>& p) const { return FromCircle(*this, p).away - minor_radius; }
+    /// Returns the signed distance of a point from the surface, negative inside.
+    [[nodiscard]] T distance(const Vec<T>& p) const {
+        return RelativeToCircle(*this, p).circle_distance - minor_radius;
+    }
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
-        const FromCircle from(*this, p);
-        const T k = T(1) / from.away;
-        return {k * from.way.x, k * from.way.y, k * from.way.z};
+        const RelativeToCircle relative(*this, p);
+        const T k = T(1) / relative.circle_distance;
+        return {k * relative.from_circle.x, k * relative.from_circle.y, k * relative.from_circle.z};
     }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
-    /// The projected point q + v (r/|v|) with its error. q = c + w (R/|w|), w is the part of f = p − c across the
-    /// axis, off by γ(11)|f| at most, and v = p − q. q is off by that times R/|w| and by γ(6)R more. An error of v
-    /// moves the point about q, except for the γ(6)r of its length.
+    /// Returns the projected point q + v (r/|v|) with its error bound. With c the centre, w is the part of f = p − c
+    /// across the axis, off by γ(11)|f| at most, q = c + w (R/|w|) and v = p − q. The error of q is that of w times
+    /// R/|w|, and γ(6)R more. An error of v only turns the point about q, except for the error γ(6)r of its length.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
-        const FromCircle from(*this, p);
-        const T turned = gamma_bound<T>(12) * (major_radius * (length(Vec<T>(p - centre)) / length(from.aside)));
-        BoundedPoint<T> b{onto_surface(p), p};
+        const RelativeToCircle relative(*this, p);
+        const T position_error =
+            gamma_bound<T>(12) * (major_radius * (length(Vec<T>(p - centre)) / length(relative.across_axis)));
+        BoundedPoint<T> bounded{onto_surface(p), p};
         for (int i = 0; i < 3; ++i)
-            b.delta[i] = turned + gamma_bound<T>(8) * half_extent() + gamma_bound<T>(3) * abs(centre[i]);
-        return b;
+            bounded.delta[i] = position_error + gamma_bound<T>(8) * half_extent() + gamma_bound<T>(3) * abs(centre[i]);
+        return bounded;
     }
 
 private:
-    /// A point and the circle: `aside` is its part across the axis from the centre, `way` the vector from the nearest
-    /// point of the circle.
-    struct FromCircle {
-        Vec<T> aside, way;
-        T away;
+    /// Position of a point relative to the circle: `across_axis` is the part of its vector from the centre that is
+    /// perpendicular to the axis, `from_circle` the vector from the nearest point of the circle, and `circle_distance`
+    /// the length of the latter.
+    struct RelativeToCircle {
+        Vec<T> across_axis, from_circle;
+        T circle_distance;
 
-        FromCircle(const Torus& torus, const Vec<T>& p)
-            : aside(across(torus, p)),
-              way(p - torus.centre - (torus.major_radius / length(aside)) * aside),
-              away(length(way)) {}
+        RelativeToCircle(const Torus& torus, const Vec<T>& p)
+            : across_axis(part_across_axis(torus, p)),
+              from_circle(p - torus.centre - (torus.major_radius / length(across_axis)) * across_axis),
+              circle_distance(length(from_circle)) {}
 
     private:
-        static Vec<T> across(const Torus& torus, const Vec<T>& p) {
+        static Vec<T> part_across_axis(const Torus& torus, const Vec<T>& p) {
             const Vec<T> f = p - torus.centre;
             return f - (dot(torus.axis, f) / square(torus.axis)) * torus.axis;
         }
     };
 
     [[nodiscard]] Vec<T> onto_surface(const Vec<T>& p) const {
-        const FromCircle from(*this, p);
-        return centre + (major_radius / length(from.aside)) * from.aside + (minor_radius / from.away) * from.way;
+        const RelativeToCircle relative(*this, p);
+        return centre + (major_radius / length(relative.across_axis)) * relative.across_axis +
+               (minor_radius / relative.circle_distance) * relative.from_circle;
     }
 };
 

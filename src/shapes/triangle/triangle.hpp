@@ -1,4 +1,4 @@
-// The triangle.
+// The triangle: its numbers, its exact span on a ray, and its distances.
 #pragma once
 
 #include <array>
@@ -13,9 +13,8 @@
 
 namespace lostbits {
 
-/// All points u a + v b + w c with u, v, w ≥ 0 and u + v + w = 1. It is closed, met from both sides, and has an area.
-/// A line in its plane misses it: the points that they share are a segment without a first t of its own, and no known
-/// code answers one.
+/// All points u a + v b + w c with u, v, w ≥ 0 and u + v + w = 1. The triangle is closed and has an area, and a ray may
+/// hit it from both sides. A line in its plane misses it: no known code reports the segment that they share.
 template <class T>
 struct Triangle {
     Vec<T> a;
@@ -34,8 +33,8 @@ struct Triangle {
          {.name = "b", .letter = "v1", .aliases = {"v1", "p1"}},
          {.name = "c", .letter = "v2", .limit = Key::Limit::off_line_before, .aliases = {"v2", "p2"}}}};
 
-    /// Builds a triangle across the z axis of the point, `half` below it. A triangle is flat, so it cannot extend that
-    /// far on all sides.
+    /// Builds a triangle in the plane z = p.z − half, from p − half to p + half in x and y. A triangle is flat, so it
+    /// cannot extend that far on all sides.
     static Triangle around(const Vec<T>& p, const T& half) {
         return {
             {p.x - half, p.y - half, p.z - half}, {p.x + half, p.y - half, p.z - half}, {p.x, p.y + half, p.z - half}};
@@ -46,18 +45,19 @@ struct Triangle {
     [[nodiscard]] T half_extent() const { return unit() / 2; }
     [[nodiscard]] Sphere<T> ball_around() const {
         const Vec<T> m = middle();
-        const T reach = max(max(square(Vec<T>(a - m)), square(Vec<T>(b - m))), square(Vec<T>(c - m)));
-        return {m, sqrt(reach)};
+        const T radius2 = max(max(square(Vec<T>(a - m)), square(Vec<T>(b - m))), square(Vec<T>(c - m)));
+        return {m, sqrt(radius2)};
     }
-    /// The point at the fractions u.x and u.y along two sides, mirrored back if it would be outside. Points are
-    /// uniform over the triangle.
+    /// Returns the point at the fractions u.x and u.y along two sides, mirrored back if it would be outside. For
+    /// uniform u, the points are uniform over the triangle.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
-        const bool out = u.x + u.y > 1;
-        return a + (out ? 1 - u.x : u.x) * (b - a) + (out ? 1 - u.y : u.y) * (c - a);
+        const bool is_outside = u.x + u.y > 1;
+        return a + (is_outside ? 1 - u.x : u.x) * (b - a) + (is_outside ? 1 - u.y : u.y) * (c - a);
     }
-    [[nodiscard]] std::optional<Triangle> grown(const Vec<T>& still, const T& k) const {
-        const Vec<T> there = nearest(still);
-        return Triangle{there + k * (a - there), there + k * (b - there), there + k * (c - there)};
+    [[nodiscard]] std::optional<Triangle> grown(const Vec<T>& fixed, const T& k) const {
+        const Vec<T> nearest_point = nearest(fixed);
+        return Triangle{nearest_point + k * (a - nearest_point), nearest_point + k * (b - nearest_point),
+                        nearest_point + k * (c - nearest_point)};
     }
 
     /// With a, b, c relative to o, the signs of d·(b × c), d·(c × a) and d·(a × b) say on which sides the line passes
@@ -79,22 +79,25 @@ struct Triangle {
                 .front = front,
                 .d2 = square(ray.direction)};
     }
-    /// Barycentric coordinates of the point at which the line crosses the plane, x a + y b + z c: each of the three
-    /// numbers whose signs say on which sides of the edges it passes, divided by their sum d·n.
+    /// Returns the barycentric coordinates (x, y, z) of the point x a + y b + z c at which the line crosses the plane:
+    /// the three numbers of `span` whose signs say on which sides of the edges the line passes, divided by their sum
+    /// d·n.
     [[nodiscard]] Vec<T> weights(const Ray<T>& ray) const {
         return (T(1) / dot(ray.direction, normal())) * volumes(ray);
     }
-    /// Signed distance of a point from the plane, in units of `unit()`, positive on the side that n points to.
+    /// Returns the signed distance of a point from the plane, in units of `unit()`, positive on the side that n points
+    /// to.
     [[nodiscard]] T off_surface(const Vec<T>& p) const {
         const Vec<T> n = normal();
         return dot(p - a, n) / (length(n) * unit());
     }
     /// The longest side of its bounding box.
     [[nodiscard]] T unit() const {
-        const auto side = [](const T& x, const T& y, const T& z) { return max(max(x, y), z) - min(min(x, y), z); };
-        return max(max(side(a.x, b.x, c.x), side(a.y, b.y, c.y)), side(a.z, b.z, c.z));
+        const auto extent = [](const T& x, const T& y, const T& z) { return max(max(x, y), z) - min(min(x, y), z); };
+        return max(max(extent(a.x, b.x, c.x), extent(a.y, b.y, c.y)), extent(a.z, b.z, c.z));
     }
-    /// |p − q| with q the point of the triangle nearest to p. A triangle has no inside, so this is never negative.
+    /// Returns |p − q| with q the point of the triangle nearest to p. A triangle has no inside, so this is never
+    /// negative.
     [[nodiscard]] T distance(const Vec<T>& p) const { return length(Vec<T>(p - nearest(p))); }
     /// The unit normal on the side that the ray comes from.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>&) const {
@@ -103,8 +106,8 @@ struct Triangle {
         return (T(1) / (dot(n, ray.direction) > T(0) ? -size : size)) * n;
     }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_plane(p); }
-    /// The projected point u a + v b + w c, by the barycentric coordinates of p. Each component is off by at most
-    /// γ(7)(|u a| + |v b| + |w c|). Source: pbrt-v4, section 6.8.4.
+    /// Returns the projected point u a + v b + w c, by the barycentric coordinates of p, with its error bound: each
+    /// component is off by at most γ(7)(|u a| + |v b| + |w c|). Source: pbrt-v4, section 6.8.4.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const Vec<T> n = normal(), from = p - a;
         const T n2 = square(n);
@@ -119,7 +122,7 @@ struct Triangle {
 
 private:
     [[nodiscard]] Vec<T> normal() const { return cross(b - a, c - a); }
-    /// d·(b × c), d·(c × a) and d·(a × b), with the vertices relative to o.
+    /// Returns d·(b × c), d·(c × a) and d·(a × b), with the vertices relative to o.
     [[nodiscard]] Vec<T> volumes(const Ray<T>& ray) const {
         const Vec<T> pa = a - ray.origin, pb = b - ray.origin, pc = c - ray.origin;
         return Vec<T>(dot(ray.direction, cross(pb, pc)), dot(ray.direction, cross(pc, pa)),
@@ -129,25 +132,27 @@ private:
         const Vec<T> n = normal();
         return p - (dot(p - a, n) / square(n)) * n;
     }
-    /// The point of the segment from x to y that is nearest to p.
+    /// Returns the point of the segment from x to y that is nearest to p.
     static Vec<T> on_edge(const Vec<T>& x, const Vec<T>& y, const Vec<T>& p) {
-        const Vec<T> along = y - x;
-        return x + min(max(dot(p - x, along) / square(along), T(0)), T(1)) * along;
+        const Vec<T> edge = y - x;
+        return x + min(max(dot(p - x, edge) / square(edge), T(0)), T(1)) * edge;
     }
-    /// The nearest point: that of the plane if p is over or under the triangle, else the nearest of the points of the
-    /// edges.
+    /// Returns the point of the triangle nearest to p: its projection onto the plane if this lies in the triangle, else
+    /// the nearest point of an edge.
     [[nodiscard]] Vec<T> nearest(const Vec<T>& p) const {
         const T zero(0);
         const Vec<T> n = normal();
-        const auto within = [&](const Vec<T>& x, const Vec<T>& y) { return dot(cross(n, y - x), p - x) >= zero; };
-        const auto over = within(a, b) && within(b, c) && within(c, a);
-        const auto chosen = [](const mask_t<T>& mask, const Vec<T>& x, const Vec<T>& y) {
+        const auto is_inside_edge = [&](const Vec<T>& x, const Vec<T>& y) {
+            return dot(cross(n, y - x), p - x) >= zero;
+        };
+        const auto is_over = is_inside_edge(a, b) && is_inside_edge(b, c) && is_inside_edge(c, a);
+        const auto select_vec = [](const mask_t<T>& mask, const Vec<T>& x, const Vec<T>& y) {
             return Vec<T>(select(mask, x.x, y.x), select(mask, x.y, y.y), select(mask, x.z, y.z));
         };
         const auto nearer = [&](const Vec<T>& x, const Vec<T>& y) {
-            return chosen(square(Vec<T>(x - p)) < square(Vec<T>(y - p)), x, y);
+            return select_vec(square(Vec<T>(x - p)) < square(Vec<T>(y - p)), x, y);
         };
-        return chosen(over, onto_plane(p), nearer(nearer(on_edge(a, b, p), on_edge(b, c, p)), on_edge(c, a, p)));
+        return select_vec(is_over, onto_plane(p), nearer(nearer(on_edge(a, b, p), on_edge(b, c, p)), on_edge(c, a, p)));
     }
 };
 

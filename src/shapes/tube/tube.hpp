@@ -1,4 +1,4 @@
-// The tube.
+// The tube: its numbers, its exact span on a ray, and its distances.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@
 namespace lostbits {
 
 /// A cylinder without caps, open at both ends: all points at `radius` > 0 from the line through `bottom` and `top`,
-/// between the planes across it at these two points. It is a surface, met from both sides. A line along the axis
-/// misses it, even within the wall.
+/// between the planes across this line at the two points. It is a surface, and a ray may hit it from both sides. A line
+/// along the axis misses it, even if it lies in the wall.
 template <class T>
 struct Tube {
     Vec<T> bottom;
@@ -42,48 +42,50 @@ struct Tube {
     [[nodiscard]] Vec<T> middle() const { return primitive().middle(); }
     [[nodiscard]] T half_extent() const { return primitive().half_extent(); }
     [[nodiscard]] Sphere<T> ball_around() const { return primitive().ball_around(); }
-    /// The point at the fraction u.x of its height, in the direction of u.y and u.z across it.
+    /// Returns the point of the wall at the fraction u.x of its height, in the direction of u.y and u.z across the
+    /// axis.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         const AcrossAxis<T> across(axis());
         const T x = 2 * u.y - 1, y = 2 * u.z - 1, size = sqrt(square(x) + square(y));
         if (size == 0) return bottom + u.x * axis() + radius * across.side;
         return bottom + u.x * axis() + (radius * x / size) * across.side + (radius * y / size) * across.other;
     }
-    [[nodiscard]] std::optional<Tube> grown(const Vec<T>& still, const T& k) const {
-        if (length(across(still)) == 0) return std::nullopt;
-        const Vec<T> there = onto_surface(still);
-        return Tube{there + k * (bottom - there), there + k * (top - there), k * radius};
+    [[nodiscard]] std::optional<Tube> grown(const Vec<T>& fixed, const T& k) const {
+        if (length(across(fixed)) == 0) return std::nullopt;
+        const Vec<T> nearest_point = onto_surface(fixed);
+        return Tube{nearest_point + k * (bottom - nearest_point), nearest_point + k * (top - nearest_point),
+                    k * radius};
     }
 
-    /// The t at which the line crosses the wall, from the span of the cylinder.
+    /// Returns the t at which the line crosses the wall, from the span of the cylinder.
     [[nodiscard]] WallSpan<T> span(const Ray<T>& ray) const {
         const CappedSpan<T> span = primitive().span(ray);
         return {span, span.d2};
     }
-    /// Distance of a point from the wall, in units of `unit()`, whether it is outside, inside or beyond an end.
+    /// Returns the distance of a point from the wall, in units of `unit()`; it is positive inside the tube too.
     [[nodiscard]] T off_surface(const Vec<T>& p) const { return distance(p) / radius; }
     [[nodiscard]] T unit() const { return radius; }
-    /// |p − q| with q the point of the wall nearest to p. A tube has no inside, so this is never negative.
+    /// Returns |p − q| with q the point of the wall nearest to p. A tube has no inside, so this is never negative.
     [[nodiscard]] T distance(const Vec<T>& p) const { return length(Vec<T>(p - onto_surface(p))); }
-    /// The unit normal on the side that the ray comes from.
+    /// Returns the unit normal on the side that the ray comes from.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>& p) const {
         const Vec<T> w = across(p);
-        const T k = T(1) / length(w), towards = select(dot(w, ray.direction) > T(0), -k, k);
-        return {towards * w.x, towards * w.y, towards * w.z};
+        const T k = T(1) / length(w), signed_k = select(dot(w, ray.direction) > T(0), -k, k);
+        return {signed_k * w.x, signed_k * w.y, signed_k * w.z};
     }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
-    /// The projected point with its error, which is that of the cylinder.
+    /// Returns the projected point with its error bound, which is that of the cylinder.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - bottom)) + radius;
-        BoundedPoint<T> b{onto_surface(p), p};
-        for (int i = 0; i < 3; ++i) b.delta[i] = gamma_bound<T>(16) * size + gamma_bound<T>(3) * abs(bottom[i]);
-        return b;
+        BoundedPoint<T> bounded{onto_surface(p), p};
+        for (int i = 0; i < 3; ++i) bounded.delta[i] = gamma_bound<T>(16) * size + gamma_bound<T>(3) * abs(bottom[i]);
+        return bounded;
     }
 
 private:
     [[nodiscard]] Cylinder<T> primitive() const { return {bottom, top, radius}; }
     [[nodiscard]] Vec<T> axis() const { return top - bottom; }
-    /// Position of a point along the axis, as a fraction of its length.
+    /// Returns the position of a point along the axis, as a fraction of its length.
     [[nodiscard]] T along(const Vec<T>& p) const { return dot(axis(), Vec<T>(p - bottom)) / square(axis()); }
     [[nodiscard]] Vec<T> across(const Vec<T>& p) const { return p - bottom - along(p) * axis(); }
     [[nodiscard]] Vec<T> onto_surface(const Vec<T>& p) const {

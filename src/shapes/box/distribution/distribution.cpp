@@ -13,110 +13,116 @@ using rays::stored;
 
 namespace {
 
-/// Draws a box near `away`. Each side is between half of the size and all of it, and one side has the stated thickness.
-/// The centre is not a special point.
-Box<double> draw_box(Random& random, const BoxDistribution& f, const Vec<double>& away) {
+/// Draws a box near `position`. Each side is between half of the size and all of it, but one side has the stated
+/// thickness if that is below 1. `position` is not the exact centre.
+Box<double> draw_box(Random& random, const BoxDistribution& settings, const Vec<double>& position) {
     Box<double> box;
-    const int thin = random.below(3);
+    const int thin_axis = random.below(3);
     for (int i = 0; i < 3; ++i) {
-        const double side = f.size * (i == thin && f.thickness < 1 ? f.thickness : random.between(0.5, 1));
-        box.lo[i] = stored(away[i] + f.size * random.between(-0.75, -0.25));
+        const double side =
+            settings.size * (i == thin_axis && settings.thickness < 1 ? settings.thickness : random.between(0.5, 1));
+        box.lo[i] = stored(position[i] + settings.size * random.between(-0.75, -0.25));
         box.hi[i] = stored(box.lo[i] + side);
     }
     return box;
 }
 
-/// The eight boxes into which a point inside a box cuts it.
-std::vector<Primitive<double>> cut(const Box<double>& box, const Vec<double>& at) {
+/// Returns the eight boxes into which the planes through a point inside a box cut it.
+std::vector<Primitive<double>> cut(const Box<double>& box, const Vec<double>& point) {
     std::vector<Primitive<double>> parts;
-    for (int n = 0; n < 8; ++n) {
+    for (int octant = 0; octant < 8; ++octant) {
         Box<double> part = box;
-        for (int i = 0; i < 3; ++i) ((n >> i & 1) != 0 ? part.lo : part.hi)[i] = at[i];
+        for (int i = 0; i < 3; ++i) ((octant >> i & 1) != 0 ? part.lo : part.hi)[i] = point[i];
         parts.emplace_back(part);
     }
     return parts;
 }
 
-/// A point of a face, edge or corner, and the directions (±1, or 0 for an axis) in which the box ends there.
-struct Feature {
+/// A point of a face, edge or corner, and for each axis the direction in which the box ends there: ±1, or 0 if it does
+/// not.
+struct TouchPoint {
     Vec<double> point;
     Vec<double> outward;
 };
 
-Feature draw_feature(Random& random, const BoxDistribution& f, const Box<double>& box) {
+TouchPoint draw_touch_point(Random& random, const BoxDistribution& settings, const Box<double>& box) {
     using A = BoxDistribution::Aim;
-    const int fixed = f.aim == A::inside ? 0 : f.aim == A::face ? 1 : f.aim == A::edge ? 2 : 3;
+    const int fixed_axes = settings.aim == A::inside ? 0
+                           : settings.aim == A::face ? 1
+                           : settings.aim == A::edge ? 2
+                                                     : 3;
     const int first = random.below(3);
-    Feature feature{{0, 0, 0}, {0, 0, 0}};
+    TouchPoint touch{{0, 0, 0}, {0, 0, 0}};
     for (int k = 0; k < 3; ++k) {
         const int axis = (first + k) % 3;
         const double share = random.between(0.05, 0.95);
-        feature.point[axis] = box.lo[axis] + share * (box.hi[axis] - box.lo[axis]);
-        if (k >= fixed) continue;
-        feature.outward[axis] = random.sign();
-        feature.point[axis] = feature.outward[axis] > 0 ? box.hi[axis] : box.lo[axis];
+        touch.point[axis] = box.lo[axis] + share * (box.hi[axis] - box.lo[axis]);
+        if (k >= fixed_axes) continue;
+        touch.outward[axis] = random.sign();
+        touch.point[axis] = touch.outward[axis] > 0 ? box.hi[axis] : box.lo[axis];
     }
-    return feature;
+    return touch;
 }
 
-/// Draws a direction of length about 1 whose line meets the box only in the feature. It goes in across one of the
-/// faces that meet there and out across another. If there is only one face, it runs along it.
-Vec<double> draw_direction(Random& random, const Feature& feature) {
+/// Draws a unit direction. At an edge or a corner, its line meets the box only in the touch point: relative to the
+/// planes of the faces, it comes in across one and goes out across another. On a face, it runs along the face.
+Vec<double> draw_direction(Random& random, const TouchPoint& touch) {
     Vec<double> d(0, 0, 0);
-    int ends = 0;
-    double last = 0;
+    int face_count = 0;
+    double last_side = 0;
     for (int i = 0; i < 3; ++i) {
-        const double sign = random.sign();  // by itself: the order of operands is the compiler's choice
+        const double sign = random.sign();  // in a statement of its own: compilers may evaluate operands in any order
         d[i] = sign * random.between(0.1, 1);
-        if (feature.outward[i] == 0) continue;
-        // The line leaves the second face the other way than the first. A third face keeps the drawn sign.
-        if (++ends == 2) d[i] = -std::copysign(d[i], last * feature.outward[i]);
-        last = d[i] * feature.outward[i];
+        if (touch.outward[i] == 0) continue;
+        // The line crosses the plane of the second face in the opposite sense to the first. The drawn sign stays for a
+        // third face.
+        if (++face_count == 2) d[i] = -std::copysign(d[i], last_side * touch.outward[i]);
+        last_side = d[i] * touch.outward[i];
     }
-    if (ends == 1) {
-        for (int i = 0; i < 3; ++i) d[i] = feature.outward[i] != 0 ? 0 : d[i];
+    if (face_count == 1) {
+        for (int i = 0; i < 3; ++i) d[i] = touch.outward[i] != 0 ? 0 : d[i];
     }
     return d / length(d);
 }
 
-RayGroup box_rays(Random& random, const BoxDistribution& f) {
-    const Box<double> box = draw_box(random, f, offset_of(f));
+RayGroup box_rays(Random& random, const BoxDistribution& settings) {
+    const Box<double> box = draw_box(random, settings, offset_of(settings));
     Vec<double> middle(0, 0, 0);
     for (int i = 0; i < 3; ++i) middle[i] = stored(box.lo[i] + random.between(0.3, 0.7) * (box.hi[i] - box.lo[i]));
     RayGroup group;
-    if (f.adjoining) group.primitives = cut(box, middle);
+    if (settings.adjoining) group.primitives = cut(box, middle);
     else group.primitives.emplace_back(box);
-    const bool on_other = f.begin == rays::Begin::on_other;
+    const bool on_other = settings.begin == rays::Begin::on_other;
     if (on_other)
         group.primitives.emplace_back(
-            draw_box(random, f, offset_of(f) + (f.distance * f.size) * rays::draw_direction(random)));
-    const double magnitude = rays::direction_length(f);
-    for (int i = 0; i < f.rays; ++i) {
-        Feature feature = draw_feature(random, f, box);
-        Vec<double> d = draw_direction(random, feature);
-        if (f.adjoining) {
-            // The shared points lie on the planes through the middle. The line continues to the inside of the whole
-            // box.
+            draw_box(random, settings,
+                     offset_of(settings) + (settings.distance * settings.size) * rays::draw_direction(random)));
+    const double magnitude = rays::direction_length(settings);
+    for (int i = 0; i < settings.rays; ++i) {
+        TouchPoint touch = draw_touch_point(random, settings, box);
+        Vec<double> d = draw_direction(random, touch);
+        if (settings.adjoining) {
+            // The shared points lie on the planes through the middle. The line continues inside the whole box.
             for (int k = 0; k < 3; ++k) {
-                if (feature.outward[k] != 0) feature.point[k] = middle[k];
+                if (touch.outward[k] != 0) touch.point[k] = middle[k];
             }
         }
-        const Vec<double> moved = feature.point + (f.gap * f.size) * feature.outward;
+        const Vec<double> moved = touch.point + (settings.gap * settings.size) * touch.outward;
         if (on_other) {
-            group.rays.push(rays::ray_from_surface(random, f, group.primitives.back(), moved, d));
+            group.rays.push(rays::ray_from_surface(random, settings, group.primitives.back(), moved, d));
             continue;
         }
-        group.rays.push({stored(moved - (f.distance * f.size) * d), stored(magnitude * d)});
+        group.rays.push({stored(moved - (settings.distance * settings.size) * d), stored(magnitude * d)});
     }
     return group;
 }
 
 }  // namespace
 
-rays::AimedPlace BoxDistribution::aimed_at(Random& random, const Primitive<double>& primitive, int feature) {
+rays::AimedPlace BoxDistribution::aimed_at(Random& random, const Primitive<double>& primitive, int target) {
     Vec<double> share(0, 0, 0);
-    const int free = random.below(3);
-    for (int k = 0; k < 3; ++k) share[k] = feature == edge && k == free ? random.unit() : random.below(2);
+    const int free_axis = random.below(3);
+    for (int k = 0; k < 3; ++k) share[k] = target == edge && k == free_axis ? random.unit() : random.below(2);
     return primitive.box().point_at(share);
 }
 
@@ -124,17 +130,18 @@ BoxDistribution BoxDistribution::read(toml::TableReader table) {
     using A = BoxDistribution::Aim;
     static constexpr std::pair<std::string_view, A> aims[] = {
         {"face", A::face}, {"edge", A::edge}, {"corner", A::corner}, {"inside", A::inside}};
-    BoxDistribution f;
-    f.aim = table.optional_one_of<A>("aim", aims).value_or(f.aim);
-    table.read("begin", f.begin, rays::begins);
-    f.adjoining = table.optional_boolean("adjoining").value_or(false);
-    table.read_number("size", f.size, 0x1p-100, 0x1p+100);
-    table.read_number("thickness", f.thickness, 0, 1);
-    table.read_number("distance", f.distance, 0, 0x1p+100);
-    table.read_number("gap", f.gap, -0.25, 0.25);
-    if (f.adjoining && f.thickness == 0) table.fail_at("thickness", "must be above 0 with adjoining boxes");
-    rays::read_common_keys(table, f);
-    return f;
+    BoxDistribution settings;
+    settings.aim = table.optional_one_of<A>("aim", aims).value_or(settings.aim);
+    table.read("begin", settings.begin, rays::begins);
+    settings.adjoining = table.optional_boolean("adjoining").value_or(false);
+    table.read_number("size", settings.size, 0x1p-100, 0x1p+100);
+    table.read_number("thickness", settings.thickness, 0, 1);
+    table.read_number("distance", settings.distance, 0, 0x1p+100);
+    table.read_number("gap", settings.gap, -0.25, 0.25);
+    if (settings.adjoining && settings.thickness == 0)
+        table.fail_at("thickness", "must be above 0 with adjoining boxes");
+    rays::read_common_keys(table, settings);
+    return settings;
 }
 
 std::vector<RayGroup> BoxDistribution::draw() const { return rays::draw_views(*this, box_rays); }

@@ -1,4 +1,4 @@
-// Random rays at boxes: seeded, aimed at faces, edges and corners, and past them by a stated gap.
+// Random rays at boxes: seeded, aimed at faces, edges and corners, or past them by a stated gap.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,11 @@
 
 namespace lostbits::scene::box {
 
-/// A box of random sides, and rays that touch it in one point of an edge or a corner, or run along a face, and are
-/// then moved away from it by `gap`. With `adjoining`, the box is one of eight that share three planes, and the rays
-/// are aimed at the shared points. The closed boxes fill the space around these points, so each such ray meets one of
-/// them. Rays that begin on another box are aimed at the same points, but come from any direction.
+/// A box with random sides, and rays that touch it at one point of an edge or a corner, or run along a face. The rays
+/// are then moved away from the box by `gap`. With `adjoining`, the box is cut into eight boxes that share three
+/// planes, and the rays are aimed at the shared points. The closed boxes fill the space around these points, so each
+/// such ray meets one of them. With `begin` on_other, the group has a second box, and the rays start on its surface.
+/// They are aimed at the same points, but come from any direction.
 struct BoxDistribution {
     static constexpr std::string_view table = "box_rays";
     enum class Aim { face, edge, corner, inside };
@@ -32,12 +33,12 @@ struct BoxDistribution {
     int rays = 1;                    ///< rays per box
     std::uint64_t seed = 1;
 
-    enum Feature { edge, corner };
+    enum OutsideAim { edge, corner };
     static constexpr std::pair<std::string_view, int> aims[] = {{"edge", edge}, {"corner", corner}};
-    /// Draws a point of an edge, or a corner, for rays from any direction.
-    static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int feature);
+    /// Draws a point of an edge, or a corner, as a target for rays that come from any direction.
+    static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int target);
 
-    /// Reads `[box_rays]`. InputError with a position for anything out of range.
+    /// Reads `[box_rays]`. Throws InputError with a position if a number is out of range.
     static BoxDistribution read(toml::TableReader table);
     /// Draws the rays: shared inputs, each number rounded once to binary32.
     [[nodiscard]] std::vector<rays::RayGroup> draw() const;

@@ -1,7 +1,7 @@
-// The slab method as first written: tmin = max(tmin, min(t1, t2)), tmax = min(tmax, max(t1, t2)), a hit where tmin <
-// tmax. The inequality is strict, for the open box. A ray in one of the planes (d = ±0) makes 0·∞ = NaN there. A NaN
-// in t1 is dropped, and nothing is left of the ray. A NaN in t2 becomes tmin and tmax, and the next axis replaces
-// both: what was known from earlier axes, from t ≥ 0 and from the end of the ray is lost.
+// The slab method as first written: tmin = max(tmin, min(t1, t2)), tmax = min(tmax, max(t1, t2)), a hit if tmin < tmax.
+// The inequality is strict, for the open box. A ray in one of the planes (d = ±0) makes 0·∞ = NaN. A NaN in t1 is
+// dropped, and then no part of the ray is inside. A NaN in t2 becomes tmin and tmax, and the next axis replaces both,
+// so the limits from earlier axes, from t ≥ 0 and from the end of the ray are lost.
 #pragma once
 
 #include "shapes/box/forms/slab.hpp"

@@ -1,5 +1,5 @@
-// The robust test of madmann91/bvh: `signs`, with 1/d of each far plane two last places larger, after Ize. An infinite
-// 1/d stays as it is. Two last places are 2u to 4u of 1/d, and 2u where its significand is near 2. The six roundings
+// The robust test of madmann91/bvh: `signs`, with 1/d of each far plane two units in the last place larger, after Ize.
+// An infinite 1/d stays as it is. Two units are 2u to 4u of 1/d, and 2u if its significand is near 2. The six roundings
 // of a near and a far plane that meet can separate them by 6u, so a rare ray still slips through.
 #pragma once
 

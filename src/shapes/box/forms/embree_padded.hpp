@@ -1,7 +1,7 @@
 // Embree's robust traversal since version 3: it pads 1/d, and no longer the comparison. With ε = 2u, a near plane's t
-// is (bmin − o)·fl((1 − 3ε)/d), and a far plane's is (bmax − o)·fl((1 + 3ε)/d). A component with |d| < 10⁻¹⁸ becomes
-// +10⁻¹⁸. Each t rounds four times, by less than its padding, so tmin is never late and tmax is never early. The end
-// of the ray is compared with a tmin that is early too.
+// is (bmin − o)·fl((1 − 3ε)/d), and a far plane's t is (bmax − o)·fl((1 + 3ε)/d). A component with |d| < 10⁻¹⁸ becomes
+// +10⁻¹⁸. Each t has four roundings, which are less than its padding, so tmin is never too late and tmax never too
+// early. The tmin that is compared with the end of the ray is padded too.
 #pragma once
 
 #include "shapes/box/forms/slab.hpp"
@@ -24,10 +24,10 @@ struct EmbreePadded {
             const T d = ray.direction[axis];
             const T inv = named("inv", T(1) / select(abs(d) < tiny, tiny, d));
             const Planes<T> planes = planes_by_sign<T>(box, axis, inv);
-            const T before = named("inv_near", (T(1) - three_eps) * inv);
-            const T after = named("inv_far", (T(1) + three_eps) * inv);
-            tmin = named("tmin", max((planes.bmin - ray.origin[axis]) * before, tmin));
-            tmax = named("tmax", min((planes.bmax - ray.origin[axis]) * after, tmax));
+            const T inv_near = named("inv_near", (T(1) - three_eps) * inv);
+            const T inv_far = named("inv_far", (T(1) + three_eps) * inv);
+            tmin = named("tmin", max((planes.bmin - ray.origin[axis]) * inv_near, tmin));
+            tmax = named("tmax", min((planes.bmax - ray.origin[axis]) * inv_far, tmax));
         }
         return entered<T>(tmin <= tmax, {tmin, tmax});
     }

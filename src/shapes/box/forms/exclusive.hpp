@@ -1,5 +1,5 @@
-// The open box: tmin = max(tmin, min(min(t1, t2), tmax)), tmax = min(tmax, max(max(t1, t2), tmin)) with the new tmin,
-// a hit where tmin < tmax. If t1 or t2 is NaN, tmin = tmax after that axis, whatever the sign of d = ±0.
+// The open box: tmin = max(tmin, min(min(t1, t2), tmax)), tmax = min(tmax, max(max(t1, t2), tmin)) with the new tmin, a
+// hit if tmin < tmax. If t1 or t2 is NaN, tmin = tmax after that axis, for either sign of d = ±0.
 #pragma once
 
 #include "shapes/box/forms/slab.hpp"

@@ -1,7 +1,7 @@
 // `signs` with a bound on the rounding error of each t. If the bound does not prove the decision, the planes are
 // compared without dividing, in wider arithmetic and then exactly. The decision about the closed box is never wrong. t
-// is that of `signs`, and three roundings leave at least 21 of its 24 bits correct (50 of 53). If an intermediate
-// result overflows, t is computed in wider numbers.
+// is that of `signs`: after its three roundings, at least 21 of its 24 bits are correct (50 of 53). If an intermediate
+// result overflows, t is computed in a wider number type.
 #pragma once
 
 #include "intersect/filter_arithmetic.hpp"
@@ -22,7 +22,7 @@ struct FilteredSlabs {
         return intersect(ray, box, limit, watch);
     }
 
-    /// Calls `watch(way)` for every arithmetic beyond the first that is used.
+    /// Calls `watch(arithmetic)` for every arithmetic beyond the first that is used.
     template <Number T, BoxOf<T> B, class Watch>
     static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit, Watch& watch) {
         T tmin(0), tmax = limit;
@@ -30,12 +30,13 @@ struct FilteredSlabs {
             clip_by_signs(ray, box, tmin, tmax);
             return entered<T>(tmin <= tmax, {tmin, tmax});
         } else {
-            T way(0);
+            T overflow_sum(0);
             clip_by_signs(ray, box, tmin, tmax,
-                          [&](int /*axis*/, const T& /*inv*/, const T& dmax) { way = way + dmax; });
-            const filtered::Decided<T> cheap = filtered::by_bound<T>(tmin, tmax, way);
-            if (!any_of(!cheap.proved)) return entered<T>(cheap.hit, {tmin, tmax});
-            return filtered::by_planes<T>(ray, filtered::planes_of<T>(ray, box), {{tmin, tmax}, limit}, cheap, watch);
+                          [&](int /*axis*/, const T& /*inv*/, const T& dmax) { overflow_sum = overflow_sum + dmax; });
+            const filtered::BoundDecision<T> bound_decision = filtered::by_bound<T>(tmin, tmax, overflow_sum);
+            if (!any_of(!bound_decision.proved)) return entered<T>(bound_decision.hit, {tmin, tmax});
+            return filtered::by_planes<T>(ray, filtered::planes_of<T>(ray, box), {{tmin, tmax}, limit}, bound_decision,
+                                          watch);
         }
     }
 };

@@ -9,14 +9,14 @@
 namespace lostbits::intersect::box {
 namespace filtered {
 
-/// The first step's decision; `in_range` says whether its tmin and tmax are accurate.
+/// Decision of the first step. `in_range` is true if its tmin and tmax are accurate.
 template <Number T>
-struct Decided : SlabDecision<T> {
+struct BoundDecision : SlabDecision<T> {
     mask_t<T> in_range;
 };
 
-/// Decides by tmin and tmax alone. Each is zero, the ray's end, or a t = (plane − o)·(1/d) that is off by three
-/// roundings. With L the least normal number and M = 1/L:
+/// Decides by tmin and tmax alone. Each of them is zero, the ray's end, or t = (plane − o)·(1/d) with three roundings.
+/// With L the least normal number and M = 1/L, their errors are:
 ///
 ///     plane − o     no sum underflows
 ///     1/d           3.1u of t altogether where 1/d is normal. It is subnormal for |d| > M, no less than M^-1/4 and off
@@ -24,55 +24,57 @@ struct Decided : SlabDecision<T> {
 ///     the product   uL more where it underflows, which is u of everything ≥ L; it keeps its sign or gives ±0
 ///     overflow      of plane − o, of 1/d or of the product: dmax, the later of the two t, is ±∞. −∞ has the right
 ///                   sign, so the ray is missed. dmin = −∞ has the right sign too, and is not examined. +∞, and NaN
-///                   from 0·∞, show in `way`, the sum of all dmax, or in `longest_way` where d = 0 causes them
+///                   from 0·∞, show in `overflow_sum`, the sum of all dmax. If d = 0 causes them,
+///                   `largest_intermediate` decides
 ///
-/// So where way < ∞, tmin (1 + 6.1u) + uL ≤ tmax (1 − 6.1u) − uL proves a hit and tmin (1 − 6.1u) − uL >
-/// tmax (1 + 6.1u) + uL a miss. 16u and L on one side cover both, with the roundings of the test, whatever the sign of
-/// tmax. A slab that the ray is parallel to has tmin = ∞ if the ray is outside, and −∞ and ∞ if it is inside. A ray in
-/// one of its planes makes 0·∞, which leaves tmin and tmax as they were. (∞ < ∞ is false, so a direction of zeros is
-/// left undecided.) tmin and tmax are right to 6.1u of themselves, or to the distance between subnormal numbers.
+/// So if `overflow_sum` < ∞, tmin (1 + 6.1u) + uL ≤ tmax (1 − 6.1u) − uL proves a hit and tmin (1 − 6.1u) − uL > tmax
+/// (1 + 6.1u) + uL a miss. 16u and L on one side cover both, with the roundings of the test, whatever the sign of tmax.
+/// A slab that the ray is parallel to has tmin = ∞ if the ray is outside, and −∞ and ∞ if it is inside. A ray in one of
+/// its planes makes 0·∞, which leaves tmin and tmax as they were. (∞ < ∞ is false, so a direction of zeros is left
+/// undecided.) tmin and tmax are right to 6.1u of themselves, or to the distance between subnormal numbers.
 template <Number T>
-Decided<T> by_bound(const T& tmin, const T& tmax, const T& way) {
+BoundDecision<T> by_bound(const T& tmin, const T& tmax, const T& overflow_sum) {
     if constexpr (traces_operations<T>) {
         using number::wide::value_of, number::wide::constant_mask;
-        const auto plain = by_bound(value_of(tmin), value_of(tmax), value_of(way));
-        return {{constant_mask<T>(plain.proved), tmin <= tmax}, constant_mask<T>(plain.in_range)};
+        const auto by_values = by_bound(value_of(tmin), value_of(tmax), value_of(overflow_sum));
+        return {{constant_mask<T>(by_values.proved), tmin <= tmax}, constant_mask<T>(by_values.in_range)};
     } else {
-        const T slack = T(16) * unit_roundoff<T>(), least = number::wide::least_normal<T>();
-        const mask_t<T> in_range = way < T(1) / T(0);
-        const mask_t<T> hit = in_range && tmin < tmax * (T(1) - slack) - least;
-        const mask_t<T> missed = in_range && tmin > tmax * (T(1) + slack) + least;
-        return {{hit || missed, hit}, in_range};
+        const T margin = T(16) * unit_roundoff<T>(), least = number::wide::least_normal<T>();
+        const mask_t<T> in_range = overflow_sum < T(1) / T(0);
+        const mask_t<T> is_hit = in_range && tmin < tmax * (T(1) - margin) - least;
+        const mask_t<T> is_miss = in_range && tmin > tmax * (T(1) + margin) + least;
+        return {{is_hit || is_miss, is_hit}, in_range};
     }
 }
 
 template <Number T, class B>
 OrderedSlabs<T> planes_of(const Ray<T>& ray, const B& box) {
-    const auto of = [&](int axis) { return planes_by_sign<T>(box, axis, T(1) / ray.direction[axis]); };
-    return {{of(0), of(1), of(2)}};
+    const auto planes_at = [&](int axis) { return planes_by_sign<T>(box, axis, T(1) / ray.direction[axis]); };
+    return {{planes_at(0), planes_at(1), planes_at(2)}};
 }
 
-/// The result of the first step, and the ray's end.
+/// The tmin and tmax of the first step, and the ray's end.
 template <Number T>
-struct Found {
+struct SlabResult {
     Segment<T> segment;
     T limit;
 };
 
-/// The largest of dmax |d| and (1/d) d, which are plane − o and 1 to 7u where nothing overflows. It is ∞ if a sum, the
-/// product or 1/d overflowed (0·∞ shows by the latter). A slab with d = 0 makes NaN, which max leaves out.
+/// Returns the largest of dmax |d| and (1/d) d over the axes. Where nothing overflows, these are plane − o and 1, to
+/// 7u. The result is ∞ if a sum, a product or 1/d overflowed (1/d, if dmax is NaN from 0·∞). A slab with d = 0 makes
+/// NaN, which max leaves out.
 template <Number T>
-T longest_way(const Ray<T>& ray, const OrderedSlabs<T>& slabs) {
-    T way(0);
+T largest_intermediate(const Ray<T>& ray, const OrderedSlabs<T>& slabs) {
+    T largest(0);
     for (int axis = 0; axis < 3; ++axis) {
         const T d = ray.direction[axis], inv = T(1) / d;
         const T dmax = (slabs.planes[static_cast<std::size_t>(axis)].bmax - ray.origin[axis]) * inv;
-        way = max(inv * d, max(dmax * abs(d), way));
+        largest = max(inv * d, max(dmax * abs(d), largest));
     }
-    return way;
+    return largest;
 }
 
-/// True if every number is 0 or between 2^-450 and 2^500 in size, so that the products of two, and those of their last
+/// True if every number is 0 or between 2^-450 and 2^500 in size, so that products of two numbers, and of their last
 /// places, are doubles. Floats always fit.
 template <Number T>
 mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
@@ -81,67 +83,70 @@ mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) 
         return number::wide::constant_mask<T>(fits<decltype(value_of(limit))>(
             {value_of(ray.origin), value_of(ray.direction)}, value_of(slabs), value_of(limit)));
     }
-    mask_t<T> all = T(0) <= T(0);
+    mask_t<T> all_fit = T(0) <= T(0);
     if constexpr (number::wide::has_whole_range<T>) {
         using B = number::wide::OneWord<T>;
-        const B least = number::wide::power_of_two<B>(-450), most = B(1) / number::wide::power_of_two<B>(-500);
-        const auto add = [&](const T& x) {
+        const B least = number::wide::power_of_two<B>(-450), largest = B(1) / number::wide::power_of_two<B>(-500);
+        const auto check_size = [&](const T& x) {
             const B size = abs(number::wide::widen<B>(x));
-            all = all && size <= most && (size >= least || size <= B(0));
+            all_fit = all_fit && size <= largest && (size >= least || size <= B(0));
         };
         for (int axis = 0; axis < 3; ++axis) {
-            add(ray.origin[axis]);
-            add(ray.direction[axis]);
-            add(slabs.planes[static_cast<std::size_t>(axis)].bmin);
-            add(slabs.planes[static_cast<std::size_t>(axis)].bmax);
+            check_size(ray.origin[axis]);
+            check_size(ray.direction[axis]);
+            check_size(slabs.planes[static_cast<std::size_t>(axis)].bmin);
+            check_size(slabs.planes[static_cast<std::size_t>(axis)].bmax);
         }
         const mask_t<B> endless = number::wide::widen<B>(limit) >= far_away<B>();
-        add(select(endless, T(0), limit));
+        check_size(select(endless, T(0), limit));
     }
-    return all;
+    return all_fit;
 }
 
-/// Decides in W, rounded to nearest. With v the unit roundoff of W, n and f round once and the products once more, so
-/// n m and f g are right to 2.1v of themselves. Then n m ≤ f g is proved where n m + 3v(|n m| + |f g|) ≤ f g, also
-/// where both are zero. Infinite planes make NaN, which decides nothing.
+/// Decides in W, rounded to nearest, by the comparisons n m ≤ f g of `every_pair`. With v the unit roundoff of W, n and
+/// f round once and the products once more, so n m and f g are right to 2.1v of themselves. Then n m ≤ f g is proved if
+/// n m + 3v(|n m| + |f g|) ≤ f g, also if both are zero. Infinite planes make NaN, which decides nothing.
 ///
-/// It is `static`: the linker must not use code that is compiled for wide registers in other files.
+/// The function is `static`, so that the linker does not use a copy that another file compiled for wide registers.
 template <class W, Number T>
 static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
     using number::wide::narrow, number::wide::widen;
-    const auto wide = [](const T& x) { return widen<W>(x); };
+    const auto widen_number = [](const T& x) { return widen<W>(x); };
     std::array<W, 3> m{W(0), W(0), W(0)}, n = m, f = m;
     for (int axis = 0; axis < 3; ++axis) {
-        const W d = wide(ray.direction[axis]), o = wide(ray.origin[axis]);
+        const W d = widen_number(ray.direction[axis]), o = widen_number(ray.origin[axis]);
         const W sign = copysign(W(1), d);
         m[static_cast<std::size_t>(axis)] = abs(d);
-        n[static_cast<std::size_t>(axis)] = sign * (wide(slabs.planes[static_cast<std::size_t>(axis)].bmin) - o);
-        f[static_cast<std::size_t>(axis)] = sign * (wide(slabs.planes[static_cast<std::size_t>(axis)].bmax) - o);
+        n[static_cast<std::size_t>(axis)] =
+            sign * (widen_number(slabs.planes[static_cast<std::size_t>(axis)].bmin) - o);
+        f[static_cast<std::size_t>(axis)] =
+            sign * (widen_number(slabs.planes[static_cast<std::size_t>(axis)].bmax) - o);
     }
-    const W v = unit_roundoff<W>(), end = min(wide(limit), far_away<W>());
-    // The least of all comparisons: positive where every one is proved to hold, negative where one is proved to fail.
-    const auto certain_sign = [&](const W& less, const W& more) {
-        const W apart = more - less, slack = W(3) * v * (abs(less) + abs(more));
-        return select(apart >= slack, W(1), select(apart <= -slack, W(-1), W(0)));
+    const W v = unit_roundoff<W>(), end = min(widen_number(limit), far_away<W>());
+    // 1 if the comparison is proved to hold, −1 if it is proved to fail, else 0. The least over all comparisons
+    // decides.
+    const auto certain_sign = [&](const W& lesser, const W& greater) {
+        const W difference = greater - lesser, margin = W(3) * v * (abs(lesser) + abs(greater));
+        return select(difference >= margin, W(1), select(difference <= -margin, W(-1), W(0)));
     };
-    const auto exactly = [](const W& x) { return select(x >= W(0), W(1), W(-1)); };
-    W least = exactly(end);
+    const auto sign_of = [](const W& x) { return select(x >= W(0), W(1), W(-1)); };
+    W least_sign = sign_of(end);
     for (int i = 0; i < 3; ++i) {
-        const auto at = static_cast<std::size_t>(i);
-        least = min(least, exactly(f[at]));
-        least = min(least, certain_sign(n[at], end * m[at]));
+        const auto from = static_cast<std::size_t>(i);
+        least_sign = min(least_sign, sign_of(f[from]));
+        least_sign = min(least_sign, certain_sign(n[from], end * m[from]));
     }
-    least = every_pair<W>(
+    least_sign = every_pair<W>(
         [&](int i, int j) {
-            const auto at = static_cast<std::size_t>(i), to = static_cast<std::size_t>(j);
-            return certain_sign(n[at] * m[to], f[to] * m[at]);
+            const auto from = static_cast<std::size_t>(i), to = static_cast<std::size_t>(j);
+            return certain_sign(n[from] * m[to], f[to] * m[from]);
         },
-        [](const W& a, const W& b) { return min(a, b); }, least);
-    const T told = narrow<T>(least);
-    return {told > T(0) || told < T(0), told >= T(0)};
+        [](const W& a, const W& b) { return min(a, b); }, least_sign);
+    const T narrowed_sign = narrow<T>(least_sign);
+    return {narrowed_sign > T(0) || narrowed_sign < T(0), narrowed_sign >= T(0)};
 }
 
-/// Computes tmin and tmax in W, where nothing overflows or underflows. They are accurate to u when narrowed to T.
+/// Computes tmin and tmax in W, in which nothing overflows or underflows. Narrowed to T, they are accurate to u.
 template <class W, Number T>
 static Segment<T> segment_in(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
     using number::wide::narrow, number::wide::widen;
@@ -149,119 +154,126 @@ static Segment<T> segment_in(const Ray<T>& ray, const OrderedSlabs<T>& slabs, co
     for (int axis = 0; axis < 3; ++axis) {
         const Planes<T>& planes = slabs.planes[static_cast<std::size_t>(axis)];
         const W d = widen<W>(ray.direction[axis]), o = widen<W>(ray.origin[axis]);
-        const mask_t<W> runs = abs(d) > W(0);
-        tmin = select(runs, max((widen<W>(planes.bmin) - o) / d, tmin), tmin);
-        tmax = select(runs, min((widen<W>(planes.bmax) - o) / d, tmax), tmax);
+        const mask_t<W> moves = abs(d) > W(0);
+        tmin = select(moves, max((widen<W>(planes.bmin) - o) / d, tmin), tmin);
+        tmax = select(moves, min((widen<W>(planes.bmax) - o) / d, tmax), tmax);
     }
     return {narrow<T>(tmin), narrow<T>(tmax)};
 }
 
-/// Returns `known`, decided over the whole range where `known` proves nothing. t comes from the whole range where
-/// `good` does not say that the found t is accurate.
+/// Returns the hit of `known`. Where `known` is not proved, the decision is computed again, over the whole range of
+/// numbers. t is that of `result` where `is_accurate`, and else that of the whole range.
 template <Number T>
-Hit<T> in_every_range(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Found<T>& found,
-                      const SlabDecision<T>& known, const mask_t<T>& good) {
+Hit<T> decide_in_every_range(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const SlabResult<T>& result,
+                             const SlabDecision<T>& known, const mask_t<T>& is_accurate) {
     const Vec<T>&o = ray.origin, &d = ray.direction;
     const auto& [x, y, z] = slabs.planes;
-    const std::array<T, 13> in{o.x,    o.y,    o.z,    d.x,    d.y,    d.z,        x.bmin,
-                               y.bmin, z.bmin, x.bmax, y.bmax, z.bmax, found.limit};
-    const std::array<T, 3> all = number::wide::masked_lanes<T, 13, 3>(
-        select(known.proved, T(0), T(1)), in, {select(known.hit, T(1), -T(1)), found.segment.tmin, found.segment.tmax},
-        number::wide::meet_slabs<T>);
-    const Segment<T>& own = found.segment;
-    return entered<T>(all[0] > T(0), {select(good, own.tmin, all[1]), select(good, own.tmax, all[2])});
+    const std::array<T, 13> inputs{o.x,    o.y,    o.z,    d.x,    d.y,    d.z,         x.bmin,
+                                   y.bmin, z.bmin, x.bmax, y.bmax, z.bmax, result.limit};
+    const std::array<T, 3> answers = number::wide::masked_lanes<T, 13, 3>(
+        select(known.proved, T(0), T(1)), inputs,
+        {select(known.hit, T(1), -T(1)), result.segment.tmin, result.segment.tmax}, number::wide::meet_slabs<T>);
+    const Segment<T>& segment = result.segment;
+    return entered<T>(answers[0] > T(0),
+                      {select(is_accurate, segment.tmin, answers[1]), select(is_accurate, segment.tmax, answers[2])});
 }
 
-/// Decides without rounding what `known` leaves open. t comes from the whole range where `known` does not say that the
-/// found t is accurate.
+/// Decides without rounding where `first_decision` is not proved. t is that of `result` where
+/// `first_decision.in_range`, and else that of the whole range of numbers.
 template <Number T>
-Hit<T> to_the_last_digit(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Found<T>& found,
-                         const Decided<T>& before) {
+Hit<T> decide_exactly(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const SlabResult<T>& result,
+                      const BoundDecision<T>& first_decision) {
     using B = number::wide::OneWord<T>;
-    SlabDecision<T> known = before;
-    const mask_t<T> fit = fits(ray, slabs, found.limit);
+    SlabDecision<T> known = first_decision;
+    const mask_t<T> fit = fits(ray, slabs, result.limit);
     if (any_of(!known.proved && fit)) {
-        const Ways<B> ways = ways_of<T>(ray, slabs, found.limit);
-        SlabDecision<T> products = by_products<T>(ways);
+        const PlaneDistances<B> distances = plane_distances<T>(ray, slabs, result.limit);
+        SlabDecision<T> products = by_products<T>(distances);
         products.proved = products.proved && fit;
         known = joined(known, products);
-        if (any_of(!known.proved && fit)) known = joined(known, exactly<T>(ways, fit));
+        if (any_of(!known.proved && fit)) known = joined(known, decide_by_exact_sums<T>(distances, fit));
     }
     if constexpr (number::wide::has_whole_range<T>)
-        if (any_of(!known.proved)) return in_every_range<T>(ray, slabs, found, known, before.in_range);
-    return entered<T>(known.hit, found.segment);
+        if (any_of(!known.proved)) return decide_in_every_range<T>(ray, slabs, result, known, first_decision.in_range);
+    return entered<T>(known.hit, result.segment);
 }
 
-/// The same for number types that record operations. They have no operation for it, so it is recorded as a call.
+/// Does what `decide_exactly` does, for number types that record operations. They have no operation for exact sums, so
+/// the step is recorded as a call.
 template <Number T>
-Hit<T> in_a_call(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Found<T>& found, const mask_t<T>& in_range) {
+Hit<T> decide_in_a_call(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const SlabResult<T>& result,
+                        const mask_t<T>& in_range) {
     using number::wide::record_call, number::wide::value_of;
-    using P = decltype(value_of(found.limit));
-    const P none(0), tmin = value_of(found.segment.tmin), tmax = value_of(found.segment.tmax);
-    const Hit<P> end =
-        to_the_last_digit<P>({value_of(ray.origin), value_of(ray.direction)}, value_of(slabs),
-                             {{tmin, tmax}, value_of(found.limit)}, {{none < none, none < none}, in_range.value()});
+    using P = decltype(value_of(result.limit));
+    const P zero(0), tmin = value_of(result.segment.tmin), tmax = value_of(result.segment.tmax);
+    const Hit<P> decision =
+        decide_exactly<P>({value_of(ray.origin), value_of(ray.direction)}, value_of(slabs),
+                          {{tmin, tmax}, value_of(result.limit)}, {{zero < zero, zero < zero}, in_range.value()});
     const Vec<T>&o = ray.origin, &d = ray.direction;
-    const auto plane = [&](int axis, const auto& back) {
+    const auto plane = [&](int axis, const auto& is_exchanged) {
         const Planes<T>& planes = slabs.planes[static_cast<std::size_t>(axis)];
-        return select(back(d[axis]), planes.bmax, planes.bmin);
+        return select(is_exchanged(d[axis]), planes.bmax, planes.bmin);
     };
     const auto low = [&](int axis) { return plane(axis, [](const T& x) { return copysign(T(1), x) < T(0); }); };
     const auto high = [&](int axis) { return plane(axis, [](const T& x) { return copysign(T(1), x) > T(0); }); };
-    const std::array<T, 13> of{o.x,    o.y,    o.z,     d.x,     d.y,     d.z,        low(0),
-                               low(1), low(2), high(0), high(1), high(2), found.limit};
-    const auto told = [&of](CallAnswer answer, const P& value) {
-        return record_call<T>({"box.filtered", answer}, of, value);
+    const std::array<T, 13> inputs{o.x,    o.y,    o.z,     d.x,     d.y,     d.z,         low(0),
+                                   low(1), low(2), high(0), high(1), high(2), result.limit};
+    const auto recorded_answer = [&inputs](CallAnswer answer, const P& value) {
+        return record_call<T>({"box.filtered", answer}, inputs, value);
     };
-    const mask_t<T> hit = told(CallAnswer::decision, select(end.hit, P(1), P(-1))) > T(0);
-    const auto same = [](const P& a, const P& b) { return a == b && copysign(P(1), a) == copysign(P(1), b); };
-    if (any_of(in_range.value() || (same(end.near, tmin) && same(end.far, tmax))))
-        return entered<T>(hit, found.segment);
-    return entered<T>(hit, {told(CallAnswer::near, end.near), told(CallAnswer::far, end.far)});
+    const mask_t<T> hit = recorded_answer(CallAnswer::decision, select(decision.hit, P(1), P(-1))) > T(0);
+    const auto is_identical = [](const P& a, const P& b) { return a == b && copysign(P(1), a) == copysign(P(1), b); };
+    if (any_of(in_range.value() || (is_identical(decision.near, tmin) && is_identical(decision.far, tmax))))
+        return entered<T>(hit, result.segment);
+    return entered<T>(
+        hit, {recorded_answer(CallAnswer::near, decision.near), recorded_answer(CallAnswer::far, decision.far)});
 }
 
-/// Decides by the planes what `cheap` leaves open: in the wider arithmetic of one word if there is one, then without
-/// rounding.
+/// Decides by the planes where `bound_decision` is not proved: in the wider arithmetic of one word if there is one,
+/// then without rounding.
 template <Number T, class Watch>
-Hit<T> beyond(const Ray<T>& ray, const OrderedSlabs<T>& slabs, Found<T> found, const Decided<T>& cheap, Watch& watch) {
+Hit<T> decide_further(const Ray<T>& ray, const OrderedSlabs<T>& slabs, SlabResult<T> result,
+                      const BoundDecision<T>& bound_decision, Watch& watch) {
     const Part<T> part("by planes");
-    Decided<T> known = cheap;
-    if (any_of(!cheap.in_range)) {
-        const Decided<T> again = by_bound<T>(found.segment.tmin, found.segment.tmax, longest_way(ray, slabs));
-        known = {joined(cheap, again), cheap.in_range || again.in_range};
-        if (!any_of(!known.proved)) return entered<T>(known.hit, found.segment);
+    BoundDecision<T> known = bound_decision;
+    if (any_of(!bound_decision.in_range)) {
+        const BoundDecision<T> second_decision =
+            by_bound<T>(result.segment.tmin, result.segment.tmax, largest_intermediate(ray, slabs));
+        known = {joined(bound_decision, second_decision), bound_decision.in_range || second_decision.in_range};
+        if (!any_of(!known.proved)) return entered<T>(known.hit, result.segment);
     }
     if constexpr (number::wide::has_wider_word<T>) {
         if (number::wide::widens<T>()) {
             using B = number::wide::OneWord<T>;
             watch(FilterArithmetic::wider);
-            SlabDecision<T> wide = widely<B, T>(ray, slabs, found.limit);
-            wide.proved = wide.proved && fits(ray, slabs, found.limit);
-            known = {joined(known, wide), known.in_range};
+            SlabDecision<T> wide_decision = widely<B, T>(ray, slabs, result.limit);
+            wide_decision.proved = wide_decision.proved && fits(ray, slabs, result.limit);
+            known = {joined(known, wide_decision), known.in_range};
             if (any_of(!known.in_range)) {
-                const Segment<T> other = segment_in<B, T>(ray, slabs, found.limit);
-                found.segment = {select(known.in_range, found.segment.tmin, other.tmin),
-                                 select(known.in_range, found.segment.tmax, other.tmax)};
+                const Segment<T> wide_segment = segment_in<B, T>(ray, slabs, result.limit);
+                result.segment = {select(known.in_range, result.segment.tmin, wide_segment.tmin),
+                                  select(known.in_range, result.segment.tmax, wide_segment.tmax)};
             }
-            if (!any_of(!known.proved)) return entered<T>(known.hit, found.segment);
+            if (!any_of(!known.proved)) return entered<T>(known.hit, result.segment);
         }
     }
     watch(FilterArithmetic::exact);
-    if constexpr (traces_operations<T>) return in_a_call<T>(ray, slabs, found, known.in_range);
-    else return to_the_last_digit<T>(ray, slabs, found, known);
+    if constexpr (traces_operations<T>) return decide_in_a_call<T>(ray, slabs, result, known.in_range);
+    else return decide_exactly<T>(ray, slabs, result, known);
 }
 
-/// The same as a function of its own that takes its arguments by value, so that the loops over packs keep their
-/// registers.
+/// Does what `decide_further` does, as a function of its own that takes its arguments by value, so that the loops over
+/// packs keep their registers.
 template <Number T, class Watch>
-[[gnu::noinline]] Hit<T> by_planes(Ray<T> ray, OrderedSlabs<T> slabs, Found<T> found, Decided<T> cheap, Watch& watch) {
-    return beyond<T>(ray, slabs, found, cheap, watch);
+[[gnu::noinline]] Hit<T> by_planes(Ray<T> ray, OrderedSlabs<T> slabs, SlabResult<T> result,
+                                   BoundDecision<T> bound_decision, Watch& watch) {
+    return decide_further<T>(ray, slabs, result, bound_decision, watch);
 }
 template <Number T, class Watch>
 requires number::wide::InRegisters<T>
-[[gnu::noinline, gnu::flatten]] Hit<T> by_planes(Ray<T> ray, OrderedSlabs<T> slabs, Found<T> found, Decided<T> cheap,
-                                                 Watch& watch) {
-    return beyond<T>(ray, slabs, found, cheap, watch);
+[[gnu::noinline, gnu::flatten]] Hit<T> by_planes(Ray<T> ray, OrderedSlabs<T> slabs, SlabResult<T> result,
+                                                 BoundDecision<T> bound_decision, Watch& watch) {
+    return decide_further<T>(ray, slabs, result, bound_decision, watch);
 }
 
 }  // namespace filtered

@@ -1,7 +1,7 @@
-// `baseline` with IEEE's minNum and maxNum, which drop a NaN operand in either position: tmin = maxNum(tmin,
-// minNum(t1, t2)), tmax = minNum(tmax, maxNum(t1, t2)), a hit where tmin ≤ tmax. A ray in one of the planes makes 0·∞,
-// and t of the other plane is ±∞. The latter stands for both, and nothing is left: the ray misses, in spite of the ≤,
-// unless the box is flat there and both are NaN.
+// `baseline` with IEEE's minNum and maxNum, which drop a NaN operand in either position: tmin = maxNum(tmin, minNum(t1,
+// t2)), tmax = minNum(tmax, maxNum(t1, t2)), a hit if tmin ≤ tmax. For a ray in one of the planes, t of this plane is
+// NaN from 0·∞, and t of the other plane is ±∞. So both minNum and maxNum are ±∞, and the ray misses in spite of the ≤,
+// unless the box is flat on this axis and both t are NaN.
 #pragma once
 
 #include "shapes/box/forms/slab.hpp"

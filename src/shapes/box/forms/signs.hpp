@@ -1,6 +1,6 @@
 // The sign bit of 1/d says which plane comes first, so no min and max of t1 and t2 are needed: tmin = max(dmin, tmin),
-// tmax = min(dmax, tmax), a hit where tmin ≤ tmax. (The seed writes tmin < tmax where it introduces the form, and tmin
-// ≤ tmax in the batched code that it measures. This is the latter.)
+// tmax = min(dmax, tmax), a hit if tmin ≤ tmax. (The source writes tmin < tmax when it introduces the form, and tmin ≤
+// tmax in the batched code that it measures. This form follows the latter.)
 #pragma once
 
 #include "shapes/box/forms/slab.hpp"

@@ -1,5 +1,5 @@
-// The slab method, shared by several box forms. A box is three slabs, each between two planes at right angles to an
-// axis. A ray is inside a slab from the t of one plane to the t of the other.
+// The slab method, which several box forms share. A box is the intersection of three slabs, each between two planes at
+// right angles to an axis. A ray is inside a slab from the t of one plane to the t of the other.
 #pragma once
 
 #include "intersect/info.hpp"
@@ -7,18 +7,18 @@
 
 namespace lostbits::intersect::box {
 
-/// The part of the ray that the slabs so far have left: the t from tmin to tmax; nothing if tmin > tmax.
+/// The part of the ray inside the slabs so far: the t from tmin to tmax, empty if tmin > tmax.
 template <Number T>
 struct Segment {
     T tmin;
     T tmax;
 };
 
-/// Makes the hit. `left` is the form's own last test, true if a part of the ray is left. near = t = tmin ≥ 0, clipped
-/// at the origin; far = tmax.
+/// Returns the hit with near = t = tmin ≥ 0, clipped at the origin, and far = tmax. `is_left` is the result of the
+/// form's own last test: true if a part of the ray is inside the box.
 template <Number T>
-Hit<T> entered(const mask_t<T>& left, const Segment<T>& segment) {
-    return Hit<T>{left, segment.tmin, segment.tmin, segment.tmax};
+Hit<T> entered(const mask_t<T>& is_left, const Segment<T>& segment) {
+    return Hit<T>{is_left, segment.tmin, segment.tmin, segment.tmax};
 }
 
 /// The coordinates of a slab's two planes in the order in which the line meets them.
@@ -28,14 +28,15 @@ struct Planes {
     T bmax;
 };
 
-/// A box from a kernel that already knows the ray's signs: its planes are in the order in which the line meets them.
+/// A box whose planes are in the order in which the line meets them, from a kernel that knows the signs of the
+/// direction.
 template <class T>
 struct OrderedBox {
     Vec<T> first;
     Vec<T> second;
 };
 
-/// The boxes that a form may be given if it orders planes by the sign of 1/d alone.
+/// Boxes that a form can take if it orders planes only by the sign of 1/d.
 template <class B, class T>
 concept BoxOf = std::same_as<B, Box<T>> || std::same_as<B, OrderedBox<T>>;
 
@@ -53,13 +54,14 @@ Planes<T> planes_by_sign(const OrderedBox<T>& box, int axis, const T& /*inv*/) {
     return {box.first[axis], box.second[axis]};
 }
 
-/// tmin = max(dmin, tmin), tmax = min(dmax, tmax) with dmin = (bmin − o)·inv, dmax = (bmax − o)·inv. A NaN from 0·∞ (a
-/// ray in one of the planes) leaves both as they were, because min and max return their second operand. (It takes two
-/// numbers, not a Segment: GCC 12 writes a struct of packs to the stack in every round.)
+/// Clips a ray by all slabs: tmin = max(dmin, tmin), tmax = min(dmax, tmax) with dmin = (bmin − o)·inv, dmax = (bmax −
+/// o)·inv. A NaN from 0·∞ (a ray in one of the planes) leaves both as they were, because min and max return their
+/// second operand if the first is NaN. (The function takes two numbers and not a Segment, because GCC 12 writes a
+/// struct of packs to the stack in every iteration.)
 ///
-/// `each(axis, inv, dmax)` is called for every axis.
-template <Number T, BoxOf<T> B, class Each>
-void clip_by_signs(const Ray<T>& ray, const B& box, T& tmin, T& tmax, const Each& each) {
+/// Calls `visit_axis(axis, inv, dmax)` for every axis.
+template <Number T, BoxOf<T> B, class VisitAxis>
+void clip_by_signs(const Ray<T>& ray, const B& box, T& tmin, T& tmax, const VisitAxis& visit_axis) {
     for (int axis = 0; axis < 3; ++axis) {
         const T inv = named("inv", T(1) / ray.direction[axis]);
         const Planes<T> planes = planes_by_sign<T>(box, axis, inv);
@@ -67,7 +69,7 @@ void clip_by_signs(const Ray<T>& ray, const B& box, T& tmin, T& tmax, const Each
         const T dmax = named("dmax", (planes.bmax - ray.origin[axis]) * inv);
         tmin = named("tmin", max(dmin, tmin));
         tmax = named("tmax", min(dmax, tmax));
-        each(axis, inv, dmax);
+        visit_axis(axis, inv, dmax);
     }
 }
 template <Number T, BoxOf<T> B>
@@ -81,13 +83,13 @@ mask_t<T> is_number(const T& x) {
     return x < T(0) || x >= T(0);
 }
 
-/// IEEE 754-2008 minNum: if one operand is NaN, the other one, whatever their order.
+/// Returns the IEEE 754-2008 minNum: if one operand is NaN, in either position, the other one.
 template <Number T>
 T min_num(const T& a, const T& b) {
     return select(is_number(b), min(a, b), a);
 }
 
-/// IEEE 754-2008 maxNum: if one operand is NaN, the other one, whatever their order.
+/// Returns the IEEE 754-2008 maxNum: if one operand is NaN, in either position, the other one.
 template <Number T>
 T max_num(const T& a, const T& b) {
     return select(is_number(b), max(a, b), a);

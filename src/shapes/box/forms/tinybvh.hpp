@@ -1,7 +1,7 @@
-// The box test of tinybvh. It has no padding, and 1/d of a component with |d| ≤ 10⁻¹² is ±10³⁰, so that nothing is
-// 0·∞. A ray in the plane of a face leaves the slab at t = 0 if it would leave by that face, and misses a box ahead of
-// it. A ray in a box without thickness always misses it. The end of the ray is open. tinybvh's answer may be behind
-// the origin; here it is clipped at the origin.
+// The box test of tinybvh. It has no padding, and 1/d of a component with |d| ≤ 10⁻¹² is ±10³⁰, so 0·∞ cannot occur.
+// For a ray in the plane of a face, the t of this plane is 0. If that is the far plane, the ray leaves the slab at t =
+// 0 and misses a box ahead of it. A ray in a box without thickness always misses it. A hit at the end of the ray does
+// not count. tinybvh's answer may be behind the origin; here it is clipped at the origin.
 #pragma once
 
 #include "shapes/box/forms/slab.hpp"

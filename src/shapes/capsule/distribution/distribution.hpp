@@ -5,7 +5,7 @@
 
 namespace lostbits::scene::capsule {
 
-/// `size` is about half of the axis. The radius is between a sixteenth of `size` and all of it.
+/// `size` is about half of the length of the axis. The radius is between a sixteenth of `size` and all of it.
 struct CapsuleDistribution : rays::AimedDistribution<CapsuleDistribution> {
     static constexpr std::string_view table = "capsule_rays";
     enum Aim { inside, seam, generator, axis };
@@ -16,15 +16,15 @@ struct CapsuleDistribution : rays::AimedDistribution<CapsuleDistribution> {
         const Vec<double> half = size * rays::draw_direction(random);
         return Capsule<double>{middle - half, middle + half, size * random.between(0.0625, 1)};
     }
-    /// A point within half a radius of the axis, a point of the circle in which a ball and the side meet, a line of the
-    /// side, or the axis.
+    /// Draws a target: a point within half a radius of the axis, a point of the circle in which a ball and the side
+    /// meet, a line of the side, or the axis.
     static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int aim) {
         const Capsule<double> c = primitive.capsule();
         if (aim != inside) {
             const Vec<double> along = random.sign() * (c.end - c.start), end = random.below(2) == 0 ? c.start : c.end;
             if (aim == axis) return {end, along};
-            const Vec<double> at = end + c.radius * rays::draw_across(random, along);
-            return aim == seam ? rays::AimedPlace(at) : rays::AimedPlace(at, along);
+            const Vec<double> rim_point = end + c.radius * rays::draw_across(random, along);
+            return aim == seam ? rays::AimedPlace(rim_point) : rays::AimedPlace(rim_point, along);
         }
         const double u = random.unit();
         return c.start + u * (c.end - c.start) + 0.5 * c.radius * rays::draw_direction(random);

@@ -1,4 +1,4 @@
-// Both roots by half b: those of the side from cross products with the axis, and those of both balls.
+// Roots by the quadratic with half b, for the side, from cross products with the axis, and for both balls.
 #pragma once
 
 #include "shapes/capsule/forms/parts.hpp"
@@ -17,16 +17,17 @@ struct CapsuleHalfB {
         const Vec<T> v = capsule.end - capsule.start, f = ray.origin - capsule.start, &d = ray.direction;
         const Vec<T> n = cross(v, d), m = cross(v, f);
         const T v2 = square(v), r2 = square(capsule.radius);
-        const auto part = [](const T& a, const T& h, const T& c) {
+        const auto solve = [](const T& a, const T& h, const T& c) {
             const T disc = named("disc", square(h) - a * c);
             return PartHit<T>{disc < T(0), plain_half_roots<T>(a, h, sqrt(disc))};
         };
-        const auto ball = [&](const Vec<T>& from) {
-            return part(square(d), named("h_ball", dot(from, d)), named("c_ball", square(from) - r2));
+        const auto solve_ball = [&](const Vec<T>& centre_to_origin) {
+            return solve(square(d), named("h_ball", dot(centre_to_origin, d)),
+                         named("c_ball", square(centre_to_origin) - r2));
         };
-        const PartHit<T> side = part(named("a", square(n)), named("h", dot(m, n)), named("c", square(m) - r2 * v2));
-        return joined<T>(side, ball(f), ball(ray.origin - capsule.end), named("v.f", dot(v, f)),
-                         named("v.d", dot(v, d)), v2);
+        const PartHit<T> side = solve(named("a", square(n)), named("h", dot(m, n)), named("c", square(m) - r2 * v2));
+        return choose_parts<T>(side, solve_ball(f), solve_ball(ray.origin - capsule.end), named("v.f", dot(v, f)),
+                               named("v.d", dot(v, d)), v2);
     }
 };
 

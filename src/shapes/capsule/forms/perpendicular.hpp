@@ -1,5 +1,5 @@
-// The shortest distance decides: between line and axis for the side, from each end to the line for its ball. The roots
-// subtract no numbers of similar size.
+// Decides by shortest distances: between line and axis for the side, and from each end to the line for its ball. The
+// roots subtract no numbers of similar size.
 #pragma once
 
 #include "shapes/capsule/forms/parts.hpp"
@@ -21,14 +21,14 @@ struct CapsulePerpendicular {
         const T disc = named("disc", v2 * (r2 * a - square(dot(f, n))));
         const PartHit<T> side{
             disc < T(0), unified_roots<T>(a, named("h'", -dot(m, n)), named("c", square(m) - r2 * v2), sqrt(disc))};
-        const auto ball = [&](const Vec<T>& from) {
-            const T ahead = named("b'", -dot(from, d));
-            const T delta = named("delta", r2 - square(Vec<T>(from + (ahead / d2) * d)));
-            const T c = named("c_ball", square(from) - r2);
-            return PartHit<T>{delta < T(0), unified_roots<T>(d2, ahead, c, sqrt(d2 * delta))};
+        const auto solve_ball = [&](const Vec<T>& centre_to_origin) {
+            const T minus_b = named("b'", -dot(centre_to_origin, d));
+            const T delta = named("delta", r2 - square(Vec<T>(centre_to_origin + (minus_b / d2) * d)));
+            const T c = named("c_ball", square(centre_to_origin) - r2);
+            return PartHit<T>{delta < T(0), unified_roots<T>(d2, minus_b, c, sqrt(d2 * delta))};
         };
-        return joined<T>(side, ball(f), ball(ray.origin - capsule.end), named("v.f", dot(v, f)),
-                         named("v.d", dot(v, d)), v2);
+        return choose_parts<T>(side, solve_ball(f), solve_ball(ray.origin - capsule.end), named("v.f", dot(v, f)),
+                               named("v.d", dot(v, d)), v2);
     }
 };
 

@@ -1,5 +1,5 @@
-// Quilez: the quadratic of the side from dot products, and that of one ball if the near root of the side is beyond an
-// end. It takes unit directions and finds the near root only.
+// Quilez: the quadratic of the side from dot products, and the quadratic of one ball if the near root of the side is
+// beyond an end. The form assumes unit directions and finds the near root only.
 #pragma once
 
 #include "shapes/capsule/forms/parts.hpp"
@@ -23,13 +23,13 @@ struct QuilezCapsule {
         const T r2 = square(capsule.radius);
         const T a = named("a", baba - square(bard)), b = named("b", baba * dot(rd, oa) - baoa * bard);
         const T c = named("c", baba * square(oa) - square(baoa) - r2 * baba);
-        const T h = named("h", square(b) - a * c), by_side = named("t_side", (-b - sqrt(h)) / a);
-        const T y = named("y", baoa + by_side * bard);
-        const mask_t<T> body = y > T(0) && y < baba, low = y <= T(0);
-        const Vec<T> oc(select(low, oa.x, ob.x), select(low, oa.y, ob.y), select(low, oa.z, ob.z));
+        const T h = named("h", square(b) - a * c), t_side = named("t_side", (-b - sqrt(h)) / a);
+        const T y = named("y", baoa + t_side * bard);
+        const mask_t<T> on_side = y > T(0) && y < baba, is_low = y <= T(0);
+        const Vec<T> oc(select(is_low, oa.x, ob.x), select(is_low, oa.y, ob.y), select(is_low, oa.z, ob.z));
         const T b2 = named("b_ball", dot(rd, oc)), c2 = named("c_ball", square(oc) - r2);
-        const T h2 = named("h_ball", square(b2) - c2), t = named("t", select(body, by_side, -b2 - sqrt(h2)));
-        return {h >= T(0) && (body || h2 > T(0)) && t >= T(0), t, t, t};
+        const T h2 = named("h_ball", square(b2) - c2), t = named("t", select(on_side, t_side, -b2 - sqrt(h2)));
+        return {h >= T(0) && (on_side || h2 > T(0)) && t >= T(0), t, t, t};
     }
 };
 

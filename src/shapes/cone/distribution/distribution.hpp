@@ -6,7 +6,7 @@
 namespace lostbits::scene::cone {
 
 /// `size` is about half of the height. The radius at the base is between a sixteenth of `size` and all of it. The
-/// radius at the top is anything below that, and 0 for one cone in four.
+/// radius at the top is below that, and 0 for one cone in four.
 struct ConeDistribution : rays::AimedDistribution<ConeDistribution> {
     static constexpr std::string_view table = "cone_rays";
     enum Aim { inside, rim, apex, generator, axis };
@@ -18,17 +18,18 @@ struct ConeDistribution : rays::AimedDistribution<ConeDistribution> {
         const double radius = size * random.between(0.0625, 1), share = random.between(-1.0 / 3, 1);
         return Cone<double>{middle - half, middle + half, radius, share > 0 ? share * radius : 0};
     }
-    /// Draws a point of the largest square bar inside, a point of the circle in which a cap and the side meet, the apex
-    /// (the middle of the top of a cone that has none), a line of the side, or the axis.
+    /// Draws a target: a point of the largest square frustum inside, a point of the circle in which a cap and the side
+    /// meet, the apex (or the middle of the top of a cone without apex), a line of the side, or the axis.
     static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int aim) {
         if (aim != inside) {
             const Cone<double> c = primitive.cone();
-            const Vec<double> along = random.sign() * (c.top - c.base), across = rays::draw_across(random, along);
+            const Vec<double> axis_direction = random.sign() * (c.top - c.base),
+                              across = rays::draw_across(random, axis_direction);
             const Vec<double> below = c.base + c.base_radius * across, above = c.top + c.top_radius * across;
             const bool at_top = random.below(2) == 0;
             switch (aim) {
                 case apex: return c.top;
-                case axis: return {at_top ? c.top : c.base, along};
+                case axis: return {at_top ? c.top : c.base, axis_direction};
                 case generator: return {at_top ? above : below, random.sign() * (above - below)};
                 default: return at_top && c.top_radius > 0 ? above : below;
             }

@@ -1,5 +1,5 @@
-// The quadric from the squares of vectors across the axis, which cross products make. Lines near the axis lose no
-// digits to the distance of the cone.
+// The quadric from squares of vectors across the axis, which are computed as cross products. For lines near the axis,
+// no digits are lost if the cone is far away.
 #pragma once
 
 #include "shapes/cone/forms/parts.hpp"
@@ -17,13 +17,13 @@ struct CrossedConeAxis {
     static Hit<T> intersect(const Ray<T>& ray, const Cone<T>& cone) {
         const Vec<T> v = cone.top - cone.base, f = ray.origin - cone.base;
         const Vec<T> m = cross(v, f), n = cross(v, ray.direction);
-        const T low = named("v.f", dot(v, f)), across = named("v.d", dot(v, ray.direction)), v2 = square(v);
+        const T low = named("v.f", dot(v, f)), axis_rate = named("v.d", dot(v, ray.direction)), v2 = square(v);
         const T s = cone.top_radius - cone.base_radius;
-        const T rho = named("rho", cone.base_radius * v2 + s * low), sigma = named("sigma", s * across);
+        const T rho = named("rho", cone.base_radius * v2 + s * low), sigma = named("sigma", s * axis_rate);
         const T a = named("a", v2 * square(n) - square(sigma)), h = named("h", v2 * dot(m, n) - rho * sigma);
         const T c = named("c", v2 * square(m) - square(rho)), disc = named("disc", square(h) - a * c);
         return first_of_side_and_caps<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)),
-                                         caps_without_division<T>(cone, ray, low, across));
+                                         caps_without_division<T>(cone, ray, low, axis_rate));
     }
 };
 

@@ -1,5 +1,5 @@
-// The quadric |p − axis|² = (linear radius)² from dot products with the axis, with h = b/2. v²f² − (v·f)² stands for
-// the square of v × f; a and h are formed in the same way.
+// The quadric (distance of p from the axis)² = (radius at p)² from dot products with the axis, with h = b/2. The square
+// of v × f is computed as v²f² − (v·f)²; a and h are computed in the same way.
 #pragma once
 
 #include "shapes/cone/forms/parts.hpp"
@@ -17,15 +17,15 @@ struct FromAxisProducts {
     static Hit<T> intersect(const Ray<T>& ray, const Cone<T>& cone) {
         const Vec<T>& d = ray.direction;
         const Vec<T> v = cone.top - cone.base, f = ray.origin - cone.base;
-        const T low = named("v.f", dot(v, f)), across = named("v.d", dot(v, d)), v2 = square(v);
+        const T low = named("v.f", dot(v, f)), axis_rate = named("v.d", dot(v, d)), v2 = square(v);
         const T s = cone.top_radius - cone.base_radius;
-        const T r = named("r", cone.base_radius + s * low / v2), k = named("k", s * across / v2);
-        const T a = named("a", square(d) - square(across) / v2 - square(k));
-        const T h = named("h", dot(f, d) - low * across / v2 - r * k);
+        const T r = named("r", cone.base_radius + s * low / v2), k = named("k", s * axis_rate / v2);
+        const T a = named("a", square(d) - square(axis_rate) / v2 - square(k));
+        const T h = named("h", dot(f, d) - low * axis_rate / v2 - r * k);
         const T c = named("c", square(f) - square(low) / v2 - square(r));
         const T disc = named("disc", square(h) - a * c);
         return first_of_side_and_caps<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)),
-                                         caps_by_points<T>(cone, ray, low, across, v2));
+                                         caps_by_points<T>(cone, ray, low, axis_rate, v2));
     }
 };
 

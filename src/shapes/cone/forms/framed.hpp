@@ -1,5 +1,5 @@
-// An instance along z. The ray is transformed into a frame made from the axis. There the cone is x² + y² = (r + s z)²,
-// with the caps z = 0 and z = height. The axis and the vectors across it are rounded, and the shape with them.
+// The cone as an instance along z: the ray is transformed into a frame made from the axis. There the cone is x² + y² =
+// (r + s z)², with the caps z = 0 and z = height. The rounding of the frame's axes changes the shape.
 #pragma once
 
 #include "shapes/cone/forms/parts.hpp"
@@ -17,17 +17,17 @@ struct InConeFrame {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Cone<T>& cone) {
         const cylinder::AxisFrame<T> frame(cone.top - cone.base);
-        const Vec<T> o = frame.into(ray.origin - cone.base), d = frame.into(ray.direction);
+        const Vec<T> o = frame.to_frame(ray.origin - cone.base), d = frame.to_frame(ray.direction);
         const T s = named("s", (cone.top_radius - cone.base_radius) / frame.height);
         const T r = named("r", cone.base_radius + s * o.z), k = named("k", s * d.z);
         const T a = named("a", square(d.x) + square(d.y) - square(k));
         const T h = named("h", o.x * d.x + o.y * d.y - r * k);
         const T c = named("c", square(o.x) + square(o.y) - square(r));
-        const T disc = named("disc", square(h) - a * c), base = -o.z / d.z, top = (frame.height - o.z) / d.z;
-        const auto within = [&](const T& t, const T& radius) {
+        const T disc = named("disc", square(h) - a * c), t_base = -o.z / d.z, t_top = (frame.height - o.z) / d.z;
+        const auto is_within = [&](const T& t, const T& radius) {
             return square(o.x + t * d.x) + square(o.y + t * d.y) <= square(radius);
         };
-        const CapsPassed<T> caps{base, top, within(base, cone.base_radius), within(top, cone.top_radius)};
+        const CapsPassed<T> caps{t_base, t_top, is_within(t_base, cone.base_radius), is_within(t_top, cone.top_radius)};
         return first_of_side_and_caps<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)), caps);
     }
 };

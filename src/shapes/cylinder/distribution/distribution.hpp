@@ -16,15 +16,16 @@ struct CylinderDistribution : rays::AimedDistribution<CylinderDistribution> {
         const Vec<double> half = size * rays::draw_direction(random);
         return Cylinder<double>{middle - half, middle + half, size * random.between(0.0625, 1)};
     }
-    /// Draws a point of the largest square bar inside, a point of the circle in which a cap and the side meet, a line
-    /// of the side, or the axis.
+    /// Draws a target: a point of the largest square bar inside, a point of the circle in which a cap and the side
+    /// meet, a line of the side, or the axis.
     static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int aim) {
         if (aim != inside) {
             const Cylinder<double> c = primitive.cylinder();
-            const Vec<double> along = random.sign() * (c.top - c.base), end = random.below(2) == 0 ? c.base : c.top;
-            if (aim == axis) return {end, along};
-            const Vec<double> at = end + c.radius * rays::draw_across(random, along);
-            return aim == rim ? rays::AimedPlace(at) : rays::AimedPlace(at, along);
+            const Vec<double> axis_direction = random.sign() * (c.top - c.base),
+                              end = random.below(2) == 0 ? c.base : c.top;
+            if (aim == axis) return {end, axis_direction};
+            const Vec<double> rim_point = end + c.radius * rays::draw_across(random, axis_direction);
+            return aim == rim ? rays::AimedPlace(rim_point) : rays::AimedPlace(rim_point, axis_direction);
         }
         const double x = random.unit(), y = random.between(0.15, 0.85), z = random.between(0.15, 0.85);
         return primitive.cylinder().point_at({x, y, z});

@@ -1,4 +1,4 @@
-// The transform into an instance along z: a frame made from the axis.
+// Transforms vectors into a frame whose z axis is the axis of a primitive.
 #pragma once
 
 #include "geometry/vec.hpp"
@@ -6,7 +6,8 @@
 
 namespace lostbits::intersect::cylinder {
 
-/// The axes x, y and z of the frame, with z along the axis. Source: pbrt-v4, CoordinateSystem (Duff et al. 2017).
+/// The unit axes x, y and z of the frame, with z along the given axis. Source: pbrt-v4, CoordinateSystem (Duff et al.
+/// 2017).
 template <Number T>
 struct AxisFrame {
     T height;
@@ -26,7 +27,7 @@ public:
           b_(z.x * z.y * a_),
           x(T(1) + sign_ * square(z.x) * a_, sign_ * b_, -sign_ * z.x),
           y(b_, sign_ + square(z.y) * a_, -z.y) {}
-    [[nodiscard]] Vec<T> into(const Vec<T>& p) const { return Vec<T>(dot(p, x), dot(p, y), dot(p, z)); }
+    [[nodiscard]] Vec<T> to_frame(const Vec<T>& p) const { return Vec<T>(dot(p, x), dot(p, y), dot(p, z)); }
 };
 
 }  // namespace lostbits::intersect::cylinder

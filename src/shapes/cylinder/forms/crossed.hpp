@@ -1,5 +1,5 @@
-// The vectors across the axis first: n = v × d and m = v × f. With them a = n², h = m·n and c = m² − r²v². Lines near
-// the axis lose no digits to the length of the axis.
+// First the vectors across the axis, n = v × d and m = v × f, then a = n², h = m·n and c = m² − r²v². For lines near
+// the axis, no digits are lost if the axis is long.
 #pragma once
 
 #include "shapes/cylinder/forms/parts.hpp"
@@ -20,9 +20,9 @@ struct CrossedAxis {
         const T a = named("a", square(n)), h = named("h", dot(m, n)), v2 = square(v);
         const T c = named("c", square(m) - square(cylinder.radius) * v2);
         const T disc = named("disc", square(h) - a * c);
-        const T low = named("v.f", dot(v, f)), across = named("v.d", dot(v, ray.direction));
-        const RootPair<T> caps = between<T>(-low / across, (v2 - low) / across);
-        return first_of_both<T>(a, c, disc, plain_half_roots<T>(a, h, sqrt(disc)), caps);
+        const T low = named("v.f", dot(v, f)), axis_rate = named("v.d", dot(v, ray.direction));
+        const RootPair<T> caps = caps_in_order<T>(-low / axis_rate, (v2 - low) / axis_rate);
+        return first_in_side_and_caps<T>(a, c, disc, plain_half_roots<T>(a, h, sqrt(disc)), caps);
     }
 };
 

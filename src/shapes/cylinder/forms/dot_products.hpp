@@ -1,5 +1,5 @@
-// Ericson: the quadratic from dot products with the axis, md = m·d, nd = n·d and so on. a = (d·d)(n·n) − nd² stands
-// for the square of n × d; c is formed in the same way. A line parallel to the axis misses or goes through both caps.
+// Ericson: the quadratic from dot products with the axis, md = m·d, nd = n·d and so on. The square of n × d is computed
+// as a = (d·d)(n·n) − nd²; c is computed in the same way. A line parallel to the axis misses or goes through both caps.
 #pragma once
 
 #include "shapes/cylinder/forms/parts.hpp"
@@ -13,7 +13,7 @@ struct FromDotProducts {
         .source = "Ericson, Real-Time Collision Detection (2005), section 5.3.7, IntersectSegmentCylinder",
     };
 
-    /// d is the axis, n the direction, m the origin from the base, as in the source.
+    /// d is the axis, n the direction, and m the origin relative to the base, as in the source.
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Cylinder<T>& cylinder) {
         const Vec<T> d = cylinder.top - cylinder.base, m = ray.origin - cylinder.base;
@@ -25,8 +25,8 @@ struct FromDotProducts {
         const T c = named("c", dd * k - square(md));
         const T b = named("b", dd * mn - nd * md);
         const T disc = named("disc", square(b) - a * c);
-        const RootPair<T> caps = between<T>(-md / nd, (dd - md) / nd);
-        return first_of_both<T>(a, c, disc, plain_half_roots<T>(a, b, sqrt(disc)), caps);
+        const RootPair<T> caps = caps_in_order<T>(-md / nd, (dd - md) / nd);
+        return first_in_side_and_caps<T>(a, c, disc, plain_half_roots<T>(a, b, sqrt(disc)), caps);
     }
 };
 

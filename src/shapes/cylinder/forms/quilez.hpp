@@ -1,5 +1,5 @@
-// Quilez: k2 = ba·ba − bard² and so on. The length of the direction is assumed to be 1. The sign of the position along
-// the axis chooses the cap.
+// Quilez: the quadratic k2 t² + 2 k1 t + k0 of the side from dot products, k2 = ba·ba − bard² and so on. The form
+// assumes unit directions. The sign of the position along the axis chooses the cap.
 #pragma once
 
 #include "shapes/cylinder/forms/parts.hpp"
@@ -24,10 +24,10 @@ struct QuilezCapped {
         const T k1 = named("k1", baba * dot(oc, rd) - baoc * bard);
         const T k0 = named("k0", baba * square(oc) - square(baoc) - square(cylinder.radius) * baba);
         const T h = named("h", square(k1) - k2 * k0), root = sqrt(h);
-        const T by_side = named("t_side", (-k1 - root) / k2), y = named("y", baoc + by_side * bard);
-        const T by_cap = named("t_cap", (select(y < T(0), T(0), baba) - baoc) / bard);
-        const mask_t<T> on_side = y > T(0) && y < baba, on_cap = abs(k1 + k2 * by_cap) < root;
-        const T t = select(on_side, by_side, by_cap);
+        const T t_side = named("t_side", (-k1 - root) / k2), y = named("y", baoc + t_side * bard);
+        const T t_cap = named("t_cap", (select(y < T(0), T(0), baba) - baoc) / bard);
+        const mask_t<T> on_side = y > T(0) && y < baba, on_cap = abs(k1 + k2 * t_cap) < root;
+        const T t = select(on_side, t_side, t_cap);
         return {!(h < T(0)) && (on_side || on_cap) && t >= T(0), t, t, t};
     }
 };

@@ -1,5 +1,6 @@
-// The shortest distance between line and axis decides: disc = v² (r² n² − (f·n)²), n = v × d. It subtracts the square
-// of a determinant, not a product of the far distance with itself. The roots subtract no numbers of similar size.
+// Decides by the shortest distance between line and axis: disc = v² (r² n² − (f·n)²), n = v × d. The discriminant
+// subtracts the square of a determinant, and not the square of the distance to the cylinder. The roots subtract no
+// numbers of similar size.
 #pragma once
 
 #include "shapes/cylinder/forms/parts.hpp"
@@ -22,9 +23,9 @@ struct ByTripleProduct {
         const T r2 = square(cylinder.radius), w = named("w", dot(f, n));
         const T disc = named("disc", v2 * (r2 * a - square(w)));
         const T c = named("c", square(m) - r2 * v2);
-        const T low = named("v.f", dot(v, f)), across = named("v.d", dot(v, ray.direction));
-        const RootPair<T> caps = between<T>(-low / across, (v2 - low) / across);
-        return first_of_both<T>(a, c, disc, unified_roots<T>(a, minus_h, c, sqrt(disc)), caps);
+        const T low = named("v.f", dot(v, f)), axis_rate = named("v.d", dot(v, ray.direction));
+        const RootPair<T> caps = caps_in_order<T>(-low / axis_rate, (v2 - low) / axis_rate);
+        return first_in_side_and_caps<T>(a, c, disc, unified_roots<T>(a, minus_h, c, sqrt(disc)), caps);
     }
 };
 

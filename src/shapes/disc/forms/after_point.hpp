@@ -15,10 +15,10 @@ struct AfterPoint {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Disc<T>& disc) {
-        const T from = named("n.(c-o)", dot(disc.centre - ray.origin, disc.normal));
-        const T t = named("t", from / named("n.d", dot(ray.direction, disc.normal)));
+        const T numerator = named("n.(c-o)", dot(disc.centre - ray.origin, disc.normal));
+        const T t = named("t", numerator / named("n.d", dot(ray.direction, disc.normal)));
         const Vec<T> p = ray.origin + t * ray.direction;
-        return met_at_rim<T>(t, named("p^2", square(Vec<T>(p - disc.centre))), disc);
+        return hit_between_rims<T>(t, named("p^2", square(Vec<T>(p - disc.centre))), disc);
     }
 };
 

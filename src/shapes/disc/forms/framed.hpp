@@ -1,4 +1,5 @@
-// An instance in the plane z = 0: the ray is transformed into a frame along the normal, and x² + y² is taken there.
+// The disc as an instance in the plane z = 0: the ray is transformed into a frame along the normal, and x² + y² is
+// computed there.
 #pragma once
 
 #include "shapes/cylinder/forms/axis_frame.hpp"
@@ -17,9 +18,9 @@ struct InPlaneFrame {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Disc<T>& disc) {
         const cylinder::AxisFrame<T> frame(disc.normal);
-        const Vec<T> o = frame.into(ray.origin - disc.centre), d = frame.into(ray.direction);
+        const Vec<T> o = frame.to_frame(ray.origin - disc.centre), d = frame.to_frame(ray.direction);
         const T t = named("t", -o.z / d.z);
-        return met_at_rim<T>(t, named("dist2", square(o.x + t * d.x) + square(o.y + t * d.y)), disc);
+        return hit_between_rims<T>(t, named("dist2", square(o.x + t * d.x) + square(o.y + t * d.y)), disc);
     }
 };
 

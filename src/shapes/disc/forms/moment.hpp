@@ -1,5 +1,5 @@
-// n·d times the vector from the centre to the point is n × (f × d). No point far away is computed, and nothing is
-// divided before the decision.
+// The vector from the centre to the hit point, times n·d, is n × (f × d), with f = o − centre. So no point far away is
+// computed, and nothing is divided before the decision.
 #pragma once
 
 #include "shapes/disc/forms/parts.hpp"

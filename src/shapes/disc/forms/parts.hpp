@@ -1,4 +1,4 @@
-// Shared by several disc forms.
+// Function that several disc forms share.
 #pragma once
 
 #include "geometry/ray.hpp"
@@ -8,11 +8,12 @@
 
 namespace lostbits::intersect::disc {
 
-/// The answer of a form that finds one t, from the squared distance of that point from the centre. A NaN is not a hit.
+/// Returns the answer of a form that finds one t. `distance2` is the squared distance of the point at t from the
+/// centre. A NaN is not a hit.
 template <Number T>
-Hit<T> met_at_rim(const T& t, const T& distance2, const Disc<T>& disc) {
-    const auto inside = distance2 <= square(disc.outer_radius) && distance2 >= square(disc.inner_radius);
-    return {inside && t >= T(0), t, t, t};
+Hit<T> hit_between_rims(const T& t, const T& distance2, const Disc<T>& disc) {
+    const auto is_between = distance2 <= square(disc.outer_radius) && distance2 >= square(disc.inner_radius);
+    return {is_between && t >= T(0), t, t, t};
 }
 
 }  // namespace lostbits::intersect::disc

@@ -1,4 +1,4 @@
-// Quilez: subtracts the centre from the origin first.
+// Quilez: computes everything relative to the centre.
 #pragma once
 
 #include "shapes/disc/forms/parts.hpp"
@@ -18,7 +18,7 @@ struct FromCentre {
         const Vec<T> o = ray.origin - disc.centre;
         const T t = named("t", -named("n.o", dot(disc.normal, o)) / named("n.d", dot(ray.direction, disc.normal)));
         const Vec<T> q = o + t * ray.direction;
-        return met_at_rim<T>(t, named("q^2", square(q)), disc);
+        return hit_between_rims<T>(t, named("q^2", square(q)), disc);
     }
 };
 

@@ -1,5 +1,6 @@
-// Cesium: the ray times 1/r, which is rounded once for all rays. From outside, a line that leads away misses.
-// Otherwise the far root uses the larger of the two sums, and the near one is difference/temp.
+// Cesium: the ray is multiplied by 1/r, which is rounded once for all rays. From outside, a ray that points away
+// misses. Otherwise the far root is temp/w², and the near root is difference/temp, which subtracts no numbers of
+// similar size.
 #pragma once
 
 #include "shapes/ellipsoid/forms/in_radii.hpp"

@@ -1,4 +1,4 @@
-// A ray in the coordinates in which an ellipsoid is the unit sphere.
+// Transforms a ray to the coordinates in which an ellipsoid is the unit sphere, and its quadratic.
 #pragma once
 
 #include "intersect/roots.hpp"
@@ -6,13 +6,14 @@
 
 namespace lostbits::intersect::ellipsoid {
 
-/// Divides each component of a by that of b.
+/// Returns a/b, component by component.
 template <Number T>
 Vec<T> divided(const Vec<T>& a, const Vec<T>& b) {
     return {a.x / b.x, a.y / b.y, a.z / b.z};
 }
 
-/// The ray in units of the radii r around the centre G: f = (o − G)/r, and d/r.
+/// A ray o + t d in units of the radii r, relative to the centre G of the ellipsoid. The members are f = (o − G)/r and
+/// d/r.
 template <Number T>
 struct RayInRadii {
     Vec<T> f, d;
@@ -21,7 +22,8 @@ struct RayInRadii {
         : f(divided<T>(ray.origin - e.centre, e.radii)), d(divided<T>(ray.direction, e.radii)) {}
 };
 
-/// a, b/2 and c of the quadratic, from the squares of the radii: Σ dd/r², Σ fd/r², Σ ff/r² − 1.
+/// Coefficients a, h = b/2 and c of the quadratic, from the squares of the radii r. With f = o − G, over the
+/// components: a = Σ d d/r², h = Σ f d/r², c = Σ f f/r² − 1.
 template <Number T>
 struct WeightedQuadratic {
     T a, h, c;

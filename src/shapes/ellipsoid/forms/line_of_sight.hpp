@@ -1,5 +1,5 @@
-// The quadratic without a division, multiplied out. Twelve products of degree six make the radicand, and what remains
-// of them is what the perpendicular leaves of a sphere.
+// The quadratic without a division, multiplied out. The radicand is a sum of twelve products, most of which cancel if
+// the ellipsoid is far away.
 #pragma once
 
 #include "shapes/ellipsoid/forms/in_radii.hpp"
@@ -21,11 +21,11 @@ struct LineOfSight {
         const T &x = f.x, &y = f.y, &z = f.z, &u = ray.direction.x, &v = ray.direction.y, &w = ray.direction.z;
         const T a2 = square(e.radii.x), b2 = square(e.radii.y), c2 = square(e.radii.z), two(2);
         const T value = named("value", -a2 * b2 * w * z - a2 * c2 * v * y - b2 * c2 * u * x);
-        const T of_a = a2 * b2 * square(w) + a2 * c2 * square(v) - a2 * square(v) * square(z);
-        const T of_b = of_a + two * a2 * v * w * y * z - a2 * square(w) * square(y) + b2 * c2 * square(u);
-        const T of_c = of_b - b2 * square(u) * square(z) + two * b2 * u * w * x * z - b2 * square(w) * square(x);
-        const T radical =
-            named("radical", of_c - c2 * square(u) * square(y) + two * c2 * u * v * x * y - c2 * square(v) * square(x));
+        const T terms_1 = a2 * b2 * square(w) + a2 * c2 * square(v) - a2 * square(v) * square(z);
+        const T terms_2 = terms_1 + two * a2 * v * w * y * z - a2 * square(w) * square(y) + b2 * c2 * square(u);
+        const T terms_3 = terms_2 - b2 * square(u) * square(z) + two * b2 * u * w * x * z - b2 * square(w) * square(x);
+        const T radical = named(
+            "radical", terms_3 - c2 * square(u) * square(y) + two * c2 * u * v * x * y - c2 * square(v) * square(x));
         const T magnitude = named("magnitude", a2 * b2 * square(w) + a2 * c2 * square(v) + b2 * c2 * square(u));
         const T t = named("t", (value - e.radii.x * e.radii.y * e.radii.z * sqrt(radical)) / magnitude);
         return near_hit<T>(radical < T(0), t);

@@ -18,8 +18,8 @@ struct ScaledPerpendicular {
         const T a = named("a", square(in.d));
         // The quadratic is a t² + 2 b t + c with b = f·d. As for spheres, b' is −b.
         const T minus_b = named("b'", -dot(in.f, in.d));
-        const Vec<T> across = in.f + (minus_b / a) * in.d;
-        const T delta = named("delta", T(1) - square(across));
+        const Vec<T> perpendicular = in.f + (minus_b / a) * in.d;
+        const T delta = named("delta", T(1) - square(perpendicular));
         const T c = named("c", square(in.f) - T(1));
         return hit_unless<T>(delta < T(0), unified_roots<T>(a, minus_b, c, sqrt(a * delta)));
     }

@@ -1,5 +1,6 @@
-// The quadratic in two words of the format, the roots in one. A GPU without doubles can use it for an eye near the
-// ground, where c = |f/r|² − 1 and the discriminant keep only the digits that the height leaves of the radius.
+// Computes the quadratic in two words of the format, and the roots in one word. A GPU without doubles can use the form
+// for an eye near the ground. There, c = |f/r|² − 1 and the discriminant cancel, and in one word they lose about
+// log2(radius/height) bits.
 #pragma once
 
 #include "number/wide/two_words.hpp"
@@ -18,22 +19,24 @@ struct InTwoWords {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
-        if constexpr (is_exact<T>) return met<T>(RayInRadii<T>(ray, e), [](const T& x) { return x; });
+        if constexpr (is_exact<T>) return hit_from_scaled_ray<T>(RayInRadii<T>(ray, e), [](const T& x) { return x; });
         else {
             using W = number::wide::TwoWords<T>;
             const auto wide = [](const Vec<T>& v) { return Vec<W>(W(v.x), W(v.y), W(v.z)); };
             const Ray<W> wide_ray{wide(ray.origin), wide(ray.direction)};
-            return met<T>(RayInRadii<W>(wide_ray, {wide(e.centre), wide(e.radii)}), [](const W& x) { return x.hi; });
+            return hit_from_scaled_ray<T>(RayInRadii<W>(wide_ray, {wide(e.centre), wide(e.radii)}),
+                                          [](const W& x) { return x.hi; });
         }
     }
 
 private:
-    template <Number T, class W, class First>
-    static Hit<T> met(const RayInRadii<W>& in, const First& first) {
+    /// Solves the quadratic of a ray in units of the radii. `high_word` rounds a W to T.
+    template <Number T, class W, class HighWord>
+    static Hit<T> hit_from_scaled_ray(const RayInRadii<W>& in, const HighWord& high_word) {
         const W a = square(in.d), h = dot(in.f, in.d), c = square(in.f) - W(1);
-        const T disc = named("disc", first(square(h) - a * c));
-        return hit_unless<T>(disc < T(0), unified_roots<T>(named("a", first(a)), named("b'", -first(h)),
-                                                           named("c", first(c)), sqrt(disc)));
+        const T disc = named("disc", high_word(square(h) - a * c));
+        return hit_unless<T>(disc < T(0), unified_roots<T>(named("a", high_word(a)), named("b'", -high_word(h)),
+                                                           named("c", high_word(c)), sqrt(disc)));
     }
 };
 

@@ -1,5 +1,5 @@
-// Misses where |n·d| or t is no more than 2^-23. The first is a cosine if both vectors have length one; the second is
-// a length in the unit of the scene.
+// Misses if |n·d| or t is no more than 2^-23. |n·d| is a cosine if both vectors have length one; t is a length in the
+// unit of the scene.
 #pragma once
 
 #include "intersect/info.hpp"

@@ -17,8 +17,8 @@ struct Quotient {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Plane<T>& plane) {
-        const T from = named("n.(P-o)", dot(plane.normal, Vec<T>(plane.through - ray.origin)));
-        const T t = named("t", from / named("n.d", dot(plane.normal, ray.direction)));
+        const T numerator = named("n.(P-o)", dot(plane.normal, Vec<T>(plane.through - ray.origin)));
+        const T t = named("t", numerator / named("n.d", dot(plane.normal, ray.direction)));
         return {t >= T(0), t, t, t};
     }
 };

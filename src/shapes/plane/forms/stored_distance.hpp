@@ -1,5 +1,5 @@
-// The plane as n·p + w = 0: w = −n·P is rounded once for all rays, and its error grows with the distance from the
-// origin of the world.
+// The plane as n·p + w = 0. w = −n·P is computed once for all rays, and its rounding error grows with the distance of
+// the plane's point P from the origin of the world.
 #pragma once
 
 #include "intersect/info.hpp"
@@ -19,8 +19,8 @@ struct StoredDistance {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Plane<T>& plane) {
         const T w = named("w", -dot(plane.normal, plane.through));
-        const T from = named("n.o+w", dot(plane.normal, ray.origin) + w);
-        const T t = named("t", -(from / named("n.d", dot(plane.normal, ray.direction))));
+        const T numerator = named("n.o+w", dot(plane.normal, ray.origin) + w);
+        const T t = named("t", -(numerator / named("n.d", dot(plane.normal, ray.direction))));
         return {t >= T(0), t, t, t};
     }
 };

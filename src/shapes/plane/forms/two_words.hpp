@@ -1,5 +1,5 @@
-// Both dot products in two words of the format, the quotient in one. It is for eyes near a plane that is far from the
-// origin of the world, or for rays along the plane.
+// Computes both dot products in two words of the format, and their quotient in one word. The form helps if the eye is
+// near a plane that is far from the origin of the world, or if rays run along the plane.
 #pragma once
 
 #include "intersect/info.hpp"
@@ -21,20 +21,22 @@ struct DotsInTwoWords {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Plane<T>& plane) {
-        if constexpr (is_exact<T>) return met<T>(ray, plane, [](const T& x) { return x; });
+        if constexpr (is_exact<T>) return hit_by_quotient<T>(ray, plane, [](const T& x) { return x; });
         else {
             using W = number::wide::TwoWords<T>;
             const auto wide = [](const Vec<T>& v) { return Vec<W>(W(v.x), W(v.y), W(v.z)); };
-            return met<T>(Ray<W>{wide(ray.origin), wide(ray.direction)},
-                          Plane<W>{wide(plane.through), wide(plane.normal)}, [](const W& x) { return x.hi; });
+            return hit_by_quotient<T>(Ray<W>{wide(ray.origin), wide(ray.direction)},
+                                      Plane<W>{wide(plane.through), wide(plane.normal)},
+                                      [](const W& x) { return x.hi; });
         }
     }
 
 private:
-    template <Number T, class W, class First>
-    static Hit<T> met(const Ray<W>& ray, const Plane<W>& plane, const First& first) {
-        const T from = named("n.(P-o)", first(dot(plane.normal, Vec<W>(plane.through - ray.origin))));
-        const T t = named("t", from / named("n.d", first(dot(plane.normal, ray.direction))));
+    /// t = n·(P − o)/(n·d) with both dot products in W. `high_word` rounds a W to T.
+    template <Number T, class W, class HighWord>
+    static Hit<T> hit_by_quotient(const Ray<W>& ray, const Plane<W>& plane, const HighWord& high_word) {
+        const T numerator = named("n.(P-o)", high_word(dot(plane.normal, Vec<W>(plane.through - ray.origin))));
+        const T t = named("t", numerator / named("n.d", high_word(dot(plane.normal, ray.direction))));
         return {t >= T(0), t, t, t};
     }
 };

@@ -24,20 +24,20 @@ struct Quadruple {
     int a, b, c, n;
 };
 
-/// All a ≤ b ≤ c without a common factor and with a² + b² + c² = n², n ≤ 127. There are 559, each with up to 48
-/// directions. That is enough that a thousand views hardly share one. They are small enough that twelve bits times any
-/// of them is exact in binary32.
+/// Returns all a ≤ b ≤ c without a common factor and with a² + b² + c² = n², n ≤ 127. There are 559, each with up to 48
+/// directions, so a thousand views rarely share one. The numbers are so small that their products with a number of
+/// twelve bits are exact in binary32.
 std::vector<Quadruple> pythagorean_quadruples() {
-    std::vector<Quadruple> found;
+    std::vector<Quadruple> quadruples;
     for (int n = 3; n <= 127; n += 2) {  // n is odd: squares are 0 or 1 modulo 4
         for (int a = 1; a < n; ++a) {
             for (int b = a; b < n; ++b) {
-                const int rest = n * n - a * a - b * b, c = static_cast<int>(std::sqrt(rest < 0 ? 0 : rest));
-                if (c >= b && c * c == rest && std::gcd(std::gcd(a, b), c) == 1) found.push_back({a, b, c, n});
+                const int c2 = n * n - a * a - b * b, c = static_cast<int>(std::sqrt(c2 < 0 ? 0 : c2));
+                if (c >= b && c * c == c2 && std::gcd(std::gcd(a, b), c) == 1) quadruples.push_back({a, b, c, n});
             }
         }
     }
-    return found;
+    return quadruples;
 }
 
 /// A view direction (a, b, c) in whole numbers. Its length is n.
@@ -46,7 +46,7 @@ struct View {
     double n;
 };
 
-/// One of the 48 images of a vector under the symmetries of the axes.
+/// Returns one of the 48 images of a vector under permutations and reflections of the axes.
 Vec<double> shuffled(Random& random, std::array<double, 3> parts) {
     std::swap(parts[0], parts[static_cast<std::size_t>(random.below(3))]);
     std::swap(parts[1], parts[1 + static_cast<std::size_t>(random.below(2))]);
@@ -57,20 +57,20 @@ Vec<double> shuffled(Random& random, std::array<double, 3> parts) {
 /// Draws a point of the unit circle without sine and cosine, which differ between machines.
 std::pair<double, double> draw_on_circle(Random& random) {
     for (;;) {
-        const double y = random.between(-1, 1), z = random.between(-1, 1), size = y * y + z * z;
-        if (size <= 1 && size > 0x1p-20) return {y / std::sqrt(size), z / std::sqrt(size)};
+        const double y = random.between(-1, 1), z = random.between(-1, 1), radius2 = y * y + z * z;
+        if (radius2 <= 1 && radius2 > 0x1p-20) return {y / std::sqrt(radius2), z / std::sqrt(radius2)};
     }
 }
 
-View draw_view(Random& random, const SphereDistribution& f) {
-    if (f.directions == SphereDistribution::Views::axis) {
+View draw_view(Random& random, const SphereDistribution& settings) {
+    if (settings.directions == SphereDistribution::Views::axis) {
         Vec<double> w(0, 0, 0);
         w[random.below(3)] = random.below(2) == 0 ? 1 : -1;
         return {w, 1};
     }
-    if (f.directions == SphereDistribution::Views::tilted) {
+    if (settings.directions == SphereDistribution::Views::tilted) {
         const auto [y, z] = draw_on_circle(random);
-        const Vec<double> w = shuffled(random, {1, to_12_bits(f.tilt * y), to_12_bits(f.tilt * z)});
+        const Vec<double> w = shuffled(random, {1, to_12_bits(settings.tilt * y), to_12_bits(settings.tilt * z)});
         return {w, length(w)};
     }
     static const std::vector<Quadruple> quadruples = pythagorean_quadruples();
@@ -78,32 +78,34 @@ View draw_view(Random& random, const SphereDistribution& f) {
     return {shuffled(random, {double(q.a), double(q.b), double(q.c)}), static_cast<double>(q.n)};
 }
 
-/// A factor near 1 for the views along an axis or beside it. They have few centres, and without it all of them would
-/// share the rounding of c.
-double jitter(Random& random, const SphereDistribution& f) {
-    return f.directions == SphereDistribution::Views::oblique ? 1 : 1 + 0x1p-5 * (random.unit() - 0.5);
+/// Returns a factor near 1 for views along an axis or near one. Such views have few centres, and without the factor all
+/// of them would share the rounding of c.
+double jitter(Random& random, const SphereDistribution& settings) {
+    return settings.directions == SphereDistribution::Views::oblique ? 1 : 1 + 0x1p-5 * (random.unit() - 0.5);
 }
 
-/// Describes how a line passes the centre: its distance in radii, and a direction across w.
+/// Position of a line relative to the centre: its distance in radii, and a unit direction across w.
 struct Impact {
     double s;
     Vec<double> across;
 };
 
-Impact draw_impact(Random& random, const SphereDistribution& f, const View& view) {
+Impact draw_impact(Random& random, const SphereDistribution& settings, const View& view) {
     const double u = random.unit();
     double s = 0;
-    if (f.silhouette_gap > 0) {
-        s = 1 - f.silhouette_gap;
-    } else if (f.weighting == SphereDistribution::Weighting::silhouette) {
-        // 1 − s falls by powers of two from 1 − impact_from to 1 − impact_to. It uses MPFR because libm's pow differs
-        // between machines.
-        const Real ratio = Real(1 - f.impact_to) / Real(1 - f.impact_from);
-        s = 1 - (1 - f.impact_from) * static_cast<double>(Real(pow(ratio, Real(u))));
+    if (settings.silhouette_gap > 0) {
+        s = 1 - settings.silhouette_gap;
+    } else if (settings.weighting == SphereDistribution::Weighting::silhouette) {
+        // 1 − s falls exponentially from 1 − impact_from to 1 − impact_to. It is computed in MPFR because libm's pow
+        // differs between machines.
+        const Real ratio = Real(1 - settings.impact_to) / Real(1 - settings.impact_from);
+        s = 1 - (1 - settings.impact_from) * static_cast<double>(Real(pow(ratio, Real(u))));
     } else {
-        s = std::sqrt(f.impact_from * f.impact_from + u * (f.impact_to * f.impact_to - f.impact_from * f.impact_from));
+        s = std::sqrt(settings.impact_from * settings.impact_from +
+                      u * (settings.impact_to * settings.impact_to - settings.impact_from * settings.impact_from));
     }
-    // Draw one by one: the compiler chooses the order in which arguments are evaluated, and clang and gcc differ.
+    // The numbers are drawn in separate statements, because compilers evaluate arguments in any order, and clang and
+    // gcc differ.
     const double z = 2 * random.unit() - 1, y = 2 * random.unit() - 1, x = 2 * random.unit() - 1;
     const Vec<double> side(x, y, z);
     const Vec<double> w(view.w.x / view.n, view.w.y / view.n, view.w.z / view.n);
@@ -111,54 +113,55 @@ Impact draw_impact(Random& random, const SphereDistribution& f, const View& view
     return {s, across / length(across)};
 }
 
-/// Direction, of length 1, of a line that passes the centre at s radii from a point along w from it: it makes the angle
-/// asin(s r/distance) with w.
+/// Returns the unit direction of a line from a point at `distance` from the centre, where w leads to the centre. The
+/// line passes the centre at s radii, so its angle to w is asin(s r/distance).
 Vec<double> line_past(const Impact& impact, const Vec<double>& w, double radius, double distance) {
     const double sine = std::clamp(impact.s * radius / distance, -1.0, 1.0);
     return sine * impact.across + std::sqrt((1 - sine) * (1 + sine)) * w;
 }
 
 /// Adds rays from the surface of a second sphere.
-void add_rays_from_other(Random& random, const SphereDistribution& f, RayGroup& group) {
+void add_rays_from_other(Random& random, const SphereDistribution& settings, RayGroup& group) {
     const Sphere<double> sphere = group.primitives[0].sphere();
-    const Sphere<double> other{stored(sphere.centre + (f.distance * sphere.radius) * rays::draw_direction(random)),
-                               sphere.radius};
+    const Sphere<double> other{
+        stored(sphere.centre + (settings.distance * sphere.radius) * rays::draw_direction(random)), sphere.radius};
     group.primitives.emplace_back(other);
-    for (int i = 0; i < f.rays; ++i) {
-        const Vec<double> from = stored(rays::draw_on_surface(random, other)), to = sphere.centre - from;
-        const double distance = length(to);
-        const Vec<double> w = distance > 0 ? to / distance : rays::draw_direction(random);
-        const Impact impact = draw_impact(random, f, {w, 1});
-        group.rays.push({from, stored(direction_length(f) * line_past(impact, w, sphere.radius, distance))});
+    for (int i = 0; i < settings.rays; ++i) {
+        const Vec<double> origin = stored(rays::draw_on_surface(random, other)), to_centre = sphere.centre - origin;
+        const double distance = length(to_centre);
+        const Vec<double> w = distance > 0 ? to_centre / distance : rays::draw_direction(random);
+        const Impact impact = draw_impact(random, settings, {w, 1});
+        group.rays.push({origin, stored(direction_length(settings) * line_past(impact, w, sphere.radius, distance))});
     }
 }
 
-RayGroup view_rays(Random& random, const SphereDistribution& f) {
-    const View view = draw_view(random, f);
+RayGroup view_rays(Random& random, const SphereDistribution& settings) {
+    const View view = draw_view(random, settings);
     const Vec<double> w(view.w.x / view.n, view.w.y / view.n, view.w.z / view.n);
-    const Vec<double> away = offset_of(f);
-    const double magnitude = direction_length(f);
-    const bool parallel = f.projection == SphereDistribution::Projection::parallel;
+    const Vec<double> shift = offset_of(settings);
+    const double magnitude = direction_length(settings);
+    const bool is_parallel = settings.projection == SphereDistribution::Projection::parallel;
     // Whole multiples of (a, b, c): |centre| = multiple·n exactly.
-    const double multiple = to_12_bits((parallel ? f.distance * f.radius : f.radius) / view.n * jitter(random, f));
-    const double radius = parallel ? f.radius : multiple * view.n;
-    const Vec<double> centre = (parallel ? multiple : -multiple) * view.w + away;
+    const double multiple = to_12_bits((is_parallel ? settings.distance * settings.radius : settings.radius) / view.n *
+                                       jitter(random, settings));
+    const double radius = is_parallel ? settings.radius : multiple * view.n;
+    const Vec<double> centre = (is_parallel ? multiple : -multiple) * view.w + shift;
 
     RayGroup group;
     group.primitives.push_back(Sphere<double>{stored(centre), stored(radius)});
-    if (f.begin == rays::Begin::on_other) {
-        add_rays_from_other(random, f, group);
+    if (settings.begin == rays::Begin::on_other) {
+        add_rays_from_other(random, settings, group);
         return group;
     }
-    for (int i = 0; i < f.rays; ++i) {
-        const Impact impact = draw_impact(random, f, view);
-        if (parallel) {
+    for (int i = 0; i < settings.rays; ++i) {
+        const Impact impact = draw_impact(random, settings, view);
+        if (is_parallel) {
             // The direction is (a, b, c) over a power of two near n: exact, and parallel to the centre's direction.
             const double scale = magnitude * std::ldexp(1.0, -std::ilogb(view.n));
-            group.rays.push({stored(away + (impact.s * radius) * impact.across), stored(scale * view.w)});
+            group.rays.push({stored(shift + (impact.s * radius) * impact.across), stored(scale * view.w)});
         } else {
-            const Vec<double> towards = line_past(impact, f.away ? w : -w, radius, radius + f.height);
-            group.rays.push({stored(away + f.height * w), stored(magnitude * towards)});
+            const Vec<double> towards = line_past(impact, settings.away ? w : -w, radius, radius + settings.height);
+            group.rays.push({stored(shift + settings.height * w), stored(magnitude * towards)});
         }
     }
     return group;
@@ -174,27 +177,27 @@ SphereDistribution SphereDistribution::read(toml::TableReader table) {
     static constexpr std::pair<std::string_view, V> views[] = {
         {"oblique", V::oblique}, {"axis", V::axis}, {"tilted", V::tilted}};
     static constexpr std::pair<std::string_view, W> weightings[] = {{"disc", W::disc}, {"silhouette", W::silhouette}};
-    SphereDistribution f;
-    f.projection = table.optional_one_of<P>("projection", projections).value_or(f.projection);
-    table.read("begin", f.begin, rays::begins);
-    if (f.begin == rays::Begin::on_other && f.projection == P::point)
+    SphereDistribution settings;
+    settings.projection = table.optional_one_of<P>("projection", projections).value_or(settings.projection);
+    table.read("begin", settings.begin, rays::begins);
+    if (settings.begin == rays::Begin::on_other && settings.projection == P::point)
         table.fail_at("begin",
                       "is \"other\", but with projection = \"point\" the rays begin above the sphere itself; "
                       "leave one of the two out");
-    f.directions = table.optional_one_of<V>("directions", views).value_or(f.directions);
-    f.weighting = table.optional_one_of<W>("weighting", weightings).value_or(f.weighting);
-    table.read_number("radius", f.radius, 0x1p-126, 0x1p+126);
-    table.read_number("distance", f.distance, 0, 0x1p+126);
-    table.read_number("height", f.height, -0x1p+126, 0x1p+126);
-    table.read_number("impact_from", f.impact_from, 0, 4);
-    table.read_number("impact_to", f.impact_to, 0, 4);
-    table.read_number("silhouette_gap", f.silhouette_gap, 0, 1);
-    f.away = table.optional_boolean("away").value_or(false);
-    table.read_number("tilt", f.tilt, 0, 1);
-    if (f.weighting == W::silhouette && f.impact_to >= 1)
+    settings.directions = table.optional_one_of<V>("directions", views).value_or(settings.directions);
+    settings.weighting = table.optional_one_of<W>("weighting", weightings).value_or(settings.weighting);
+    table.read_number("radius", settings.radius, 0x1p-126, 0x1p+126);
+    table.read_number("distance", settings.distance, 0, 0x1p+126);
+    table.read_number("height", settings.height, -0x1p+126, 0x1p+126);
+    table.read_number("impact_from", settings.impact_from, 0, 4);
+    table.read_number("impact_to", settings.impact_to, 0, 4);
+    table.read_number("silhouette_gap", settings.silhouette_gap, 0, 1);
+    settings.away = table.optional_boolean("away").value_or(false);
+    table.read_number("tilt", settings.tilt, 0, 1);
+    if (settings.weighting == W::silhouette && settings.impact_to >= 1)
         table.fail_at("impact_to", "must be below 1 with weighting = \"silhouette\"");
-    rays::read_common_keys(table, f);
-    return f;
+    rays::read_common_keys(table, settings);
+    return settings;
 }
 
 std::vector<RayGroup> SphereDistribution::draw() const { return rays::draw_views(*this, view_rays); }

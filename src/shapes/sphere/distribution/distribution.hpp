@@ -11,18 +11,18 @@
 
 namespace lostbits::scene::sphere {
 
-/// One sphere seen along directions w = (a, b, c)/n with whole a² + b² + c² = n² (Pythagorean quadruples). The
-/// distances that a sweep asks for then exist exactly in binary32, in oblique directions too.
+/// One sphere seen along directions w = (a, b, c)/n, where a² + b² + c² = n² in whole numbers (Pythagorean quadruples).
+/// The distances of a sweep then exist exactly in binary32, in oblique directions too.
 struct SphereDistribution {
     static constexpr std::string_view table = "sphere_rays";
 
-    /// parallel: rays along w from a disc at the world's origin. The centre is at M·(a, b, c), which is `distance`
-    /// radii away to 12 bits of M. point: the surface passes through the world's origin exactly. All rays of a view
-    /// start `height` above it, and point along −w and to the side of it.
+    /// parallel: rays along w from a disc around the world's origin. The centre is at M·(a, b, c), where M has 12 bits,
+    /// so it is only about `distance` radii away. point: the surface passes through the world's origin exactly. All
+    /// rays of a view start at `height` above the origin, and pass the centre at the distances stated below.
     enum class Projection { parallel, point };
-    /// tilted: w ∥ (1, tilt·y, tilt·z) with (y, z) anywhere on the unit circle and the axes in any order, each
-    /// component to 12 bits. The distance or the radius is within 1/64 of the requested one. axis: the same with tilt
-    /// = 0.
+    /// oblique: w = (a, b, c)/n. tilted: w ∥ (1, tilt·y, tilt·z) with (y, z) anywhere on the unit circle, the axes in
+    /// any order, and components of 12 bits. The distance or the radius is within 1/64 of the requested one. axis: as
+    /// tilted with tilt = 0.
     enum class Views { oblique, axis, tilted };
     enum class Weighting { disc, silhouette };
 
@@ -33,7 +33,7 @@ struct SphereDistribution {
     double radius = 1;                      ///< world units
     double distance = 4;                    ///< parallel: eye to centre, in radii
     double height = 1;                      ///< point: eye to surface, world units
-    double impact_from = 0;          ///< distance of the line from the centre, in radii: disc: uniform in area between
+    double impact_from = 0;          ///< distance of the line from the centre, in radii. disc: uniform in area between
     double impact_to = 0.999;        ///< these; silhouette: uniform in log2(1 − impact)
     double silhouette_gap = 0;       ///< > 0: all lines pass at 1 − gap radii, in place of the impacts above
     bool away = false;               ///< point: rays along +w, away from the centre
@@ -44,7 +44,7 @@ struct SphereDistribution {
     int rays = 1;                    ///< rays per view
     std::uint64_t seed = 1;
 
-    /// Reads `[sphere_rays]`. InputError with a position for anything out of range.
+    /// Reads `[sphere_rays]`. Throws InputError with a position if a number is out of range.
     static SphereDistribution read(toml::TableReader table);
     /// Draws the rays: shared inputs, each number rounded once to binary32. The random numbers depend on the seed
     /// alone, so neighbouring steps of a sweep have the same rays in units of the sphere.

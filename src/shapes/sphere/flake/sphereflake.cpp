@@ -14,7 +14,7 @@ namespace {
 
 /// Directions to the nine children, in the parent's (u, v, w).
 const std::array<Vec<double>, 9>& child_directions() {
-    static const auto nine = [] {
+    static const auto directions = [] {
         const double half_root3 = std::sqrt(3.0) / 2, height = std::sqrt(2.0 / 3.0), aside = std::sqrt(1.0 / 3.0);
         return std::array<Vec<double>, 9>{{{1, 0, 0},
                                            {0.5, half_root3, 0},
@@ -26,7 +26,7 @@ const std::array<Vec<double>, 9>& child_directions() {
                                            {-aside * half_root3, aside * 0.5, height},
                                            {0, -aside, height}}};
     }();
-    return nine;
+    return directions;
 }
 
 void grow(const Sphere<double>& sphere, const Vec<double>& w, int levels,
@@ -35,15 +35,15 @@ void grow(const Sphere<double>& sphere, const Vec<double>& w, int levels,
     if (levels == 0) return;
     const Vec<double> e = std::fabs(w.x) > 0.8 ? Vec<double>(0, 1, 0) : Vec<double>(1, 0, 0);
     const Vec<double> u = unit_of(cross(e, w)), v = cross(w, u);
-    const double reach = sphere.radius + sphere.radius / 3;
-    for (const Vec<double>& seat : child_directions()) {
-        const Vec<double> away = unit_of(seat.x * u + seat.y * v + seat.z * w);
-        grow({sphere.centre + reach * away, sphere.radius / 3}, away, levels - 1, take);
+    const double distance = sphere.radius + sphere.radius / 3;
+    for (const Vec<double>& child : child_directions()) {
+        const Vec<double> child_axis = unit_of(child.x * u + child.y * v + child.z * w);
+        grow({sphere.centre + distance * child_axis, sphere.radius / 3}, child_axis, levels - 1, take);
     }
 }
 
-double stored(const Real& x) { return toml::round_to_format(x, binary64); }
-Vec<double> stored(const Vec<Real>& v) { return {stored(v.x), stored(v.y), stored(v.z)}; }
+double to_binary64(const Real& x) { return toml::round_to_format(x, binary64); }
+Vec<double> to_binary64(const Vec<Real>& v) { return {to_binary64(v.x), to_binary64(v.y), to_binary64(v.z)}; }
 
 }  // namespace
 
@@ -61,8 +61,8 @@ Sphereflake read_sphereflake(toml::TableReader table) {
                                     "; 5 makes 66430 spheres, and each further level nine times as many");
     }
     flake.levels = static_cast<int>(levels);
-    if (const auto centre = table.optional_vec3("centre")) flake.centre = stored(*centre);
-    if (const auto radius = table.optional_number("radius")) flake.radius = stored(*radius);
+    if (const auto centre = table.optional_vec3("centre")) flake.centre = to_binary64(*centre);
+    if (const auto radius = table.optional_number("radius")) flake.radius = to_binary64(*radius);
     // The smallest sphere must still be representable in binary32.
     if (!(flake.radius >= 0x1p-100) || !(flake.radius <= 0x1p100))
         table.fail_at("radius", "must lie between 2^-100 and 2^100; write 1");
@@ -70,7 +70,7 @@ Sphereflake read_sphereflake(toml::TableReader table) {
         if (!(std::fabs(flake.centre[i]) <= 0x1p100)) table.fail_at("centre", "must lie within 2^100 of the origin");
     }
     if (const auto axis = table.optional_vec3("axis")) {
-        const Vec<double> a = stored(*axis);
+        const Vec<double> a = to_binary64(*axis);
         const double size = length(a);
         if (!(size > 0) || !std::isfinite(size))
             table.fail_at("axis", "is not a direction in binary64; write [0, 0, 1]");
@@ -82,12 +82,12 @@ Sphereflake read_sphereflake(toml::TableReader table) {
 
 void require_memory_for(const Sphereflake& flake) {
     constexpr double bytes_a_sphere = 40, gigabyte = 1e9;
-    const double there =
+    const double available =
         0.75 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
     const double needed = bytes_a_sphere * static_cast<double>(flake.size());
-    if (needed <= there) return;
+    if (needed <= available) return;
     Sphereflake smaller = flake;
-    while (smaller.levels > 0 && bytes_a_sphere * static_cast<double>(smaller.size()) > there) --smaller.levels;
+    while (smaller.levels > 0 && bytes_a_sphere * static_cast<double>(smaller.size()) > available) --smaller.levels;
     throw EnvironmentError(
         "sphereflake.levels = " + std::to_string(flake.levels) + ": a map of its " + std::to_string(flake.size()) +
         " spheres needs about " + std::to_string(static_cast<long>(needed / gigabyte)) +

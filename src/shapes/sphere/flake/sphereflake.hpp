@@ -1,5 +1,5 @@
-// The sphereflake of Haines' standard procedural databases: a sphere with nine spheres of a third of its size on it,
-// and so on for each of those.
+// The sphereflake of Haines' standard procedural databases: a sphere that carries nine spheres of a third of its size,
+// each of which carries nine smaller ones, and so on.
 #pragma once
 
 #include <functional>
@@ -25,19 +25,19 @@ struct Sphereflake {
     [[nodiscard]] std::size_t size() const;
 };
 
-/// Levels 0 to 9 (9 has 436 million spheres).
+/// Largest number of levels; it makes 436 million spheres.
 inline constexpr int most_flake_levels = 9;
 
 /// Reads `[sphereflake]`: levels, and optionally centre, radius > 0 and axis, as binary64. Throws InputError with a
 /// position.
 Sphereflake read_sphereflake(toml::TableReader table);
 
-/// Throws EnvironmentError if the spheres need more than three quarters of this machine's memory. It counts 40 bytes
-/// for each, enough for own inputs and some formats (a map in binary32 takes 18 to 20).
+/// Throws EnvironmentError if the spheres need more than three quarters of this machine's memory. The estimate is 40
+/// bytes for each sphere, enough for own inputs and several formats (a map in binary32 takes 18 to 20).
 void require_memory_for(const Sphereflake& flake);
 
-/// Makes every sphere, parents before their children, always in the same order. It uses binary64 and only + − × ÷ √,
-/// so the numbers are the same on every machine. They are the ideal numbers of the scene.
+/// Calls `take` with every sphere, parents before their children, always in the same order. The numbers are computed in
+/// binary64 by + − × ÷ √ alone, so they are the same on every machine. They are the ideal numbers of the scene.
 void for_each_primitive(const Sphereflake& flake, const std::function<void(const Primitive<double>&)>& take);
 
 }  // namespace lostbits::scene::sphere

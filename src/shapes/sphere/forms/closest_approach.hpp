@@ -21,8 +21,8 @@ struct ClosestApproach {
         const Vec<T> f = ray.origin - sphere.centre;
         const T a = named("a", square(ray.direction));
         const T t0 = named("t0", -dot(f, ray.direction) / a);
-        const Vec<T> moved = ray.origin + t0 * ray.direction;
-        const Vec<T> g = moved - sphere.centre;
+        const Vec<T> moved_origin = ray.origin + t0 * ray.direction;
+        const Vec<T> g = moved_origin - sphere.centre;
         const T h = named("h", dot(g, ray.direction));
         const T c = named("c", square(g) - square(sphere.radius));
         const T disc = named("disc", square(h) - a * c);

@@ -1,5 +1,5 @@
-// Lagrange's identity: aΔ = a r² − |f × d|². The cross product subtracts products, so it keeps the digits that f·f −
-// tca² loses. The roots are those of `unified`.
+// Lagrange's identity: aΔ = a r² − |f × d|². The cross product cancels before anything is squared, so it keeps the
+// digits that f·f − (f·d)²/a loses. The roots are those of `unified`.
 #pragma once
 
 #include "intersect/roots.hpp"

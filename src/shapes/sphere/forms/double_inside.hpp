@@ -1,5 +1,5 @@
-// Float in, double arithmetic, float out: the schoolbook discriminant with Press et al. roots, all in the wider type,
-// with one rounding at the end. It shows the gain of "just use double".
+// Float in, double arithmetic, float out: the schoolbook discriminant with the roots of Press et al., all in the wider
+// type, with one rounding at the end. The form shows the gain of "just use double".
 #pragma once
 
 #include "intersect/roots.hpp"

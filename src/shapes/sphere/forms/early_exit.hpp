@@ -1,6 +1,6 @@
-// `unified` with a shortcut. A sphere behind a ray that starts outside (b' < 0 and c > 0) is a miss. The sign of c
-// says which root is the first: t₀ from outside, t₁ from inside. Only that root is computed. On the surface (c = 0, a
-// case that the source does not mention) c/q = 0 is the first root, whatever the direction of the ray.
+// `unified` with a shortcut. If a ray starts outside and the sphere is behind it (b' < 0 and c > 0), it misses. The
+// sign of c says which root is the first: t₀ from outside, t₁ from inside. Only that root is computed. On the surface
+// (c = 0, a case that the source does not mention) the first root is c/q = 0 for every direction of the ray.
 #pragma once
 
 #include "intersect/roots.hpp"

@@ -1,6 +1,7 @@
-// The segment form of a ray-casting course. With d = P1 − P0 (formed where the ray is made), c = G·G + O·O − 2 G·O −
-// r², so the square of the scene's distance from the world origin enters. The six squares are added one to the next,
-// as the source writes them: cx·cx + cy·cy + cz·cz + x0·x0 + y0·y0 + z0·z0. It finds the near root only.
+// The segment form of a ray-casting course. The direction is d = P1 − P0, computed when the ray is made. c = G·G + O·O
+// − 2 G·O − r² contains the square of the scene's distance from the world origin. The six squares are added from left
+// to right, as the source writes them: cx·cx + cy·cy + cz·cz + x0·x0 + y0·y0 + z0·z0. The form finds the near root
+// only.
 #pragma once
 
 #include "intersect/roots.hpp"

@@ -1,4 +1,4 @@
-// `unified` with c = (|f| − r)(|f| + r): its last cancellation is made before squaring.
+// `unified` with c = (|f| − r)(|f| + r), so that the last cancellation in c comes before the squaring.
 #pragma once
 
 #include "intersect/roots.hpp"

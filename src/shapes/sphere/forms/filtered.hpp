@@ -1,7 +1,7 @@
-// A cheap method with a bound on its rounding error. If the bound does not prove the decision, or leaves t less than
-// 18 correct bits of 24 (47 of 53), the ray is computed again in wider arithmetic, and then in still wider: float,
-// double, double-double, exact sums. In packs, one branch for each register asks whether any lane needs it. It finds
-// the first intersection only: near = far = t.
+// A cheap method with a bound on its rounding error. If the bound does not prove the decision, or does not guarantee 18
+// correct bits of 24 in t (47 of 53), the ray is computed again in wider and wider arithmetic: float, double,
+// double-double, exact sums. In packs, one branch for each register tests whether any lane needs the next step. The
+// form finds only the first intersection: near = far = t.
 #pragma once
 
 #include "intersect/filter_arithmetic.hpp"
@@ -23,31 +23,32 @@ struct Filtered {
         return intersect(ray, sphere, watch);
     }
 
-    /// Calls `watch(way)` for every arithmetic beyond the first that is used.
+    /// Calls `watch(arithmetic)` for every arithmetic beyond the first that is used.
     template <Number T, class Watch>
     static Hit<T> intersect(const Ray<T>& ray, const Sphere<T>& sphere, Watch& watch) {
         if constexpr (is_exact<T>) {
-            return answered(filtered::unrounded<T>(ray, sphere));
+            return to_hit(filtered::decide_unrounded<T>(ray, sphere));
         } else {
-            const filtered::Settled<T> cheap = filtered::cheaply<T>(ray, sphere);
-            if (!any_of(!cheap.proved)) return answered(cheap);
+            const filtered::SphereDecision<T> cheap_decision = filtered::cheaply<T>(ray, sphere);
+            if (!any_of(!cheap_decision.proved)) return to_hit(cheap_decision);
             if constexpr (number::wide::has_wider_word<T>) {
                 if (number::wide::widens<T>()) {
                     watch(FilterArithmetic::wider);
                     using W = number::wide::OneWord<T>;
-                    const filtered::Settled<T> wide = joined(cheap, filtered::widely<W, T>(ray, sphere));
-                    if (!any_of(!wide.proved)) return answered(wide);
-                    return answered(filtered::to_the_end<T>(ray, sphere, wide, watch));
+                    const filtered::SphereDecision<T> wide_decision =
+                        joined(cheap_decision, filtered::widely<W, T>(ray, sphere));
+                    if (!any_of(!wide_decision.proved)) return to_hit(wide_decision);
+                    return to_hit(filtered::finish<T>(ray, sphere, wide_decision, watch));
                 }
             }
-            return answered(filtered::to_the_end<T>(ray, sphere, cheap, watch));
+            return to_hit(filtered::finish<T>(ray, sphere, cheap_decision, watch));
         }
     }
 
 private:
     template <Number T>
-    static Hit<T> answered(const filtered::Settled<T>& v) {
-        return {v.hit, v.t, v.t, v.t};
+    static Hit<T> to_hit(const filtered::SphereDecision<T>& decision) {
+        return {decision.hit, decision.t, decision.t, decision.t};
     }
 };
 

@@ -11,15 +11,15 @@
 namespace lostbits::intersect::sphere {
 namespace filtered {
 
-/// The result of a step for a ray: the decision and t if they are proved, else nothing.
+/// Result of a step for a ray: the decision and t, which are valid only if they are proved.
 template <Number T>
-struct Settled {
+struct SphereDecision {
     mask_t<T> proved, hit;
     T t;
 
-    /// Returns `first` where it is proved, else `second`. A number that records operations belongs to one ray, which
-    /// needed the second step because the first one proved nothing.
-    friend Settled joined(const Settled& first, const Settled& second) {
+    /// Returns `first` where it is proved, else `second`. A type that records operations computes one ray, for which
+    /// the second step was taken because the first proved nothing, so it returns `second`.
+    friend SphereDecision joined(const SphereDecision& first, const SphereDecision& second) {
         if constexpr (traces_operations<T>) return second;
         else
             return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit),
@@ -27,42 +27,42 @@ struct Settled {
     }
 };
 
-/// The values that `cheaply` computes.
+/// Values that `cheaply` computes.
 template <Number T>
-struct Cheap {
+struct CheapValues {
     Vec<T> f;
     T r, inv, s, delta, root;
 };
 
-/// Bounds of the values of `cheaply`.
+/// Proves the decision of `cheaply` from bounds on its values; `cheaply` derives them.
 template <Number T>
-Settled<T> proved_cheaply(const Cheap<T>& of, const T& t) {
+SphereDecision<T> proved_cheaply(const CheapValues<T>& values, const T& t) {
     using number::wide::value_of;
     using P = decltype(value_of(t));
-    const P u = unit_roundoff<P>(), none = P(1) / P(0), r = value_of(of.r), s = value_of(of.s),
-            root = value_of(of.root);
-    const P inv = value_of(of.inv), delta = value_of(of.delta);
-    const Vec<P> f = value_of(of.f);
+    const P u = unit_roundoff<P>(), infinity = P(1) / P(0), r = value_of(values.r), s = value_of(values.s),
+            root = value_of(values.root);
+    const P inv = value_of(values.inv), delta = value_of(values.delta);
+    const Vec<P> f = value_of(values.f);
     const P ff = square(f), w = (P(21) / P(10) * u) * (abs(f.x) + abs(f.y) + abs(f.z)) + P(4) * u * r;
     const P e = w * (P(2) * r + P(32) * w);
     // In coarser formats no distance is large enough.
-    const P from = select(P(1024) * u <= P(1), P(2), none);
+    const P least_ratio = select(P(1024) * u <= P(1), P(2), infinity);
     const P least = number::wide::root_of_least_normal<P>() / (P(23) * u);
     const P most = P(1) / (P(64) * number::wide::least_normal<P>());
-    const mask_t<P> in_range = ff >= max(least, from * square(r)) && inv >= least && max(ff, inv) <= most;
+    const mask_t<P> in_range = ff >= max(least, least_ratio * square(r)) && inv >= least && max(ff, inv) <= most;
     // The last comparison fails where s ≤ 0, so a hit is ahead.
-    const mask_t<P> met = delta > P(4) * e && e * inv < root * (P(36) * u * s - P(66) * u * root);
-    const mask_t<P> missed = s <= P(0) || delta < -e;
-    const mask_t<T> proved = number::wide::constant_mask<T>(in_range && (met || missed));
-    if constexpr (traces_operations<T>) return {proved, of.delta > T(0) && of.s > T(0), t};
-    else return {proved, met, t};
+    const mask_t<P> is_hit = delta > P(4) * e && e * inv < root * (P(36) * u * s - P(66) * u * root);
+    const mask_t<P> is_miss = s <= P(0) || delta < -e;
+    const mask_t<T> is_proved = number::wide::constant_mask<T>(in_range && (is_hit || is_miss));
+    if constexpr (traces_operations<T>) return {is_proved, values.delta > T(0) && values.s > T(0), t};
+    else return {is_proved, is_hit, t};
 }
 
-/// Decides from outside, |f| ≥ √2 r, in T alone: s = −f·d/a, l = f + s d, Δ = r² − l·l, t = s − √(Δ/a). It takes one
-/// division and one root.
+/// Decides a ray from outside, |f| ≥ √2 r, in T alone. With f = o − G, G the centre, and a = d·d: s = −f·d/a, l = f + s
+/// d, Δ = r² − l·l, t = s − √(Δ/a). It takes one division and one root.
 ///
-/// u is T's unit roundoff, at most 2^-10 (`from`); φ = u|f|, F = |f|/|d|. Terms of second order are in the last digits
-/// of the constants. (Higham 2002, lemma 3.1 and section 3.3, in norms.)
+/// u is T's unit roundoff, at most 2^-10; φ = u|f|, F = |f|/|d|, and hats mark computed values. The last digits of the
+/// constants cover terms of second order. (Higham 2002, lemma 3.1 and section 3.3, in norms.)
 ///
 ///     f, f·d, a        |δf_i| ≤ u|f_i|,   |δ(f·d)| ≤ 4.1u|f||d|,   |δa| ≤ 3.05u a
 ///     s                |δs| ≤ 4.2u F + 5.2u|s| ≤ 9.5u F
@@ -89,7 +89,7 @@ Settled<T> proved_cheaply(const Cheap<T>& of, const T& t) {
 /// it needs. Where Δ̂ > 4E, Δ̂/a ≥ 4·141u²F² > L is normal. The test of a hit is strict, because both of its sides may
 /// overflow.
 template <Number T>
-Settled<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
+SphereDecision<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
     const T r2 = square(sphere.radius);
     const Vec<T> f = sphere.centre - ray.origin;  // −f of the derivation, so that s and l need no minus
     const T inv = named("inv", T(1) / square(ray.direction));
@@ -100,42 +100,44 @@ Settled<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
     return proved_cheaply<T>({f, sphere.radius, inv, s, delta, root}, named("t", s - root));
 }
 
-/// The values that `widely` computes.
+/// Values that `widely` computes.
 template <Number T>
-struct Wide {
+struct WideValues {
     T r, a, h, c, disc, root, q;
 };
 
-/// Bounds of the values of `widely`. W is the wider number.
+/// Proves the decision of `widely` from bounds on its values; `widely` derives them. W is the wider number type.
 template <class W, Number T>
-Settled<T> proved_widely(const Wide<T>& of, const T& t) {
+SphereDecision<T> proved_widely(const WideValues<T>& values, const T& t) {
     using number::wide::value_of;
     using P = decltype(value_of(t));
-    const P u = unit_roundoff<P>(), least = number::wide::least_normal<P>(), none = P(1) / P(0);
-    const P a = value_of(of.a), h = value_of(of.h), c = value_of(of.c), disc = value_of(of.disc), q = value_of(of.q);
-    const P r2 = square(value_of(of.r)), all = (c + r2) + r2;
+    const P u = unit_roundoff<P>(), least = number::wide::least_normal<P>(), infinity = P(1) / P(0);
+    const P a = value_of(values.a), h = value_of(values.h), c = value_of(values.c), disc = value_of(values.disc),
+            q = value_of(values.q);
+    const P r2 = square(value_of(values.r)), sum = (c + r2) + r2;
     const P v = max(value_of(number::wide::narrow<T>(unit_roundoff<W>())), P(2) * u * least);
-    const P e = (P(6) * v) * (P(4) * all * a) + P(64) * least;
-    const P from = select(number::wide::goes_deeper<P>(), P(64) * least, least / v);
-    const mask_t<P> sure = P(32) * u <= P(1) && P(2) * v <= u && min(abs(c), a) >= from && e < none && abs(h) < none &&
-                           !(q >= none) && abs(c) >= all * (v / u);
-    const mask_t<P> missed = c > P(0) && (h > P(0) || disc < -e);
-    const mask_t<P> met = !missed && disc > e && e <= value_of(of.root) * (q * (P(16) * u));
-    const mask_t<T> proved = number::wide::constant_mask<T>(sure && (met || missed));
-    if constexpr (traces_operations<T>) return {proved, !(of.c > T(0) && of.h > T(0)) && of.disc > T(0), t};
-    else return {proved, met, t};
+    const P e = (P(6) * v) * (P(4) * sum * a) + P(64) * least;
+    const P least_value = select(number::wide::goes_deeper<P>(), P(64) * least, least / v);
+    const mask_t<P> is_accurate = P(32) * u <= P(1) && P(2) * v <= u && min(abs(c), a) >= least_value && e < infinity &&
+                                  abs(h) < infinity && !(q >= infinity) && abs(c) >= sum * (v / u);
+    const mask_t<P> is_miss = c > P(0) && (h > P(0) || disc < -e);
+    const mask_t<P> is_hit = !is_miss && disc > e && e <= value_of(values.root) * (q * (P(16) * u));
+    const mask_t<T> is_proved = number::wide::constant_mask<T>(is_accurate && (is_hit || is_miss));
+    if constexpr (traces_operations<T>)
+        return {is_proved, !(values.c > T(0) && values.h > T(0)) && values.disc > T(0), t};
+    else return {is_proved, is_hit, t};
 }
 
-/// Decides from anywhere, with h = f·d, c = f·f − r² and D = h² − ac in W, and everything after that in T: t = c/q or
+/// Decides a ray from anywhere. h = f·d, c = f·f − r² and D = h² − ac are computed in W, and the rest in T: t = c/q or
 /// q/a with q = |h| + √D. No root and no quotient is computed in W.
 ///
 /// v is W's unit roundoff; u is T's, at most 1/32. In W, with A = f·f + r² and to first order in v,
 ///     |δh| ≤ 4v|f||d|,  |δc| ≤ 5v A + v|c|,  |δa| ≤ 3v a,  |δD| ≤ v a (19 f·f + 6r²) + v|D|,
 /// so the sign of D is right where |D| > e = 24 v A a. A quarter of e is to spare, and covers e's own rounding in T.
 ///
-/// `sure`, |c| ≥ (v/u) A, makes c right to 6u of itself, with its sign. Where D ≥ 0 then, h² ≥ a|c| from outside, so
-/// |h| ≥ √(v/u) |f||d|, which is more than |δh|: the sign of h is right wherever it matters. q² ≥ a|c| everywhere, so h
-/// is right to 4√(uv) of q. (f·f is at most A.)
+/// Where |c| ≥ (v/u) A, which is part of `is_accurate`, c is right to 6u of itself, with its sign. Where D ≥ 0 then, h²
+/// ≥ a|c| from outside, so |h| ≥ √(v/u) |f||d|, which is more than |δh|: the sign of h is right wherever it matters. q²
+/// ≥ a|c| everywhere, so h is right to 4√(uv) of q. (f·f is at most A.)
 ///
 /// t: D contributes |√D̂ − √D|/q ≤ e/(√D̂ q), which is required to be at most 16u. The rest is 6u of c, and the
 /// roundings of h, c, D, √, +, ÷ in T: 27u together, within the 32u of 18 correct bits of 24.
@@ -146,23 +148,24 @@ Settled<T> proved_widely(const Wide<T>& of, const T& t) {
 /// each, is uv of A, of a and of √(Aa). Overflow: e < ∞ implies |c| < ∞, a < ∞ and h², ac ≤ A a < ∞/4, and |h| and q
 /// are tested. Comparisons with a number that overflowed on the way are false.
 template <class W, Number T>
-Settled<T> widely(const Ray<T>& ray, const Sphere<T>& sphere) {
+SphereDecision<T> widely(const Ray<T>& ray, const Sphere<T>& sphere) {
     using number::wide::narrow, number::wide::widen;
-    const auto wide = [](const Vec<T>& x) { return Vec<W>(widen<W>(x.x), widen<W>(x.y), widen<W>(x.z)); };
-    const Vec<W> d = wide(ray.direction), f = wide(ray.origin) - wide(sphere.centre);
+    const auto widen_vec = [](const Vec<T>& x) { return Vec<W>(widen<W>(x.x), widen<W>(x.y), widen<W>(x.z)); };
+    const Vec<W> d = widen_vec(ray.direction), f = widen_vec(ray.origin) - widen_vec(sphere.centre);
     const W aw = square(d), hw = dot(f, d), cw = square(f) - square(widen<W>(sphere.radius));
     const W dw = square(hw) - aw * cw;
 
     const T a = named("a", narrow<T>(aw)), h = named("h", narrow<T>(hw)), c = named("c", narrow<T>(cw));
     const T disc = named("D", narrow<T>(dw));
     const T root = named("root", sqrt(disc)), q = named("q", abs(h) + root);
-    const mask_t<T> outside = c > T(0), behind = h > T(0), from_within = !(outside || behind);
-    const T t = named("t", select(from_within, q, abs(c)) / select(from_within, a, q));
+    const mask_t<T> outside = c > T(0), behind = h > T(0), is_inside = !(outside || behind);
+    const T t = named("t", select(is_inside, q, abs(c)) / select(is_inside, a, q));
     return proved_widely<W, T>({sphere.radius, a, h, c, disc, root, q}, t);
 }
 
-/// h, c, a and a r² − |f × d|², which is D. Each is accurate to 2^-52 of itself, and zero only if the exact value is.
-/// They are sums of the products that the words of f = o − c make. They are exact while the numbers fit.
+/// The terms h, c, a and D = a r² − |f × d|², each an exact sum of products of the words of f = o − G and of d,
+/// rounded. Each is accurate to 2^-52 of itself, and zero only if the exact value is zero. Requires that the numbers
+/// fit (`fits`).
 template <Number B>
 struct ExactTerms {
     B h, c, a, disc;
@@ -173,17 +176,17 @@ struct ExactTerms {
         const TwoWords<B> f[3] = {sum_of<B>(ray.origin.x, -sphere.centre.x), sum_of<B>(ray.origin.y, -sphere.centre.y),
                                   sum_of<B>(ray.origin.z, -sphere.centre.z)};
         const TwoWords<B> r2 = number::wide::product_of(sphere.radius, sphere.radius);
-        ExactSum<B, 12> of_h;
-        ExactSum<B, 20> of_c;
-        ExactSum<B, 6> of_a;
-        ExactSum<B, 240> of_disc;
+        ExactSum<B, 12> h_sum;
+        ExactSum<B, 20> c_sum;
+        ExactSum<B, 6> a_sum;
+        ExactSum<B, 240> disc_sum;
         for (int i = 0; i < 3; ++i) {
-            of_h.add_product(f[i].hi, d[i]);
-            of_h.add_product(f[i].lo, d[i]);
-            of_c.add_product(f[i].hi, f[i].hi);
-            of_c.add_product(f[i].hi + f[i].hi, f[i].lo);
-            of_c.add_product(f[i].lo, f[i].lo);
-            of_a.add_product(d[i], d[i]);
+            h_sum.add_product(f[i].hi, d[i]);
+            h_sum.add_product(f[i].lo, d[i]);
+            c_sum.add_product(f[i].hi, f[i].hi);
+            c_sum.add_product(f[i].hi + f[i].hi, f[i].lo);
+            c_sum.add_product(f[i].lo, f[i].lo);
+            a_sum.add_product(d[i], d[i]);
             const int j = (i + 1) % 3, k = (i + 2) % 3;
             ExactSum<B, 8> m;
             m.add_product(f[j].hi, d[k]);
@@ -192,57 +195,57 @@ struct ExactTerms {
             m.add_product(-f[k].lo, d[j]);
             for (std::size_t x = 0; x < m.words().size(); ++x) {
                 const B& word = m.words()[x];
-                of_disc.add_product(-word, word);
-                for (const B& other : m.words().subspan(x + 1)) of_disc.add_product(word + word, -other);
+                disc_sum.add_product(-word, word);
+                for (const B& other : m.words().subspan(x + 1)) disc_sum.add_product(word + word, -other);
             }
         }
-        of_c.add(-r2);
-        for (const B& word : of_a.words()) {
-            of_disc.add_product(word, r2.hi);
-            of_disc.add_product(word, r2.lo);
+        c_sum.add(-r2);
+        for (const B& word : a_sum.words()) {
+            disc_sum.add_product(word, r2.hi);
+            disc_sum.add_product(word, r2.lo);
         }
-        h = of_h.value();
-        c = of_c.value();
-        a = of_a.value();
-        disc = of_disc.value();
+        h = h_sum.value();
+        c = c_sum.value();
+        a = a_sum.value();
+        disc = disc_sum.value();
     }
 };
 
-/// The decision and t from the terms, without a bound: the terms are right, or T is exact. A ray that touches hits,
-/// and one that starts on the surface hits at t = 0.
+/// Returns the decision and t from the terms, without a bound: the terms have the right signs, or T is exact. A ray
+/// that touches hits, and a ray that starts on the surface hits at t = 0.
 template <Number T>
-Settled<T> of_terms(const T& h, const T& c, const T& a, const T& disc) {
+SphereDecision<T> decision_of_terms(const T& h, const T& c, const T& a, const T& disc) {
     const T root = named("root", sqrt(disc)), q = named("q", abs(h) + root);
-    const T t = decide(c < T(0) && h <= T(0), [&](const mask_t<T>& from_within) {
-        return T(select(from_within, q, abs(c)) / select(from_within, a, q));
+    const T t = decide(c < T(0) && h <= T(0), [&](const mask_t<T>& is_inside) {
+        return T(select(is_inside, q, abs(c)) / select(is_inside, a, q));
     });
-    const mask_t<T> on_it = c >= T(0) && c <= T(0);
-    return {T(0) <= T(0), !(c > T(0)) || (disc >= T(0) && h < T(0)), select(on_it, T(0), t)};
+    const mask_t<T> on_surface = c >= T(0) && c <= T(0);
+    return {T(0) <= T(0), !(c > T(0)) || (disc >= T(0) && h < T(0)), select(on_surface, T(0), t)};
 }
 
-/// The form in exact arithmetic, which needs no filter.
+/// Decides in exact arithmetic, which needs no filter.
 template <Number T>
-Settled<T> unrounded(const Ray<T>& ray, const Sphere<T>& sphere) {
+SphereDecision<T> decide_unrounded(const Ray<T>& ray, const Sphere<T>& sphere) {
     const Vec<T> f = ray.origin - sphere.centre;
     const T a = named("a", square(ray.direction)), h = named("h", dot(f, ray.direction));
     const T r2 = square(sphere.radius), c = named("c", square(f) - r2);
-    return of_terms<T>(h, c, a, named("D", a * r2 - square(cross(f, ray.direction))));
+    return decision_of_terms<T>(h, c, a, named("D", a * r2 - square(cross(f, ray.direction))));
 }
 
-/// True if every number is 0 or between 2^-160 and 2^160 in size, so that products of four, and those of their last
-/// places, are doubles. Floats always fit. Also true if a number is infinite or NaN,
-/// because wider sums would decide no better.
+/// True if every number is 0 or between 2^-160 and 2^160 in size, so that products of four numbers, and of their last
+/// places, are doubles. Floats always fit. Also true if a number is infinite or NaN, because wider sums would decide no
+/// better.
 template <Number T>
 mask_t<T> fits(const Ray<T>& ray, const Sphere<T>& sphere) {
-    mask_t<T> all = T(0) <= T(0);
+    mask_t<T> all_fit = T(0) <= T(0);
     if constexpr (number::wide::has_whole_range<T>) {
         using B = number::wide::OneWord<T>;
-        const B least = number::wide::power_of_two<B>(-160), most = B(1) / least;
-        B none(0);
+        const B least = number::wide::power_of_two<B>(-160), largest = B(1) / least;
+        B zero_if_finite(0);
         const auto add = [&](const T& x) {
             const B size = abs(number::wide::widen<B>(x));
-            all = all && size <= most && (size >= least || size <= B(0));
-            none = none + B(0) * size;
+            all_fit = all_fit && size <= largest && (size >= least || size <= B(0));
+            zero_if_finite = zero_if_finite + B(0) * size;
         };
         for (int axis = 0; axis < 3; ++axis) {
             add(ray.origin[axis]);
@@ -250,87 +253,93 @@ mask_t<T> fits(const Ray<T>& ray, const Sphere<T>& sphere) {
             add(sphere.centre[axis]);
         }
         add(sphere.radius);
-        all = all || !(none <= B(0));
+        all_fit = all_fit || !(zero_if_finite <= B(0));
     }
-    return all;
+    return all_fit;
 }
 
-/// Decides exactly, and is proved where the numbers fit (`fit`). The answer is narrowed as t, with −1 for a miss,
-/// because T may be narrower and have other masks.
+/// Decides by exact sums. The result is proved where the numbers fit (`fit`). The decision is narrowed to T together
+/// with t, as t = −1 for a miss, because T may be narrower and have other masks.
 template <Number T>
-[[gnu::noinline]] Settled<T> exactly(const Ray<T>& ray, const Sphere<T>& sphere, const mask_t<T>& fit) {
+[[gnu::noinline]] SphereDecision<T> decide_by_exact_sums(const Ray<T>& ray, const Sphere<T>& sphere,
+                                                         const mask_t<T>& fit) {
     using B = number::wide::OneWord<T>;
-    const auto word = [](const T& x) { return number::wide::widen<B>(x); };
-    const auto words = [&](const Vec<T>& x) { return Vec<B>(word(x.x), word(x.y), word(x.z)); };
-    const ExactTerms<B> in(Ray<B>{words(ray.origin), words(ray.direction)},
-                           Sphere<B>{words(sphere.centre), word(sphere.radius)});
-    const Settled<B> found = of_terms<B>(in.h, in.c, in.a, in.disc);
-    const T t = number::wide::narrow<T>(select(found.hit, found.t, B(-1)));
+    const auto widen = [](const T& x) { return number::wide::widen<B>(x); };
+    const auto widen_vec = [&](const Vec<T>& x) { return Vec<B>(widen(x.x), widen(x.y), widen(x.z)); };
+    const ExactTerms<B> terms(Ray<B>{widen_vec(ray.origin), widen_vec(ray.direction)},
+                              Sphere<B>{widen_vec(sphere.centre), widen(sphere.radius)});
+    const SphereDecision<B> decision = decision_of_terms<B>(terms.h, terms.c, terms.a, terms.disc);
+    const T t = number::wide::narrow<T>(select(decision.hit, decision.t, B(-1)));
     return {fit, t >= T(0), t};
 }
 
-/// Returns `known`; where it proves nothing, the decision and t are computed over the whole range.
+/// Returns `known`. Where it is not proved, the decision and t are computed again, over the whole range of numbers.
 template <Number T>
-Settled<T> in_every_range(const Ray<T>& ray, const Sphere<T>& sphere, const Settled<T>& known) {
+SphereDecision<T> decide_in_every_range(const Ray<T>& ray, const Sphere<T>& sphere, const SphereDecision<T>& known) {
     const Vec<T>&o = ray.origin, &d = ray.direction, &c = sphere.centre;
-    const std::array<T, 2> all = number::wide::masked_lanes<T, 10, 2>(
+    const std::array<T, 2> answers = number::wide::masked_lanes<T, 10, 2>(
         select(known.proved, T(0), T(1)), {o.x, o.y, o.z, d.x, d.y, d.z, c.x, c.y, c.z, sphere.radius},
         {select(known.hit, T(1), -T(1)), known.t}, number::wide::meet_sphere<T>);
-    return {T(0) <= T(0), all[0] > T(0), all[1]};
+    return {T(0) <= T(0), answers[0] > T(0), answers[1]};
 }
 
-/// Decides without rounding what `known` leaves open.
+/// Decides without rounding where `known` is not proved.
 template <Number T>
-Settled<T> to_the_last_digit(const Ray<T>& ray, const Sphere<T>& sphere, Settled<T> known) {
+SphereDecision<T> decide_exactly(const Ray<T>& ray, const Sphere<T>& sphere, SphereDecision<T> known) {
     const mask_t<T> fit = fits(ray, sphere);
-    if (any_of(!known.proved && fit)) known = joined(known, exactly<T>(ray, sphere, fit));
+    if (any_of(!known.proved && fit)) known = joined(known, decide_by_exact_sums<T>(ray, sphere, fit));
     if constexpr (number::wide::has_whole_range<T>)
-        if (any_of(!known.proved)) return in_every_range<T>(ray, sphere, known);
+        if (any_of(!known.proved)) return decide_in_every_range<T>(ray, sphere, known);
     return known;
 }
 
-/// The same for number types that record operations. They have no operation for it, so it is recorded as a call.
+/// Does what `decide_exactly` does, for number types that record operations. They have no operation for exact sums, so
+/// the step is recorded as a call.
 template <Number T>
-Settled<T> in_a_call(const Ray<T>& ray, const Sphere<T>& sphere) {
+SphereDecision<T> decide_in_a_call(const Ray<T>& ray, const Sphere<T>& sphere) {
     using number::wide::value_of, number::wide::record_call;
     using P = decltype(value_of(sphere.radius));
-    const P none(0);
-    const Settled<P> found =
-        to_the_last_digit<P>({value_of(ray.origin), value_of(ray.direction)},
-                             {value_of(sphere.centre), value_of(sphere.radius)}, {none < none, none < none, none});
+    const P zero(0);
+    const SphereDecision<P> decision =
+        decide_exactly<P>({value_of(ray.origin), value_of(ray.direction)},
+                          {value_of(sphere.centre), value_of(sphere.radius)}, {zero < zero, zero < zero, zero});
     const Vec<T>&o = ray.origin, &d = ray.direction, &c = sphere.centre;
-    const std::array<T, 10> of{o.x, o.y, o.z, d.x, d.y, d.z, c.x, c.y, c.z, sphere.radius};
-    const T decision = record_call<T>({"sphere.filtered", CallAnswer::decision}, of, select(found.hit, P(1), P(-1)));
-    return {number::wide::constant_mask<T>(found.proved), decision > T(0),
-            record_call<T>({"sphere.filtered", CallAnswer::t}, of, found.t)};
+    const std::array<T, 10> inputs{o.x, o.y, o.z, d.x, d.y, d.z, c.x, c.y, c.z, sphere.radius};
+    const T decision_call =
+        record_call<T>({"sphere.filtered", CallAnswer::decision}, inputs, select(decision.hit, P(1), P(-1)));
+    return {number::wide::constant_mask<T>(decision.proved), decision_call > T(0),
+            record_call<T>({"sphere.filtered", CallAnswer::t}, inputs, decision.t)};
 }
 
-/// Decides what `soft` leaves open: in double-double, then without rounding.
+/// Decides where `first_decision` is not proved: in double-double, then without rounding.
 template <Number T, class Watch>
-Settled<T> beyond(const Ray<T>& ray, const Sphere<T>& sphere, const Settled<T>& soft, Watch& watch) {
+SphereDecision<T> decide_further(const Ray<T>& ray, const Sphere<T>& sphere, const SphereDecision<T>& first_decision,
+                                 Watch& watch) {
     using W = number::wide::TwoWords<number::wide::OneWord<T>>;
     watch(FilterArithmetic::two_words);
     const auto in_two_words = [&] {
         const Part<T> part("in two words");
-        return joined(soft, widely<W, T>(ray, sphere));
+        return joined(first_decision, widely<W, T>(ray, sphere));
     };
-    const Settled<T> wide = in_two_words();
-    if (!any_of(!wide.proved)) return wide;
+    const SphereDecision<T> two_word_decision = in_two_words();
+    if (!any_of(!two_word_decision.proved)) return two_word_decision;
     watch(FilterArithmetic::exact);
-    if constexpr (traces_operations<T>) return in_a_call<T>(ray, sphere);
-    else return to_the_last_digit<T>(ray, sphere, wide);
+    if constexpr (traces_operations<T>) return decide_in_a_call<T>(ray, sphere);
+    else return decide_exactly<T>(ray, sphere, two_word_decision);
 }
 
-/// The same as a function of its own that takes its arguments by value, so that the loops over packs keep their
-/// registers.
+/// Does what `decide_further` does, as a function of its own that takes its arguments by value, so that the loops over
+/// packs keep their registers.
 template <Number T, class Watch>
-[[gnu::noinline]] Settled<T> to_the_end(Ray<T> ray, Sphere<T> sphere, Settled<T> soft, Watch& watch) {
-    return beyond<T>(ray, sphere, soft, watch);
+[[gnu::noinline]] SphereDecision<T> finish(Ray<T> ray, Sphere<T> sphere, SphereDecision<T> first_decision,
+                                           Watch& watch) {
+    return decide_further<T>(ray, sphere, first_decision, watch);
 }
 template <Number T, class Watch>
 requires number::wide::InRegisters<T>
-[[gnu::noinline, gnu::flatten]] Settled<T> to_the_end(Ray<T> ray, Sphere<T> sphere, Settled<T> soft, Watch& watch) {
-    return beyond<T>(ray, sphere, soft, watch);
+[[gnu::noinline, gnu::flatten]] SphereDecision<T> finish(Ray<T> ray, Sphere<T> sphere, SphereDecision<T> first_decision,
+                                                         Watch& watch) {
+    return decide_further<T>(ray, sphere, first_decision, watch);
 }
 
 }  // namespace filtered

@@ -1,6 +1,6 @@
-// OptiX SDK sample: half-b roots, a miss where disc ≤ 0. If the near root is farther than ten radii, it solves again
+// OptiX SDK sample: half-b roots, a miss if disc ≤ 0. If the near root is farther than ten radii, the form solves again
 // from O + t d and adds the result. The second solution starts close to the sphere, where c cancels less. As in the
-// sample, a second discriminant that is not positive leaves the first near root as it is.
+// sample, the first near root stays if the second discriminant is not positive.
 #pragma once
 
 #include "intersect/roots.hpp"

@@ -1,4 +1,5 @@
-// Both remedies together: Δ = r² − |f + (b'/a)d|², b' = −f·d, q = b' + sign(b')√(aΔ), t₀ = c/q, t₁ = q/a.
+// The discriminant of `hearn_baker` with the roots of `press`: Δ = r² − |f + (b'/a)d|², b' = −f·d, q = b' +
+// sign(b')√(aΔ), t₀ = c/q, t₁ = q/a.
 #pragma once
 
 #include "intersect/roots.hpp"

@@ -1,5 +1,5 @@
-// The shader form: a = 1 assumed, t² + 2bt + c = 0, t = −b − √|disc|, a hit by step(0, min(t, disc)), −1 on a miss. It
-// finds the near root only.
+// The form of a shader, which assumes a = 1: t² + 2bt + c = 0, t = −b − √|disc|, a hit by step(0, min(t, disc)), −1 on
+// a miss. It finds the near root only.
 #pragma once
 
 #include "intersect/roots.hpp"

@@ -20,19 +20,22 @@ struct TorusDistribution : rays::AimedDistribution<TorusDistribution> {
         const double major = size / (1 + random.between(0.0625, 0.9375));
         return Torus<double>{middle, up, major, size - major};
     }
-    /// Draws a point of the ring's plane, the centre from any direction or along the axis, a line in the plane that
-    /// touches the torus in a circle (it touches that circle), or a line through the centre that touches the torus on
-    /// both sides of it, at the angle whose sine is minor/major above the ring's plane.
+    /// Draws a target: a point of the ring's plane; the centre, from any direction or along the axis; a line in the
+    /// plane that touches the torus in a circle, tangent to this circle; or a line through the centre that touches the
+    /// torus on both sides of the centre. The sine of the last line's angle to the ring's plane is minor/major.
     static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int aim) {
         if (aim == ring) return rays::AimedDistribution<TorusDistribution>::aimed_at(random, primitive, aim);
         const Torus<double> t = primitive.torus();
-        const Vec<double> up = (random.sign() / length(t.axis)) * t.axis, across = rays::draw_across(random, up);
+        const Vec<double> axis_direction = (random.sign() / length(t.axis)) * t.axis,
+                          across = rays::draw_across(random, axis_direction);
         const double sine = t.minor_radius / t.major_radius;
         switch (aim) {
             case hole: return t.centre;
-            case axis: return {t.centre, up};
-            case flat: return {t.centre + t.minor_radius * up + t.major_radius * across, cross(up, across)};
-            default: return {t.centre, sine * up + std::sqrt(1 - sine * sine) * across};
+            case axis: return {t.centre, axis_direction};
+            case flat:
+                return {t.centre + t.minor_radius * axis_direction + t.major_radius * across,
+                        cross(axis_direction, across)};
+            default: return {t.centre, sine * axis_direction + std::sqrt(1 - sine * sine) * across};
         }
     }
 };

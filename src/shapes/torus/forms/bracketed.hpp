@@ -1,5 +1,5 @@
-// The quartic of the closest approach. The signs of Sturm's chain isolate its first root ahead, so it needs no cube
-// root and never confuses two roots.
+// The quartic of the closest approach. The signs of Sturm's chain isolate its first root ahead, so the form needs no
+// cube root and never confuses two roots.
 #pragma once
 
 #include "geometry/quartic_chain.hpp"

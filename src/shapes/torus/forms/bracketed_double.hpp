@@ -1,5 +1,5 @@
-// `bracketed` in double, for floats. It starts from the closest approach, because the textbook's quartic in double is
-// not accurate enough.
+// `bracketed` in double, for floats. It starts from the closest approach, because the textbook's quartic is not
+// accurate enough even in double.
 #pragma once
 
 #include "shapes/torus/forms/bracketed.hpp"

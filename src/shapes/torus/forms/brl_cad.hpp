@@ -1,5 +1,5 @@
-// In units of the major radius, from the point of the line nearest to the centre. Polynomials are multiplied, and
-// their products subtracted coefficient by coefficient.
+// Computes in units of the major radius, from the point of the line nearest to the centre. Polynomials are multiplied,
+// and their products are subtracted coefficient by coefficient.
 #pragma once
 
 #include "shapes/torus/forms/parts.hpp"
@@ -22,17 +22,17 @@ struct BrlCad {
         const AlongAxis<T> in(ray, torus);
         const T R = torus.major_radius, alpha = torus.minor_radius / R;
         const Vec<T> p = (T(1) / R) * in.p;
-        const T back = named("cor_proj", dot(p, in.d));
-        const Vec<T> at = p - back * in.d;
-        const T z = in.pz / R - back * in.dz, zz = square(z), zd = z * in.dz, dd = square(in.dz);
-        const T x2 = square(in.d) - dd, x1 = T(2) * (dot(in.d, at) - zd), x0 = square(at) - zz;
+        const T to_closest = named("cor_proj", dot(p, in.d));
+        const Vec<T> closest_point = p - to_closest * in.d;
+        const T z = in.pz / R - to_closest * in.dz, zz = square(z), zd = z * in.dz, dd = square(in.dz);
+        const T x2 = square(in.d) - dd, x1 = T(2) * (dot(in.d, closest_point) - zd), x0 = square(closest_point) - zz;
         const T a2 = x2 + dd, a1 = x1 + T(2) * zd, a0 = x0 + zz + T(1) - square(alpha);
         const T c4 = square(a2), four(4);
         const Quartic<T> f{T(2) * (a2 * a1) / c4, (T(2) * (a2 * a0) + square(a1) - four * x2) / c4,
                            (T(2) * (a1 * a0) - four * x1) / c4, (square(a0) - four * x0) / c4};
-        First<T> first;
-        quartic_roots<T>(f, [&](const auto& is, const T& k) { first.take(is, (k - back) * R); });
-        return first.answer();
+        FirstHit<T> first_hit;
+        quartic_roots<T>(f, [&](const auto& is_root, const T& k) { first_hit.take(is_root, (k - to_closest) * R); });
+        return first_hit.answer();
     }
 };
 

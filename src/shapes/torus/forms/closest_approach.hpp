@@ -1,6 +1,6 @@
-// From the point of the line nearest to the centre, by cross products: a quartic in x = d² t + d·f without a cubic
-// term. It squares no length of f except that across the line. The resolvent solves it, and Newton's steps on the
-// residual of the torus' own equation refine the roots.
+// Computes by cross products from the point of the line nearest to the centre: a quartic in x = d² t + d·f without a
+// cubic term. Of f, only the part across the line is squared. A resolvent cubic solves the quartic, and Newton's steps
+// on the residual of the torus' own equation refine the roots.
 #pragma once
 
 #include "shapes/torus/forms/parts.hpp"
@@ -26,17 +26,17 @@ struct TorusFromClosest {
         const T e = named("e", a * ((R + r) * (R - r)) + square(w)), mk = dot(m, k), k2 = square(k);
         const T p = named("p", T(2) * e - four_r2 * k2 / n), q = named("q", T(-2) * (four_r2 * mk) / n);
         const T s = named("r", square(e) - four_r2 * square(m) / n);
-        First<T> first;
-        depressed_roots<T>(p, q, s, [&](const auto& is, const T& from) {
-            T x = from;
+        FirstHit<T> first_hit;
+        depressed_roots<T>(p, q, s, [&](const auto& is_root, const T& first_x) {
+            T x = first_x;
             for (int i = 0; i < 2; ++i) {
                 const T inner = square(x) + e, slope = T(4) * (n * inner * x) - T(2) * (four_r2 * (mk + x * k2));
-                const T rest = n * square(inner) - four_r2 * square(Vec<T>(m + x * k));
-                x = select(abs(slope) > T(0), x - rest / slope, x);
+                const T residual = n * square(inner) - four_r2 * square(Vec<T>(m + x * k));
+                x = select(abs(slope) > T(0), x - residual / slope, x);
             }
-            first.take(is, (x - b) / a);
+            first_hit.take(is_root, (x - b) / a);
         });
-        return first.answer();
+        return first_hit.answer();
     }
 };
 

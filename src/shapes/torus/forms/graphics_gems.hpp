@@ -1,4 +1,5 @@
-// The textbook: the quartic in t from the ray's origin without its cubic term, a resolvent cubic, two quadratics.
+// The textbook method: the quartic in t from the ray's origin, its cubic term removed, then a resolvent cubic and two
+// quadratics.
 #pragma once
 
 #include "shapes/torus/forms/parts.hpp"
@@ -20,10 +21,10 @@ struct GraphicsGems {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
         const AlongAxis<T> in(ray, torus);
-        First<T> first;
+        FirstHit<T> first_hit;
         quartic_roots<T>(quartic_in_t<T>(in.p, in.d, in.pz, in.dz, torus),
-                         [&](const auto& is, const T& t) { first.take(is, t); });
-        return first.answer();
+                         [&](const auto& is_root, const T& t) { first_hit.take(is_root, t); });
+        return first_hit.answer();
     }
 };
 

@@ -1,4 +1,4 @@
-// Shared by several torus forms: the quartic in t, its roots by a resolvent cubic, and the first of them.
+// Functions that several torus forms share: the quartic in t, its roots by a resolvent cubic, and the first of them.
 #pragma once
 
 #include "intersect/info.hpp"
@@ -6,7 +6,7 @@
 
 namespace lostbits::intersect::torus {
 
-/// The origin relative to the centre, and the components of origin and direction along a unit axis.
+/// The origin p relative to the centre, the direction d, and their components along the unit axis.
 template <Number T>
 struct AlongAxis {
     Vec<T> p, d;
@@ -26,7 +26,7 @@ struct Quartic {
     T a, b, c, d;
 };
 
-/// The quartic for a direction of length one, as most code has it.
+/// Returns the quartic in t for a direction of length one, as in most code.
 template <Number T>
 Quartic<T> quartic_in_t(const Vec<T>& p, const Vec<T>& d, const T& pz, const T& dz, const Torus<T>& torus) {
     const T R2 = square(torus.major_radius), r2 = square(torus.minor_radius);
@@ -35,7 +35,7 @@ Quartic<T> quartic_in_t(const Vec<T>& p, const Vec<T>& d, const T& pz, const T& 
             square(k1) + T(4) * R2 * (square(pz) - r2)};
 }
 
-/// Widens a ray and a torus to the wider arithmetic; `narrowed` converts the answer back.
+/// Widens a ray or a torus to the wider arithmetic. `narrowed` converts the answer back.
 template <Number T>
 auto widened(const Vec<T>& v) {
     return Vec<typename Wider<T>::type>(Wider<T>::widen(v.x), Wider<T>::widen(v.y), Wider<T>::widen(v.z));
@@ -54,14 +54,14 @@ Hit<T> narrowed(const Hit<typename Wider<T>::type>& wide) {
     return {wide.hit, Wider<T>::narrow(wide.t), Wider<T>::narrow(wide.near), Wider<T>::narrow(wide.far)};
 }
 
-/// Keeps the first t ≥ 0 of those that are roots.
+/// The first t ≥ 0 of the roots that are passed to it.
 template <Number T>
-class First {
+class FirstHit {
 public:
-    void take(const mask_t<T>& is, const T& t) {
-        const auto first = is && t >= T(0) && (!hit_ || t < t_);
-        t_ = select(first, t, t_);
-        hit_ = hit_ || first;
+    void take(const mask_t<T>& is_root, const T& t) {
+        const auto is_first = is_root && t >= T(0) && (!hit_ || t < t_);
+        t_ = select(is_first, t, t_);
+        hit_ = hit_ || is_first;
     }
     [[nodiscard]] Hit<T> answer() const {
         const T t = named("t", t_);
@@ -74,53 +74,55 @@ private:
 };
 
 /// Finds a real root of y³ + b y² + c y + d between two points. The polynomial must be ≤ 0 at the first and ≥ 0 at the
-/// second. It takes Newton's steps, and halves the interval if a step leads out of it. Sources take a cube root or the
-/// cosine of a third of an angle, which is the same number.
+/// second. The function takes Newton's steps, and halves the interval if a step leads out of it. The sources of the
+/// forms compute the same number by a cube root, or by the cosine of a third of an angle.
 template <Number T>
-T cubic_root_between(const T& from, const T& to, const T& b, const T& c, const T& d) {
+T cubic_root_between(const T& negative_end, const T& positive_end, const T& b, const T& c, const T& d) {
     const T zero(0), half = T(1) / T(2);
-    T low = from, high = to, y = high;
-    auto moves = low < high;
-    for (int i = 0; i < 100 && any_of(moves); ++i) {
+    T low = negative_end, high = positive_end, y = high;
+    auto is_moving = low < high;
+    for (int i = 0; i < 100 && any_of(is_moving); ++i) {
         const T value = ((y + b) * y + c) * y + d, slope = (T(3) * y + T(2) * b) * y + c;
-        const auto below = value < zero;
-        low = select(below, y, low), high = select(below, high, y);
-        const T step = y - value / slope, middle = half * (low + high);
-        // A step below the interval ends at its lower end, where the root may be.
-        const T outside = select(step < low && low < y, low, middle);
-        const T next = select(low <= step && step <= high, step, outside);
-        moves = moves && (next < y || next > y);
-        y = select(moves, next, y);
+        const auto is_below = value < zero;
+        low = select(is_below, y, low), high = select(is_below, high, y);
+        const T newton = y - value / slope, middle = half * (low + high);
+        // A Newton step below the interval ends at the lower end of the interval, because the root may be there.
+        const T fallback = select(newton < low && low < y, low, middle);
+        const T next = select(low <= newton && newton <= high, newton, fallback);
+        is_moving = is_moving && (next < y || next > y);
+        y = select(is_moving, next, y);
     }
     return y;
 }
 
 /// Finds all real roots of x⁴ + p x² + q x + r by two quadratics. With z > p/2 a root of z³ − p z²/2 − r z + r p/2 −
-/// q²/8, u² = z² − r and v² = 2z − p, they are x² ± v x + z ∓ u. Squares that rounding makes negative are taken as 0.
-/// Calls `take(is, x)` for each root.
-template <Number T, class Take>
-void depressed_roots(const T& p, const T& q, const T& r, const Take& take) {
+/// q²/8, u² = z² − r and v² = 2z − p, the quadratics are x² ± v x + z ∓ u. Squares that rounding makes negative are
+/// replaced by 0. Calls `take_root(is_root, x)` four times; x is a real root if `is_root`.
+template <Number T, class TakeRoot>
+void depressed_roots(const T& p, const T& q, const T& r, const TakeRoot& take_root) {
     const T half = T(1) / T(2), zero(0);
     // For z > s the cubic is more than z² (3z − q²/s²)/4.
-    const T s = max(abs(p), T(2) * sqrt(abs(r))), far = max(s, square(q) / square(s));
-    const T z = named("z", cubic_root_between<T>(half * p, far, -half * p, -r, half * (r * p) - square(q) / T(8)));
+    const T s = max(abs(p), T(2) * sqrt(abs(r))), upper_end = max(s, square(q) / square(s));
+    const T z =
+        named("z", cubic_root_between<T>(half * p, upper_end, -half * p, -r, half * (r * p) - square(q) / T(8)));
     const T u2 = named("u2", square(z) - r), v2 = named("v2", T(2) * z - p);
     const T u = sqrt(max(u2, zero)), v = select(q < zero, -T(1), T(1)) * sqrt(max(v2, zero));
-    const auto roots = [&](const T& b, const T& c) {
+    const auto add_roots = [&](const T& b, const T& c) {
         const T disc = named("disc", square(half * b) - c), root = sqrt(disc);
-        const auto is = disc >= zero;
-        take(is, -half * b - root), take(is, root - half * b);
+        const auto is_root = disc >= zero;
+        take_root(is_root, -half * b - root), take_root(is_root, root - half * b);
     };
-    roots(v, z - u), roots(-v, z + u);
+    add_roots(v, z - u), add_roots(-v, z + u);
 }
 
-/// Finds the roots of a quartic: x = t + a/4 removes the cubic term.
-template <Number T, class Take>
-void quartic_roots(const Quartic<T>& f, const Take& take) {
+/// Finds the roots of a quartic. x = t + a/4 removes the cubic term. Calls `take_root(is_root, t)` as `depressed_roots`
+/// does.
+template <Number T, class TakeRoot>
+void quartic_roots(const Quartic<T>& f, const TakeRoot& take_root) {
     const T a2 = square(f.a), quarter = f.a / T(4);
     const T p = named("p", T(-3) * a2 / T(8) + f.b), q = named("q", a2 * f.a / T(8) - f.a * f.b / T(2) + f.c);
     const T r = named("r", T(-3) * square(a2) / T(256) + a2 * f.b / T(16) - f.a * f.c / T(4) + f.d);
-    depressed_roots<T>(p, q, r, [&](const auto& is, const T& x) { take(is, x - quarter); });
+    depressed_roots<T>(p, q, r, [&](const auto& is_root, const T& x) { take_root(is_root, x - quarter); });
 }
 
 }  // namespace lostbits::intersect::torus

@@ -1,5 +1,5 @@
-// The origin is moved along the ray by its distance in excess of R + 2r, so that the coefficients are of the size of
-// the torus.
+// The origin is moved along the ray by as much as its distance exceeds R + 2r, so that the coefficients are of the size
+// of the torus.
 #pragma once
 
 #include "shapes/torus/forms/parts.hpp"
@@ -20,13 +20,13 @@ struct PovRay {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
         const AlongAxis<T> in(ray, torus);
-        const T away = length(in.p), bound = torus.major_radius + torus.minor_radius + torus.minor_radius;
-        const T closer = named("closer", select(away > bound, away - bound, T(0)));
-        const Vec<T> p = in.p + closer * in.d;
-        First<T> first;
-        quartic_roots<T>(quartic_in_t<T>(p, in.d, in.pz + closer * in.dz, in.dz, torus),
-                         [&](const auto& is, const T& t) { first.take(is, t + closer); });
-        return first.answer();
+        const T distance = length(in.p), bound = torus.major_radius + torus.minor_radius + torus.minor_radius;
+        const T shift = named("closer", select(distance > bound, distance - bound, T(0)));
+        const Vec<T> p = in.p + shift * in.d;
+        FirstHit<T> first_hit;
+        quartic_roots<T>(quartic_in_t<T>(p, in.d, in.pz + shift * in.dz, in.dz, torus),
+                         [&](const auto& is_root, const T& t) { first_hit.take(is_root, t + shift); });
+        return first_hit.answer();
     }
 };
 

@@ -5,8 +5,8 @@
 
 namespace lostbits::scene::triangle {
 
-/// The vertices are at about the distance `size` from their middle, in random directions, and no two of them are close
-/// together.
+/// Triangles whose vertices are at about the distance `size` from a common point, in random directions. The area is at
+/// least size²/8.
 struct TriangleDistribution : rays::AimedDistribution<TriangleDistribution> {
     static constexpr std::string_view table = "triangle_rays";
     enum Aim { inside, edge, vertex };

@@ -1,7 +1,7 @@
-// The signs of the three edges, of the plane and of t, if a bound on the rounding proves them. If it does not, or
-// leaves t less than 18 correct bits of 24 (47 of 53), the ray is computed again in wider arithmetic: float, double,
-// double-double, exact sums. The decision about the closed triangle is never wrong, and neighbours agree about a
-// common edge.
+// Decides by the signs of three edge determinants, of the plane and of t, if a bound on the rounding proves them. If
+// the bound does not prove them, or does not guarantee 18 correct bits of 24 in t (47 of 53), the ray is computed again
+// in wider arithmetic: float, double, double-double, exact sums. The decision about the closed triangle is never wrong,
+// and neighbours agree about an edge that they share.
 #pragma once
 
 #include "intersect/filter_arithmetic.hpp"
@@ -23,24 +23,24 @@ struct FilteredTriangle {
         return intersect(ray, triangle, watch);
     }
 
-    /// Calls `watch(way)` for every arithmetic beyond the first that is used.
+    /// Calls `watch(arithmetic)` for every arithmetic beyond the first that is used.
     template <Number T, class Watch>
     static Hit<T> intersect(const Ray<T>& ray, const Triangle<T>& triangle, Watch& watch) {
         if constexpr (is_exact<T>) {
-            const filtered::Determinants<T> of = filtered::determinants_of(ray, triangle);
-            return met<T>(filtered::meets<T>(of), named("t", of.k / of.m));
+            const filtered::Determinants<T> determinants = filtered::determinants_of(ray, triangle);
+            return single_hit<T>(filtered::meets<T>(determinants), named("t", determinants.k / determinants.m));
         } else {
-            filtered::TriangleDecision<T> known = filtered::settled_in<T>(ray, triangle);
-            if (!any_of(!known.proved)) return met<T>(known.hit, known.t);
+            filtered::TriangleDecision<T> decision = filtered::decide_in<T>(ray, triangle);
+            if (!any_of(!decision.proved)) return single_hit<T>(decision.hit, decision.t);
             if constexpr (number::wide::has_wider_word<T>) {
                 if (number::wide::widens<T>()) {
                     watch(FilterArithmetic::wider);
-                    known = joined(known, filtered::settled_in<number::wide::OneWord<T>>(ray, triangle));
-                    if (!any_of(!known.proved)) return met<T>(known.hit, known.t);
+                    decision = joined(decision, filtered::decide_in<number::wide::OneWord<T>>(ray, triangle));
+                    if (!any_of(!decision.proved)) return single_hit<T>(decision.hit, decision.t);
                 }
             }
-            known = filtered::to_the_end<T>(ray, triangle, known, watch);
-            return met<T>(known.hit, known.t);
+            decision = filtered::finish<T>(ray, triangle, decision, watch);
+            return single_hit<T>(decision.hit, decision.t);
         }
     }
 };

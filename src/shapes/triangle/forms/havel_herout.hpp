@@ -1,5 +1,5 @@
-// Havel and Herout's three planes, made once for each triangle, and one division after the tests. The tests compare
-// sign bits, so that zeros count as positive: points on the edges of a triangle met from behind are not hit.
+// Havel and Herout's three planes, computed once for each triangle, and one division after the tests. The tests compare
+// sign bits, so zeros count as positive: if a ray comes from behind, points on the edges are not hit.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"
@@ -27,9 +27,9 @@ struct HavelHerout {
         const T u = named("detu", dot(p, n1) + det * d1), v = named("detv", dot(p, n2) + det * d2);
         const T w = named("detw", det - u - v), rdet = named("rdet", T(1) / det), t = named("t", dett * rdet);
         named("u", u * rdet), named("v", v * rdet);
-        const mask_t<T> none_below = !(u < T(0)) && !(v < T(0)) && !(w < T(0)),
-                        all_below = u < T(0) && v < T(0) && w < T(0);
-        return met<T>((none_below || all_below) && is_not_zero(det) && t >= T(0), t);
+        const mask_t<T> none_negative = !(u < T(0)) && !(v < T(0)) && !(w < T(0)),
+                        all_negative = u < T(0) && v < T(0) && w < T(0);
+        return single_hit<T>((none_negative || all_negative) && is_not_zero(det) && t >= T(0), t);
     }
 };
 

@@ -1,5 +1,5 @@
-// Möller and Trumbore's determinants, with a miss if the first is small. The first is an area times the length of the
-// direction, and is compared with a number without a unit.
+// Möller and Trumbore's determinants, with a miss if the first determinant is small. It is an area times the length of
+// the direction, but is compared with a number without a unit.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"
@@ -22,12 +22,13 @@ struct MollerTrumbore {
         const Vec<T> p = cross(ray.direction, e2);
         const T det = named("det", dot(e1, p));
         const T inverse = named("1/det", T(1) / det);
-        const Vec<T> from = ray.origin - triangle.a;
-        const T u = named("u", dot(from, p) * inverse);
-        const Vec<T> q = cross(from, e1);
+        const Vec<T> tvec = ray.origin - triangle.a;
+        const T u = named("u", dot(tvec, p) * inverse);
+        const Vec<T> q = cross(tvec, e1);
         const T v = named("v", dot(ray.direction, q) * inverse);
         const T t = named("t", dot(e2, q) * inverse);
-        return met<T>(!(abs(det) < epsilon) && u >= T(0) && u <= T(1) && !(v < T(0) || u + v > T(1)) && !(t < T(0)), t);
+        return single_hit<T>(
+            !(abs(det) < epsilon) && u >= T(0) && u <= T(1) && !(v < T(0) || u + v > T(1)) && !(t < T(0)), t);
     }
 };
 

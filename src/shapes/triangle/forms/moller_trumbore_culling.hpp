@@ -1,5 +1,5 @@
-// Möller and Trumbore's culling branch, as they published it. det > 0 where the front is met, so one comparison
-// rejects both the back and parallel rays. u, v and t are divided at the end.
+// Möller and Trumbore's culling branch, as published. det > 0 if the ray meets the front, so one comparison rejects
+// both rays from behind and parallel rays. u, v and t are divided at the end.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"
@@ -28,7 +28,8 @@ struct MollerTrumboreCulling {
         const T v = named("v*det", dot(ray.direction, qvec));
         const T inverse = named("1/det", T(1) / det), t = named("t", dot(edge2, qvec) * inverse);
         named("u", u * inverse), named("v", v * inverse);
-        return met<T>(!(det < epsilon) && !(u < zero || u > det) && !(v < zero || u + v > det) && !(t < zero), t);
+        return single_hit<T>(!(det < epsilon) && !(u < zero || u > det) && !(v < zero || u + v > det) && !(t < zero),
+                             t);
     }
 };
 

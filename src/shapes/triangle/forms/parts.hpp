@@ -1,4 +1,4 @@
-// Shared by several triangle forms.
+// Functions that several triangle forms share.
 #pragma once
 
 #include "geometry/ray.hpp"
@@ -8,14 +8,14 @@
 
 namespace lostbits::intersect::triangle {
 
-/// The answer of a form that finds one t. It takes its arguments by value: with references, GCC 12 writes three unused
-/// registers to the stack for each pack, up to a tenth of the time at 512 bits.
+/// Returns the answer of a form that finds one t. It takes its arguments by value: with references, GCC 12 writes three
+/// unused registers to the stack for each pack, which costs up to a tenth of the time at 512 bits.
 template <Number T>
-Hit<T> met(mask_t<T> hit, T t) {
+Hit<T> single_hit(mask_t<T> hit, T t) {
     return {hit, t, t, t};
 }
 
-/// a·b summed from the last component, as in Embree.
+/// Returns a·b, summed from the last component as in Embree.
 template <Number T>
 T dot_from_z(const Vec<T>& a, const Vec<T>& b) {
     return a.x * b.x + (a.y * b.y + a.z * b.z);
@@ -26,20 +26,20 @@ mask_t<T> is_not_zero(const T& x) {
     return x < T(0) || x > T(0);
 }
 
-/// The largest component of a vector: z, unless x or y is larger.
+/// The axis of the largest component of a vector, as masks for x and y; neither is set for z.
 template <Number T>
 struct LargestComponent {
     mask_t<T> x, y;
 
-    /// Takes the sizes of the components. If some are equal, it chooses the last of them.
+    /// Takes the absolute values of the components. If several are the largest, the last of them counts.
     explicit LargestComponent(const Vec<T>& size)
         : x(size.x > size.y && size.x > size.z), y(!(size.x > size.y) && size.y > size.z) {}
 
-    /// Rotates the components, x to y to z to x, until that component is the last.
+    /// Rotates the components, x to y to z to x, until the component of this axis is the last.
     [[nodiscard]] Vec<T> last(const Vec<T>& v) const {
         return Vec<T>(pick(v.y, v.z, v.x), pick(v.z, v.x, v.y), pick(v.x, v.y, v.z));
     }
-    /// Rotates the components until that component is the first.
+    /// Rotates the components until the component of this axis is the first.
     [[nodiscard]] Vec<T> first(const Vec<T>& v) const {
         return Vec<T>(pick(v.x, v.y, v.z), pick(v.y, v.z, v.x), pick(v.z, v.x, v.y));
     }
@@ -51,7 +51,7 @@ private:
 };
 
 template <Number T>
-Vec<T> sizes(const Vec<T>& v) {
+Vec<T> absolute_values(const Vec<T>& v) {
     return Vec<T>(abs(v.x), abs(v.y), abs(v.z));
 }
 

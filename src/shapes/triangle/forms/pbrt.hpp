@@ -1,4 +1,5 @@
-// pbrt's triangle: Woop's test with Kahan's differences of products. A t within its own error bound is a miss.
+// pbrt's triangle: Woop's test with Kahan's differences of products. A hit whose t is no more than its error bound is a
+// miss.
 #pragma once
 
 #include "geometry/rounding_bound.hpp"
@@ -23,18 +24,20 @@ struct Pbrt {
             const T cd = c * d, difference = fma(a, b, -cd), error = fma(-c, d, cd);
             return T(difference + error);
         });
-        const WoopHit<T> found = hit_from_edges(triangle, v, e);
-        return met<T>(found.hit && !(found.t <= error_of_t(v, e, found.inverse_determinant)), found.t);
+        const WoopHit<T> woop_hit = hit_from_edges(triangle, v, e);
+        return single_hit<T>(woop_hit.hit && !(woop_hit.t <= error_of_t(v, e, woop_hit.inverse_determinant)),
+                             woop_hit.t);
     }
 
 private:
     template <Number T>
     static T error_of_t(const WoopVertices<T>& v, const WoopEdges<T>& e, const T& inverse_determinant) {
-        const auto most = [](const T& a, const T& b, const T& c) { return max(max(abs(a), abs(b)), abs(c)); };
-        const T x = most(v.p0.x, v.p1.x, v.p2.x), y = most(v.p0.y, v.p1.y, v.p2.y), z = most(v.p0.z, v.p1.z, v.p2.z);
+        const auto largest_size = [](const T& a, const T& b, const T& c) { return max(max(abs(a), abs(b)), abs(c)); };
+        const T x = largest_size(v.p0.x, v.p1.x, v.p2.x), y = largest_size(v.p0.y, v.p1.y, v.p2.y),
+                z = largest_size(v.p0.z, v.p1.z, v.p2.z);
         const T g2 = gamma_bound<T>(2), g3 = gamma_bound<T>(3), g5 = gamma_bound<T>(5);
         const T dz = g3 * z, dx = g5 * (x + z), dy = g5 * (y + z);
-        const T de = T(2) * (g2 * x * y + dy * x + dx * y), edge = most(e.e0, e.e1, e.e2);
+        const T de = T(2) * (g2 * x * y + dy * x + dx * y), edge = largest_size(e.e0, e.e1, e.e2);
         return named("deltaT", T(3) * (g3 * edge * z + de * z + dz * edge) * abs(inverse_determinant));
     }
 };

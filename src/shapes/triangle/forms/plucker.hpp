@@ -1,4 +1,4 @@
-// Plücker's test with plain signs: three equal signs, or zeros.
+// Plücker's test with plain signs: a hit if no two of the three signs are opposite.
 #pragma once
 
 #include "shapes/triangle/forms/plucker_edges.hpp"
@@ -22,7 +22,7 @@ struct Plucker {
         const T inverse = named("1/den", T(1) / den), t = named("t", tn * inverse);
         named("u", -edges.u * inverse), named("v", -edges.v * inverse);  // the source has (y + x) × (y − x)
         const mask_t<T> inside = !(edges.least < T(0) && edges.most > T(0));
-        return met<T>(inside && is_not_zero(den) && !(select(den < T(0), -tn, tn) < T(0)), t);
+        return single_hit<T>(inside && is_not_zero(den) && !(select(den < T(0), -tn, tn) < T(0)), t);
     }
 };
 

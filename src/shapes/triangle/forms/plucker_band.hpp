@@ -1,4 +1,4 @@
-// Plücker's test with a band: signs count only beyond an ulp of the sum.
+// Plücker's test with a tolerance: a sign counts only if the value exceeds an ulp of the sum.
 #pragma once
 
 #include "shapes/triangle/forms/plucker_edges.hpp"
@@ -19,15 +19,16 @@ struct PluckerBand {
         const PluckerEdges<T> edges(ray, triangle.a, triangle.b, triangle.c);
         const T band = named("eps", T(2) * unit_roundoff<T>() * abs(edges.sum));
         const Vec<T> n = stable_normal(edges.e0, edges.e1, edges.e2);
-        const T half = dot_from_z(n, ray.direction), den = named("den", half + half);
+        const T half_den = dot_from_z(n, ray.direction), den = named("den", half_den + half_den);
         const T tn = dot_from_z(edges.v0, n), t = named("t", (T(1) / den) * named("T", tn + tn));
         const T inverse = named("1/UVW", T(1) / edges.sum);
         named("u", edges.u * inverse), named("v", edges.v * inverse);
-        return met<T>((edges.least >= -band || edges.most <= band) && T(0) <= t && is_not_zero(den), t);
+        return single_hit<T>((edges.least >= -band || edges.most <= band) && T(0) <= t && is_not_zero(den), t);
     }
 
 private:
-    /// Returns the normal: in each component that of a × b or b × c, which are equal, with the smaller products.
+    /// Returns the normal. Each component is that of a × b or of b × c, which are equal without rounding: the one with
+    /// the smaller products.
     template <Number T>
     static Vec<T> stable_normal(const Vec<T>& a, const Vec<T>& b, const Vec<T>& c) {
         const Vec<T> ab(a.z * b.y, a.x * b.z, a.y * b.x), bc(b.z * c.y, b.x * c.z, b.y * c.x);

@@ -1,5 +1,6 @@
-// Plücker's test as in Embree and Cycles. The triangle is moved to the ray's origin. For each edge from x to y it
-// takes the sign of d·((y − x) × (y + x)), which is twice d·(x × y). The order of x and y changes only its sign.
+// Plücker's test as in Embree and Cycles. The vertices are taken relative to the ray's origin. The test of the edge
+// from x to y is the sign of d·((y − x) × (y + x)), which is twice d·(x × y). The order of x and y changes only the
+// sign.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"

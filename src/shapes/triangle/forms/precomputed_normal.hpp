@@ -1,5 +1,5 @@
-// The normal is made once for each triangle, and coordinates may be as low as −ε. Two triangles that share an edge are
-// then both hit by a ray near it.
+// The normal is computed once for each triangle, and barycentric coordinates may be as low as −ε. So a ray near an edge
+// that two triangles share hits both.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"
@@ -24,7 +24,7 @@ struct PrecomputedNormal {
         const T u = named("u", dot(r, e2) * inverse), v = named("v", dot(r, e1) * inverse);
         const T w = named("w", T(1) - u - v);
         const T t = named("t", dot(n, c) * inverse);
-        return met<T>(u >= least && v >= least && w >= least && t >= T(0), t);
+        return single_hit<T>(u >= least && v >= least && w >= least && t >= T(0), t);
     }
 };
 

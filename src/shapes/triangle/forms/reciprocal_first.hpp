@@ -1,5 +1,6 @@
-// Möller and Trumbore's determinants, each times the reciprocal of the first. So u + v ≤ 1 rounds for each triangle
-// separately. (Dr.Jit contracts products and sums where the machine can; here every operation rounds.)
+// Möller and Trumbore's determinants, each multiplied by the reciprocal of the first. So u + v ≤ 1 rounds differently
+// in two triangles that share an edge. (Dr.Jit contracts products and sums if the machine can; here every operation
+// rounds.)
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"
@@ -20,12 +21,12 @@ struct ReciprocalFirst {
         const Vec<T> e1 = triangle.b - triangle.a, e2 = triangle.c - triangle.a;
         const Vec<T> p = cross(ray.direction, e2);
         const T inverse = named("1/det", T(1) / dot(e1, p));
-        const Vec<T> from = ray.origin - triangle.a;
-        const T u = named("u", dot(from, p) * inverse);
-        const Vec<T> q = cross(from, e1);
+        const Vec<T> tvec = ray.origin - triangle.a;
+        const T u = named("u", dot(tvec, p) * inverse);
+        const Vec<T> q = cross(tvec, e1);
         const T v = named("v", dot(ray.direction, q) * inverse);
         const T t = named("t", dot(e2, q) * inverse);
-        return met<T>(u >= T(0) && u <= T(1) && v >= T(0) && u + v <= T(1) && t >= T(0), t);
+        return single_hit<T>(u >= T(0) && u <= T(1) && v >= T(0) && u + v <= T(1) && t >= T(0), t);
     }
 };
 

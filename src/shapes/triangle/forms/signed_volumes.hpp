@@ -1,5 +1,5 @@
-// The volumes of the tetrahedra that the ray makes with the edges, as determinants of points relative to the origin. t
-// is the volume between the triangle and the origin over their sum.
+// The signed volumes of the tetrahedra that the ray forms with the edges, as determinants of points relative to the
+// origin. t is the volume between the triangle and the origin, divided by the sum of the three.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"
@@ -24,7 +24,7 @@ struct SignedVolumes {
         const T t = named("t", named("volume", dot(a, bc)) / sum), denom = named("denom", T(1) / sum);
         named("u", u * denom), named("v", v * denom), named("w", w * denom);
         const mask_t<T> inside = (u >= zero && v >= zero && w >= zero) || (u <= zero && v <= zero && w <= zero);
-        return met<T>(inside && is_not_zero(sum) && t >= zero, t);
+        return single_hit<T>(inside && is_not_zero(sum) && t >= zero, t);
     }
 };
 

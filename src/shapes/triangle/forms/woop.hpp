@@ -1,6 +1,6 @@
-// Woop's test: the direction's largest component is rotated to z, the triangle is sheared until the ray is the z axis,
-// and the edges are tested in the plane. Each vertex is sheared separately, so triangles with a common edge agree
-// about it.
+// Woop's test: the largest component of the direction is rotated to z, the triangle is sheared until the ray is the z
+// axis, and the edges are tested in the plane. Each vertex is sheared separately, so two triangles agree about an edge
+// that they share.
 #pragma once
 
 #include "shapes/triangle/forms/parts.hpp"
@@ -19,15 +19,15 @@ struct Woop {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Triangle<T>& triangle) {
-        const LargestComponent<T> axis(sizes(ray.direction));
-        const auto turned = [&](const Vec<T>& v) {  // and with x and y in the source's order
+        const LargestComponent<T> axis(absolute_values(ray.direction));
+        const auto rotated = [&](const Vec<T>& v) {  // the source exchanges x and y
             const Vec<T> last = axis.last(v);
             return Vec<T>(last.y, last.x, last.z);
         };
-        const Vec<T> d = turned(ray.direction), o = turned(ray.origin);
+        const Vec<T> d = rotated(ray.direction), o = rotated(ray.origin);
         const T sz = named("Sz", T(1) / d.z), sx = named("Sx", d.x * sz), sy = named("Sy", d.y * sz);
         const auto sheared = [&](const Vec<T>& vertex) {
-            const Vec<T> v = turned(vertex) - o;
+            const Vec<T> v = rotated(vertex) - o;
             return Vec<T>(v.x - v.z * sx, v.y - v.z * sy, v.z);
         };
         const Vec<T> a = sheared(triangle.a), b = sheared(triangle.b), c = sheared(triangle.c);
@@ -38,7 +38,7 @@ struct Woop {
         const T inverse = named("1/det", T(1) / det), t = named("t", tn * inverse);
         named("u", u * inverse), named("v", v * inverse);
         const mask_t<T> inside = (u >= zero && v >= zero && w >= zero) || (u <= zero && v <= zero && w <= zero);
-        return met<T>(inside && is_not_zero(det) && zero < t, t);
+        return single_hit<T>(inside && is_not_zero(det) && zero < t, t);
     }
 };
 

@@ -1,5 +1,5 @@
-// Woop's test with edges as differences of rounded products. If one of them is zero, they are computed again in
-// double.
+// Woop's test with edge values that are differences of rounded products. If one of them is zero, all are computed again
+// in double.
 #pragma once
 
 #include "shapes/triangle/forms/woop_pbrt.hpp"
@@ -20,8 +20,8 @@ struct WoopDouble {
     static Hit<T> intersect(const Ray<T>& ray, const Triangle<T>& triangle) {
         const WoopVertices<T> v(ray, triangle);
         const WoopEdges<T> e(v, [](const T& a, const T& b, const T& c, const T& d) { return a * b - c * d; });
-        const WoopHit<T> found = hit_from_edges(triangle, v, e);
-        return met<T>(found.hit, found.t);
+        const WoopHit<T> woop_hit = hit_from_edges(triangle, v, e);
+        return single_hit<T>(woop_hit.hit, woop_hit.t);
     }
 };
 

@@ -1,4 +1,4 @@
-// Woop's test with exact signs of edges and a rule for ties: of the triangles around an edge or a vertex, one alone
+// Woop's test with exact signs of edges and a rule for ties: only one of the triangles around an edge or a vertex
 // claims a line through it. docs/cracks.md has the proof.
 #pragma once
 
@@ -29,9 +29,9 @@ struct WoopOnce {
         const W scaled = a.value * wide(v.p0.z) + b.value * wide(v.p1.z) + c.value * wide(v.p2.z);
         const T t = named("t", narrow(scaled / det));
         named("b0", narrow(a.value / det)), named("b1", narrow(b.value / det)), named("b2", narrow(c.value / det));
-        const mask_t<W> all = (a.left && b.left && c.left) || (a.right && b.right && c.right);
-        const mask_t<T> inside = all;
-        return met<T>(inside && T(0) < t, t);
+        const mask_t<W> has_one_sign = (a.left && b.left && c.left) || (a.right && b.right && c.right);
+        const mask_t<T> inside = has_one_sign;
+        return single_hit<T>(inside && T(0) < t, t);
     }
 
 private:
@@ -42,9 +42,10 @@ private:
     };
 
     /// An edge from p to q, and the side of it on which the origin lies. `value` is p × q by Kahan's difference of
-    /// products. It is off by less than two units in its last place, so its sign is exact, and only 0 gives 0, if no
-    /// product overflows and no error of a product underflows (Jeannerod, Louvet and Muller, Mathematics of Computation
-    /// 82, 2013). If it is 0, the origin moves to (ε, ε²), on the side of the sign of ε (p.y − q.y) + ε² (q.x − p.x).
+    /// products. If no product overflows and no error of a product underflows, the error is less than two units in the
+    /// last place, so the sign is exact, and the value is 0 only if p × q is 0 (Jeannerod, Louvet and Muller,
+    /// Mathematics of Computation 82, 2013). If the value is 0, the origin is treated as (ε, ε²), and its side is the
+    /// sign of ε (p.y − q.y) + ε² (q.x − p.x).
     template <Number W>
     struct OrientedEdge {
         W value;

@@ -5,7 +5,7 @@
 
 namespace lostbits::intersect::triangle {
 
-/// The triangle relative to the ray's origin, rotated and sheared until the ray is the z axis, with z in units of the
+/// Vertices relative to the ray's origin, rotated and sheared until the ray is the z axis, with z in units of the
 /// direction.
 template <Number T>
 struct WoopVertices {
@@ -13,7 +13,7 @@ struct WoopVertices {
 
     WoopVertices(const Ray<T>& ray, const Triangle<T>& triangle)
         : p0(triangle.a - ray.origin), p1(triangle.b - ray.origin), p2(triangle.c - ray.origin) {
-        const LargestComponent<T> axis(sizes(ray.direction));
+        const LargestComponent<T> axis(absolute_values(ray.direction));
         const Vec<T> d = axis.last(ray.direction);
         const T sx = named("Sx", -d.x / d.z), sy = named("Sy", -d.y / d.z), sz = named("Sz", T(1) / d.z);
         for (Vec<T>* const p : {&p0, &p1, &p2}) {
@@ -35,19 +35,18 @@ struct WoopEdges {
           e2(difference_of_products(v.p0.x, v.p1.y, v.p0.y, v.p1.x)) {
         const T zero(0);
         const auto is_zero = [&](const T& e) { return e <= zero && e >= zero; };
-        const mask_t<T> again = is_zero(e0) || is_zero(e1) || is_zero(e2);
-        const auto wide = [](const T& a, const T& b, const T& c, const T& d) {
-            const auto w = Wider<T>::widen;
-            return Wider<T>::narrow(w(a) * w(b) - w(c) * w(d));
+        const mask_t<T> needs_wider = is_zero(e0) || is_zero(e1) || is_zero(e2);
+        const auto wide_difference = [](const T& a, const T& b, const T& c, const T& d) {
+            const auto widen = Wider<T>::widen;
+            return Wider<T>::narrow(widen(a) * widen(b) - widen(c) * widen(d));
         };
-        e0 = named("e0", select(again, wide(v.p1.x, v.p2.y, v.p1.y, v.p2.x), e0));
-        e1 = named("e1", select(again, wide(v.p2.x, v.p0.y, v.p2.y, v.p0.x), e1));
-        e2 = named("e2", select(again, wide(v.p0.x, v.p1.y, v.p0.y, v.p1.x), e2));
+        e0 = named("e0", select(needs_wider, wide_difference(v.p1.x, v.p2.y, v.p1.y, v.p2.x), e0));
+        e1 = named("e1", select(needs_wider, wide_difference(v.p2.x, v.p0.y, v.p2.y, v.p0.x), e1));
+        e2 = named("e2", select(needs_wider, wide_difference(v.p0.x, v.p1.y, v.p0.y, v.p1.x), e2));
     }
 };
 
-/// Results that pbrt computes from the edge values: t, 1/det, and whether the ray hits, before any test of t against
-/// its error bound.
+/// Results that pbrt computes from the edge values. `hit` does not yet compare t with its error bound.
 template <Number T>
 struct WoopHit {
     mask_t<T> hit;
@@ -59,15 +58,16 @@ WoopHit<T> hit_from_edges(const Triangle<T>& triangle, const WoopVertices<T>& v,
     const T zero(0);
     // (2 area)², which is zero for a degenerate triangle.
     const T doubled_area_squared = square(cross(triangle.c - triangle.a, triangle.b - triangle.a));
-    const mask_t<T> below = e.e0 < zero || e.e1 < zero || e.e2<zero, above = e.e0> zero || e.e1 > zero || e.e2 > zero;
+    const mask_t<T> any_negative =
+        e.e0 < zero || e.e1 < zero || e.e2<zero, any_positive = e.e0> zero || e.e1 > zero || e.e2 > zero;
     const T det = named("det", e.e0 + e.e1 + e.e2);
     const T scaled = named("tScaled", e.e0 * v.p0.z + e.e1 * v.p1.z + e.e2 * v.p2.z);
     const mask_t<T> ahead = (det < zero && scaled < zero) || (det > zero && scaled > zero);
     const T inverse_determinant = named("invDet", T(1) / det);
     named("b0", e.e0 * inverse_determinant), named("b1", e.e1 * inverse_determinant),
         named("b2", e.e2 * inverse_determinant);
-    return {is_not_zero(doubled_area_squared) && !(below && above) && ahead, named("t", scaled * inverse_determinant),
-            inverse_determinant};
+    return {is_not_zero(doubled_area_squared) && !(any_negative && any_positive) && ahead,
+            named("t", scaled * inverse_determinant), inverse_determinant};
 }
 
 }  // namespace lostbits::intersect::triangle

@@ -1,4 +1,4 @@
-// glTF 2.0: the JSON says where the bytes are, and the vertices are stored there in binary32.
+// Reads glTF 2.0. The JSON says where the bytes of buffers are, and vertices are stored there in binary32.
 #include <array>
 #include <bit>
 #include <cmath>
@@ -22,72 +22,74 @@ static_assert(std::endian::native == std::endian::little, "glTF is little endian
 
 constexpr std::uint64_t most_text = std::uint64_t{1} << 29;  // a larger mesh has its buffers beside it, or is a .glb
 
-/// The meshes of one file. Buffers are read when a primitive needs them, once each. Vertices are read in the same way:
-/// primitives that share an accessor share its vertices.
+/// The meshes of one file. A buffer is read once, when a primitive first needs it. The same holds for an accessor of
+/// vertices: primitives that share an accessor share its vertices.
 class GltfModel {
 public:
-    GltfModel(MeshBytes& bytes, const MeshTerms& terms) : file_(bytes.name()), terms_(terms) {
+    GltfModel(MeshBytes& bytes, const MeshTerms& settings) : file_(bytes.name()), settings_(settings) {
         const bool is_binary = bytes.look(4) == "glTF";
-        const auto [text, begin] = is_binary ? json_of_glb(bytes) : std::pair(whole_text(bytes), std::uint64_t{0});
-        json_ = parse_gltf_json(file_, text, begin, terms.stop);
-        top_ = {&json_, "", &file_};
-        if (!json_.is_object()) top_.fail("is not a JSON object; a glTF file is one");
-        const std::string version = top_.at("asset").at("version").text();
+        const auto [text, begin] = is_binary ? json_of_glb(bytes) : std::pair(read_text(bytes), std::uint64_t{0});
+        json_ = parse_gltf_json(file_, text, begin, settings.stop);
+        root_ = {&json_, "", &file_};
+        if (!json_.is_object()) root_.fail("is not a JSON object; a glTF file is one");
+        const std::string version = root_.at("asset").at("version").text();
         if (!version.starts_with("2."))
-            top_.at("asset").at("version").fail("is " + toml::quoted_excerpt(version) + "; only 2.0 is supported");
+            root_.at("asset").at("version").fail("is " + toml::quoted_excerpt(version) + "; only 2.0 is supported");
         refuse_extensions();
         for (const char* key : {"nodes", "meshes", "accessors", "bufferViews", "buffers"})
-            sections_[key] = top_.elements(key);
+            sections_[key] = root_.elements(key);
         buffers_.resize(sections_["buffers"].size());
     }
 
     MeshInFile read() {
-        const auto scenes = top_.elements("scenes");
+        const auto scenes = root_.elements("scenes");
         if (scenes.empty()) {
-            if (top_.has("scene")) top_.fail("names a scene, but the file has none");
+            if (root_.has("scene")) root_.fail("names a scene, but the file has none");
             for (const GltfValue& mesh : sections_["meshes"]) add(mesh);
-            return std::move(found_);
+            return std::move(mesh_in_file_);
         }
-        const std::uint64_t scene = top_.whole("scene", 0);
-        if (scene >= scenes.size()) top_.fail(fmt::format("names scene {}, but the file has {}", scene, scenes.size()));
+        const std::uint64_t scene = root_.whole("scene", 0);
+        if (scene >= scenes.size())
+            root_.fail(fmt::format("names scene {}, but the file has {}", scene, scenes.size()));
         visit(scenes[scene].elements("nodes"));
-        return std::move(found_);
+        return std::move(mesh_in_file_);
     }
 
 private:
     /// Refuses required extensions: by glTF 2.0, a reader that lacks an extension of this list must not read the file.
     void refuse_extensions() const {
         std::string names;
-        for (const GltfValue& name : top_.elements("extensionsRequired"))
+        for (const GltfValue& name : root_.elements("extensionsRequired"))
             names += (names.empty() ? "" : ", ") + toml::quoted_excerpt(name.text());
         if (!names.empty())
-            top_.at("extensionsRequired")
+            root_.at("extensionsRequired")
                 .fail("names " + names + ", which are not supported; export the mesh without them");
     }
-    std::string whole_text(MeshBytes& bytes) const {
+    std::string read_text(MeshBytes& bytes) const {
         if (bytes.size() > most_text)
             throw InputError(
                 file_ + ": is larger than 512 MiB; write its buffers to a .bin file beside it, or write a .glb file");
         return std::string(bytes.take(bytes.size()));
     }
-    /// The JSON of a binary file, and its position. Keeps the bytes after it.
+    /// Returns the JSON of a binary file, and its position. Stores the bytes of the chunk after it.
     std::pair<std::string, std::uint64_t> json_of_glb(MeshBytes& bytes) {
-        const auto fail = [&](std::uint64_t byte, const std::string& what) {
-            throw InputError(fmt::format("{}: byte {}: {}; was it cut short?", file_, byte, what));
+        const auto fail = [&](std::uint64_t byte, const std::string& message) {
+            throw InputError(fmt::format("{}: byte {}: {}; was it cut short?", file_, byte, message));
         };
         const auto next_word = [&] {
-            const std::uint64_t place = bytes.place();
+            const std::uint64_t position = bytes.position();
             const std::string_view raw = bytes.take(4);
-            if (raw.size() < 4) fail(place, "ends inside a header");
+            if (raw.size() < 4) fail(position, "ends inside a header");
             std::uint32_t word;
             std::memcpy(&word, raw.data(), 4);
             return word;
         };
-        const auto next_chunk = [&](std::uint32_t kind, const char* what) {
-            const std::uint64_t place = bytes.place();
+        const auto next_chunk = [&](std::uint32_t kind, const char* expected) {
+            const std::uint64_t position = bytes.position();
             const std::uint32_t size = next_word();
-            if (next_word() != kind) throw InputError(fmt::format("{}: byte {}: is not {}", file_, place + 4, what));
-            if (size > bytes.left()) fail(place, fmt::format("states {} bytes, but {} follow", size, bytes.left()));
+            if (next_word() != kind)
+                throw InputError(fmt::format("{}: byte {}: is not {}", file_, position + 4, expected));
+            if (size > bytes.left()) fail(position, fmt::format("states {} bytes, but {} follow", size, bytes.left()));
             return size;
         };
         next_word();
@@ -97,47 +99,51 @@ private:
             fail(8, fmt::format("states {} bytes, but the file has {}", size, bytes.size()));
         const std::uint32_t size = next_chunk(0x4e4f534a, "a chunk of JSON");
         if (size > most_text) throw InputError(file_ + ": byte 12: its JSON is larger than 512 MiB");
-        const std::uint64_t begin = bytes.place();
+        const std::uint64_t begin = bytes.position();
         std::string text(bytes.take(size));
-        if (bytes.left() > 0) own_.emplace(bytes.take(next_chunk(0x004e4942, "a chunk of bytes")));
+        if (bytes.left() > 0) chunk_bytes_.emplace(bytes.take(next_chunk(0x004e4942, "a chunk of bytes")));
         return {std::move(text), begin};
     }
 
-    /// The element of a section with a given number.
-    [[nodiscard]] const GltfValue& element(const GltfValue& number, const char* section, const char* what) {
-        const std::uint64_t place = number.whole();
+    /// Returns the element of a section with a given index.
+    [[nodiscard]] const GltfValue& element(const GltfValue& index_value, const char* section,
+                                           const char* element_name) {
+        const std::uint64_t index = index_value.whole();
         const std::vector<GltfValue>& all = sections_[section];
-        if (place >= all.size()) number.fail(fmt::format("names {} {}, but the file has {}", what, place, all.size()));
-        return all[place];
+        if (index >= all.size())
+            index_value.fail(fmt::format("names {} {}, but the file has {}", element_name, index, all.size()));
+        return all[index];
     }
 
-    /// Visits the nodes. They are trees, and each is visited once, however the file links them.
-    void visit(std::vector<GltfValue> numbers) {
+    /// Visits the nodes with these indices and their children. Nodes must form trees, so each node is visited at most
+    /// once.
+    void visit(std::vector<GltfValue> node_indices) {
         std::vector<bool> visited(sections_["nodes"].size());
-        std::ranges::reverse(numbers);
-        while (!numbers.empty()) {
-            terms_.stop.check();
-            const GltfValue number = std::move(numbers.back());
-            numbers.pop_back();
-            const GltfValue& node = element(number, "nodes", "node");
-            if (visited[number.whole()])
-                number.fail(
-                    fmt::format("names node {} again; nodes form trees, and each node has one parent", number.whole()));
-            visited[number.whole()] = true;
+        std::ranges::reverse(node_indices);
+        while (!node_indices.empty()) {
+            settings_.stop.check();
+            const GltfValue index_value = std::move(node_indices.back());
+            node_indices.pop_back();
+            const GltfValue& node = element(index_value, "nodes", "node");
+            if (visited[index_value.whole()])
+                index_value.fail(fmt::format("names node {} again; nodes form trees, and each node has one parent",
+                                             index_value.whole()));
+            visited[index_value.whole()] = true;
             require_unmoved(node);
             if (node.has("mesh")) add(element(node.at("mesh"), "meshes", "mesh"));
             auto children = node.elements("children");
-            numbers.insert(numbers.end(), std::move_iterator(children.rbegin()), std::move_iterator(children.rend()));
+            node_indices.insert(node_indices.end(), std::move_iterator(children.rbegin()),
+                                std::move_iterator(children.rend()));
         }
     }
 
     static void require_unmoved(const GltfValue& node) {
-        static const std::pair<const char*, json> stays[] = {
+        static const std::pair<const char*, json> identities[] = {
             {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}},
             {"translation", {0, 0, 0}},
             {"rotation", {0, 0, 0, 1}},
             {"scale", {1, 1, 1}}};
-        for (const auto& [key, identity] : stays)
+        for (const auto& [key, identity] : identities)
             if (node.has(key) && *node.at(key).json_value != identity)
                 node.at(key).fail(
                     (node.has("name") ? "moves " + toml::quoted_excerpt(node.at("name").text()) : "moves a mesh") +
@@ -158,11 +164,11 @@ private:
         }
     }
 
-    /// The elements of an accessor. Element i begins at byte i·step, and all of them are inside the buffer.
+    /// The elements of an accessor. Element i begins i·step bytes after the first, and all are inside the buffer.
     struct Elements {
         const char* first;
         std::size_t step, count;
-        std::uint64_t place;  ///< offset of the first element in the buffer
+        std::uint64_t offset;  ///< offset of the first element in the buffer
 
         template <class T, std::size_t n>
         [[nodiscard]] std::array<T, n> at(std::size_t i) const {
@@ -187,44 +193,45 @@ private:
         return {bytes.data() + begin + offset, step, count, begin + offset};
     }
 
-    /// The vertices of an accessor, as a range of all vertices.
+    /// The vertices of an accessor, as a range of the vertices of the mesh.
     struct Vertices {
         std::size_t first, count;
     };
-    Vertices vertices_of(const GltfValue& number) {
-        const GltfValue& accessor = element(number, "accessors", "accessor");
-        const auto [known, is_new] = vertices_.try_emplace(number.whole());
+    Vertices vertices_of(const GltfValue& index_value) {
+        const GltfValue& accessor = element(index_value, "accessors", "accessor");
+        const auto [known, is_new] = vertices_.try_emplace(index_value.whole());
         if (!is_new) return known->second;
         constexpr std::uint64_t floats = 5126;
         if (accessor.at("type").text() != "VEC3" || accessor.at("componentType").whole() != floats)
             accessor.fail("does not hold three floats for each vertex");
-        const Elements all = elements_of(accessor, 12);
-        std::vector<Vec<double>>& vertices = found_.mesh.vertices;
-        require_within_limit(accessor, vertices.size(), all.count, "vertices");
-        known->second = {vertices.size(), all.count};
-        for (std::size_t i = 0; i < all.count; ++i) {
-            terms_.stop.check();
-            const auto p = all.at<float, 3>(i);
+        const Elements elements = elements_of(accessor, 12);
+        std::vector<Vec<double>>& vertices = mesh_in_file_.mesh.vertices;
+        require_within_limit(accessor, vertices.size(), elements.count, "vertices");
+        known->second = {vertices.size(), elements.count};
+        for (std::size_t i = 0; i < elements.count; ++i) {
+            settings_.stop.check();
+            const auto p = elements.at<float, 3>(i);
             for (const float x : p)
-                if (const auto fault = fault_of_coordinate(x, terms_.stored); !fault.empty())
-                    accessor.fail(
-                        fmt::format("vertex {}, at byte {} of its buffer, {}", i, all.place + i * all.step, fault));
+                if (const auto fault = fault_of_coordinate(x, settings_.stored); !fault.empty())
+                    accessor.fail(fmt::format("vertex {}, at byte {} of its buffer, {}", i,
+                                              elements.offset + i * elements.step, fault));
             vertices.emplace_back(p[0], p[1], p[2]);
         }
         return known->second;
     }
 
-    /// Limits the memory to a multiple of the size of the files. A vertex takes twelve bytes of a buffer and a
-    /// triangle three, unless accessors overlap or are named again. So it accepts no more of them than there are
-    /// bytes.
-    void require_within_limit(const GltfValue& value, std::size_t taken, std::size_t more, const char* what) const {
-        if (more > most_faces || taken > most_faces - more)
-            value.fail(fmt::format("makes more than 2^31 - 1 {}", what));
-        if (taken + more > bytes_read_)
+    /// Limits the memory to a multiple of the size of the files. A vertex takes twelve bytes of a buffer and a triangle
+    /// at least three, unless accessors overlap or are named more than once. So the limit is one vertex, and one
+    /// triangle, for each byte.
+    void require_within_limit(const GltfValue& value, std::size_t present, std::size_t added,
+                              const char* element_names) const {
+        if (added > most_faces || present > most_faces - added)
+            value.fail(fmt::format("makes more than 2^31 - 1 {}", element_names));
+        if (present + added > bytes_read_)
             value.fail(
                 fmt::format("makes more {} than the buffers of the file have bytes; its primitives use the same "
                             "numbers again and again",
-                            what));
+                            element_names));
     }
 
     void add_faces(const GltfValue& part, const Vertices& vertices) {
@@ -243,66 +250,68 @@ private:
     }
     template <class T>
     void add_indexed(const GltfValue& accessor, const Vertices& vertices) {
-        const Elements all = elements_of(accessor, sizeof(T));
-        add_faces(accessor, vertices, all.count, [&](std::size_t i) { return std::size_t{all.at<T, 1>(i)[0]}; });
+        const Elements elements = elements_of(accessor, sizeof(T));
+        add_faces(accessor, vertices, elements.count,
+                  [&](std::size_t i) { return std::size_t{elements.at<T, 1>(i)[0]}; });
     }
-    template <class At>
-    void add_faces(const GltfValue& value, const Vertices& vertices, std::size_t corners, const At& at) {
+    template <class IndexAt>
+    void add_faces(const GltfValue& value, const Vertices& vertices, std::size_t corners, const IndexAt& index_at) {
         if (corners % 3 != 0) value.fail("has " + toml::counted(corners, "corner") + "; three make a triangle");
-        require_within_limit(value, found_.mesh.faces.size(), corners / 3, "triangles");
+        require_within_limit(value, mesh_in_file_.mesh.faces.size(), corners / 3, "triangles");
         for (std::size_t i = 0; i < corners; i += 3) {
-            terms_.stop.check();
+            settings_.stop.check();
             std::array<std::uint32_t, 3> face;
             for (std::size_t k = 0; k < 3; ++k) {
-                const std::size_t corner = at(i + k);
+                const std::size_t corner = index_at(i + k);
                 if (corner >= vertices.count)
                     value.fail(fmt::format("face {} names vertex {} of {}; vertices count from 0", i / 3, corner,
                                            vertices.count));
                 face[k] = static_cast<std::uint32_t>(vertices.first + corner);
             }
-            found_.add(face, found_.mesh.faces.size());
+            mesh_in_file_.add(face, mesh_in_file_.mesh.faces.size());
         }
     }
 
-    /// The bytes of a buffer, read when they are first needed.
-    const std::string& buffer(const GltfValue& number) {
-        const GltfValue& value = element(number, "buffers", "buffer");
-        std::optional<std::string>& bytes = buffers_[number.whole()];
+    /// Returns the bytes of a buffer, read when they are first needed.
+    const std::string& buffer(const GltfValue& index_value) {
+        const GltfValue& value = element(index_value, "buffers", "buffer");
+        std::optional<std::string>& bytes = buffers_[index_value.whole()];
         if (bytes) return *bytes;
         const std::uint64_t length = value.at("byteLength").whole();
-        bytes = value.has("uri") ? bytes_of(value.at("uri"), length) : own_bytes(value, number.whole());
+        bytes = value.has("uri") ? bytes_of(value.at("uri"), length) : bytes_of_chunk(value, index_value.whole());
         if (bytes->size() < length)
             value.fail(fmt::format("has {} of its {} bytes; was it cut short?", bytes->size(), length));
         bytes->resize(length);
         bytes_read_ += length;
         return *bytes;
     }
-    std::string own_bytes(const GltfValue& value, std::uint64_t place) {
-        if (place != 0 || !own_) value.fail("has no uri, and no bytes follow the JSON");
-        return std::move(*own_);
+    std::string bytes_of_chunk(const GltfValue& value, std::uint64_t index) {
+        if (index != 0 || !chunk_bytes_) value.fail("has no uri, and no bytes follow the JSON");
+        return std::move(*chunk_bytes_);
     }
     std::string bytes_of(const GltfValue& uri, std::uint64_t length) {
         const std::string& text = uri.text();
         if (text.starts_with("data:")) {
-            constexpr std::string_view mark = ";base64,";
-            const std::size_t begin = text.find(mark);
+            constexpr std::string_view separator = ";base64,";
+            const std::size_t begin = text.find(separator);
             auto bytes = begin < text.size()
-                             ? bytes_of_base64(std::string_view(text).substr(begin + mark.size()), terms_.stop)
+                             ? bytes_of_base64(std::string_view(text).substr(begin + separator.size()), settings_.stop)
                              : std::nullopt;
             if (!bytes) uri.fail("is not base64; write data:application/octet-stream;base64, followed by the letters");
             return std::move(*bytes);
         }
         const std::filesystem::path file = path_of(uri);
-        if (!opened_.insert(file).second)
+        if (!opened_files_.insert(file).second)
             uri.fail("names the file of another buffer; write one buffer, and views of it");
         try {
-            MeshBytes beside(file, terms_.stop);
-            return std::string(beside.take(std::min(length, beside.size())));
+            MeshBytes other_file(file, settings_.stop);
+            return std::string(other_file.take(std::min(length, other_file.size())));
         } catch (const InputError& error) {
             uri.fail(error.what());
         }
     }
-    /// The path of a file in the folder of this one or below it. A mesh from elsewhere cannot open other files.
+    /// Returns the path of a file, which must be in the folder of the glTF or below it, so that a downloaded mesh
+    /// cannot open other files.
     [[nodiscard]] std::filesystem::path path_of(const GltfValue& uri) const {
         const std::string& text = uri.text();
         const auto name = name_of_uri(text);
@@ -319,20 +328,20 @@ private:
     }
 
     const std::string file_;
-    const MeshTerms terms_;
+    const MeshTerms settings_;
     json json_;
-    GltfValue top_;
+    GltfValue root_;
     std::map<std::string, std::vector<GltfValue>, std::less<>> sections_;
-    std::optional<std::string> own_;  ///< the bytes after the JSON of a binary file
+    std::optional<std::string> chunk_bytes_;  ///< bytes of the chunk after the JSON in a binary file
     std::vector<std::optional<std::string>> buffers_;
-    std::set<std::filesystem::path> opened_;
+    std::set<std::filesystem::path> opened_files_;
     std::uint64_t bytes_read_ = 0;  ///< total of all buffers so far
     std::map<std::uint64_t, Vertices> vertices_;
-    MeshInFile found_;
+    MeshInFile mesh_in_file_;
 };
 
 }  // namespace
 
-MeshInFile read_gltf(MeshBytes& bytes, const MeshTerms& terms) { return GltfModel(bytes, terms).read(); }
+MeshInFile read_gltf(MeshBytes& bytes, const MeshTerms& settings) { return GltfModel(bytes, settings).read(); }
 
 }  // namespace lostbits::scene::triangle

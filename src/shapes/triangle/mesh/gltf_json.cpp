@@ -13,10 +13,11 @@ namespace {
 using intersect::process::StopToken;
 using nlohmann::json;
 
-constexpr int deepest = 64;                      // a mesh needs nine
+constexpr int most_depth = 64;                   // a mesh needs nine
 constexpr std::size_t most_values = 10'000'000;  // about 100 bytes of memory each
 
-/// An iterator over the letters of a JSON. It records how far it has read, and checks the stop token.
+/// An iterator over the characters of a JSON. It records the furthest position that it has reached, and checks the stop
+/// token.
 class Letters {
 public:
     using iterator_category = std::input_iterator_tag;
@@ -25,40 +26,41 @@ public:
     using pointer = const char*;
     using reference = const char&;
 
-    Letters(const char* at, StopToken stop, const char** seen = nullptr) : at_(at), stop_(stop), seen_(seen) {}
-    reference operator*() const { return *at_; }
+    Letters(const char* position, StopToken stop, const char** furthest = nullptr)
+        : position_(position), stop_(stop), furthest_(furthest) {}
+    reference operator*() const { return *position_; }
     Letters& operator++() {
-        constexpr std::uintptr_t now_and_then = 0xffff;
-        if ((reinterpret_cast<std::uintptr_t>(++at_) & now_and_then) == 0) stop_.check();
-        if (seen_ != nullptr) *seen_ = at_;
+        constexpr std::uintptr_t stop_check_mask = 0xffff;
+        if ((reinterpret_cast<std::uintptr_t>(++position_) & stop_check_mask) == 0) stop_.check();
+        if (furthest_ != nullptr) *furthest_ = position_;
         return *this;
     }
     Letters operator++(int) {
-        const Letters before = *this;
+        const Letters previous = *this;
         ++*this;
-        return before;
+        return previous;
     }
-    friend bool operator==(const Letters& a, const Letters& b) { return a.at_ == b.at_; }
+    friend bool operator==(const Letters& a, const Letters& b) { return a.position_ == b.position_; }
 
 private:
-    const char* at_;
+    const char* position_;
     StopToken stop_;
-    const char** seen_;
+    const char** furthest_;
 };
 
 /// Returns `file:line:col` for a byte of a text, or `file: byte n` for a text that begins at byte `begin` of a binary
 /// file.
-std::string place_in(const std::string& file, std::string_view text, std::size_t byte, std::uint64_t begin) {
+std::string position_in(const std::string& file, std::string_view text, std::size_t byte, std::uint64_t begin) {
     if (begin > 0) return fmt::format("{}: byte {}", file, begin + byte);
-    const std::string_view before = text.substr(0, byte);
-    const std::size_t line_begin = before.rfind('\n') + 1;  // npos + 1 is 0
-    const auto starts = [](char c) { return (c & 0xc0) != 0x80; };
-    return fmt::format("{}:{}:{}", file, std::ranges::count(before, '\n') + 1,
-                       std::ranges::count_if(before.substr(line_begin), starts) + 1);
+    const std::string_view preceding = text.substr(0, byte);
+    const std::size_t line_begin = preceding.rfind('\n') + 1;  // npos + 1 is 0
+    const auto starts_character = [](char c) { return (c & 0xc0) != 0x80; };
+    return fmt::format("{}:{}:{}", file, std::ranges::count(preceding, '\n') + 1,
+                       std::ranges::count_if(preceding.substr(line_begin), starts_character) + 1);
 }
 
-/// Checks the limits of a JSON before memory is allocated for it: the text itself says how deep its values are nested
-/// and how many there are. (The library's own callback looks at all elements of an array again after each of them.)
+/// Checks the limits of a JSON, the depth and the number of its values, before memory is allocated for it. (The
+/// library's own callback would look at all elements of an array again after each element.)
 class Limits final : public nlohmann::json_sax<json> {
 public:
     using Fail = std::function<void(const std::string&)>;
@@ -77,11 +79,11 @@ public:
     bool start_array(std::size_t) override { return enter(); }
     bool end_array() override { return leave(); }
     bool parse_error(std::size_t, const std::string&, const json::exception& error) override {
-        // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error …": the position is printed
-        // here.
-        const std::string_view what = error.what();
-        const std::size_t colon = what.find(": ");
-        fail_("is not JSON: " + std::string(colon < what.size() ? what.substr(colon + 2) : what));
+        // The message of the library is "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error
+        // …". The part before the first colon is dropped, because `fail_` prints the position.
+        const std::string_view message = error.what();
+        const std::size_t colon = message.find(": ");
+        fail_("is not JSON: " + std::string(colon < message.size() ? message.substr(colon + 2) : message));
         return false;
     }
 
@@ -91,7 +93,7 @@ private:
         return true;
     }
     bool enter() {
-        if (++depth_ > deepest) fail_(fmt::format("is nested in more than {} values; is it a glTF?", deepest));
+        if (++depth_ > most_depth) fail_(fmt::format("is nested in more than {} values; is it a glTF?", most_depth));
         return count();
     }
     bool leave() {
@@ -107,16 +109,18 @@ private:
 }  // namespace
 
 json parse_gltf_json(const std::string& file, std::string_view text, std::uint64_t begin, StopToken stop) {
-    const char* seen = text.data();
-    Limits limits([&](const std::string& what) {
-        const auto read = static_cast<std::size_t>(seen - text.data());
-        throw InputError(place_in(file, text, read - (read > 0 ? 1 : 0), begin) + ": " + what);
+    const char* furthest = text.data();
+    Limits limits([&](const std::string& message) {
+        const auto bytes_read = static_cast<std::size_t>(furthest - text.data());
+        throw InputError(position_in(file, text, bytes_read - (bytes_read > 0 ? 1 : 0), begin) + ": " + message);
     });
-    // The parser takes a byte 0 for the end. Bytes 0 at the end are the padding of a binary file.
-    if (const auto zero = text.find('\0'); text.find_first_not_of('\0', std::min(zero, text.size())) < text.size())
-        throw InputError(place_in(file, text, zero, begin) + ": has a byte 0 with more text after it; is it text?");
+    // The parser takes a byte 0 for the end of the text. Zero bytes at the end are the padding of a binary file.
+    if (const auto zero_position = text.find('\0');
+        text.find_first_not_of('\0', std::min(zero_position, text.size())) < text.size())
+        throw InputError(position_in(file, text, zero_position, begin) +
+                         ": has a byte 0 with more text after it; is it text?");
     const Letters first(text.data(), stop), last(text.data() + text.size(), stop);
-    json::sax_parse(Letters(text.data(), stop, &seen), last, &limits);
+    json::sax_parse(Letters(text.data(), stop, &furthest), last, &limits);
     return json::parse(first, last);
 }
 

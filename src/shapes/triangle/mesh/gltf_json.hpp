@@ -1,4 +1,4 @@
-// The JSON of a glTF: its values within limits, each with its path, and decoders for base64 and addresses.
+// Reads the JSON of a glTF within limits, gives each value its path, and decodes base64 and addresses.
 #pragma once
 
 #include <cstdint>
@@ -15,51 +15,51 @@
 
 namespace lostbits::scene::triangle {
 
-/// Reads the values of a JSON in a file; in a binary file it begins at byte `begin`. Throws InputError with the
-/// position if it is not JSON, nests its values deeper than a mesh does, or has more values. The text cannot exhaust
+/// Parses the JSON of a file. In a binary file, the text begins at byte `begin`. Throws InputError with the position if
+/// the text is not JSON, nests values deeper than a mesh does, or has more values than a mesh. So no text can exhaust
 /// the stack or the memory.
 nlohmann::json parse_gltf_json(const std::string& file, std::string_view text, std::uint64_t begin,
                                intersect::process::StopToken stop);
 
-/// Decodes base64, where four letters stand for three bytes. Returns nothing if it is not base64.
+/// Decodes base64, in which four letters stand for three bytes. Returns nothing if the text is not base64.
 std::optional<std::string> bytes_of_base64(std::string_view letters, intersect::process::StopToken stop);
 
 /// Decodes an address to a name, with `%20` for a blank. Returns nothing if it is malformed.
 std::optional<std::string> name_of_uri(std::string_view uri);
 
-/// A value, and its path from the top: `meshes[0].primitives[2]`.
+/// A value, and its path from the root: `meshes[0].primitives[2]`.
 struct GltfValue {
     const nlohmann::json* json_value = nullptr;
-    std::string way = {};
+    std::string path = {};
     const std::string* file = nullptr;
 
     [[noreturn]] void fail(const std::string& what) const {
-        throw InputError(*file + ": " + (way.empty() ? "" : way + ": ") + what);
+        throw InputError(*file + ": " + (path.empty() ? "" : path + ": ") + what);
     }
     [[nodiscard]] bool has(const char* key) const { return json_value->contains(key); }
-    /// Returns a member that must be present.
+    /// Returns a member of an object; fails if it is missing.
     [[nodiscard]] GltfValue at(const char* key) const {
         if (!json_value->is_object()) fail("is not an object");
         const auto found = json_value->find(key);
         if (found == json_value->end()) fail(std::string("has no ") + key);
-        return {&*found, way.empty() ? key : way + '.' + key, file};
+        return {&*found, path.empty() ? key : path + '.' + key, file};
     }
     /// Returns the elements of an array; none if the key is missing.
     [[nodiscard]] std::vector<GltfValue> elements(const char* key) const {
-        std::vector<GltfValue> all;
-        if (!has(key)) return all;
+        std::vector<GltfValue> values;
+        if (!has(key)) return values;
         const GltfValue array = at(key);
         if (!array.json_value->is_array()) array.fail("is not an array");
         for (const nlohmann::json& element : *array.json_value)
-            all.push_back({&element, fmt::format("{}[{}]", array.way, all.size()), file});
-        return all;
+            values.push_back({&element, fmt::format("{}[{}]", array.path, values.size()), file});
+        return values;
     }
     [[nodiscard]] std::uint64_t whole() const {
         if (!json_value->is_number_unsigned()) fail("is not a whole number of at least 0");
         return json_value->get<std::uint64_t>();
     }
-    [[nodiscard]] std::uint64_t whole(const char* key, std::uint64_t otherwise) const {
-        return has(key) ? at(key).whole() : otherwise;
+    [[nodiscard]] std::uint64_t whole(const char* key, std::uint64_t default_value) const {
+        return has(key) ? at(key).whole() : default_value;
     }
     [[nodiscard]] const std::string& text() const {
         if (!json_value->is_string()) fail("is not a string");

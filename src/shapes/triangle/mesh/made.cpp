@@ -10,9 +10,9 @@ namespace {
 
 Vec<double> divided_by_length(const Vec<double>& v) { return v / length(v); }
 
-/// Point i of n on the unit circle, counted from x. A quarter turn is divided by t = tan(a/2), rational in i, and the
-/// point is ((1 − t²)/(1 + t²), 2t/(1 + t²)). t steps evenly from 0 to 1, so no sine is needed. n is a multiple of
-/// four. Steps at the ends of a quarter are up to twice as long as those in its middle.
+/// Returns point i of n on the unit circle, counted from x. n is a multiple of four. In each quarter, t = tan(a/2) of
+/// the angle a goes from 0 to 1 in equal steps, and the point is ((1 − t²)/(1 + t²), 2t/(1 + t²)), so no sine is
+/// needed. The steps of the angle at the start of a quarter are up to twice as long as at its end.
 Vec<double> on_circle(std::uint32_t i, std::uint32_t n) {
     const std::uint32_t quarter = n / 4, turn = i / quarter % 4;
     const double t = static_cast<double>(i % quarter) / quarter, x = (1 - t * t) / (1 + t * t), y = 2 * t / (1 + t * t);
@@ -24,11 +24,11 @@ Vec<double> on_circle(std::uint32_t i, std::uint32_t n) {
     }
 }
 
-/// Adds two triangles over the corners (i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1) of a net.
-template <class At>
-void add_square(Mesh& mesh, const At& at, std::uint32_t i, std::uint32_t j) {
-    mesh.faces.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-    mesh.faces.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+/// Adds two triangles with the corners (i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1) of a grid.
+template <class IndexAt>
+void add_square(Mesh& mesh, const IndexAt& index_at, std::uint32_t i, std::uint32_t j) {
+    mesh.faces.push_back({index_at(i, j), index_at(i + 1, j), index_at(i + 1, j + 1)});
+    mesh.faces.push_back({index_at(i, j), index_at(i + 1, j + 1), index_at(i, j + 1)});
 }
 
 }  // namespace
@@ -47,9 +47,9 @@ Mesh make_icosphere(int levels, const Vec<double>& centre, double radius) {
         middles.reserve(mesh.faces.size() * 3 / 2);
         const auto middle = [&](std::uint32_t a, std::uint32_t b) {
             const std::uint64_t edge = (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
-            const auto [there, fresh] = middles.try_emplace(edge, static_cast<std::uint32_t>(mesh.vertices.size()));
-            if (fresh) mesh.vertices.push_back(divided_by_length(mesh.vertices[a] + mesh.vertices[b]));
-            return there->second;
+            const auto [entry, is_new] = middles.try_emplace(edge, static_cast<std::uint32_t>(mesh.vertices.size()));
+            if (is_new) mesh.vertices.push_back(divided_by_length(mesh.vertices[a] + mesh.vertices[b]));
+            return entry->second;
         };
         std::vector<Face> finer;
         finer.reserve(4 * mesh.faces.size());
@@ -73,9 +73,9 @@ Mesh make_grid(std::uint32_t across, std::uint32_t up, const Vec<double>& centre
                                     Vec<double>(size.x * x, size.y * y, bump * (1 - 4 * x * x) * (1 - 4 * y * y)));
         }
     }
-    const auto at = [across](std::uint32_t i, std::uint32_t j) { return j * (across + 1) + i; };
+    const auto index_at = [across](std::uint32_t i, std::uint32_t j) { return j * (across + 1) + i; };
     for (std::uint32_t j = 0; j < up; ++j)
-        for (std::uint32_t i = 0; i < across; ++i) add_square(mesh, at, i, j);
+        for (std::uint32_t i = 0; i < across; ++i) add_square(mesh, index_at, i, j);
     return mesh;
 }
 
@@ -89,10 +89,10 @@ Mesh make_tube(std::uint32_t around, std::uint32_t along, const Vec<double>& cen
             mesh.vertices.push_back(centre + (ring_radius + radius * p.x) * outward + Vec<double>(0, 0, radius * p.y));
         }
     }
-    const auto at = [around, along](std::uint32_t i, std::uint32_t j) { return j % along * around + i % around; };
+    const auto index_at = [around, along](std::uint32_t i, std::uint32_t j) { return j % along * around + i % around; };
     for (std::uint32_t j = 0; j < along; ++j)
-        for (std::uint32_t i = 0; i < around; ++i) add_square(mesh, at, i, j);
-    // Wound outward: along the ring first, then around the tube.
+        for (std::uint32_t i = 0; i < around; ++i) add_square(mesh, index_at, i, j);
+    // Make the faces wind outward.
     for (Face& face : mesh.faces) std::swap(face[1], face[2]);
     return mesh;
 }

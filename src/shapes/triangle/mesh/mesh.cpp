@@ -13,95 +13,97 @@ namespace lostbits::scene::triangle {
 
 namespace {
 
-/// An edge with its lower end first, and one of its faces.
-struct Edge {
+/// An edge with its lower end first, and one of the faces that have it.
+struct EdgeOfFace {
     std::uint32_t low, high, face;
 };
 
 using intersect::process::StopToken;
 
-/// Compares by a key, and checks the stop token at each comparison, because sorting millions takes seconds.
+/// Returns a comparison by a key. It checks the stop token each time, because sorting millions of elements takes
+/// seconds.
 template <class Key>
-auto by(const Key& key, StopToken stop) {
+auto compare_by(const Key& key, StopToken stop) {
     return [key, stop](const auto& a, const auto& b) {
         stop.check();
         return key(a) < key(b);
     };
 }
 
-/// The edges of all faces, ordered by their ends: put into buckets by the lower end, as a vertex has few edges, and
-/// sorted in these.
-std::vector<Edge> sorted_edges(const Mesh& mesh, StopToken stop) {
-    std::vector<std::size_t> ends(mesh.vertices.size() + 1);  // of each bucket; while it is filled, its next place
-    const auto for_each = [&mesh](const auto& take) {
+/// Returns the edges of all faces, ordered by their ends. They are distributed to one bucket for each lower end and
+/// sorted there, since a vertex has few edges.
+std::vector<EdgeOfFace> sorted_edges(const Mesh& mesh, StopToken stop) {
+    std::vector<std::size_t> ends(mesh.vertices.size() + 1);  // of each bucket; while filling, its next index
+    const auto for_each_edge_of_face = [&mesh](const auto& visit) {
         for (std::size_t f = 0; f < mesh.faces.size(); ++f)
             for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t from = mesh.faces[f][k], to = mesh.faces[f][(k + 1) % 3];
-                take(Edge{std::min(from, to), std::max(from, to), static_cast<std::uint32_t>(f)});
+                const std::uint32_t start = mesh.faces[f][k], end = mesh.faces[f][(k + 1) % 3];
+                visit(EdgeOfFace{std::min(start, end), std::max(start, end), static_cast<std::uint32_t>(f)});
             }
     };
-    for_each([&](const Edge& e) { ++ends[e.low + 1]; });
+    for_each_edge_of_face([&](const EdgeOfFace& e) { ++ends[e.low + 1]; });
     std::partial_sum(ends.begin(), ends.end(), ends.begin());
-    std::vector<Edge> edges(3 * mesh.faces.size());
-    for_each([&](const Edge& e) { edges[ends[e.low]++] = e; });
+    std::vector<EdgeOfFace> edges(3 * mesh.faces.size());
+    for_each_edge_of_face([&](const EdgeOfFace& e) { edges[ends[e.low]++] = e; });
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
         std::sort(edges.begin() + static_cast<std::ptrdiff_t>(v == 0 ? 0 : ends[v - 1]),
                   edges.begin() + static_cast<std::ptrdiff_t>(ends[v]),
-                  by([](const Edge& e) { return std::pair(e.high, e.face); }, stop));
+                  compare_by([](const EdgeOfFace& e) { return std::pair(e.high, e.face); }, stop));
     return edges;
 }
 
-/// Calls `take(edges)` for each edge, with all of its faces.
-template <class Take>
-void for_each_edge(const Mesh& mesh, const Take& take, StopToken stop = {}) {
-    const std::vector<Edge> edges = sorted_edges(mesh, stop);
+/// Calls `visit(edge_faces)` for each edge, with one element for each of its faces.
+template <class Visit>
+void for_each_edge(const Mesh& mesh, const Visit& visit, StopToken stop = {}) {
+    const std::vector<EdgeOfFace> edges = sorted_edges(mesh, stop);
     for (auto first = edges.begin(), last = first; first != edges.end(); first = last) {
-        const auto same = [&](const Edge& e) { return e.low == first->low && e.high == first->high; };
-        last = std::find_if_not(first, edges.end(), same);
-        take(std::span(first, last));
+        const auto is_same_edge = [&](const EdgeOfFace& e) { return e.low == first->low && e.high == first->high; };
+        last = std::find_if_not(first, edges.end(), is_same_edge);
+        visit(std::span(first, last));
     }
 }
 
 void merge_vertices(Mesh& mesh, StopToken stop) {
-    std::vector<std::uint32_t> order(mesh.vertices.size()), becomes(mesh.vertices.size());
+    std::vector<std::uint32_t> order(mesh.vertices.size()), merged(mesh.vertices.size());
     std::iota(order.begin(), order.end(), 0U);
     const auto key = [&](std::uint32_t v) {
         const Vec<double>& p = mesh.vertices[v];
         return std::array{p.x, p.y, p.z};  // −0 and 0 compare equal
     };
-    std::ranges::stable_sort(order, by(key, stop));
+    std::ranges::stable_sort(order, compare_by(key, stop));
     for (std::size_t i = 0; i < order.size(); ++i)
-        becomes[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? becomes[order[i - 1]] : order[i];
-    std::vector<std::uint32_t> place(mesh.vertices.size());
+        merged[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? merged[order[i - 1]] : order[i];
+    std::vector<std::uint32_t> new_index(mesh.vertices.size());
     std::uint32_t kept = 0;
     for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
-        if (becomes[v] != v) continue;
-        place[v] = kept;
+        if (merged[v] != v) continue;
+        new_index[v] = kept;
         mesh.vertices[kept++] = mesh.vertices[v];
     }
     mesh.vertices.resize(kept);
     for (Face& face : mesh.faces)
-        for (std::uint32_t& v : face) v = place[becomes[v]];
+        for (std::uint32_t& v : face) v = new_index[merged[v]];
 }
 
 bool is_flat(const Vec<double>& a, const Vec<double>& b, const Vec<double>& c) { return on_one_line(a, b, c); }
 
-/// The smallest number that a format rounds to infinity: half an ulp above its largest number.
+/// Returns the smallest number that a format rounds to infinity: half an ulp above its largest number.
 double overflow_of(const FloatFormat& format) {
     return std::ldexp(2 - std::ldexp(1.0, -format.precision), format.emax);
 }
 
-/// The corner of a face that is not an end of one of its edges, 0, 1 or 2.
-std::size_t opposite_corner(const Face& face, const Edge& edge) {
+/// Returns the index, 0, 1 or 2, of the corner of a face that is not an end of the edge.
+std::size_t opposite_corner(const Face& face, const EdgeOfFace& edge) {
     const auto is_end = [&edge](std::uint32_t v) { return v == edge.low || v == edge.high; };
     return static_cast<std::size_t>(std::ranges::find_if_not(face, is_end) - face.begin());
 }
 
-/// Number of faces that have the same third vertex as an earlier one at an edge. Only faces whose third vertex is the
-/// highest count, so that a face counts at one of its edges.
-std::size_t duplicates_at(const Mesh& mesh, std::span<const Edge> of, std::vector<std::uint32_t>& thirds) {
+/// Returns the number of faces at an edge that have the same third vertex as an earlier face. It considers only faces
+/// whose third vertex has the highest index, so that a face counts at only one of its edges.
+std::size_t duplicates_at(const Mesh& mesh, std::span<const EdgeOfFace> edge_faces,
+                          std::vector<std::uint32_t>& thirds) {
     thirds.clear();
-    for (const Edge& edge : of) {
+    for (const EdgeOfFace& edge : edge_faces) {
         const Face& face = mesh.faces[edge.face];
         const std::uint32_t third = face[opposite_corner(face, edge)];
         if (third > edge.high) thirds.push_back(third);
@@ -110,27 +112,27 @@ std::size_t duplicates_at(const Mesh& mesh, std::span<const Edge> of, std::vecto
     return thirds.size() - static_cast<std::size_t>(std::unique(thirds.begin(), thirds.end()) - thirds.begin());
 }
 
-/// Fills `edges` and `borders`.
+/// Fills `edges` and `borders` of the mesh.
 void count_edges(Mesh& mesh, StopToken stop) {
     mesh.edges = {};
     mesh.borders.assign(mesh.faces.size(), 0);
     std::vector<std::uint32_t> thirds;
-    const auto count = [&](std::span<const Edge> of) {
+    const auto count_edge = [&](std::span<const EdgeOfFace> edge_faces) {
         stop.check();
         std::ptrdiff_t balance = 0;
-        for (const Edge& edge : of) {
+        for (const EdgeOfFace& edge : edge_faces) {
             const Face& face = mesh.faces[edge.face];
             const std::size_t opposite = opposite_corner(face, edge);
             balance += face[(opposite + 1) % 3] == edge.low ? 1 : -1;
-            if (of.size() == 1) mesh.borders[edge.face] |= static_cast<std::uint8_t>(1U << opposite);
+            if (edge_faces.size() == 1) mesh.borders[edge.face] |= static_cast<std::uint8_t>(1U << opposite);
         }
-        MeshEdges& found = mesh.edges;
-        ++found.edges;
-        found.border += of.size() == 1, found.non_manifold += of.size() > 2;
-        found.unbalanced += balance != 0, found.odd += of.size() % 2;
-        if (of.size() > 1) found.duplicates += duplicates_at(mesh, of, thirds);
+        MeshEdges& counts = mesh.edges;
+        ++counts.edges;
+        counts.border += edge_faces.size() == 1, counts.non_manifold += edge_faces.size() > 2;
+        counts.unbalanced += balance != 0, counts.odd += edge_faces.size() % 2;
+        if (edge_faces.size() > 1) counts.duplicates += duplicates_at(mesh, edge_faces, thirds);
     };
-    for_each_edge(mesh, count, stop);
+    for_each_edge(mesh, count_edge, stop);
 }
 
 }  // namespace
@@ -142,14 +144,14 @@ std::string_view fault_of_coordinate(double x, const FloatFormat& stored) {
     return "overflows binary32, to which inputs = \"shared\" rounds; scale the mesh, or write inputs = \"own\"";
 }
 
-void tidy(Mesh& mesh, const std::function<std::string(std::size_t)>& place, StopToken stop) {
+void tidy(Mesh& mesh, const std::function<std::string(std::size_t)>& describe_face, StopToken stop) {
     merge_vertices(mesh, stop);
     std::size_t kept = 0;
     for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
         stop.check();
         const auto& [a, b, c] = mesh.faces[f];
         if (is_flat(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c])) {
-            if (mesh.left_out++ == 0) mesh.first_left_out = place(f);
+            if (mesh.left_out++ == 0) mesh.first_left_out = describe_face(f);
             continue;
         }
         mesh.faces[kept++] = mesh.faces[f];
@@ -160,39 +162,41 @@ void tidy(Mesh& mesh, const std::function<std::string(std::size_t)>& place, Stop
 
 std::vector<SharedEdge> shared_edges(const Mesh& mesh) {
     std::vector<SharedEdge> found;
-    for_each_edge(mesh, [&](std::span<const Edge> of) {
-        if (of.size() == 2)
+    for_each_edge(mesh, [&](std::span<const EdgeOfFace> edge_faces) {
+        if (edge_faces.size() == 2)
             found.push_back(
-                {{of[0].low, of[0].high}, {std::min(of[0].face, of[1].face), std::max(of[0].face, of[1].face)}});
+                {{edge_faces[0].low, edge_faces[0].high},
+                 {std::min(edge_faces[0].face, edge_faces[1].face), std::max(edge_faces[0].face, edge_faces[1].face)}});
     });
     return found;
 }
 
 Mesh joined(std::vector<Mesh> meshes) {
-    Mesh all = std::move(meshes.front());
+    Mesh result = std::move(meshes.front());
     for (std::size_t i = 1; i < meshes.size(); ++i) {
         const Mesh& next = meshes[i];
-        const auto first = static_cast<std::uint32_t>(all.vertices.size());
-        all.vertices.insert(all.vertices.end(), next.vertices.begin(), next.vertices.end());
-        for (const auto& [a, b, c] : next.faces) all.faces.push_back({first + a, first + b, first + c});
-        all.borders.insert(all.borders.end(), next.borders.begin(), next.borders.end());
-        for (const auto count : {&MeshEdges::edges, &MeshEdges::border, &MeshEdges::non_manifold,
-                                 &MeshEdges::unbalanced, &MeshEdges::odd, &MeshEdges::duplicates})
-            all.edges.*count += next.edges.*count;
-        if (all.left_out == 0) all.first_left_out = next.first_left_out;
-        all.left_out += next.left_out;
+        const auto first = static_cast<std::uint32_t>(result.vertices.size());
+        result.vertices.insert(result.vertices.end(), next.vertices.begin(), next.vertices.end());
+        for (const auto& [a, b, c] : next.faces) result.faces.push_back({first + a, first + b, first + c});
+        result.borders.insert(result.borders.end(), next.borders.begin(), next.borders.end());
+        for (const auto member : {&MeshEdges::edges, &MeshEdges::border, &MeshEdges::non_manifold,
+                                  &MeshEdges::unbalanced, &MeshEdges::odd, &MeshEdges::duplicates})
+            result.edges.*member += next.edges.*member;
+        if (result.left_out == 0) result.first_left_out = next.first_left_out;
+        result.left_out += next.left_out;
     }
-    return all;
+    return result;
 }
 
 std::size_t flat_faces(const Mesh& mesh, const FloatFormat& format) {
-    const auto rounded = [&](std::uint32_t v) {
+    const auto rounded_vertex = [&](std::uint32_t v) {
         Vec<double> p = mesh.vertices[v];
         for (int k = 0; k < 3; ++k) p[k] = rounding::to_format(p[k], 0, format);
         return p;
     };
-    return static_cast<std::size_t>(std::ranges::count_if(
-        mesh.faces, [&](const Face& f) { return is_flat(rounded(f[0]), rounded(f[1]), rounded(f[2])); }));
+    return static_cast<std::size_t>(std::ranges::count_if(mesh.faces, [&](const Face& f) {
+        return is_flat(rounded_vertex(f[0]), rounded_vertex(f[1]), rounded_vertex(f[2]));
+    }));
 }
 
 std::vector<std::string> remarks_on(const Mesh& mesh, const std::optional<FloatFormat>& stored) {

@@ -1,4 +1,4 @@
-// Meshes of triangles: made by formula, or read from files.
+// Meshes of triangles that are made by formula or read from files.
 #pragma once
 
 #include <array>
@@ -24,18 +24,19 @@ inline Triangle<double> corners_of(const Face& face, const std::vector<Vec<doubl
     return {vertices[face[0]], vertices[face[1]], vertices[face[2]]};
 }
 
-/// Counts of what keeps a mesh from having an inside. Faces without area, which are left out, leave their edges open.
+/// Counts of edges and faces, most of which show that a mesh is not closed. Faces without area are left out, so their
+/// edges count as open.
 struct MeshEdges {
     std::size_t edges = 0;
     std::size_t border = 0;        ///< edges of one face
     std::size_t non_manifold = 0;  ///< edges of more than two faces
-    std::size_t unbalanced = 0;    ///< edges along which more faces run one way than the other
+    std::size_t unbalanced = 0;    ///< edges that more faces traverse in one direction than in the other
     std::size_t odd = 0;           ///< edges with an odd number of faces
     std::size_t duplicates = 0;    ///< faces with the same three vertices as an earlier face
 };
 
 /// Triangles that share vertices. Vertices are the ideal numbers of the scene, in binary64. Faces whose corners lie on
-/// one line are not triangles: they are left out and counted.
+/// one line are not triangles, so they are removed and counted.
 struct Mesh {
     static constexpr Shape shape = Shape::triangle;
 
@@ -43,8 +44,8 @@ struct Mesh {
     std::vector<Face> faces;
     std::size_t left_out = 0;    ///< faces without area
     std::string first_left_out;  ///< describes the first of them; empty if there is none
-    MeshEdges edges;             ///< of all faces; `tidy` counts them
-    /// For each face, bit k is 1 if the edge opposite to its corner k has no other face; `tidy` fills it.
+    MeshEdges edges;             ///< counts over all faces; filled by `tidy`
+    /// For each face, bit k is 1 if the edge opposite to its corner k has no other face; filled by `tidy`.
     std::vector<std::uint8_t> borders;
 
     [[nodiscard]] Triangle<double> triangle(std::size_t face) const { return corners_of(faces[face], vertices); }
@@ -60,16 +61,17 @@ struct Mesh {
 };
 
 /// Merges vertices with the same coordinates (0 and −0 are the same), so that faces which meet share their edge.
-/// Removes faces whose corners lie on one line, and fills `edges` and `borders`. `place(face)` describes a face of the
-/// mesh as it was given. Throws Interrupted if it is stopped, and then leaves an unusable mesh.
-void tidy(Mesh& mesh, const std::function<std::string(std::size_t)>& place, intersect::process::StopToken stop = {});
+/// Removes faces whose corners lie on one line, and fills `edges` and `borders`. `describe_face(face)` describes a face
+/// of the mesh as it was given. Throws Interrupted if it is stopped, and then leaves an unusable mesh.
+void tidy(Mesh& mesh, const std::function<std::string(std::size_t)>& describe_face,
+          intersect::process::StopToken stop = {});
 
 /// An edge that two faces share.
 struct SharedEdge {
     std::array<std::uint32_t, 2> ends;   ///< indices of vertices
     std::array<std::uint32_t, 2> faces;  ///< in ascending order
 };
-/// Every edge of exactly two faces, ordered by its ends.
+/// Returns every edge of exactly two faces, ordered by its ends.
 std::vector<SharedEdge> shared_edges(const Mesh& mesh);
 
 /// Joins the meshes into one, in their order.
@@ -88,7 +90,8 @@ struct MeshTerms {
     FloatFormat stored = binary64;  ///< the format to which the scene rounds its vertices before any form sees them
 };
 
-/// Says why a scene cannot hold a coordinate of a vertex, as the rest of a sentence after "which"; empty if it can.
+/// Returns the reason why a scene cannot hold a coordinate of a vertex, as the rest of a sentence after "which"; empty
+/// if it can.
 std::string_view fault_of_coordinate(double x, const FloatFormat& stored);
 
 /// Reads a `[[mesh]]`: `make` with the keys of that mesh, or `file`, relative to `folder`. Throws InputError with a

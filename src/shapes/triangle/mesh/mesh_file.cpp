@@ -27,20 +27,21 @@ const MeshFormat& format_of(const std::filesystem::path& path) {
 
 }  // namespace
 
-Mesh read_mesh_file(const std::filesystem::path& path, const MeshTerms& terms) {
+Mesh read_mesh_file(const std::filesystem::path& path, const MeshTerms& settings) {
     const MeshFormat& format = format_of(path);
-    MeshBytes bytes(path, terms.stop);
-    MeshInFile found = format.read(bytes, terms);
-    const auto place = [&](std::size_t face) {
-        return format.has_lines ? path.string() + ":" + std::to_string(found.lines[face])
-                                : "face " + std::to_string(found.lines[face]) + " of " + path.string();
+    MeshBytes bytes(path, settings.stop);
+    MeshInFile mesh_in_file = format.read(bytes, settings);
+    const auto describe_face = [&](std::size_t face) {
+        return format.has_lines ? path.string() + ":" + std::to_string(mesh_in_file.lines[face])
+                                : "face " + std::to_string(mesh_in_file.lines[face]) + " of " + path.string();
     };
-    if (found.mesh.faces.empty()) throw InputError(path.string() + ": has no faces; a mesh has at least one triangle");
-    tidy(found.mesh, place, terms.stop);
-    if (found.mesh.faces.empty())
-        throw InputError(path.string() + ": none of its faces has an area; " + found.mesh.first_left_out +
+    if (mesh_in_file.mesh.faces.empty())
+        throw InputError(path.string() + ": has no faces; a mesh has at least one triangle");
+    tidy(mesh_in_file.mesh, describe_face, settings.stop);
+    if (mesh_in_file.mesh.faces.empty())
+        throw InputError(path.string() + ": none of its faces has an area; " + mesh_in_file.mesh.first_left_out +
                          " is the first");
-    return std::move(found.mesh);
+    return std::move(mesh_in_file.mesh);
 }
 
 }  // namespace lostbits::scene::triangle

@@ -8,8 +8,7 @@
 
 namespace lostbits::scene::triangle {
 
-/// A mesh as a file gives it, with a position for each face: a line, or the number of the face if the file has no
-/// lines.
+/// A mesh as a file gives it, with the position of each face: its line, or its index if the file has no lines.
 struct MeshInFile {
     Mesh mesh;
     std::vector<std::uint32_t> lines = {};
@@ -24,18 +23,18 @@ struct MeshInFile {
 };
 
 inline constexpr std::size_t most_vertices = 0xffffffff;  ///< indices are 32 bits wide
-inline constexpr std::size_t most_faces = 0x7fffffff;     ///< numbers of faces are signed
+inline constexpr std::size_t most_faces = 0x7fffffff;     ///< indices of faces are signed
 
-/// Reads `v` and `f` of a Wavefront OBJ. It ignores the texture and normal of a corner, and all other lines that an
-/// OBJ has.
-MeshInFile read_obj(MeshBytes& bytes, const MeshTerms& terms);
+/// Reads `v` and `f` of a Wavefront OBJ. Ignores the texture and normal of a corner, and all other lines that OBJ
+/// allows.
+MeshInFile read_obj(MeshBytes& bytes, const MeshTerms& settings);
 /// Reads PLY 1.0: the element `vertex` with `x`, `y`, `z`, and `face` with a list `vertex_indices` or `vertex_index`.
-MeshInFile read_ply(MeshBytes& bytes, const MeshTerms& terms);
-/// Reads STL, as text or binary. The size tells them apart: a binary file has 84 + 50 n bytes.
-MeshInFile read_stl(MeshBytes& bytes, const MeshTerms& terms);
+MeshInFile read_ply(MeshBytes& bytes, const MeshTerms& settings);
+/// Reads STL in ASCII or binary. The size distinguishes them: a binary file of n facets has 84 + 50 n bytes.
+MeshInFile read_stl(MeshBytes& bytes, const MeshTerms& settings);
 /// Reads glTF 2.0, as JSON or as one binary file: the triangles of the default scene, or of all meshes if there is no
 /// scene. A node that moves its mesh is an error, because its vertices would be rounded. Buffers are read from the
 /// folder of the file or below it, and nothing else is opened.
-MeshInFile read_gltf(MeshBytes& bytes, const MeshTerms& terms);
+MeshInFile read_gltf(MeshBytes& bytes, const MeshTerms& settings);
 
 }  // namespace lostbits::scene::triangle

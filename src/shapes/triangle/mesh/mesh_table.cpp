@@ -10,9 +10,9 @@ namespace lostbits::scene::triangle {
 
 namespace {
 
-enum class Made { icosphere, grid, tube, fan };
-constexpr std::pair<std::string_view, Made> made_names[] = {
-    {"icosphere", Made::icosphere}, {"grid", Made::grid}, {"tube", Made::tube}, {"fan", Made::fan}};
+enum class MadeMesh { icosphere, grid, tube, fan };
+constexpr std::pair<std::string_view, MadeMesh> made_mesh_names[] = {
+    {"icosphere", MadeMesh::icosphere}, {"grid", MadeMesh::grid}, {"tube", MadeMesh::tube}, {"fan", MadeMesh::fan}};
 
 constexpr int most_levels = 9;  // 5.2 million faces
 constexpr long long most_parts = 4096;
@@ -23,13 +23,13 @@ public:
     explicit MeshTable(toml::TableReader& table) : table_(table) {}
 
     Mesh make() {
-        const Made what = table_.one_of<Made>("make", made_names);
+        const MadeMesh kind = table_.one_of<MadeMesh>("make", made_mesh_names);
         const Vec<double> centre = point("centre");
-        switch (what) {
-            case Made::icosphere:
+        switch (kind) {
+            case MadeMesh::icosphere:
                 return make_icosphere(static_cast<int>(table_.integer("levels", 0, most_levels)), centre,
                                       size("radius", 1));
-            case Made::grid: {
+            case MadeMesh::grid: {
                 const auto parts = table_.optional_integers("parts", 2, 1, most_parts).value_or(std::vector{8LL, 8LL});
                 double bump = 0;
                 table_.read_number("bump", bump, 0, largest);
@@ -37,12 +37,12 @@ public:
                 return make_grid(static_cast<std::uint32_t>(parts[0]), static_cast<std::uint32_t>(parts[1]), centre,
                                  {size("width", 2), size("height", 2), 0}, bump);
             }
-            case Made::tube: {
+            case MadeMesh::tube: {
                 const double ring = size("ring_radius", 2), radius = size("radius", 0.5);
                 if (!(radius < ring)) table_.fail_at("radius", "must be less than ring_radius; the tube has a hole");
                 return make_tube(quarters("around", 16), quarters("along", 64), centre, ring, radius);
             }
-            case Made::fan: break;
+            case MadeMesh::fan: break;
         }
         return make_fan(quarters("count", 64), centre, size("radius", 1));
     }
@@ -56,13 +56,13 @@ private:
             if (!(std::fabs(p[k]) <= largest)) table_.fail_at(key, "must lie within 2^100 of the origin");
         return p;
     }
-    double size(std::string_view key, double otherwise) {
-        table_.read_number(key, otherwise, smallest, largest);
-        return otherwise;
+    double size(std::string_view key, double default_value) {
+        table_.read_number(key, default_value, smallest, largest);
+        return default_value;
     }
     /// Reads a count that is a multiple of four, because a circle is divided by its quarters.
-    std::uint32_t quarters(std::string_view key, long long otherwise) {
-        const long long n = table_.optional_integer(key, 4, most_parts * 256).value_or(otherwise);
+    std::uint32_t quarters(std::string_view key, long long default_value) {
+        const long long n = table_.optional_integer(key, 4, most_parts * 256).value_or(default_value);
         if (n % 4 != 0) table_.fail_at(key, "must be a multiple of 4; write " + std::to_string(n / 4 * 4 + 4));
         return static_cast<std::uint32_t>(n);
     }
@@ -70,22 +70,22 @@ private:
     toml::TableReader& table_;
 };
 
-Mesh read_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshTerms& terms) {
+Mesh read_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshTerms& settings) {
     Mesh mesh;
     if (table.has("file")) {
         if (table.has("make")) table.reject("make", "is given together with file; a mesh is made or read, not both");
         const std::filesystem::path path = folder / table.string("file");
-        std::error_code unknown;
-        if (!std::filesystem::is_regular_file(path, unknown))
+        std::error_code error;
+        if (!std::filesystem::is_regular_file(path, error))
             table.fail_at("file", "names " + path.string() +
                                       ", which is not a file; the path is relative to the folder "
                                       "of the scene");
-        mesh = read_mesh_file(path, terms);
+        mesh = read_mesh_file(path, settings);
     } else {
         table.node("make", R"("icosphere", "grid", "tube" or "fan", or write file = "name.obj" in its place)");
         mesh = MeshTable(table).make();
         tidy(
-            mesh, [](std::size_t face) { return "face " + std::to_string(face); }, terms.stop);
+            mesh, [](std::size_t face) { return "face " + std::to_string(face); }, settings.stop);
         if (mesh.faces.empty())
             table.fail_at("make",
                           "makes only triangles without area, because their vertices round to the same points so "
@@ -97,9 +97,9 @@ Mesh read_table(toml::TableReader& table, const std::filesystem::path& folder, c
 
 }  // namespace
 
-Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshTerms& terms) {
+Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshTerms& settings) {
     try {
-        return read_table(table, folder, terms);
+        return read_table(table, folder, settings);
     } catch (const std::bad_alloc&) {
         throw EnvironmentError(table.where(table.has("file") ? "file" : "make").text() +
                                ": this mesh does not fit into memory; use one with fewer triangles");

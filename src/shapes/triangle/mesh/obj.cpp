@@ -6,32 +6,34 @@ namespace lostbits::scene::triangle {
 namespace {
 
 /// The keywords of the other lines of an OBJ, the usual ones first.
-constexpr std::string_view other_words[] = {
+constexpr std::string_view other_keywords[] = {
     "vn",       "vt",       "#",     "g",     "o",      "s",      "usemtl",     "mtllib",   "l",    "p",
     "vp",       "mg",       "lod",   "bevel", "call",   "csh",    "cstype",     "deg",      "bmat", "step",
     "curv",     "curv2",    "surf",  "parm",  "trim",   "hole",   "scrv",       "sp",       "end",  "con",
     "c_interp", "d_interp", "ctech", "stech", "usemap", "maplib", "shadow_obj", "trace_obj"};
 
-bool is_left_aside(std::string_view word) {
-    return word.empty() || word[0] == '#' || std::ranges::find(other_words, word) != std::end(other_words);
+bool is_ignored(std::string_view keyword) {
+    return keyword.empty() || keyword[0] == '#' ||
+           std::ranges::find(other_keywords, keyword) != std::end(other_keywords);
 }
 
 /// Returns the index of a vertex, from 0, for `7`, `7/1`, `7/1/2`, `7//2` or `-1`.
-std::uint32_t corner(const TextLines& lines, std::string_view word, std::size_t vertices) {
+std::uint32_t to_vertex_index(const TextLines& lines, std::string_view word, std::size_t vertices) {
     const std::string_view text = word.substr(0, word.find('/'));
-    long long place = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), place);
+    long long number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
     if (error != std::errc() || end != text.data() + text.size())
         lines.fail("the corner " + toml::quoted_excerpt(word) + " is not the number of a vertex");
     const auto count = static_cast<long long>(vertices);
-    if (place == 0) lines.fail("names vertex 0; vertices count from 1, and -1 is the last one");
-    if (place > count || place < -count)
-        lines.fail("names vertex " + std::to_string(place) + ", but " + std::to_string(count) +
+    if (number == 0) lines.fail("names vertex 0; vertices count from 1, and -1 is the last one");
+    if (number > count || number < -count)
+        lines.fail("names vertex " + std::to_string(number) + ", but " + std::to_string(count) +
                    " are defined above; vertices count from 1, and a face follows its vertices");
-    return static_cast<std::uint32_t>(place > 0 ? place - 1 : count + place);
+    return static_cast<std::uint32_t>(number > 0 ? number - 1 : count + number);
 }
 
-/// Refuses a vertex or a face where a statement continues: a comment may end with a backslash and mean nothing by it.
+/// Refuses a vertex or a face on a line that continues a statement. A comment may end with a backslash by accident, and
+/// the line below it would be ignored.
 void refuse_element(const TextLines& lines, std::string_view word) {
     if (word == "v" || word == "f")
         lines.fail(toml::quoted_excerpt(word) +
@@ -39,13 +41,13 @@ void refuse_element(const TextLines& lines, std::string_view word) {
                    "left out; remove the \\, or write this line elsewhere");
 }
 
-/// Goes past what is left of a statement, with the lines on which it continues.
+/// Skips the rest of a statement, including the lines on which it continues.
 void skip_rest(TextLines& lines) {
-    while (lines.go_on()) refuse_element(lines, lines.word());
+    while (lines.next_continuation()) refuse_element(lines, lines.word());
 }
 
-/// Goes past the numbers that may follow x, y and z: a weight or a colour. Another word there may be a coordinate that
-/// was cut in two.
+/// Skips the numbers that may follow x, y and z: a weight or a colour. Any other word is refused, because it may be
+/// part of a coordinate.
 void skip_more_numbers(TextLines& lines) {
     for (std::string_view word = lines.word(); !word.empty() && word[0] != '#'; word = lines.word()) {
         refuse_element(lines, word);
@@ -61,35 +63,35 @@ void skip_more_numbers(TextLines& lines) {
 
 }  // namespace
 
-MeshInFile read_obj(MeshBytes& bytes, const MeshTerms& terms) {
-    MeshInFile found;
+MeshInFile read_obj(MeshBytes& bytes, const MeshTerms& settings) {
+    MeshInFile mesh_in_file;
     TextLines lines(bytes, Statement::continued_by_backslash);
     std::vector<std::uint32_t> corners;
     while (lines.next()) {
-        const std::string_view what = lines.word();
-        if (what == "v") {
-            if (found.mesh.vertices.size() == most_vertices)
+        const std::string_view keyword = lines.word();
+        if (keyword == "v") {
+            if (mesh_in_file.mesh.vertices.size() == most_vertices)
                 lines.fail("is one vertex too many; the limit is 2^32 - 1");
-            const auto number = [&](const char* name) { return lines.coordinate<double>(name, terms.stored); };
+            const auto number = [&](const char* name) { return lines.coordinate<double>(name, settings.stored); };
             const double x = number("x"), y = number("y"), z = number("z");
-            found.mesh.vertices.emplace_back(x, y, z);
+            mesh_in_file.mesh.vertices.emplace_back(x, y, z);
             skip_more_numbers(lines);
-        } else if (what == "f") {
+        } else if (keyword == "f") {
             corners.clear();
             for (std::string_view word = lines.word(); !word.empty(); word = lines.word())
-                corners.push_back(corner(lines, word, found.mesh.vertices.size()));
+                corners.push_back(to_vertex_index(lines, word, mesh_in_file.mesh.vertices.size()));
             if (corners.size() < 3) lines.fail_line("is a face of fewer than 3 corners");
-            found.add(corners, lines.line());
-            if (found.mesh.faces.size() > most_faces)
+            mesh_in_file.add(corners, lines.line());
+            if (mesh_in_file.mesh.faces.size() > most_faces)
                 lines.fail_line("is one face too many; the limit is 2^31 - 1 triangles");
-        } else if (!is_left_aside(what)) {
-            lines.fail(toml::quoted_excerpt(what) +
+        } else if (!is_ignored(keyword)) {
+            lines.fail(toml::quoted_excerpt(keyword) +
                        " is not a keyword of OBJ, so a face might be left out; correct it, or write # before "
                        "it");
         }
         skip_rest(lines);
     }
-    return found;
+    return mesh_in_file;
 }
 
 }  // namespace lostbits::scene::triangle

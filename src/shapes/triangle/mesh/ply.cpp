@@ -46,9 +46,9 @@ struct PlyElement {
         return std::ranges::find(properties, property, &PlyProperty::name) != properties.end();
     }
 };
-enum class PlyBytes { text, little, big };
+enum class PlyEncoding { text, little, big };
 struct PlyHeader {
-    PlyBytes bytes = PlyBytes::text;
+    PlyEncoding encoding = PlyEncoding::text;
     std::vector<PlyElement> elements = {};
 };
 
@@ -60,14 +60,14 @@ public:
     PlyHeader read() {
         if (!lines_.next() || lines_.word() != "ply") lines_.fail_line("is not a PLY: its first line is not ply");
         while (lines_.next()) {
-            const std::string_view what = lines_.word();
-            if (what == "end_header") return whole();
-            if (what == "format") read_format();
-            else if (what == "element") read_element();
-            else if (what == "property") read_property();
-            else if (what != "comment" && what != "obj_info" && !what.empty())
+            const std::string_view keyword = lines_.word();
+            if (keyword == "end_header") return checked_header();
+            if (keyword == "format") read_format();
+            else if (keyword == "element") read_element();
+            else if (keyword == "property") read_property();
+            else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty())
                 lines_.fail(
-                    toml::quoted_excerpt(what) +
+                    toml::quoted_excerpt(keyword) +
                     " is not a keyword of a PLY header; write format, element, property, comment or end_header");
         }
         lines_.fail("ends before end_header");
@@ -75,13 +75,14 @@ public:
 
 private:
     void read_format() {
-        static constexpr std::pair<std::string_view, PlyBytes> known[] = {{"ascii", PlyBytes::text},
-                                                                          {"binary_little_endian", PlyBytes::little},
-                                                                          {"binary_big_endian", PlyBytes::big}};
-        const auto found = std::ranges::find(known, lines_.word(), &std::pair<std::string_view, PlyBytes>::first);
+        static constexpr std::pair<std::string_view, PlyEncoding> known[] = {
+            {"ascii", PlyEncoding::text},
+            {"binary_little_endian", PlyEncoding::little},
+            {"binary_big_endian", PlyEncoding::big}};
+        const auto found = std::ranges::find(known, lines_.word(), &std::pair<std::string_view, PlyEncoding>::first);
         if (found == std::end(known))
             lines_.fail("the format must be ascii, binary_little_endian or binary_big_endian");
-        header_.bytes = found->second;
+        header_.encoding = found->second;
         has_format_ = true;
     }
     void read_element() {
@@ -115,7 +116,7 @@ private:
             if (name == ply_types[k].old_name || name == ply_types[k].name) return static_cast<PlyType>(k);
         lines_.fail(toml::quoted_excerpt(name) + " is not a type of PLY; write float, double, uchar, int, …");
     }
-    PlyHeader whole() {
+    PlyHeader checked_header() {
         if (!has_format_) lines_.fail("the header has no format line; write format ascii 1.0 if the numbers are text");
         for (const PlyElement& element : header_.elements) {
             if (element.is_vertex() && !(element.has("x") && element.has("y") && element.has("z")))
@@ -135,23 +136,24 @@ private:
     bool has_format_ = false;
 };
 
-/// Reads the numbers of the body, one after the other.
+/// Reads the numbers after the header, one after the other, in text or binary.
 class PlyNumbers {
 public:
-    PlyNumbers(TextLines& lines, MeshBytes& bytes, PlyBytes kind, const FloatFormat& stored)
-        : lines_(lines), bytes_(bytes), kind_(kind), stored_(stored) {}
+    PlyNumbers(TextLines& lines, MeshBytes& bytes, PlyEncoding encoding, const FloatFormat& stored)
+        : lines_(lines), bytes_(bytes), encoding_(encoding), stored_(stored) {}
 
-    /// Refuses a count for which the file is too short, before anything is read.
+    /// Refuses an element count for which the file is too short, before any element is read.
     void begin(const PlyElement& element) {
-        last_ = bytes_.place();
-        // The fewest bytes of one element: a list may be empty, and a number in text is a digit and a blank.
-        std::uint64_t least = 0;
-        for (const PlyProperty& p : element.properties) least += is_text() ? 2 : bytes_of(p.count.value_or(p.type));
+        number_start_ = bytes_.position();
+        // The smallest size of one element: a list may be empty, and a number in text has at least a digit and a blank.
+        std::uint64_t least_bytes = 0;
+        for (const PlyProperty& property : element.properties)
+            least_bytes += is_text() ? 2 : bytes_of(property.count.value_or(property.type));
         // The last line of a text may lack its line break.
-        if (element.count * least > bytes_.left() + 1)
+        if (element.count * least_bytes > bytes_.left() + 1)
             throw InputError(fmt::format(
-                "{}: ends before the {} of {}, which take at least {} bytes; was it cut short?", place(),
-                toml::counted(element.count, "element"), toml::excerpt(element.name), element.count * least));
+                "{}: ends before the {} of {}, which take at least {} bytes; was it cut short?", position_text(),
+                toml::counted(element.count, "element"), toml::excerpt(element.name), element.count * least_bytes));
     }
     /// Begins an element, which is one line in a text file.
     void begin_element() {
@@ -169,13 +171,13 @@ public:
             if (!lines_.word().empty()) lines_.fail("follows the last element that the header names");
     }
 
-    double next(const PlyProperty& property, PlyType type, const char* of = "") {
-        if (!is_text()) return from_bytes(type);
-        const std::string what = of + property.name;
+    double next(const PlyProperty& property, PlyType type, const char* prefix = "") {
+        if (!is_text()) return number_from_bytes(type);
+        const std::string number_name = prefix + property.name;
         switch (type) {
-            case PlyType::f32: return lines_.number<float>(what);  // rounded once, to the stated type
-            case PlyType::f64: return lines_.number<double>(what);
-            default: return static_cast<double>(lines_.number<long long>(what));
+            case PlyType::f32: return lines_.number<float>(number_name);  // rounded once, to the stated type
+            case PlyType::f64: return lines_.number<double>(number_name);
+            default: return static_cast<double>(lines_.number<long long>(number_name));
         }
     }
     double coordinate(const PlyProperty& property) {
@@ -192,7 +194,7 @@ public:
             fail(fmt::format("the length of {} is {}; it must be a whole number up to a million", list.name, x));
         return static_cast<std::size_t>(x);
     }
-    /// Goes past a number or a list.
+    /// Skips a number or a list.
     void skip(const PlyProperty& property) {
         const std::size_t count = property.count ? length(property) : 1;
         for (std::size_t k = 0; k < count; ++k) static_cast<void>(next(property, property.type));
@@ -205,50 +207,51 @@ public:
         return static_cast<std::uint32_t>(x);
     }
     [[noreturn]] void fail(const std::string& what) const {
-        throw InputError(place() + ": " + what +
+        throw InputError(position_text() + ": " + what +
                          (is_text() ? "" : "; is the byte order the one that the format line says?"));
     }
 
 private:
-    [[nodiscard]] bool is_text() const { return kind_ == PlyBytes::text; }
-    /// Position of the word or the number that was read last.
-    [[nodiscard]] std::string place() const {
-        return is_text() ? lines_.place() : fmt::format("{}: byte {}", bytes_.name(), last_);
+    [[nodiscard]] bool is_text() const { return encoding_ == PlyEncoding::text; }
+    /// Returns the position of the word or number that was read last.
+    [[nodiscard]] std::string position_text() const {
+        return is_text() ? lines_.position() : fmt::format("{}: byte {}", bytes_.name(), number_start_);
     }
     static bool is_whole(double x) { return x >= 0 && x == std::floor(x); }
     template <class T>
-    static double as(const std::array<char, 8>& raw) {
+    static double number_as(const std::array<char, 8>& bytes) {
         T x;
-        std::memcpy(&x, raw.data(), sizeof x);
+        std::memcpy(&x, bytes.data(), sizeof x);
         return static_cast<double>(x);
     }
-    double from_bytes(PlyType type) {
-        const std::size_t count = bytes_of(type);
-        last_ = bytes_.place();
-        const std::string_view taken = bytes_.take(count);
-        if (taken.size() < count) throw InputError(place() + ": ends before all elements are there; was it cut short?");
-        std::array<char, 8> raw{};
-        std::ranges::copy(taken, raw.begin());
-        if ((kind_ == PlyBytes::little) != (std::endian::native == std::endian::little))
-            std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(count));
+    double number_from_bytes(PlyType type) {
+        const std::size_t byte_count = bytes_of(type);
+        number_start_ = bytes_.position();
+        const std::string_view read_bytes = bytes_.take(byte_count);
+        if (read_bytes.size() < byte_count)
+            throw InputError(position_text() + ": ends before all elements are there; was it cut short?");
+        std::array<char, 8> bytes{};
+        std::ranges::copy(read_bytes, bytes.begin());
+        if ((encoding_ == PlyEncoding::little) != (std::endian::native == std::endian::little))
+            std::reverse(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(byte_count));
         switch (type) {
-            case PlyType::i8: return as<std::int8_t>(raw);
-            case PlyType::u8: return as<std::uint8_t>(raw);
-            case PlyType::i16: return as<std::int16_t>(raw);
-            case PlyType::u16: return as<std::uint16_t>(raw);
-            case PlyType::i32: return as<std::int32_t>(raw);
-            case PlyType::u32: return as<std::uint32_t>(raw);
-            case PlyType::f32: return as<float>(raw);
+            case PlyType::i8: return number_as<std::int8_t>(bytes);
+            case PlyType::u8: return number_as<std::uint8_t>(bytes);
+            case PlyType::i16: return number_as<std::int16_t>(bytes);
+            case PlyType::u16: return number_as<std::uint16_t>(bytes);
+            case PlyType::i32: return number_as<std::int32_t>(bytes);
+            case PlyType::u32: return number_as<std::uint32_t>(bytes);
+            case PlyType::f32: return number_as<float>(bytes);
             case PlyType::f64: break;
         }
-        return as<double>(raw);
+        return number_as<double>(bytes);
     }
 
     TextLines& lines_;
     MeshBytes& bytes_;
-    PlyBytes kind_;
+    PlyEncoding encoding_;
     FloatFormat stored_;
-    std::uint64_t last_ = 0;  ///< in a binary file: where the last number begins
+    std::uint64_t number_start_ = 0;  ///< in a binary file, the byte at which the last number begins
 };
 
 void read_vertex(PlyNumbers& numbers, const PlyElement& element, Mesh& mesh) {
@@ -260,7 +263,7 @@ void read_vertex(PlyNumbers& numbers, const PlyElement& element, Mesh& mesh) {
     mesh.vertices.push_back(p);
 }
 
-/// Reads the lists of a face, or skips an element that is not needed.
+/// Reads the corners of a face, or skips an element of another kind.
 void read_lists(PlyNumbers& numbers, const PlyElement& element, std::size_t vertices,
                 std::vector<std::uint32_t>& corners) {
     corners.clear();
@@ -276,27 +279,27 @@ void read_lists(PlyNumbers& numbers, const PlyElement& element, std::size_t vert
 
 }  // namespace
 
-MeshInFile read_ply(MeshBytes& bytes, const MeshTerms& terms) {
-    MeshInFile found;
+MeshInFile read_ply(MeshBytes& bytes, const MeshTerms& settings) {
+    MeshInFile mesh_in_file;
     TextLines lines(bytes);
     const PlyHeader header = PlyHeaderLines(lines).read();
-    PlyNumbers numbers(lines, bytes, header.bytes, terms.stored);
+    PlyNumbers numbers(lines, bytes, header.encoding, settings.stored);
     std::vector<std::uint32_t> corners;
     for (const PlyElement& element : header.elements) {
         numbers.begin(element);
-        if (element.is_vertex()) found.mesh.vertices.reserve(element.count);
+        if (element.is_vertex()) mesh_in_file.mesh.vertices.reserve(element.count);
         for (std::size_t i = 0; i < element.count; ++i) {
             numbers.begin_element();
-            if (element.is_vertex()) read_vertex(numbers, element, found.mesh);
-            else read_lists(numbers, element, found.mesh.vertices.size(), corners);
+            if (element.is_vertex()) read_vertex(numbers, element, mesh_in_file.mesh);
+            else read_lists(numbers, element, mesh_in_file.mesh.vertices.size(), corners);
             if (element.is_face() && corners.size() < 3) numbers.fail("a face has fewer than 3 corners");
-            if (element.is_face()) found.add(corners, i);
-            if (found.mesh.faces.size() > most_faces) numbers.fail("has more than 2^31 - 1 triangles");
+            if (element.is_face()) mesh_in_file.add(corners, i);
+            if (mesh_in_file.mesh.faces.size() > most_faces) numbers.fail("has more than 2^31 - 1 triangles");
             numbers.end_element();
         }
     }
     numbers.end();
-    return found;
+    return mesh_in_file;
 }
 
 }  // namespace lostbits::scene::triangle

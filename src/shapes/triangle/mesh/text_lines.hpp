@@ -1,4 +1,5 @@
-// Reads a text file line by line and reports its errors. Files may be of any size: one line at a time is in memory.
+// Reads a text file line by line, and reports errors with their position. Files may be of any size: one line at a time
+// is in memory.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +19,7 @@
 
 namespace lostbits::scene::triangle {
 
-/// Statement of a text file: one line, or with a backslash at its end also the line below it.
+/// Statement of a text file: one line, or several lines if each but the last ends with a backslash.
 enum class Statement : std::uint8_t { line, continued_by_backslash };
 
 class TextLines {
@@ -28,24 +29,25 @@ public:
     explicit TextLines(MeshBytes& bytes, Statement statement = Statement::line)
         : bytes_(bytes), statement_(statement) {}
 
-    /// Goes to the next line, without its end, where a statement begins. Returns false after the last. A byte order
-    /// mark is not part of the first line.
+    /// Goes to the next line, on which a new statement begins. Returns false after the last line. A byte order mark is
+    /// not part of the first line.
     bool next() {
-        if (!take()) return false;
-        start_ = number_;
+        if (!read_line()) return false;
+        statement_line_ = line_number_;
         indent_ = std::min(line_.find_first_not_of(" \t"), line_.size());
         return true;
     }
     /// Goes to the line on which the statement continues. Returns false if there is none.
-    bool go_on() { return std::exchange(goes_on_, false) && take(); }
+    bool next_continuation() { return std::exchange(continues_, false) && read_line(); }
     /// Returns the next word of the statement; empty at its end.
     std::string_view word() {
         while (true) {
-            word_ = std::min(line_.find_first_not_of(" \t", at_), line_.size());
-            at_ = std::min(line_.find_first_of(" \t", word_), line_.size());
-            if (at_ > word_ || !goes_on_) return line_.substr(word_, at_ - word_);
-            const std::string here = place();
-            if (!go_on()) throw InputError(here + ": continues on the next line, and there is none; was it cut short?");
+            word_start_ = std::min(line_.find_first_not_of(" \t", word_end_), line_.size());
+            word_end_ = std::min(line_.find_first_of(" \t", word_start_), line_.size());
+            if (word_end_ > word_start_ || !continues_) return line_.substr(word_start_, word_end_ - word_start_);
+            const std::string word_position = position();
+            if (!next_continuation())
+                throw InputError(word_position + ": continues on the next line, and there is none; was it cut short?");
         }
     }
     /// Reads the next word as a number of type T, rounded once. Errors call it `what`.
@@ -57,7 +59,7 @@ public:
         T x{};
         const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), x);
         const bool is_whole_word = end == digits.data() + digits.size();
-        if (error == std::errc::result_out_of_range && is_whole_word) return out_of_range<T>(text, what);
+        if (error == std::errc::result_out_of_range && is_whole_word) return extreme_number<T>(text, what);
         if (error != std::errc() || !is_whole_word || text.starts_with("+-"))
             fail(std::string(what) + " is " + toml::quoted_excerpt(text) + ", which is not " +
                  (std::is_unsigned_v<T>   ? "a whole number of at least 0"
@@ -70,40 +72,42 @@ public:
     T coordinate(std::string_view what, const FloatFormat& stored) {
         const T x = number<T>(what);
         if (const auto fault = fault_of_coordinate(static_cast<double>(x), stored); !fault.empty())
-            fail(std::string(what) + " is " + toml::quoted_excerpt(line_.substr(word_, at_ - word_)) + ", which " +
-                 std::string(fault));
+            fail(std::string(what) + " is " + toml::quoted_excerpt(line_.substr(word_start_, word_end_ - word_start_)) +
+                 ", which " + std::string(fault));
         return x;
     }
 
-    /// Line on which the statement begins.
-    [[nodiscard]] std::size_t line() const { return start_; }
-    /// Position of the word that was read last; columns count characters.
-    [[nodiscard]] std::string place() const { return place_of(word_); }
-    [[noreturn]] void fail(const std::string& what) const { throw InputError(place() + ": " + what); }
-    /// Fails at the statement as a whole.
+    /// Returns the line on which the statement begins.
+    [[nodiscard]] std::size_t line() const { return statement_line_; }
+    /// Returns the position of the word that was read last. Columns count characters.
+    [[nodiscard]] std::string position() const { return position_of_byte(word_start_); }
+    [[noreturn]] void fail(const std::string& what) const { throw InputError(position() + ": " + what); }
+    /// Throws InputError with the position of the statement.
     [[noreturn]] void fail_line(const std::string& what) const {
-        throw InputError(place_at(start_, indent_ + 1) + ": " + what);
+        throw InputError(position_at(statement_line_, indent_ + 1) + ": " + what);
     }
 
 private:
-    /// Reads the next line, without its end and a backslash that continues it.
-    bool take() {
+    /// Reads the next line, without its line break and without a backslash that continues it.
+    bool read_line() {
         if (!bytes_.take_line(line_, longest)) return false;
-        at_ = 0, word_ = 0;
-        if (++number_ == 1 && line_.starts_with("\xEF\xBB\xBF")) line_.remove_prefix(3);
+        word_end_ = 0, word_start_ = 0;
+        if (++line_number_ == 1 && line_.starts_with("\xEF\xBB\xBF")) line_.remove_prefix(3);
         if (line_.size() > longest) fail("is longer than 1 MB; write one vertex or face on each line");
         if (line_.ends_with('\r')) line_.remove_suffix(1);
-        // Some programs take these bytes for the end of a line, and hide the rest.
+        // Some programs treat these bytes as the end of a line, and hide the rest of it.
         refuse_byte('\0', "has a byte 0; is it text?");
         refuse_byte('\r', "has a carriage return inside the line; end lines with line feeds");
-        const std::size_t last = line_.find_last_not_of(" \t");
-        goes_on_ = statement_ == Statement::continued_by_backslash && last < line_.size() && line_[last] == '\\';
-        if (goes_on_) line_ = line_.substr(0, last);
+        const std::size_t last_character = line_.find_last_not_of(" \t");
+        continues_ = statement_ == Statement::continued_by_backslash && last_character < line_.size() &&
+                     line_[last_character] == '\\';
+        if (continues_) line_ = line_.substr(0, last_character);
         return true;
     }
-    /// Decides by the exact number: if it is only too small for T, it is rounded like any other.
+    /// Rounds the exact number. A number that is too small for T rounds like any other; a number that is too large is
+    /// an error.
     template <class T>
-    T out_of_range(std::string_view text, std::string_view what) const {
+    T extreme_number(std::string_view text, std::string_view what) const {
         if constexpr (std::is_floating_point_v<T>) {
             const auto parsed = toml::parse_number(text);
             if (const Real* const exact = std::get_if<Real>(&parsed))
@@ -113,27 +117,30 @@ private:
         }
         fail(std::string(what) + " is " + toml::quoted_excerpt(text) + ", which overflows");
     }
-    void refuse_byte(char byte, const char* why) {
+    void refuse_byte(char byte, const char* message) {
         const void* const found = std::memchr(line_.data(), byte, line_.size());
         if (found == nullptr) return;
-        word_ = static_cast<std::size_t>(static_cast<const char*>(found) - line_.data());
-        fail(why);
+        word_start_ = static_cast<std::size_t>(static_cast<const char*>(found) - line_.data());
+        fail(message);
     }
-    [[nodiscard]] std::string place_of(std::size_t byte) const {
-        const auto starts = [](char c) { return (c & 0xc0) != 0x80; };  // the other bytes of a character in UTF-8
-        const std::size_t line = std::max<std::size_t>(number_, 1);     // an empty file has no line
-        return place_at(line, static_cast<std::size_t>(std::ranges::count_if(line_.substr(0, byte), starts)) + 1);
+    [[nodiscard]] std::string position_of_byte(std::size_t byte) const {
+        // False for the other bytes of a character in UTF-8.
+        const auto starts_character = [](char c) { return (c & 0xc0) != 0x80; };
+        const std::size_t line = std::max<std::size_t>(line_number_, 1);  // an empty file has no line
+        return position_at(
+            line, static_cast<std::size_t>(std::ranges::count_if(line_.substr(0, byte), starts_character)) + 1);
     }
-    [[nodiscard]] std::string place_at(std::size_t line, std::size_t column) const {
+    [[nodiscard]] std::string position_at(std::size_t line, std::size_t column) const {
         return bytes_.name() + ":" + std::to_string(line) + ":" + std::to_string(column);
     }
 
     MeshBytes& bytes_;
     Statement statement_;
-    bool goes_on_ = false;                             ///< the statement continues on the next line
-    std::size_t number_ = 0, start_ = 0, indent_ = 0;  ///< the line; that where the statement begins, and its blanks
+    bool continues_ = false;  ///< the statement continues on the next line
+    std::size_t line_number_ = 0, statement_line_ = 0,
+                indent_ = 0;  ///< current line, statement's first line, its indent
     std::string_view line_;
-    std::size_t at_ = 0, word_ = 0;  ///< in the line: the end of the last word, and its start
+    std::size_t word_end_ = 0, word_start_ = 0;  ///< end and start of the last word in the line
 };
 
 }  // namespace lostbits::scene::triangle

@@ -16,14 +16,15 @@ struct TubeDistribution : rays::AimedDistribution<TubeDistribution> {
         const Vec<double> half = size * rays::draw_direction(random);
         return Tube<double>{middle - half, middle + half, size * random.between(0.0625, 1)};
     }
-    /// Draws a point of the wall, a point of one of its ends, a line of the wall, or the axis.
+    /// Draws a target: a point of the wall, a point of the rim at one of its ends, a line of the wall, or the axis.
     static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int aim) {
         if (aim == wall) return rays::AimedDistribution<TubeDistribution>::aimed_at(random, primitive, aim);
         const Tube<double> t = primitive.tube();
-        const Vec<double> along = random.sign() * (t.top - t.bottom), end = random.below(2) == 0 ? t.bottom : t.top;
-        if (aim == axis) return {end, along};
-        const Vec<double> at = end + t.radius * rays::draw_across(random, along);
-        return aim == rim ? rays::AimedPlace(at) : rays::AimedPlace(at, along);
+        const Vec<double> axis_direction = random.sign() * (t.top - t.bottom),
+                          end = random.below(2) == 0 ? t.bottom : t.top;
+        if (aim == axis) return {end, axis_direction};
+        const Vec<double> rim_point = end + t.radius * rays::draw_across(random, axis_direction);
+        return aim == rim ? rays::AimedPlace(rim_point) : rays::AimedPlace(rim_point, axis_direction);
     }
 };
 

@@ -1,5 +1,5 @@
-// The quadratic divided by a = 1 − dz², for a direction of length one. It finds no root if a is below an absolute
-// 1e-10, for a line nearly parallel to the axis.
+// The quadratic divided by a = 1 − dz², for a direction of length one. If the line is nearly parallel to the axis, so
+// that a is below 1e-10, the form finds no root.
 #pragma once
 
 #include "shapes/cylinder/forms/axis_frame.hpp"
@@ -19,7 +19,7 @@ struct CeleritasTube {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Tube<T>& tube) {
         const cylinder::AxisFrame<T> frame(tube.top - tube.bottom);
-        const Vec<T> o = frame.into(ray.origin - tube.bottom), d = frame.into(ray.direction);
+        const Vec<T> o = frame.to_frame(ray.origin - tube.bottom), d = frame.to_frame(ray.direction);
         const T a = named("a", T(1) - square(d.z)), least = T(1) / (T(100000) * T(100000));
         const T half_b = named("half_b", (o.x * d.x + o.y * d.y) / a);
         const T c = named("c", (square(o.x) + square(o.y) - square(tube.radius)) / a);

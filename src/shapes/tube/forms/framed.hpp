@@ -1,5 +1,5 @@
-// An instance along z. The ray is transformed into a frame made from the axis. There the tube is x² + y² = r², with z
-// between the ends.
+// The tube as an instance along z: the ray is transformed into a frame made from the axis. There the tube is x² + y² =
+// r², with z between the ends.
 #pragma once
 
 #include "shapes/cylinder/forms/axis_frame.hpp"
@@ -18,7 +18,7 @@ struct InFrameOfTube {
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Tube<T>& tube) {
         const cylinder::AxisFrame<T> frame(tube.top - tube.bottom);
-        const Vec<T> o = frame.into(ray.origin - tube.bottom), d = frame.into(ray.direction);
+        const Vec<T> o = frame.to_frame(ray.origin - tube.bottom), d = frame.to_frame(ray.direction);
         const T a = named("a", square(d.x) + square(d.y)), h = named("h", o.x * d.x + o.y * d.y);
         const T c = named("c", square(o.x) + square(o.y) - square(tube.radius));
         const T disc = named("disc", square(h) - a * c);

@@ -21,7 +21,7 @@ struct MitsubaTube {
         using W = typename Wider<T>::type;
         const auto wide = [](const T& x) { return Wider<T>::widen(x); };
         const cylinder::AxisFrame<T> frame(tube.top - tube.bottom);
-        const Vec<T> o = frame.into(ray.origin - tube.bottom), d = frame.into(ray.direction);
+        const Vec<T> o = frame.to_frame(ray.origin - tube.bottom), d = frame.to_frame(ray.direction);
         const W ox = wide(o.x), oy = wide(o.y), dx = wide(d.x), dy = wide(d.y);
         const W a = named("A", square(dx) + square(dy)), b = named("B", W(2) * (dx * ox + dy * oy));
         const W c = named("C", square(ox) + square(oy) - square(wide(tube.radius)));

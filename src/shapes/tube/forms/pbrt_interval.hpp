@@ -1,6 +1,6 @@
 // pbrt-v4's cylinder: the ray is transformed into a frame along the axis, and the rest is in interval arithmetic, with
-// the discriminant factored. It misses only if the lower bound of the discriminant is negative. A root counts as in
-// front if its lower bound is positive.
+// the discriminant factored. The line misses the wall only if the lower bound of the discriminant is negative. A root
+// is in front if its lower bound is positive.
 #pragma once
 
 #include "intersect/outward.hpp"
@@ -22,7 +22,7 @@ struct PbrtTube {
     static Hit<T> intersect(const Ray<T>& ray, const Tube<T>& tube) {
         using I = Outward<T>;
         const cylinder::AxisFrame<T> frame(tube.top - tube.bottom);
-        const Vec<T> o = frame.into(ray.origin - tube.bottom), d = frame.into(ray.direction);
+        const Vec<T> o = frame.to_frame(ray.origin - tube.bottom), d = frame.to_frame(ray.direction);
         const I ox(o.x), oy(o.y), dx(d.x), dy(d.y), r(tube.radius), two(2), four(4);
         const I a = square(dx) + square(dy), b = two * (dx * ox + dy * oy), c = square(ox) + square(oy) - square(r);
         const I f = b / (two * a), l = sqrt(square(ox - f * dx) + square(oy - f * dy));
@@ -30,17 +30,17 @@ struct PbrtTube {
         const auto ahead = named("b", b.middle()) < T(0);
         const I minus = minus_half * (b - root), plus = minus_half * (b + root);
         const I q(select(ahead, minus.lo, plus.lo), select(ahead, minus.hi, plus.hi));
-        const I one = q / a, other = c / q;
-        const auto swapped = one.lo > other.lo;
-        const I near(select(swapped, other.lo, one.lo), select(swapped, other.hi, one.hi));
-        const I far(select(swapped, one.lo, other.lo), select(swapped, one.hi, other.hi));
-        const auto met = [&](const I& t) {
+        const I over_a = q / a, under_c = c / q;
+        const auto swapped = over_a.lo > under_c.lo;
+        const I near(select(swapped, under_c.lo, over_a.lo), select(swapped, under_c.hi, over_a.hi));
+        const I far(select(swapped, over_a.lo, under_c.lo), select(swapped, over_a.hi, under_c.hi));
+        const auto is_on_wall = [&](const I& t) {
             const T z = o.z + t.middle() * d.z;
             return t.lo > T(0) && z >= T(0) && z <= frame.height;
         };
-        const auto by_near = met(near);
-        const T t = named("t", select(by_near, near.middle(), far.middle()));
-        return {!(disc.lo < T(0)) && (by_near || met(far)), t, t, t};
+        const auto near_counts = is_on_wall(near);
+        const T t = named("t", select(near_counts, near.middle(), far.middle()));
+        return {!(disc.lo < T(0)) && (near_counts || is_on_wall(far)), t, t, t};
     }
 };
 

@@ -1,4 +1,4 @@
-// The shortest distance between line and axis decides, with stable roots: the wall of `cylinder.triple_product` alone.
+// Decides by the shortest distance between line and axis, with stable roots: `cylinder.triple_product` without caps.
 #pragma once
 
 #include "shapes/tube/forms/parts.hpp"

@@ -1,4 +1,4 @@
-// Normalises the axis first, then takes dot products: C = O·O − Oz² − r² subtracts squares of the distance twice.
+// Normalises the axis first, then takes dot products. C = O·O − Oz² − r² subtracts squares of the distance to the tube.
 #pragma once
 
 #include "shapes/tube/forms/parts.hpp"
