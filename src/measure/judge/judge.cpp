@@ -334,7 +334,7 @@ std::string name_of_answers(const std::string& name) {
     std::string result = "file.";
     for (const char c : name)
         result += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ? c : '_';
-    return word;
+    return result;
 }
 
 FileForm::FileForm(const std::string& name, Shape shape, const intersect::Info& info)

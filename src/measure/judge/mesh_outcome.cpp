@@ -188,13 +188,13 @@ MeshOutcome judge_count(const Ray<double>& ray, std::int32_t count, bool parity,
                         const MeshColumns& mesh, const MeshContract& contract) {
     if (!crossings.is_resolved) return MeshOutcome::unresolved;
     const SurfaceCrossings surfaces(crossings, contract.facing);
-    const auto answer = static_cast<std::size_t>(count), most = surfaces.all().size(), least = surfaces.certain();
-    if (answer % 2 == most % 2 && (parity || (answer >= least && answer <= most))) return MeshOutcome::agree;
-    if (most == 0) return MeshOutcome::false_hit;
+    const auto answer = static_cast<std::size_t>(count), total = surfaces.all().size(), least = surfaces.certain();
+    if (answer % 2 == total % 2 && (parity || (answer >= least && answer <= total))) return MeshOutcome::agree;
+    if (total == 0) return MeshOutcome::false_hit;
     const bool is_border =
         std::ranges::all_of(surfaces.all(), [&](const Surface& s) { return is_at_border(ray, s, mesh); });
-    if (answer % 2 != most % 2 && !is_border) return MeshOutcome::crack;
-    return answer < most ? MeshOutcome::missing_hit : MeshOutcome::false_hit;
+    if (answer % 2 != total % 2 && !is_border) return MeshOutcome::crack;
+    return answer < total ? MeshOutcome::missing_hit : MeshOutcome::false_hit;
 }
 
 }  // namespace lostbits::measure::judge

@@ -37,7 +37,7 @@ double error_at_zero(const Sample& s) {
 double root(const Sample& s) {
     if (s.march) return missing;
     if (s.outcome != answer::Outcome::agree_hit || !s.primitive) return 0;
-    const bool is_close = std::fabs(ulp_error(s)) <= 8;  // the format cannot tell crossings this near apart
+    const bool is_close = std::fabs(ulp_error(s)) <= 8;  // the format cannot distinguish crossings that are this near
     return !is_close && stability::is_wrong_root(*s.ray, *s.primitive, *s.truth, s.t) ? 2 : 1;
 }
 
@@ -115,7 +115,7 @@ double relative_error(const Sample& s) {
 }
 
 double distance_error(const Sample& s) {
-    const Vec<double>& d = s.ray->direction;  // if the form asks for length one, |d| is one up to rounding
+    const Vec<double>& d = s.ray->direction;  // if the form requires length one, |d| is one up to rounding
     return absolute_error(s) * std::hypot(d.x, d.y, d.z);
 }
 

@@ -115,7 +115,7 @@ double weight_error(double x, const Sample& s, std::size_t vertex) {
 
 /// Largest |x − x*| over the weights x of a, b and c that the form computes, in u = 2^-p. The weight of a point in the
 /// triangle is at most 1, whatever the size of the triangle, so no other scale is needed. x* belongs to the ray and the
-/// triangle as the form received them. Infinite where a weight is not finite; missing for a form that names no weights,
+/// triangle as the form received them. Infinite if a weight is not finite; missing for a form that names no weights,
 /// or whose operations cannot be recorded.
 double barycentric_error(const Sample& s) {
     double largest_error = missing;

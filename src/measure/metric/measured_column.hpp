@@ -19,7 +19,7 @@ struct MeasuredColumn {
     double (*value)(Args...);  ///< NaN if it does not exist, as a share of nothing or a quantile of no numbers
 };
 
-/// Finds a column by its name. InputError for an unknown one, with did-you-mean. `where` starts the message.
+/// Finds a column by its name. Throws InputError for an unknown name, with did-you-mean. `where` starts the message.
 template <class... Args>
 const MeasuredColumn<Args...>& column_named(std::span<const MeasuredColumn<Args...>> columns, const std::string& name,
                                             const std::string& where) {

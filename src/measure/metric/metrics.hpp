@@ -89,7 +89,7 @@ enum class InColumns { no, ulp_error, lost_bits, correct_bits, relative_error, a
 
 struct Metric {
     std::string_view name = {};     ///< name on the command line and in CSV columns
-    std::string_view unit = {};     ///< unit of the value; empty where it has none
+    std::string_view unit = {};     ///< unit of the value; empty if it has none
     std::string_view layer = {};    ///< EXR channel, `layer.channel`
     std::string_view meaning = {};  ///< one line with the formula
     unsigned needs = needs_nothing;
@@ -98,7 +98,7 @@ struct Metric {
     /// 2^p for a magnitude; `low` of a magnitude is 2^-(p + 6).
     double low = 0, high = 0;
     bool by_default = false;                   ///< measured and written unless metrics are named
-    double (*value)(const Sample&) = nullptr;  ///< value on one ray; NaN where it does not exist
+    double (*value)(const Sample&) = nullptr;  ///< value on one ray; NaN if it does not exist
     MetricDomain domain = MetricDomain::agreed_hits;
     /// Categories of a metric whose value names one: the value is an index into this list.
     std::span<const std::string_view> categories = {};
@@ -125,7 +125,7 @@ std::span<const Metric> metrics();
 /// Finds the row of that name; null for an unknown name.
 const Metric* find_metric(std::string_view name);
 
-/// Index of the metric of that name in a list; the list's size where it is not there.
+/// Index of the metric of that name in a list; the list's size if the list does not have it.
 std::size_t index_of(const std::vector<const Metric*>& metrics, std::string_view name);
 
 }  // namespace lostbits::measure::metric

@@ -1,5 +1,5 @@
-// Metrics of how far an answer is from that of a nearby problem, and of errors that are predicted without the exact
-// answer.
+// Metrics of the distance of an answer from that of a nearby problem, and of errors that are predicted without the
+// exact answer.
 #include <cmath>
 
 #include "measure/metric/values.hpp"

@@ -146,22 +146,22 @@ double Quantiles::at(double q, const Sums& sums) const {
     if (sums.count() == 0) return truth::missing;
     const auto rank = static_cast<std::uint64_t>(std::ceil(q * static_cast<double>(sums.count())));
     if (rank >= sums.count()) return sums.largest();
-    std::uint64_t seen = sums.zeros();
-    if (rank <= seen) return 0;
+    std::uint64_t cumulative_count = sums.zeros();
+    if (rank <= cumulative_count) return 0;
     for (std::uint32_t b = 0; b < binades_.size(); ++b) {
         if (!binades_[b]) continue;
         if (b > 0 && carries_.empty()) {
             const std::uint64_t binade_count =
                 std::accumulate(binades_[b]->begin(), binades_[b]->end(), std::uint64_t{0});
-            if (rank > seen + binade_count) {
-                seen += binade_count;
+            if (rank > cumulative_count + binade_count) {
+                cumulative_count += binade_count;
                 continue;
             }
         }
         for (std::uint32_t i = 0; i < buckets_per_binade; ++i) {
             const std::uint32_t index = b * buckets_per_binade + i;
-            seen += bucket_count(index) - (index == 0 ? sums.zeros() : 0);
-            if (rank > seen) continue;
+            cumulative_count += bucket_count(index) - (index == 0 ? sums.zeros() : 0);
+            if (rank > cumulative_count) continue;
             const auto low_bits = std::uint64_t{index} << 42;
             const double low = std::bit_cast<double>(low_bits);
             const double middle = std::bit_cast<double>(low_bits | std::uint64_t{1} << 41);
@@ -210,7 +210,7 @@ Ranks ranks_around(double q, std::uint64_t n) {
 void Distribution::add(std::span<const double> values) {
     if (!open_) {
         if (std::ranges::all_of(values, [](double x) { return std::isnan(x); })) return;
-        open_ = std::make_unique<Open>();
+        open_ = std::make_unique<OpenState>();
     }
     open_->sums.add(values);
     open_->quantiles.add(values);
@@ -221,7 +221,7 @@ void Distribution::add(const Distribution& other) {
     if (other.count_ == 0) return;
     if (!other.open_ || (!open_ && count_ > 0))
         throw std::logic_error("a sealed distribution cannot be added to another one, nor can one be added to it");
-    if (!open_) open_ = std::make_unique<Open>();
+    if (!open_) open_ = std::make_unique<OpenState>();
     open_->sums.add(other.open_->sums);
     open_->quantiles.add(other.open_->quantiles);
     count_ = open_->sums.count();

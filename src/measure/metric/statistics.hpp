@@ -29,7 +29,7 @@ public:
     /// Adds x, which must be finite.
     void add(double x);
     void add(const ExactTotal& other);
-    /// Total divided by n, rounded to a double: off by at most an ulp where it is normal. The total must not be
+    /// Total divided by n, rounded to a double: off by at most an ulp if it is normal. The total must not be
     /// negative.
     [[nodiscard]] double over(std::uint64_t n) const;
 
@@ -43,7 +43,7 @@ private:
     void normalise();
 
     static constexpr int limb_bits = 32;
-    static constexpr std::uint32_t most_pending_terms = std::uint32_t{1} << 29;  // each adds less than 2^32 to a limb
+    static constexpr std::uint32_t most_pending_terms = std::uint32_t{1} << 29;  // each moves a limb by less than 2^32
 
     std::array<std::int64_t, 68> limbs_{};
     std::uint32_t pending_terms_ = 0;  // terms added since all limbs were from 0 to 2^32 − 1
@@ -143,7 +143,7 @@ struct Bounds {
     friend bool operator==(const Bounds&, const Bounds&) = default;
 };
 
-/// Summary of one metric: statistics of |x|, over the samples where it exists.
+/// Summary of one metric: statistics of |x|, over the samples that have a value.
 class Distribution {
 public:
     /// Adds samples; NaN is skipped.
@@ -199,7 +199,7 @@ struct Agreement {
     std::uint64_t agreed;     ///< rays whose error is measured: form and truth agree on the hit
     std::uint64_t true_hits;  ///< rays that truly hit
 
-    /// NaN where no ray truly hits.
+    /// Share of the true hits that agree; NaN if no ray truly hits.
     [[nodiscard]] double share() const { return truth::fraction(agreed, true_hits); }
     /// True if a quantile over the agreed hits may stand for the form.
     [[nodiscard]] bool is_enough() const {

@@ -117,7 +117,7 @@ image::Canvas front_plot(const RepairSummary& result);
 /// A row of minimal.csv: the form without one of the wider operations.
 struct MinimalRow {
     std::string operation;
-    int step;  ///< index among the operations that do not depend on constants alone
+    int step;  ///< index among the operations that do not depend only on constants
     const RowQuality* without;
     bool meets;
 };

@@ -35,11 +35,12 @@ std::string in_words(const RowQuality& quality, const measure::choice::Requireme
 
 /// Predicate of a sentence: `keep 22.1 bits and decide no ray wrongly`.
 std::string as_clause(const RowQuality& quality, const measure::choice::Requirement& requirement) {
-    const std::string kept = std::isnan(quality.kept_bits)
-                                 ? "agree with the truth on no hit"
-                                 : fmt::format("keep {} bits", choice::bits_text_near(quality.kept_bits, requirement));
-    if (quality.wrong == 0) return kept + " and decide no ray wrongly";
-    return fmt::format("{} and decide {} of {} wrongly", kept, quality.wrong,
+    const std::string predicate =
+        std::isnan(quality.kept_bits)
+            ? "agree with the truth on no hit"
+            : fmt::format("keep {} bits", choice::bits_text_near(quality.kept_bits, requirement));
+    if (quality.wrong == 0) return predicate + " and decide no ray wrongly";
+    return fmt::format("{} and decide {} of {} wrongly", predicate, quality.wrong,
                        scene::toml::counted(quality.rays, "ray"));
 }
 
@@ -81,7 +82,7 @@ std::string change_lines(const RepairSummary& r, std::size_t k) {
     return text;
 }
 
-/// Accuracy on the rays that the search did not use; `here` is that on the rays of the search.
+/// Accuracy on the rays that the search did not use; `on_searched` is that on the rays of the search.
 std::string held_out_text(const RepairSummary& r, const RowQuality& on_searched, const RowQuality& held_out) {
     const auto& repair = r.repair;
     const std::string where =
@@ -228,18 +229,18 @@ std::string rewritten_text(const RepairSummary& r, std::size_t k) {
     return k < r.rewritten_margins.size() ? text + margins_text(r.rewritten_margins[k], r) : text;
 }
 
-/// `1.2 ns a ray in packs of 512 bits (0.8 times the form's time), 4.1 ns alone (0.9 times)`.
-std::string price_text(const Price& price, const Price& own) {
+/// Times of a form: `1.2 ns a ray in packs of 512 bits (0.8 times the form's time), 4.1 ns alone (0.9 times)`.
+std::string price_text(const Price& price, const Price& form_price) {
     return fmt::format(
         "{:.3g} ns a ray in packs of {} bits ({:.2f} times the form's time), {:.3g} ns alone ({:.2f} times)",
-        price.packed.median * 1e9, price.isa, price.packed.median / own.packed.median, price.single.median * 1e9,
-        price.single.median / own.single.median);
+        price.packed.median * 1e9, price.isa, price.packed.median / form_price.packed.median, price.single.median * 1e9,
+        price.single.median / form_price.single.median);
 }
 
 std::string prices_text(const RepairSummary& r) {
     if (!r.no_price.empty()) return fmt::format("No price: {}\n", r.no_price);
     if (r.prices.empty()) return "";
-    const Price& own = r.prices.front();
+    const Price& form_price = r.prices.front();
     std::string text =
         "These forms were compiled, compared bit by bit with their recorded operations on all rays, and timed (*: no "
         "other "
@@ -250,7 +251,7 @@ std::string prices_text(const RepairSummary& r) {
         (row.front ? text : other_lines) +=
             fmt::format("  {}{}: {}; {}.\n", row.front ? "* " : "",
                         row.kind == "wider" ? "in " + name_of_wider(r.repair.wider) : row.name,
-                        in_words(*row.quality, r.request.requirement), price_text(*row.price, own));
+                        in_words(*row.quality, r.request.requirement), price_text(*row.price, form_price));
     }
     return text + other_lines;
 }
