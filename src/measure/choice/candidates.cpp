@@ -98,10 +98,10 @@ Format computes_in(const TestedForm& row) {
     return counts[Operation::convert] > 0 ? *find_format("f64") : row.format;
 }
 
-std::vector<std::size_t> by_price(const std::vector<Candidate>& all) {
-    std::vector<std::size_t> order(all.size());
+std::vector<std::size_t> by_price(const std::vector<Candidate>& candidates) {
+    std::vector<std::size_t> order(candidates.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, {}, [&all](std::size_t c) { return all[c].time.median; });
+    std::ranges::stable_sort(order, {}, [&candidates](std::size_t c) { return candidates[c].time.median; });
     return order;
 }
 
@@ -138,28 +138,28 @@ std::pair<double, double> nearness(const Candidate& c, const Requirement& requir
 
 }  // namespace
 
-std::optional<std::size_t> cheapest(const std::vector<Candidate>& all, const Requirement& requirement) {
+std::optional<std::size_t> cheapest(const std::vector<Candidate>& candidates, const Requirement& requirement) {
     return least_of(
-        all, [&requirement](const Candidate& c) { return c.quality.meets(requirement); }, is_faster);
+        candidates, [&requirement](const Candidate& c) { return c.quality.meets(requirement); }, is_faster);
 }
 
-std::optional<std::size_t> fastest(const std::vector<Candidate>& all) {
+std::optional<std::size_t> fastest(const std::vector<Candidate>& candidates) {
     return least_of(
-        all, [](const Candidate&) { return true; }, is_faster);
+        candidates, [](const Candidate&) { return true; }, is_faster);
 }
 
-std::optional<std::size_t> most_accurate(const std::vector<Candidate>& all) {
+std::optional<std::size_t> most_accurate(const std::vector<Candidate>& candidates) {
     return least_of(
-        all, [](const Candidate&) { return true; }, is_more_accurate);
+        candidates, [](const Candidate&) { return true; }, is_more_accurate);
 }
 
-std::optional<std::size_t> nearest(const std::vector<Candidate>& all, const Requirement& requirement) {
+std::optional<std::size_t> nearest(const std::vector<Candidate>& candidates, const Requirement& requirement) {
     const auto nearest_deciding = least_of(
-        all, [&requirement](const Candidate& c) { return c.quality.decides(requirement); },
+        candidates, [&requirement](const Candidate& c) { return c.quality.decides(requirement); },
         [&requirement](const Candidate& a, const Candidate& b) {
             return nearness(a, requirement) > nearness(b, requirement);
         });
-    return nearest_deciding ? nearest_deciding : most_accurate(all);
+    return nearest_deciding ? nearest_deciding : most_accurate(candidates);
 }
 
 }  // namespace lostbits::measure::choice

@@ -105,16 +105,16 @@ struct TimedRays {
 std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRays& timed);
 
 /// Indices of all candidates, cheapest first.
-std::vector<std::size_t> by_price(const std::vector<Candidate>& all);
+std::vector<std::size_t> by_price(const std::vector<Candidate>& candidates);
 
-/// `cheapest` is the fastest that meets the requirement. `fastest` and `most_accurate` (fewest wrong decisions, then
-/// most bits) consider all. Nothing if the list is empty or nothing meets the requirement.
-std::optional<std::size_t> cheapest(const std::vector<Candidate>& all, const Requirement& requirement);
-std::optional<std::size_t> fastest(const std::vector<Candidate>& all);
-std::optional<std::size_t> most_accurate(const std::vector<Candidate>& all);
+/// `cheapest` is the fastest candidate that meets the requirement. `fastest` and `most_accurate` (fewest wrong
+/// decisions, then most bits) consider all. Nothing if the list is empty or nothing meets the requirement.
+std::optional<std::size_t> cheapest(const std::vector<Candidate>& candidates, const Requirement& requirement);
+std::optional<std::size_t> fastest(const std::vector<Candidate>& candidates);
+std::optional<std::size_t> most_accurate(const std::vector<Candidate>& candidates);
 /// The candidate nearest to a requirement that nothing meets. Among those with few enough wrong decisions, it is the
 /// one with the most bits; with a tolerance, the one with the most of the required bits, and then the smallest distance
 /// error. If none has few enough wrong decisions, it is the one with the fewest.
-std::optional<std::size_t> nearest(const std::vector<Candidate>& all, const Requirement& requirement);
+std::optional<std::size_t> nearest(const std::vector<Candidate>& candidates, const Requirement& requirement);
 
 }  // namespace lostbits::measure::choice

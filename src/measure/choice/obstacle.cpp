@@ -51,7 +51,7 @@ RowQuality exact_quality(const Band& ideal, const Band& stored, const TestedForm
 /// Bits that remain if each input is off by half an ulp of a format, and the distance by which that moves the hit
 /// point.
 struct InherentLimit {
-    double kept, distance_error;
+    double kept_bits, distance_error;
 };
 InherentLimit inherent(const Band& band, const TestedForm& row, const Format& format, const Requirement& requirement) {
     const intersect::Direction direction = row.form->info->direction;
@@ -186,9 +186,9 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& row, int 
         ideal = ideal_of(rays);
     }
     const InherentLimit row_limit = inherent(*band, row, row.format, request.requirement);
-    obstacle.inherent_kept = row_limit.kept;
+    obstacle.inherent_kept = row_limit.kept_bits;
     obstacle.inherent_off = row_limit.distance_error;
-    obstacle.inherent_kept_f64 = inherent(*band, row, *find_format("f64"), request.requirement).kept;
+    obstacle.inherent_kept_f64 = inherent(*band, row, *find_format("f64"), request.requirement).kept_bits;
     const RowQuality reached = quality_on(*band, row, request.requirement);
     obstacle.base = obstacle.rounded_before ? binary32 : row.format.parameters;
     obstacle.wider_than_f64 = obstacle.base == binary64;

@@ -12,10 +12,10 @@ using evaluate::TestedForm;
 
 void MetPixels::band(const evaluate::BandResult& result) {
     const std::size_t first = static_cast<std::size_t>(result.y0) * static_cast<std::size_t>(result.width);
-    const std::vector<double>& lost = result.metrics.front();
+    const std::vector<double>& lost_bits = result.metrics.front();
     // A form that answers no t has no lost bits; NaN counts as no bits kept.
     const auto is_accurate = [&](std::size_t i) {
-        return precision_ - lost[i] >= requirement_.bits &&
+        return precision_ - lost_bits[i] >= requirement_.bits &&
                (!requirement_.has_tolerance() || result.metrics[1][i] <= requirement_.tolerance);
     };
     for (std::size_t i = 0; i < result.outcomes.size(); ++i) {

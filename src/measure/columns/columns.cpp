@@ -52,7 +52,7 @@ void leave_all(std::span<const double> answers, std::initializer_list<double*> c
     }
 }
 
-/// Does the same as `TrueLengths::put`, for lengths that doubles hold: hi is 0 for a miss, and normal for a hit.
+/// Does the same as `TrueLengths::set`, for lengths that doubles hold: hi is 0 for a miss, and normal for a hit.
 void copy_lengths(const truth::RayTruths::Lengths& from, std::size_t begin, std::size_t end, TrueLengths& to) {
     constexpr std::uint64_t exponent = std::uint64_t{0x7ff} << 52;
     for (std::size_t i = begin; i < end; ++i) {
@@ -86,7 +86,7 @@ void TrueLengths::resize(std::size_t rays) {
     for (auto* column : {&hi, &lo, &inverse}) column->resize(rays);
 }
 
-void TrueLengths::put(std::size_t i, const truth::Truth& truth, Direction unit_of) {
+void TrueLengths::set(std::size_t i, const truth::Truth& truth, Direction unit_of) {
     const truth::Certified& x = unit_of == Direction::unit ? truth.distance : truth.t;
     decision[i] = truth.decision;
     object[i] = truth.object;
@@ -115,12 +115,12 @@ const TrueLengths& BandColumns::find(Convention convention, Direction unit_of) {
     intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, truths.size(), 4096), [&](const auto& range) {
         copy_lengths(unit_of == Direction::unit ? truths.distance : truths.t, range.begin(), range.end(), columns);
     });
-    for (const auto& [i, truth] : truths.whole) columns.put(i, truth, unit_of);
+    for (const auto& [i, truth] : truths.whole) columns.set(i, truth, unit_of);
     if (convention == Convention{}) return columns;
     intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, truths.size(), 256), [&](const auto& range) {
         band_->stop().check();
         for (std::size_t i = range.begin(); i < range.end(); ++i)
-            if (band_->may_differ(i, convention)) columns.put(i, band_->truth(i, convention), unit_of);
+            if (band_->may_differ(i, convention)) columns.set(i, band_->truth(i, convention), unit_of);
     });
     return columns;
 }

@@ -21,7 +21,7 @@ struct TrueLengths {
     std::vector<double> hi, lo, inverse;
 
     void resize(std::size_t rays);
-    void put(std::size_t i, const truth::Truth& truth, intersect::Direction unit_of);
+    void set(std::size_t i, const truth::Truth& truth, intersect::Direction unit_of);
 };
 
 /// Truth of a band as columns, for each convention and unit in use.
@@ -74,7 +74,7 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
 /// Adds a column to the sums.
 void add_sizes(std::span<const double> values, RawSizes& sizes);
 
-/// Of the hits so far and those with one more primitive, keeps the ones that come first.
+/// Keeps, of the hits so far and the hits with one more primitive, the first one on each ray.
 void keep_nearest(const RawHits<float>& hits);
 void keep_nearest(const RawHits<double>& hits);
 

@@ -53,7 +53,7 @@ struct RawSizes {
 };
 inline constexpr double largest_summed = 0x1p+900;
 
-/// Hits with one more primitive, of which a kernel keeps those that come first.
+/// Hits with one more primitive. A kernel keeps each hit that comes before the nearest hit so far.
 template <class F>
 struct RawHits {
     std::size_t size;

@@ -262,9 +262,9 @@ public:
 
 private:
     /// The t at which the ray crosses a side of the box of child `c`.
-    [[nodiscard]] double crossing(const Node& node, std::size_t c, std::size_t corner, double from,
+    [[nodiscard]] double crossing(const Node& node, std::size_t c, std::size_t corner, double origin,
                                   std::size_t k) const {
-        return (static_cast<double>(node.box[corner][c]) - from) * inverse_[k];
+        return (static_cast<double>(node.box[corner][c]) - origin) * inverse_[k];
     }
     [[nodiscard]] bool may_meet(const Node& node, std::size_t c) const {
         const double enter = std::max(std::max(earliest_t_, crossing(node, c, entry_corner_[0], entry_origin_[0], 0)),

@@ -182,11 +182,11 @@ TradeResult run_trade(const TradeRequest& request) {
 
 ParetoPoint pareto_point(const Timing& timing, const TestedForm& row, const evaluate::FormSummary& accuracy,
                          const std::vector<const metric::Metric*>& metrics) {
-    const std::size_t lost = metric::index_of(metrics, "lost_bits");
+    const std::size_t lost_bits_index = metric::index_of(metrics, "lost_bits");
     const auto wrong = accuracy.wrong_count();
     const auto known = accuracy.rays - accuracy.count(Outcome::unresolved);
     return {timing.median * 1e9, known == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(known),
-            row.format.parameters.precision - accuracy.metrics[lost].quantile(0.99)};
+            row.format.parameters.precision - accuracy.metrics[lost_bits_index].quantile(0.99)};
 }
 
 std::vector<bool> dominated(const std::vector<ParetoPoint>& points) {

@@ -103,13 +103,13 @@ std::optional<SpanDecision> decide_exactly(const S& span, const RangeOfSpan<E>* 
     return enclosed.hit.is_unknown() ? std::nullopt : std::optional(SpanDecision{enclosed.hit, enclosed.at});
 }
 
-/// Proves that P is positive for all problems from t₀ = n₀/m on, or from t₀ to t₁ = n₁/m, for either sign of a. `at`
+/// Proves that P is positive for all problems from t₀ = n₀/m on, or from t₀ to t₁ = n₁/m, for either sign of a. `start`
 /// has the value and half the slope of P at t₀, times m² and m. P(t) ≥ P(t₀) − s²/a if the slope at t₀ is −2s, s > 0
 /// and a > 0. Between t₀ and t₁, P lies above its tangent at t₀, or, for a < 0 and P(t₁) > 0, above its chord.
-bool stays_positive(const QuadraticAt<Near>& at, const Near& a, const Near& step) {
-    const double s = std::max(0.0, -at.half_slope.lowest()), value = at.value.lowest();
+bool stays_positive(const QuadraticAt<Near>& start, const Near& a, const Near& step) {
+    const double s = std::max(0.0, -start.half_slope.lowest()), value = start.value.lowest();
     if (s * s * (1 + 0x1p-40) < a.lowest() * value) return true;
-    return Near(at.value + (at.half_slope + at.half_slope) * step).lowest() > 0;
+    return Near(start.value + (start.half_slope + start.half_slope) * step).lowest() > 0;
 }
 
 /// True if no line of all problems meets the part of a quadric between the planes. If the line runs along the axis, or

@@ -152,8 +152,8 @@ private:
             const double x = critical_points_.points.x[static_cast<std::size_t>(i)];
             if (!(x > proved_to && x < high)) continue;
             // Around a minimum, the piece is as wide as the quadratic term is known not to vanish.
-            const Taylor at(span_.f, x, sign);
-            const double c2 = at.c[2].lowest(), c3 = magnitude(at.c[3]);
+            const Taylor expansion(span_.f, x, sign);
+            const double c2 = expansion.c[2].lowest(), c3 = magnitude(expansion.c[3]);
             if (!(c2 > 0)) continue;
             double half_width = std::min(high - x, x - proved_to);
             if (half_width * c3 * 4 > c2) half_width = c2 / (4 * c3);

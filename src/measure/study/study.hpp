@@ -13,7 +13,7 @@
 //
 // A study may also have
 //
-// - `scenes()`: the scenes of its rows, where rows differ in the rays that a scene makes;
+// - `scenes()`: the scenes of its rows, if rows differ in the rays that a scene makes;
 // - `prepare(band, rows)`, in place of `prepare(band)`: the rows are those whose rays are of this band;
 // - `measure(shared, row, summary, show)`: calls `show` with what sinks show, in memory that it uses again;
 // - `stages`: receives the number of truths that each stage settled; may be null.

@@ -71,8 +71,8 @@ void seal_all(T& result) {
     } else if constexpr (std::ranges::range<T>) {
         for (auto& item : result) seal_all(item);
     } else if constexpr (HasFields<T>) {
-        auto each = [](auto&... parts) { (seal_all(parts), ...); };
-        fields(each, result);
+        auto seal_fields = [](auto&... parts) { (seal_all(parts), ...); };
+        fields(seal_fields, result);
     }
 }
 

@@ -35,11 +35,12 @@ std::size_t form_look(const intersect::table::Intersector& form) {
         look += row.shape == form.shape;
     }
     constexpr std::size_t free_looks = look_count - first_free;
-    std::set<std::size_t> taken;
+    std::set<std::size_t> taken_looks;
     for (const auto& row : forms.subspan(catalogue_forms.size())) {
         std::size_t free_look = hash_of(row.info->name) % free_looks;
-        while (taken.contains(free_look) && taken.size() < free_looks) free_look = (free_look + 1) % free_looks;
-        taken.insert(free_look);
+        while (taken_looks.contains(free_look) && taken_looks.size() < free_looks)
+            free_look = (free_look + 1) % free_looks;
+        taken_looks.insert(free_look);
         if (row.info == form.info) return first_free + free_look;
     }
     return first_free + hash_of(form.info->name) % free_looks;

@@ -85,8 +85,8 @@ public:
     }
 
 private:
-    /// Gives every look a colour of its own while there are no more looks than colours. Of two looks with the same
-    /// colour the later one gets a free colour and keeps its marker.
+    /// Gives every look a colour of its own while there are no more looks than colours. If two looks have the same
+    /// colour, the later one gets a free colour and keeps its marker.
     void separate_colours(std::span<const Series> series_list) {
         for (const std::size_t look : requested_) drawn_look_.emplace(look, look);
         if (requested_.size() > line_colours) return;
