@@ -20,19 +20,19 @@ using scene::file::Scene;
 
 namespace {
 
-double to_double(const Real& x) { return static_cast<double>(x); }
+double double_of(const Real& x) { return static_cast<double>(x); }
 
 StretchedScene with_offset(const Scene& scene, const Real& k) {
     const Vec<Real> direction = scene::file::offset_direction();
     const Real distance = (k - 1) * length(scene::file::middle_of(scene) - scene.camera.eye);
-    return {scene::file::moved(scene, (distance / length(direction)) * direction), to_double(distance)};
+    return {scene::file::moved(scene, (distance / length(direction)) * direction), double_of(distance)};
 }
 
 std::optional<StretchedScene> with_distance(const Scene& scene, const Real& k) {
     auto farther_scene = scene::file::farther(scene, k);
     if (!farther_scene) return std::nullopt;
     const Real distance = scene::file::view_share(scene) * length(scene.camera.look_at - scene.camera.eye);
-    return StretchedScene{std::move(*farther_scene), to_double(k * distance)};
+    return StretchedScene{std::move(*farther_scene), double_of(k * distance)};
 }
 
 std::optional<StretchedScene> with_radius(const Scene& scene, const Real& k) {
@@ -41,13 +41,13 @@ std::optional<StretchedScene> with_radius(const Scene& scene, const Real& k) {
     Real largest(0);
     for (const Primitive<Real>& primitive : larger_scene->primitives())
         largest = std::max(largest, scene::file::size_of(primitive));
-    return StretchedScene{std::move(*larger_scene), to_double(largest)};
+    return StretchedScene{std::move(*larger_scene), double_of(largest)};
 }
 
 std::optional<StretchedScene> with_view(Scene scene, const Real& k) {
     if (scene.camera.kind != Camera::Kind::pinhole) return std::nullopt;
     scene.camera.fov_deg = scene::file::degrees_of(k * scene::file::half_tangent(scene.camera.fov_deg));
-    const double degrees = to_double(scene.camera.fov_deg);
+    const double degrees = double_of(scene.camera.fov_deg);
     if (degrees > 170) return std::nullopt;
     return StretchedScene{std::move(scene), degrees};
 }

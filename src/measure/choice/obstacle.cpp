@@ -19,7 +19,7 @@ using truth::Truth;
 namespace {
 
 /// Limits: each ray is tested against every primitive, in arithmetic of 256 bits.
-constexpr std::size_t most_pairs = 1 << 17, most_primitives = 1024;
+constexpr std::size_t most_trial_pairs = 1 << 17, most_primitives = 1024;
 
 /// Measures the truth of the stored inputs against the truth of the ideal ones, as an answer without rounding.
 RowQuality exact_quality(const Band& ideal, const Band& stored, const TestedForm& row, const Requirement& requirement) {
@@ -172,7 +172,8 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& row, int 
     if (request.scene) {
         const std::size_t primitives = std::max<std::size_t>(1, request.scene->primitive_count());
         const bool can_try_inputs = primitives <= most_primitives && !request.scene->flake;
-        const auto affordable_pixels = static_cast<int>(std::clamp<std::size_t>(most_pairs / primitives, 64, 65536));
+        const auto affordable_pixels =
+            static_cast<int>(std::clamp<std::size_t>(most_trial_pairs / primitives, 64, 65536));
         small_scene = with_smaller_picture(*request.scene, std::min(pixels, affordable_pixels));
         band.emplace(*small_scene, 0, small_scene->height, request.limit);
         if (can_try_inputs) ideal = ideal_of(*small_scene);
@@ -180,8 +181,9 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& row, int 
     } else {
         const auto& sample = request.rays->sample;
         const std::size_t primitives = sample.paired ? 1 : sample.primitives.size();
-        const auto rays = some_of(sample, std::min<std::size_t>(static_cast<std::size_t>(pixels),
-                                                                std::max<std::size_t>(64, most_pairs / primitives)));
+        const auto rays =
+            some_of(sample, std::min<std::size_t>(static_cast<std::size_t>(pixels),
+                                                  std::max<std::size_t>(64, most_trial_pairs / primitives)));
         band.emplace(rays, request.limit);
         ideal = ideal_of(rays);
     }
