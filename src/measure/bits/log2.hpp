@@ -12,18 +12,18 @@ struct NearOne {
     T k, m;
 };
 
-/// Bits of √½, cut to the first 32: significands from here up to √2 belong to one k.
+/// Bits of √½, cut to the first 32: significands from here up to √2 belong to the same k.
 inline constexpr std::uint64_t bits_of_root_half = 0x3fe6'a09e'0000'0000, bits_of_one = 0x3ff0'0000'0000'0000,
                                bits_of_fraction = 0x000f'ffff'ffff'ffff, bits_of_two_52 = 0x4330'0000'0000'0000;
 
 /// Operations of log2 on the bits of a double. (kernels.hpp of measure/columns has the same for the lanes of a pack.)
 struct ScalarBits {
-    /// For a normal x > 0.
+    /// Splits a normal x > 0.
     static NearOne<double> near_one(double x) {
-        const std::uint64_t moved = std::bit_cast<std::uint64_t>(x) + (bits_of_one - bits_of_root_half);
+        const std::uint64_t shifted = std::bit_cast<std::uint64_t>(x) + (bits_of_one - bits_of_root_half);
         // 2^52 + e as a double has e as its last bits.
-        return {std::bit_cast<double>((moved >> 52) | bits_of_two_52) - (0x1p52 + 1023),
-                std::bit_cast<double>((moved & bits_of_fraction) + bits_of_root_half)};
+        return {std::bit_cast<double>((shifted >> 52) | bits_of_two_52) - (0x1p52 + 1023),
+                std::bit_cast<double>((shifted & bits_of_fraction) + bits_of_root_half)};
     }
     /// x with the last 27 bits of its significand zero: 26 bits are left.
     static double leading_half(double x) {

@@ -28,20 +28,20 @@ double quantile_named(const std::string& text) {
 }
 
 std::vector<const metric::Metric*> Requirement::metrics() const {
-    std::vector<const metric::Metric*> all{metric::find_metric("lost_bits")};
-    if (has_tolerance()) all.push_back(metric::find_metric("distance_error"));
-    return all;
+    std::vector<const metric::Metric*> metrics_to_measure{metric::find_metric("lost_bits")};
+    if (has_tolerance()) metrics_to_measure.push_back(metric::find_metric("distance_error"));
+    return metrics_to_measure;
 }
 
 std::vector<RowQuality> quality_of(const ChoiceRequest& request) {
-    evaluate::MapStudy asked{.scene = request.scene, .rows = request.rows, .metrics = request.requirement.metrics()};
-    asked.limit = request.limit;
-    asked.progress = request.progress;
-    const auto summaries = evaluate::run_map(asked, request.show);
-    std::vector<RowQuality> all;
+    evaluate::MapStudy study{.scene = request.scene, .rows = request.rows, .metrics = request.requirement.metrics()};
+    study.limit = request.limit;
+    study.progress = request.progress;
+    const auto summaries = evaluate::run_map(study, request.show);
+    std::vector<RowQuality> qualities;
     for (std::size_t r = 0; r < summaries.size(); ++r)
-        all.push_back(quality_of(summaries[r], request.rows[r], request.requirement));
-    return all;
+        qualities.push_back(quality_of(summaries[r], request.rows[r], request.requirement));
+    return qualities;
 }
 
 const std::string& ChoiceRequest::id() const { return scene ? scene->id : rays->id; }
@@ -71,22 +71,22 @@ RowQuality quality_on(const truth::Band& band, const truth::FormatInputs& inputs
 
 std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRays& timed) {
     const auto quality = request.scene ? quality_of(request) : request.rays->quality;
-    std::vector<Candidate> all;
-    auto on_rays = request.scene ? speed::SceneWork(*request.scene, request.limit)
-                                 : speed::SceneWork(request.rays->sample, request.limit);
-    timed = {on_rays.rays(), on_rays.primitives()};
+    std::vector<Candidate> candidates;
+    auto scene_work = request.scene ? speed::SceneWork(*request.scene, request.limit)
+                                    : speed::SceneWork(request.rays->sample, request.limit);
+    timed = {scene_work.rays(), scene_work.primitives()};
     std::vector<speed::TimedWork> work;
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const TestedForm& row = request.rows[r];
         const intersect::simd::Isa isa = request.single || !is_packed(*row.form, intersect::simd::current_isa())
                                              ? intersect::simd::Isa::scalar
                                              : intersect::simd::current_isa();
-        all.push_back({row, name_of(isa), {}, quality[r]});
-        work.push_back(on_rays.on(row, packed_kernels(*row.form, isa)));
+        candidates.push_back({row, name_of(isa), {}, quality[r]});
+        work.push_back(scene_work.on(row, packed_kernels(*row.form, isa)));
     }
     const auto timings = time_interleaved(work, request.plan);
-    for (std::size_t c = 0; c < all.size(); ++c) all[c].time = timings[c];
-    return all;
+    for (std::size_t c = 0; c < candidates.size(); ++c) candidates[c].time = timings[c];
+    return candidates;
 }
 
 Format computes_in(const TestedForm& row) {
@@ -98,28 +98,29 @@ Format computes_in(const TestedForm& row) {
     return counts[Operation::convert] > 0 ? *find_format("f64") : row.format;
 }
 
-std::vector<std::size_t> by_price(const std::vector<Candidate>& all) {
-    std::vector<std::size_t> order(all.size());
+std::vector<std::size_t> by_price(const std::vector<Candidate>& candidates) {
+    std::vector<std::size_t> order(candidates.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, {}, [&all](std::size_t c) { return all[c].time.median; });
+    std::ranges::stable_sort(order, {}, [&candidates](std::size_t c) { return candidates[c].time.median; });
     return order;
 }
 
 namespace {
 
-/// Index of the least by `less`, among those that `fit`.
-template <class Fit, class Less>
-std::optional<std::size_t> least_of(const std::vector<Candidate>& all, const Fit& fit, const Less& less) {
+/// Index of the least eligible candidate by `is_less`.
+template <class IsEligible, class IsLess>
+std::optional<std::size_t> least_of(const std::vector<Candidate>& candidates, const IsEligible& is_eligible,
+                                    const IsLess& is_less) {
     std::optional<std::size_t> best;
-    for (std::size_t c = 0; c < all.size(); ++c) {
-        if (fit(all[c]) && (!best || less(all[c], all[*best]))) best = c;
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+        if (is_eligible(candidates[c]) && (!best || is_less(candidates[c], candidates[*best]))) best = c;
     }
     return best;
 }
 
-bool takes_less(const Candidate& a, const Candidate& b) { return a.time.median < b.time.median; }
+bool is_faster(const Candidate& a, const Candidate& b) { return a.time.median < b.time.median; }
 
-/// Correct bits of a candidate; NaN counts as none.
+/// Correct bits of a candidate; -1 if they are NaN.
 double bits_of(const Candidate& c) { return std::isnan(c.quality.kept_bits) ? -1 : c.quality.kept_bits; }
 
 bool is_more_accurate(const Candidate& a, const Candidate& b) {
@@ -127,8 +128,8 @@ bool is_more_accurate(const Candidate& a, const Candidate& b) {
     return wrong_a != wrong_b ? wrong_a < wrong_b : bits_of(a) > bits_of(b);
 }
 
-/// Key of nearness to a requirement: the bits. With a tolerance, the bits up to the required ones, and then the
-/// distance error.
+/// Nearness to a requirement, as a key to compare: the bits. With a tolerance, the bits up to the required number, and
+/// then the distance error.
 std::pair<double, double> nearness(const Candidate& c, const Requirement& requirement) {
     if (!requirement.has_tolerance()) return {bits_of(c), 0};
     return {std::min(bits_of(c), requirement.bits),
@@ -137,28 +138,28 @@ std::pair<double, double> nearness(const Candidate& c, const Requirement& requir
 
 }  // namespace
 
-std::optional<std::size_t> cheapest(const std::vector<Candidate>& all, const Requirement& requirement) {
+std::optional<std::size_t> cheapest(const std::vector<Candidate>& candidates, const Requirement& requirement) {
     return least_of(
-        all, [&requirement](const Candidate& c) { return c.quality.meets(requirement); }, takes_less);
+        candidates, [&requirement](const Candidate& c) { return c.quality.meets(requirement); }, is_faster);
 }
 
-std::optional<std::size_t> fastest(const std::vector<Candidate>& all) {
+std::optional<std::size_t> fastest(const std::vector<Candidate>& candidates) {
     return least_of(
-        all, [](const Candidate&) { return true; }, takes_less);
+        candidates, [](const Candidate&) { return true; }, is_faster);
 }
 
-std::optional<std::size_t> most_accurate(const std::vector<Candidate>& all) {
+std::optional<std::size_t> most_accurate(const std::vector<Candidate>& candidates) {
     return least_of(
-        all, [](const Candidate&) { return true; }, is_more_accurate);
+        candidates, [](const Candidate&) { return true; }, is_more_accurate);
 }
 
-std::optional<std::size_t> nearest(const std::vector<Candidate>& all, const Requirement& requirement) {
-    const auto deciding = least_of(
-        all, [&requirement](const Candidate& c) { return c.quality.decides(requirement); },
+std::optional<std::size_t> nearest(const std::vector<Candidate>& candidates, const Requirement& requirement) {
+    const auto nearest_deciding = least_of(
+        candidates, [&requirement](const Candidate& c) { return c.quality.decides(requirement); },
         [&requirement](const Candidate& a, const Candidate& b) {
             return nearness(a, requirement) > nearness(b, requirement);
         });
-    return deciding ? deciding : most_accurate(all);
+    return nearest_deciding ? nearest_deciding : most_accurate(candidates);
 }
 
 }  // namespace lostbits::measure::choice

@@ -20,7 +20,7 @@ using speed::with_smaller_picture;
 struct Requirement {
     double bits = 0;   ///< least number of correct bits of t
     double wrong = 0;  ///< share of the rays whose decision may be wrong: false or missed hits, NaN, another primitive
-    double quantile = 0.99;  ///< share of the agreed hits that must keep those bits; 1: all of them
+    double quantile = 0.99;  ///< share of the agreed hits that must keep those bits; 1: all hits
     double tolerance = std::numeric_limits<double>::infinity();  ///< largest `distance_error` of the same share
 
     [[nodiscard]] bool has_tolerance() const { return tolerance < std::numeric_limits<double>::infinity(); }
@@ -28,16 +28,16 @@ struct Requirement {
     [[nodiscard]] std::vector<const metric::Metric*> metrics() const;
 };
 
-/// The quantile of `p99`, `p99.9` or `max`. Throws InputError for any other text.
+/// Converts `p99`, `p99.9` or `max` to a quantile. Throws InputError for any other text.
 double quantile_named(const std::string& text);
 
 /// Measurements of a row, as far as a requirement needs them.
 struct RowQuality {
     std::uint64_t rays = 0;                       ///< rays whose truth is known
-    std::uint64_t wrong = 0;                      ///< those of them that are decided wrongly
+    std::uint64_t wrong = 0;                      ///< number of these rays that are decided wrongly
     std::optional<answer::Outcome> main_fault{};  ///< most frequent wrong outcome
     std::uint64_t main_fault_count = 0;           ///< number of rays with that outcome
-    double kept_bits = 0;    ///< p − lost bits, at the requirement's quantile of agreed hits; NaN without any
+    double kept_bits = 0;    ///< p − lost bits, at the requirement's quantile of agreed hits; NaN without hits
     std::uint64_t hits = 0;  ///< rays that truly hit
     double distance_error = truth::missing;  ///< `distance_error` at the same quantile; NaN without a tolerance
 
@@ -63,12 +63,12 @@ struct FileRays;
 
 struct ChoiceRequest {
     const scene::file::Scene* scene = nullptr;       ///< scene to choose for; null for rays of files
-    const FileRays* rays = nullptr;                  ///< judged for these rows and this requirement
+    const FileRays* rays = nullptr;                  ///< rays of files, judged for `rows` and `requirement`
     std::vector<evaluate::TestedForm> rows = {};     ///< in f32 and f64 only
     std::vector<evaluate::TestedForm> untimed = {};  ///< rows in emulated formats; used only for the requirement of
                                                      ///< each pixel
     Requirement requirement{};
-    bool single = false;  ///< one ray at a time instead of a register full
+    bool single = false;  ///< measure one ray at a time instead of a register of rays
     speed::TimingPlan plan{};
     truth::TruthLimit limit{};
     evaluate::ShowRows show = {};  ///< receives the rows of `measure_candidates`; may be empty
@@ -80,20 +80,20 @@ struct ChoiceRequest {
     [[nodiscard]] const std::string& id() const;
 };
 
-/// Measurements of a summary whose metrics are the requirement's.
+/// Converts a summary whose metrics are those of the requirement.
 RowQuality quality_of(const evaluate::FormSummary& summary, const evaluate::TestedForm& row,
                       const Requirement& requirement);
-/// Measurements of a row on a band.
+/// Measures a row on a band.
 RowQuality quality_on(const truth::Band& band, const evaluate::TestedForm& row, const Requirement& requirement);
-/// Measurements of a row that receives these inputs instead of the band's.
+/// Measures a row that receives these inputs instead of those of the band.
 RowQuality quality_on(const truth::Band& band, const truth::FormatInputs& inputs, const evaluate::TestedForm& row,
                       const Requirement& requirement);
 
-/// Measurements of every row on the scene, at the scene's size; `progress` as above.
+/// Measures every row on the scene, at the scene's size, and calls the request's `progress`.
 std::vector<RowQuality> quality_of(const ChoiceRequest& request);
 
-/// The format that a row computes in. It is that of its inputs and answers, unless the formula converts to the wider
-/// one and back on a plain ray.
+/// Format in which a row computes. It is the format of the row's inputs and answers, unless the formula converts to the
+/// wider one and back on a plain ray.
 Format computes_in(const evaluate::TestedForm& row);
 
 /// Numbers of rays and primitives that were timed, see `speed::SceneWork`.
@@ -105,16 +105,16 @@ struct TimedRays {
 std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRays& timed);
 
 /// Indices of all candidates, cheapest first.
-std::vector<std::size_t> by_price(const std::vector<Candidate>& all);
+std::vector<std::size_t> by_price(const std::vector<Candidate>& candidates);
 
-/// `cheapest` is the fastest that meets the requirement. `fastest` and `most_accurate` (fewest wrong decisions, then
-/// most bits) consider all. Nothing if the list is empty or nothing meets the requirement.
-std::optional<std::size_t> cheapest(const std::vector<Candidate>& all, const Requirement& requirement);
-std::optional<std::size_t> fastest(const std::vector<Candidate>& all);
-std::optional<std::size_t> most_accurate(const std::vector<Candidate>& all);
+/// `cheapest` is the fastest candidate that meets the requirement. `fastest` and `most_accurate` (fewest wrong
+/// decisions, then most bits) consider all. Nothing if the list is empty or nothing meets the requirement.
+std::optional<std::size_t> cheapest(const std::vector<Candidate>& candidates, const Requirement& requirement);
+std::optional<std::size_t> fastest(const std::vector<Candidate>& candidates);
+std::optional<std::size_t> most_accurate(const std::vector<Candidate>& candidates);
 /// The candidate nearest to a requirement that nothing meets. Among those with few enough wrong decisions, it is the
 /// one with the most bits; with a tolerance, the one with the most of the required bits, and then the smallest distance
 /// error. If none has few enough wrong decisions, it is the one with the fewest.
-std::optional<std::size_t> nearest(const std::vector<Candidate>& all, const Requirement& requirement);
+std::optional<std::size_t> nearest(const std::vector<Candidate>& candidates, const Requirement& requirement);
 
 }  // namespace lostbits::measure::choice

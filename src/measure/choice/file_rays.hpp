@@ -22,22 +22,22 @@ struct FileAnswers {
 };
 
 struct FileRays {
-    std::string id;    ///< names the results
+    std::string id;    ///< name of the results
     std::string name;  ///< names of the files, as typed
     Format format;     ///< format in which their numbers are stored
     std::uint64_t rays = 0;
     std::uint64_t rounded = 0;             ///< numbers that the format cannot represent, and that were rounded
-    std::vector<RowQuality> quality = {};  ///< one for each of the request's rows, over every ray
+    std::vector<RowQuality> quality = {};  ///< one for each of the request's rows, measured on every ray
     std::optional<FileAnswers> answers = {};
     scene::rays::RayGroup sample = {};  ///< every n-th ray, n a power of two: all, or 2049 to 4096 of them
 };
 
-/// Properties of the files that the command line gives, besides their columns.
+/// Properties of the files that their columns do not contain; the command line gives them.
 struct FileTerms {
-    std::string id;  ///< what results are called
+    std::string id;  ///< name of the results
     /// Primitives of all rays. If there are none and no mesh, each ray has its own.
     std::vector<Primitive<double>> primitives = {};
-    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< mesh whose triangles come after these; null: none
+    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< mesh whose triangles follow `primitives`; or null
     intersect::Info contract{};                                 ///< contract of the answers
     /// Receives the number of bytes read since the last call; may throw to stop.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};

@@ -17,13 +17,13 @@ Real round_once(const Real& x, const FloatFormat& format) {
     mpfr_t narrow;
     mpfr_init2(narrow, format.precision);
     mpfr_set(narrow, x.backend().data(), MPFR_RNDN);
-    Real to;
-    mpfr_set(to.backend().data(), narrow, MPFR_RNDN);
+    Real result;
+    mpfr_set(result.backend().data(), narrow, MPFR_RNDN);
     mpfr_clear(narrow);
-    return to;
+    return result;
 }
 
-double as_double(const Real& x) { return static_cast<double>(x); }
+double to_double(const Real& x) { return static_cast<double>(x); }
 
 /// Centres of the primitives that the rays are aimed at.
 std::vector<Vec<Real>> targets_of(const IdealRays& ideal) {
@@ -35,9 +35,9 @@ std::vector<Vec<Real>> targets_of(const IdealRays& ideal) {
     return {(Real(1) / Real(targets.size())) * sum};
 }
 
-double median(std::vector<double> all) {
-    const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-    std::ranges::nth_element(all, middle);
+double median(std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::ranges::nth_element(values, middle);
     return *middle;
 }
 
@@ -58,8 +58,8 @@ std::optional<StretchedRays> rays_farther(IdealRays ideal, const Real& k) {
         const Real back = (k - 1) * share;
         set_origin(ideal.rays, i, ray.origin - back * ray.direction);
         for (auto* const ends : {&ideal.rays.tmin, &ideal.rays.tmax})
-            if (!ends->empty()) (*ends)[i] += as_double(back);
-        distances.push_back(as_double(k * share * length(ray.direction)));
+            if (!ends->empty()) (*ends)[i] += to_double(back);
+        distances.push_back(to_double(k * share * length(ray.direction)));
     }
     if (distances.empty()) return std::nullopt;
     return StretchedRays{std::move(ideal), median(std::move(distances))};
@@ -70,29 +70,30 @@ std::optional<StretchedRays> primitives_larger(IdealRays ideal, const Real& k) {
         ideal.primitives.assign(ideal.rays.size(), Primitive<Real>(ideal.primitives.front()));
         ideal.paired = true;
     }
-    Vec<Real> still(Real(0), Real(0), Real(0));
-    for (std::size_t i = 0; i < ideal.rays.size(); ++i) still = still + ideal.rays[i].origin;
-    still = (Real(1) / Real(ideal.rays.size())) * still;
+    Vec<Real> fixed_point(Real(0), Real(0), Real(0));
+    for (std::size_t i = 0; i < ideal.rays.size(); ++i) fixed_point = fixed_point + ideal.rays[i].origin;
+    fixed_point = (Real(1) / Real(ideal.rays.size())) * fixed_point;
     Real largest(0);
     for (std::size_t s = 0; s < ideal.primitives.size(); ++s) {
-        const auto large = scene::file::grown(ideal.primitives[s], ideal.paired ? ideal.rays[s].origin : still, k);
-        if (!large) return std::nullopt;
-        ideal.primitives[s] = *large;
-        largest = std::max(largest, scene::file::size_of(*large));
+        const auto larger =
+            scene::file::grown(ideal.primitives[s], ideal.paired ? ideal.rays[s].origin : fixed_point, k);
+        if (!larger) return std::nullopt;
+        ideal.primitives[s] = *larger;
+        largest = std::max(largest, scene::file::size_of(*larger));
     }
-    return StretchedRays{std::move(ideal), as_double(largest)};
+    return StretchedRays{std::move(ideal), to_double(largest)};
 }
 
-std::optional<StretchedRays> rays_elsewhere(IdealRays ideal, const Real& k) {
+std::optional<StretchedRays> rays_moved(IdealRays ideal, const Real& k) {
     const auto targets = targets_of(ideal);
     std::vector<double> distances;
     for (std::size_t i = 0; i < ideal.rays.size(); ++i)
-        distances.push_back(as_double(length(targets[ideal.paired ? i : 0] - ideal.rays[i].origin)));
-    const Real away = (k - 1) * Real(median(std::move(distances)));
-    const Vec<Real> by = (away / length(scene::file::offset_direction())) * scene::file::offset_direction();
-    for (std::size_t i = 0; i < ideal.rays.size(); ++i) set_origin(ideal.rays, i, ideal.rays[i].origin + by);
-    for (Primitive<Real>& primitive : ideal.primitives) primitive = scene::file::moved(primitive, by);
-    return StretchedRays{std::move(ideal), as_double(away)};
+        distances.push_back(to_double(length(targets[ideal.paired ? i : 0] - ideal.rays[i].origin)));
+    const Real distance = (k - 1) * Real(median(std::move(distances)));
+    const Vec<Real> offset = (distance / length(scene::file::offset_direction())) * scene::file::offset_direction();
+    for (std::size_t i = 0; i < ideal.rays.size(); ++i) set_origin(ideal.rays, i, ideal.rays[i].origin + offset);
+    for (Primitive<Real>& primitive : ideal.primitives) primitive = scene::file::moved(primitive, offset);
+    return StretchedRays{std::move(ideal), to_double(distance)};
 }
 
 }  // namespace
@@ -102,10 +103,10 @@ IdealRays ideal_of(const scene::rays::RayGroup& group) {
     ideal.rays.width = group.rays.width;
     ideal.rays.y0 = group.rays.y0;
     ideal.rays.y1 = group.rays.y1;
-    const auto real = [](const Vec<double>& v) { return Vec<Real>(Real(v.x), Real(v.y), Real(v.z)); };
+    const auto to_real = [](const Vec<double>& v) { return Vec<Real>(Real(v.x), Real(v.y), Real(v.z)); };
     for (std::size_t i = 0; i < group.rays.size(); ++i) {
         const Ray<double> ray = group.rays[i];
-        ideal.rays.push({real(ray.origin), real(ray.direction)});
+        ideal.rays.push({to_real(ray.origin), to_real(ray.direction)});
         ideal.rays.push_range(group.rays, i);
     }
     for (const Primitive<double>& primitive : group.primitives)
@@ -127,22 +128,22 @@ scene::rays::RayGroup stored(const IdealRays& ideal, const FloatFormat& format) 
 }
 
 IdealRays rounded(const IdealRays& ideal, const InputFormats& formats) {
-    const auto through = [&formats](Input input, Real& x) {
+    const auto round_input = [&formats](Input input, Real& x) {
         const auto& format = formats[static_cast<std::size_t>(input)];
         if (format) x = round_once(x, *format);
     };
-    IdealRays to = ideal;
-    for (auto* column : {&to.rays.ox, &to.rays.oy, &to.rays.oz})
-        for (Real& x : *column) through(Input::origin, x);
-    for (auto* column : {&to.rays.dx, &to.rays.dy, &to.rays.dz})
-        for (Real& x : *column) through(Input::direction, x);
-    for (Primitive<Real>& primitive : to.primitives) {
+    IdealRays result = ideal;
+    for (auto* column : {&result.rays.ox, &result.rays.oy, &result.rays.oz})
+        for (Real& x : *column) round_input(Input::origin, x);
+    for (auto* column : {&result.rays.dx, &result.rays.dy, &result.rays.dz})
+        for (Real& x : *column) round_input(Input::direction, x);
+    for (Primitive<Real>& primitive : result.primitives) {
         for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
             const Input input = key.kind == Key::Kind::length ? Input::radius : Input::place;
-            for (const std::size_t end = k + key.count(); k < end; ++k) through(input, primitive.numbers[k]);
+            for (const std::size_t end = k + key.count(); k < end; ++k) round_input(input, primitive.numbers[k]);
         });
     }
-    return to;
+    return result;
 }
 
 std::optional<StretchedRays> stretched(const IdealRays& rays, Growth growth, double factor) {
@@ -150,7 +151,7 @@ std::optional<StretchedRays> stretched(const IdealRays& rays, Growth growth, dou
     switch (growth) {
         case Growth::distance: return rays_farther(rays, k);
         case Growth::radius: return primitives_larger(rays, k);
-        case Growth::offset: return rays_elsewhere(rays, k);
+        case Growth::offset: return rays_moved(rays, k);
         case Growth::view: return std::nullopt;
     }
     return std::nullopt;

@@ -1,4 +1,4 @@
-// Rays and primitives as exact numbers, without a camera. They can be stored in formats, and stretched.
+// Rays and primitives in exact numbers, without a camera. They can be stored in formats and stretched.
 #pragma once
 
 #include <array>
@@ -12,9 +12,10 @@
 
 namespace lostbits::measure::choice {
 
-/// Quantity that grows by a factor while the rest stays.
+/// Quantity that grows by a factor while the other quantities stay.
 enum class Growth {
-    distance,  ///< from the eye to the primitives, straight back along the view; a narrower view keeps the picture
+    distance,  ///< from the eye to the primitives, straight back along the view; a narrower view keeps their size in
+               ///< the picture
     radius,    ///< of each primitive, about its point nearest to the eye, which stays in place
     offset,    ///< eye and primitives together move away from the origin, along (1, 11/16, −7/16)
     view       ///< the tangent of half the field of view
@@ -34,7 +35,7 @@ struct IdealRays {
 
 /// Rays of a file: its numbers are exact.
 IdealRays ideal_of(const scene::rays::RayGroup& group);
-/// Rays of a scene before any format rounds them; for a scene without a flake.
+/// Rays of a scene before any format rounds them. The scene must not be a flake.
 IdealRays ideal_of(const scene::file::Scene& scene);
 
 /// Rounds every number once to the format.
@@ -51,16 +52,16 @@ IdealRays rounded(const IdealRays& ideal, const InputFormats& formats);
 
 struct StretchedRays {
     IdealRays rays;
-    double value;  ///< distance: median from the origins to the centre of the primitives; others as in `StretchedScene`
+    double value;  ///< distance: median from the origins to the primitives' centres; others as in `StretchedScene`
 };
 
 /// Stretches rays by one kind of growth; `factor` k ≥ 1.
 ///
 /// - `distance`: each ray starts farther back on its own line. The point on the line that is nearest to the centre of
-///   its primitive (of all, if rays share several) is then k times as far away. Rays whose primitive lies behind them
-///   stay.
+/// its primitive (of all primitives, if rays share several) is then k times as far away. Rays whose primitive lies
+/// behind them stay.
 /// - `radius`: each primitive grows about its point nearest to the origin of its ray, so rays that share one primitive
-///   then have one each. If rays share several, each grows about its point nearest to the mean of all origins.
+/// then have one each. If rays share several, each primitive grows about its point nearest to the mean of all origins.
 /// - `offset`: rays and primitives move together, by (k − 1) times the median distance.
 ///
 /// Returns nothing if the growth does not apply: `view`, `distance` if the primitives lie behind all rays, `radius` if

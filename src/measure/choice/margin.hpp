@@ -1,5 +1,5 @@
-// Margins of a choice: the scene, or the rays, are stretched until the requirement fails. Also finds strategies for the
-// origin of the next ray with the chosen form.
+// Finds the margins of a choice by stretching the scene, or the rays, until the requirement fails. Also finds
+// strategies for the origin of the next ray with the chosen form.
 #pragma once
 
 #include <array>
@@ -17,15 +17,15 @@ namespace lostbits::measure::choice {
 /// A scene stretched by one kind of growth, and the length or angle that has grown.
 struct StretchedScene {
     scene::file::Scene scene;
-    double value;  ///< distance: from the eye to the centre of the primitives, along the view; radius: of the largest
-                   ///< primitive (for a box, half its longest side); offset: of the move; all in world units. view: in
-                   ///< degrees
+    double value;  ///< distance: from the eye to the centre of the primitives, along the view; radius: of the
+                   ///< largest primitive (for a box, half its longest side); offset: length of the move; all in world
+                   ///< units. view: degrees
 };
 
-/// Stretches a scene; `factor` ≥ 1. Returns nothing if the growth does not apply: no distance, offset or view for the
-/// pixel plane, no distance of primitives that lie behind, no radius of a sphereflake, no view of parallel rays, and no
-/// view wider than 170 degrees. The offset at a factor k is (k − 1) times the distance from the eye to the centre of
-/// the primitives.
+/// Stretches a scene; `factor` ≥ 1. Returns nothing if the growth does not apply: distance, offset and view do not
+/// apply to the pixel plane, distance does not to primitives behind the eye, radius to a sphereflake, and view to
+/// parallel rays or beyond 170 degrees. The offset at a factor k is (k − 1) times the distance from the eye to the
+/// centre of the primitives.
 std::optional<StretchedScene> stretched(const scene::file::Scene& scene, Growth growth, double factor);
 
 /// End of the search along one kind of growth.
@@ -41,27 +41,27 @@ inline constexpr std::array<std::string_view, 4> margin_end_names{"fails", "noth
 
 struct GrowthMargin {
     Growth growth = Growth::distance;
-    double holds = 0, value = 0;  ///< largest factor at which the requirement was seen to hold, below the end, and the
+    double holds = 0, value = 0;  ///< largest measured factor below the end at which the requirement holds, and the
                                   ///< value there; 0: it fails without any growth
-    double beyond = 0;            ///< first factor seen at the end; 0 if there is none
+    double beyond = 0;            ///< least measured factor at the end; 0 if there is no end
     MarginEnd end = MarginEnd::none;
     RowQuality broken{};  ///< measurements at `beyond`, if the requirement fails there
 };
 
 /// Multiplies the factor until the requirement fails or the growth ends, at most to 2^64, and narrows the last step
-/// down to 2 %. A failure in between that recovers is not seen. Works on a picture of at most `pixels`, or on the
-/// sample of the files' rays (`StretchedRays` says how those grow).
+/// down to 2 %. A failure between two steps is not found if the requirement holds at both. Works on a picture of at
+/// most `pixels`, or on the sample of the files' rays (`StretchedRays` says how those grow).
 std::vector<GrowthMargin> margins_of(const ChoiceRequest& request, const evaluate::TestedForm& row, int pixels = 4096);
 
 /// Offset strategies that are right for every ray that leaves a hit of a form on a scene.
 struct SafeOffsets {
-    std::vector<offset::SafeStrategy> outside;  ///< for rays away from the primitive; cheapest first
-    std::vector<offset::SafeStrategy> both;     ///< for those and for rays into it
+    std::vector<offset::SafeStrategy> outside;  ///< right for rays that leave the primitive; cheapest first
+    std::vector<offset::SafeStrategy> both;     ///< right for these rays and for rays that enter it
     std::uint64_t points = 0, rays = 0;         ///< number of points and rays measured
 };
 
-/// Finds these strategies on a picture of at most `pixels`, fewer if there are many primitives. Nothing if the scene
-/// has too many, if the form marches, or if it answers no t.
+/// Finds the strategies on a picture of at most `pixels`, fewer if there are many primitives. Returns nothing if the
+/// scene has too many primitives, or if the form marches or computes no t.
 std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& row,
                                         truth::TruthLimit limit = {}, int pixels = 1024);
 

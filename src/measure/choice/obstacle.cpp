@@ -18,179 +18,190 @@ using truth::Truth;
 
 namespace {
 
-/// Limits: each ray is tested against every primitive, in numbers of 256 bits.
-constexpr std::size_t most_problems = 1 << 17, most_listed = 1024;
+/// Limits: each ray is tested against every primitive, in arithmetic of 256 bits.
+constexpr std::size_t most_trial_pairs = 1 << 17, most_primitives = 1024;
 
 /// Measures the truth of the stored inputs against the truth of the ideal ones, as an answer without rounding.
-RowQuality exact_quality(const Band& meant, const Band& stored, const TestedForm& row, const Requirement& requirement) {
+RowQuality exact_quality(const Band& ideal, const Band& stored, const TestedForm& row, const Requirement& requirement) {
     RowQuality quality;
-    metric::Distribution lost, off;
-    const bool unit = row.form->info->direction == intersect::Direction::unit;
-    for (std::size_t i = 0; i < meant.pixels(); ++i) {
-        const Truth is = stored.truth(i, row.convention()), should_be = meant.truth(i, row.convention());
+    metric::Distribution lost_bits, distances;
+    const bool is_unit = row.form->info->direction == intersect::Direction::unit;
+    for (std::size_t i = 0; i < ideal.pixels(); ++i) {
+        const Truth stored_truth = stored.truth(i, row.convention()), ideal_truth = ideal.truth(i, row.convention());
         const auto unresolved = Truth::Decision::unresolved;
-        if (is.decision == unresolved || should_be.decision == unresolved) continue;
+        if (stored_truth.decision == unresolved || ideal_truth.decision == unresolved) continue;
         ++quality.rays;
-        quality.hits += should_be.is_hit() ? 1 : 0;
-        if (is.decision != should_be.decision ||
-            (is.is_hit() && !answer::meets_first(meant, i, is.object, row.convention()))) {
+        quality.hits += ideal_truth.is_hit() ? 1 : 0;
+        if (stored_truth.decision != ideal_truth.decision ||
+            (stored_truth.is_hit() && !answer::meets_first(ideal, i, stored_truth.object, row.convention()))) {
             ++quality.wrong;
-        } else if (is.is_hit()) {
-            const auto& [x, y] = unit ? std::pair(is.distance, should_be.distance) : std::pair(is.t, should_be.t);
+        } else if (stored_truth.is_hit()) {
+            const auto& [x, y] = is_unit ? std::pair(stored_truth.distance, ideal_truth.distance)
+                                         : std::pair(stored_truth.t, ideal_truth.t);
             const double ulps = truth::scaled_difference(x, y, ulp_exponent(binary64, y.floor_log2()));
-            lost.add(truth::lost_bits(ulps, binary64.precision));
-            off.add(std::fabs(truth::scaled_difference(is.distance, should_be.distance, 0)));
+            lost_bits.add(truth::lost_bits(ulps, binary64.precision));
+            distances.add(std::fabs(truth::scaled_difference(stored_truth.distance, ideal_truth.distance, 0)));
         }
     }
-    quality.kept_bits = binary64.precision - lost.quantile(requirement.quantile);
-    if (requirement.has_tolerance()) quality.distance_error = off.quantile(requirement.quantile);
+    quality.kept_bits = binary64.precision - lost_bits.quantile(requirement.quantile);
+    if (requirement.has_tolerance()) quality.distance_error = distances.quantile(requirement.quantile);
     return quality;
 }
 
-/// Bits that half an ulp of a format in each input leaves, and the distance by which it moves the hit point.
+/// Bits that remain if each input is off by half an ulp of a format, and the distance by which that moves the hit
+/// point.
 struct InherentLimit {
-    double kept, distance_error;
+    double kept_bits, distance_error;
 };
 InherentLimit inherent(const Band& band, const TestedForm& row, const Format& format, const Requirement& requirement) {
-    const intersect::Direction unit = row.form->info->direction;
-    metric::Distribution lost, off;
+    const intersect::Direction direction = row.form->info->direction;
+    metric::Distribution lost_bits, distances;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
-        const Truth found = band.truth(i, row.convention());
-        if (!found.is_hit()) continue;
-        const double reach = band.reach(i, row.convention(), unit, {.format = format});
-        const truth::Certified& t = unit == intersect::Direction::unit ? found.distance : found.t;
-        lost.add(truth::inherent_bits(reach, t, format.parameters));
-        // Reach is in units of the power of two of t*. Its share of t* is the same for the distance.
-        off.add(t.is_zero() ? reach : reach * std::fabs(truth::scaled_difference(found.distance, {}, 0) / t.hi));
+        const Truth ray_truth = band.truth(i, row.convention());
+        if (!ray_truth.is_hit()) continue;
+        const double reach = band.reach(i, row.convention(), direction, {.format = format});
+        const truth::Certified& t = direction == intersect::Direction::unit ? ray_truth.distance : ray_truth.t;
+        lost_bits.add(truth::inherent_bits(reach, t, format.parameters));
+        // `reach` is in units of the power of two of t*. Its ratio to t* is the same for the distance.
+        distances.add(t.is_zero() ? reach
+                                  : reach * std::fabs(truth::scaled_difference(ray_truth.distance, {}, 0) / t.hi));
     }
-    return {format.parameters.precision - lost.quantile(requirement.quantile), off.quantile(requirement.quantile)};
+    return {format.parameters.precision - lost_bits.quantile(requirement.quantile),
+            distances.quantile(requirement.quantile)};
 }
 
-/// Bits of the inputs that a primitive has: a box has no radius.
+/// Bit mask of the inputs that the primitives have: a box has no radius.
 unsigned inputs_of(const IdealRays& ideal) {
     const auto is_length = [](const Key& key) { return key.kind == Key::Kind::length; };
-    const bool round = std::ranges::any_of(
+    const bool has_length = std::ranges::any_of(
         ideal.primitives, [&](const auto& s) { return std::ranges::any_of(row_of(s.shape).keys, is_length); });
-    return round ? 15U : 7U;
+    return has_length ? 15U : 7U;
 }
 
+/// Measures trials in which some inputs are in a wider format, and records them in an obstacle.
 class Trials {
 public:
-    Trials(const ChoiceRequest& request, const TestedForm& row, const IdealRays& ideal, Obstacle& found)
-        : request_(request), row_(row), ideal_(ideal), meant_(ideal.band(request.limit)), found_(found) {}
+    Trials(const ChoiceRequest& request, const TestedForm& row, const IdealRays& ideal, Obstacle& obstacle)
+        : request_(request), row_(row), ideal_(ideal), ideal_band_(ideal.band(request.limit)), obstacle_(obstacle) {}
 
     void run() {
         std::vector<unsigned> sets;
-        for (unsigned wide = 0; wide <= inputs_of(ideal_); ++wide) sets.push_back(wide);
-        std::ranges::stable_sort(sets, {}, [](unsigned wide) { return std::popcount(wide); });
-        for (const unsigned wide : sets) found_.trials.push_back(trial(wide));
-        if (found_.trials.front().exact.meets(request_.requirement)) return;
+        for (unsigned wide_inputs = 0; wide_inputs <= inputs_of(ideal_); ++wide_inputs) sets.push_back(wide_inputs);
+        std::ranges::stable_sort(sets, {}, [](unsigned wide_inputs) { return std::popcount(wide_inputs); });
+        for (const unsigned wide_inputs : sets) obstacle_.trials.push_back(trial(wide_inputs));
+        if (obstacle_.trials.front().exact.meets(request_.requirement)) return;
         find_enough();
-        if (found_.enough) find_least_precision();
+        if (obstacle_.enough) find_least_precision();
     }
 
 private:
-    [[nodiscard]] InputFormats formats(unsigned wide, const std::optional<FloatFormat>& wider) const {
-        InputFormats all;
-        for (std::size_t k = 0; k < all.size(); ++k) all[k] = (wide >> k & 1U) != 0 ? wider : found_.base;
-        return all;
+    [[nodiscard]] InputFormats formats(unsigned wide_inputs, const std::optional<FloatFormat>& wider) const {
+        InputFormats input_formats;
+        for (std::size_t k = 0; k < input_formats.size(); ++k)
+            input_formats[k] = (wide_inputs >> k & 1U) != 0 ? wider : obstacle_.base;
+        return input_formats;
     }
 
-    [[nodiscard]] InputTrial trial(unsigned wide) const {
-        const std::optional<FloatFormat> wider = found_.wider_than_f64 ? std::nullopt : std::optional(binary64);
-        const Band stored = rounded(ideal_, formats(wide, wider)).band(request_.limit);
+    [[nodiscard]] InputTrial trial(unsigned wide_inputs) const {
+        const std::optional<FloatFormat> wider = obstacle_.wider_than_f64 ? std::nullopt : std::optional(binary64);
+        const Band stored = rounded(ideal_, formats(wide_inputs, wider)).band(request_.limit);
         request_.progress(0);
-        InputTrial trial{.wide = wide, .exact = exact_quality(meant_, stored, row_, request_.requirement)};
+        InputTrial trial{.wide = wide_inputs, .exact = exact_quality(ideal_band_, stored, row_, request_.requirement)};
         const TestedForm in_f64{row_.form, *find_format("f64")};
-        if (row_.form->exists_in(in_f64.format) && !(found_.wider_than_f64 && wide != 0))
-            trial.form =
-                quality_on(meant_, stored.inputs_for(in_f64.format, *in_f64.form->info), in_f64, request_.requirement);
+        if (row_.form->exists_in(in_f64.format) && !(obstacle_.wider_than_f64 && wide_inputs != 0))
+            trial.form = quality_on(ideal_band_, stored.inputs_for(in_f64.format, *in_f64.form->info), in_f64,
+                                    request_.requirement);
         return trial;
     }
 
     /// Finds the fewest inputs that are enough; among equally few, those that keep the most bits.
     void find_enough() {
         const auto is_better = [](const InputTrial& a, const InputTrial& b) {
-            const int more = std::popcount(a.wide) - std::popcount(b.wide);
-            return more != 0 ? more < 0 : a.exact.kept_bits > b.exact.kept_bits;
+            const int difference = std::popcount(a.wide) - std::popcount(b.wide);
+            return difference != 0 ? difference < 0 : a.exact.kept_bits > b.exact.kept_bits;
         };
-        for (std::size_t k = 0; k < found_.trials.size(); ++k) {
-            if (!found_.trials[k].exact.meets(request_.requirement)) continue;
-            if (!found_.enough || is_better(found_.trials[k], found_.trials[*found_.enough])) found_.enough = k;
+        for (std::size_t k = 0; k < obstacle_.trials.size(); ++k) {
+            if (!obstacle_.trials[k].exact.meets(request_.requirement)) continue;
+            if (!obstacle_.enough || is_better(obstacle_.trials[k], obstacle_.trials[*obstacle_.enough]))
+                obstacle_.enough = k;
         }
     }
 
     /// Finds the least precision by bisection, which assumes that more bits are not worse.
     void find_least_precision() {
-        int fails = found_.base.precision, meets = found_.wider_than_f64 ? 256 : binary64.precision;
-        while (meets - fails > 1) {
-            const int middle = (fails + meets) / 2;
-            const FloatFormat format{middle, binary64.emin, binary64.emax};
+        int failing = obstacle_.base.precision, sufficient = obstacle_.wider_than_f64 ? 256 : binary64.precision;
+        while (sufficient - failing > 1) {
+            const int precision = (failing + sufficient) / 2;
+            const FloatFormat format{precision, binary64.emin, binary64.emax};
             const Band stored =
-                rounded(ideal_, formats(found_.trials[*found_.enough].wide, format)).band(request_.limit);
-            (exact_quality(meant_, stored, row_, request_.requirement).meets(request_.requirement) ? meets : fails) =
-                middle;
+                rounded(ideal_, formats(obstacle_.trials[*obstacle_.enough].wide, format)).band(request_.limit);
+            (exact_quality(ideal_band_, stored, row_, request_.requirement).meets(request_.requirement) ? sufficient
+                                                                                                        : failing) =
+                precision;
         }
-        found_.least_precision = meets;
+        obstacle_.least_precision = sufficient;
     }
 
     const ChoiceRequest& request_;
     const TestedForm& row_;
     const IdealRays& ideal_;
-    Band meant_;
-    Obstacle& found_;
+    Band ideal_band_;
+    Obstacle& obstacle_;
 };
 
-Obstacle::Cause cause_of(const Obstacle& found, const TestedForm& row, const Requirement& requirement,
+Obstacle::Cause cause_of(const Obstacle& obstacle, const TestedForm& row, const Requirement& requirement,
                          const RowQuality& reached) {
     using Cause = Obstacle::Cause;
     if (reached.hits == 0) return Cause::no_hit;
     if (requirement.bits > row.format.parameters.precision) return Cause::width;
-    if (!found.exact.meets(requirement)) return Cause::inputs;
-    // Within the envelope the problem is hard; beyond it the formula is bad.
-    const bool hard = (found.inherent_kept < requirement.bits && !(reached.kept_bits < found.inherent_kept)) ||
-                      (found.inherent_off > requirement.tolerance && !(reached.distance_error > found.inherent_off));
-    return reached.decides(requirement) && hard ? Cause::inherent : Cause::formula;
+    if (!obstacle.exact.meets(requirement)) return Cause::inputs;
+    // Within what half an ulp in each input can cost, the problem is hard; beyond it, the formula is bad.
+    const bool is_hard =
+        (obstacle.inherent_kept < requirement.bits && !(reached.kept_bits < obstacle.inherent_kept)) ||
+        (obstacle.inherent_off > requirement.tolerance && !(reached.distance_error > obstacle.inherent_off));
+    return reached.decides(requirement) && is_hard ? Cause::inherent : Cause::formula;
 }
 
 }  // namespace
 
 Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& row, int pixels) {
-    Obstacle found;
-    std::optional<Scene> thin;
+    Obstacle obstacle;
+    std::optional<Scene> small_scene;
     IdealRays ideal;
-    std::optional<Band> given;
+    std::optional<Band> band;
     if (request.scene) {
         const std::size_t primitives = std::max<std::size_t>(1, request.scene->primitive_count());
-        const bool few = primitives <= most_listed && !request.scene->flake;
-        const auto affordable = static_cast<int>(std::clamp<std::size_t>(most_problems / primitives, 64, 65536));
-        thin = with_smaller_picture(*request.scene, std::min(pixels, affordable));
-        given.emplace(*thin, 0, thin->height, request.limit);
-        if (few) ideal = ideal_of(*thin);
-        found.rounded_before = thin->inputs == scene::file::Inputs::shared;
+        const bool can_try_inputs = primitives <= most_primitives && !request.scene->flake;
+        const auto affordable_pixels =
+            static_cast<int>(std::clamp<std::size_t>(most_trial_pairs / primitives, 64, 65536));
+        small_scene = with_smaller_picture(*request.scene, std::min(pixels, affordable_pixels));
+        band.emplace(*small_scene, 0, small_scene->height, request.limit);
+        if (can_try_inputs) ideal = ideal_of(*small_scene);
+        obstacle.rounded_before = small_scene->inputs == scene::file::Inputs::shared;
     } else {
         const auto& sample = request.rays->sample;
         const std::size_t primitives = sample.paired ? 1 : sample.primitives.size();
-        const auto few = some_of(sample, std::min<std::size_t>(static_cast<std::size_t>(pixels),
-                                                               std::max<std::size_t>(64, most_problems / primitives)));
-        given.emplace(few, request.limit);
-        ideal = ideal_of(few);
+        const auto rays =
+            some_of(sample, std::min<std::size_t>(static_cast<std::size_t>(pixels),
+                                                  std::max<std::size_t>(64, most_trial_pairs / primitives)));
+        band.emplace(rays, request.limit);
+        ideal = ideal_of(rays);
     }
-    const InherentLimit own = inherent(*given, row, row.format, request.requirement);
-    found.inherent_kept = own.kept;
-    found.inherent_off = own.distance_error;
-    found.inherent_kept_f64 = inherent(*given, row, *find_format("f64"), request.requirement).kept;
-    const RowQuality reached = quality_on(*given, row, request.requirement);
-    found.base = found.rounded_before ? binary32 : row.format.parameters;
-    found.wider_than_f64 = found.base == binary64;
-    if (!ideal.primitives.empty() && reached.hits > 0) Trials(request, row, ideal, found).run();
-    // If every format gets the same stored inputs, they are exact for the requirement. Otherwise the first trial, in
-    // which no input is wide, has what the row gets.
-    if (found.rounded_before || found.trials.empty())
-        found.exact = exact_quality(*given, *given, row, request.requirement);
-    else found.exact = found.trials.front().exact;
-    found.cause = cause_of(found, row, request.requirement, reached);
-    return found;
+    const InherentLimit row_limit = inherent(*band, row, row.format, request.requirement);
+    obstacle.inherent_kept = row_limit.kept_bits;
+    obstacle.inherent_off = row_limit.distance_error;
+    obstacle.inherent_kept_f64 = inherent(*band, row, *find_format("f64"), request.requirement).kept_bits;
+    const RowQuality reached = quality_on(*band, row, request.requirement);
+    obstacle.base = obstacle.rounded_before ? binary32 : row.format.parameters;
+    obstacle.wider_than_f64 = obstacle.base == binary64;
+    if (!ideal.primitives.empty() && reached.hits > 0) Trials(request, row, ideal, obstacle).run();
+    // If every format gets the same stored inputs, those inputs are compared with themselves. Otherwise the first
+    // trial, in which no input is wide, has the inputs that the row gets.
+    if (obstacle.rounded_before || obstacle.trials.empty())
+        obstacle.exact = exact_quality(*band, *band, row, request.requirement);
+    else obstacle.exact = obstacle.trials.front().exact;
+    obstacle.cause = cause_of(obstacle, row, request.requirement, reached);
+    return obstacle;
 }
 
 }  // namespace lostbits::measure::choice

@@ -1,4 +1,4 @@
-// Finds the obstacle to a requirement that nothing meets: the format, the inputs, or the formula.
+// Finds why no form meets a requirement: because of the format, the inputs, or the formula.
 #pragma once
 
 #include <array>
@@ -14,9 +14,10 @@ namespace lostbits::measure::choice {
 /// Trial with some of the inputs in a wider format and the others in the base format.
 struct InputTrial {
     unsigned wide = 0;  ///< bit k: inputs of `input_kinds[k]` are wider
-    /// Result of exact arithmetic on the inputs as stored, compared with the truth of the ideal ones. Bits are of 53.
+    /// Result of exact arithmetic on the inputs as stored, compared with the truth of the ideal inputs. Its bits are of
+    /// 53.
     RowQuality exact{};
-    /// Result of the form in f64; nothing if it does not exist in f64, or if inputs are wider than that.
+    /// Result of the form in f64; nothing if the form does not exist in f64, or if inputs are wider than f64.
     std::optional<RowQuality> form{};
 
     [[nodiscard]] bool has(Input input) const { return (wide >> static_cast<unsigned>(input) & 1U) != 0; }
@@ -39,18 +40,18 @@ struct Obstacle {
     double inherent_off = 0;       ///< distance by which half an ulp of the format in each input moves the hit point,
                                    ///< at the same quantile
 
-    bool rounded_before = false;  ///< inputs of all formats were first rounded to binary32; trials are about that
+    bool rounded_before = false;  ///< inputs of all formats were first rounded to binary32, and the trials vary that
     FloatFormat base{};           ///< format of the inputs that are not wider in a trial
     bool wider_than_f64 = false;  ///< wide inputs are exact in the trials; otherwise they are binary64
     /// Every choice of wide inputs, from none to all. Empty if there are too many primitives, or if nothing is rounded.
     std::vector<InputTrial> trials{};
     /// Index of the trial with the fewest wide inputs with which exact arithmetic meets the requirement, and the least
-    /// precision that they need. Nothing if no input has to be wider, or if all are not enough.
+    /// precision that these inputs need. Nothing if no input has to be wider, or if widening all of them is not enough.
     std::optional<std::size_t> enough{};
     int least_precision = 0;
 };
 
-/// Finds why this row, the nearest one, does not meet the request's requirement. Uses at most `pixels` rays.
+/// Finds why the row nearest to the request's requirement does not meet it. Uses at most `pixels` rays.
 Obstacle find_obstacle(const ChoiceRequest& request, const evaluate::TestedForm& nearest, int pixels = 2048);
 
 }  // namespace lostbits::measure::choice

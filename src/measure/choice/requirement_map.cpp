@@ -12,23 +12,23 @@ using evaluate::TestedForm;
 
 void MetPixels::band(const evaluate::BandResult& result) {
     const std::size_t first = static_cast<std::size_t>(result.y0) * static_cast<std::size_t>(result.width);
-    const std::vector<double>& lost = result.metrics.front();
+    const std::vector<double>& lost_bits = result.metrics.front();
     // A form that answers no t has no lost bits; NaN counts as no bits kept.
-    const auto keeps = [&](std::size_t i) {
-        return precision_ - lost[i] >= requirement_.bits &&
+    const auto is_accurate = [&](std::size_t i) {
+        return precision_ - lost_bits[i] >= requirement_.bits &&
                (!requirement_.has_tolerance() || result.metrics[1][i] <= requirement_.tolerance);
     };
     for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
         const Outcome outcome = result.outcomes[i];
-        meets_[first + i] = outcome == Outcome::agree_miss || (outcome == Outcome::agree_hit && keeps(i));
+        meets_[first + i] = outcome == Outcome::agree_miss || (outcome == Outcome::agree_hit && is_accurate(i));
         unresolved_[first + i] = outcome == Outcome::unresolved;
     }
 }
 
 std::uint64_t MetPixels::count() const { return static_cast<std::uint64_t>(std::ranges::count(meets_, true)); }
 
-MetPixelsByForm::MetPixelsByForm(const ChoiceRequest& request, const std::vector<TestedForm>& of) {
-    for (const TestedForm& row : of)
+MetPixelsByForm::MetPixelsByForm(const ChoiceRequest& request, const std::vector<TestedForm>& forms) {
+    for (const TestedForm& row : forms)
         rows.emplace_back(request.scene->pixels(), request.requirement, row.format.parameters.precision);
 }
 
@@ -36,17 +36,17 @@ namespace {
 
 /// A row with its index, in the order in which rows are tried.
 struct RankedForm {
-    const MetPixels* meets;
-    int place;  ///< index of the candidate or of the format
+    const MetPixels* met_pixels;
+    int index;  ///< index of the candidate or of the format
 };
 
-/// Index of the first row that meets the requirement at the pixel.
-int first_at(const std::vector<RankedForm>& tried, std::size_t pixel) {
-    for (const RankedForm& t : tried) {
-        if (t.meets->meets(pixel)) return t.place;
+/// Index of the first form that meets the requirement at the pixel.
+int first_at(const std::vector<RankedForm>& ranked, std::size_t pixel) {
+    for (const RankedForm& form : ranked) {
+        if (form.met_pixels->meets(pixel)) return form.index;
     }
     const bool unknown =
-        std::ranges::any_of(tried, [pixel](const RankedForm& t) { return t.meets->unresolved(pixel); });
+        std::ranges::any_of(ranked, [pixel](const RankedForm& form) { return form.met_pixels->unresolved(pixel); });
     return unknown ? RequirementMap::unresolved : RequirementMap::none;
 }
 
@@ -64,75 +64,75 @@ std::vector<Format> formats_of(const std::vector<TestedForm>& rows) {
     return formats;
 }
 
-/// Counts the indices that are at least 0.
-std::vector<std::uint64_t> counts_of(const std::vector<int>& places, std::size_t kinds) {
-    std::vector<std::uint64_t> counts(kinds);
-    for (const int place : places) {
-        if (place >= 0) ++counts[static_cast<std::size_t>(place)];
+/// Counts how often each index from 0 occurs; negative indices are skipped.
+std::vector<std::uint64_t> counts_of(const std::vector<int>& indices, std::size_t index_count) {
+    std::vector<std::uint64_t> counts(index_count);
+    for (const int index : indices) {
+        if (index >= 0) ++counts[static_cast<std::size_t>(index)];
     }
     return counts;
 }
 
-/// Fills in the members about formats; `meetings` belong to `rows`.
-void find_narrowest(RequirementMap& r, const std::vector<TestedForm>& rows,
-                    const std::vector<const MetPixels*>& meetings) {
-    r.formats = formats_of(rows);
-    std::vector<std::vector<RankedForm>> of_format(r.formats.size());
+/// Fills in the members about formats; `meets` belongs to `rows`.
+void find_narrowest(RequirementMap& map, const std::vector<TestedForm>& rows,
+                    const std::vector<const MetPixels*>& met_pixels) {
+    map.formats = formats_of(rows);
+    std::vector<std::vector<RankedForm>> forms_by_format(map.formats.size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
-        const auto place = std::ranges::find(r.formats, computes_in(rows[k])) - r.formats.begin();
-        of_format[static_cast<std::size_t>(place)].push_back({meetings[k], static_cast<int>(place)});
+        const auto index = std::ranges::find(map.formats, computes_in(rows[k])) - map.formats.begin();
+        forms_by_format[static_cast<std::size_t>(index)].push_back({met_pixels[k], static_cast<int>(index)});
     }
-    r.any_meets.assign(r.formats.size(), 0);
-    for (std::size_t i = 0; i < r.pixels(); ++i) {
+    map.any_meets.assign(map.formats.size(), 0);
+    for (std::size_t i = 0; i < map.pixels(); ++i) {
         int narrowest = RequirementMap::none;
-        for (std::size_t f = 0; f < of_format.size(); ++f) {
-            const int found = first_at(of_format[f], i);
-            if (found >= 0) ++r.any_meets[f];
+        for (std::size_t f = 0; f < forms_by_format.size(); ++f) {
+            const int found = first_at(forms_by_format[f], i);
+            if (found >= 0) ++map.any_meets[f];
             if (narrowest < 0 && found != RequirementMap::none) narrowest = found;
         }
-        r.narrowest.push_back(narrowest);
+        map.narrowest.push_back(narrowest);
     }
-    r.needed = counts_of(r.narrowest, r.formats.size());
+    map.needed = counts_of(map.narrowest, map.formats.size());
 }
 
 }  // namespace
 
-double RequirementMap::least_time(const std::vector<Candidate>& all) const {
+double RequirementMap::least_time(const std::vector<Candidate>& candidates) const {
     double sum = 0;
     std::uint64_t count = 0;
-    for (std::size_t c = 0; c < all.size(); ++c) {
-        sum += static_cast<double>(taken[c]) * all[c].time.median;
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+        sum += static_cast<double>(taken[c]) * candidates[c].time.median;
         count += taken[c];
     }
     return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / static_cast<double>(count);
 }
 
-RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vector<Candidate>& all,
-                                  const MetPixelsByForm& meetings) {
-    RequirementMap r{.width = request.scene->width, .height = request.scene->height};
-    std::vector<RankedForm> tried;
-    for (const std::size_t c : by_price(all)) tried.push_back({&meetings.rows[c], static_cast<int>(c)});
-    for (std::size_t i = 0; i < request.scene->pixels(); ++i) r.cheapest.push_back(first_at(tried, i));
-    r.taken = counts_of(r.cheapest, all.size());
-    for (const MetPixels& row : meetings.rows) r.met.push_back(row.count());
+RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vector<Candidate>& candidates,
+                                  const MetPixelsByForm& met_pixels) {
+    RequirementMap map{.width = request.scene->width, .height = request.scene->height};
+    std::vector<RankedForm> ranked;
+    for (const std::size_t c : by_price(candidates)) ranked.push_back({&met_pixels.rows[c], static_cast<int>(c)});
+    for (std::size_t i = 0; i < request.scene->pixels(); ++i) map.cheapest.push_back(first_at(ranked, i));
+    map.taken = counts_of(map.cheapest, candidates.size());
+    for (const MetPixels& row : met_pixels.rows) map.met.push_back(row.count());
 
     MetPixelsByForm emulated(request, request.untimed);
     if (!request.untimed.empty()) {
-        evaluate::MapStudy asked{
+        evaluate::MapStudy study{
             .scene = request.scene, .rows = request.untimed, .metrics = request.requirement.metrics()};
-        asked.limit = request.limit;
-        asked.progress = request.progress;
-        (void)evaluate::run_map(asked, emulated.show());
+        study.limit = request.limit;
+        study.progress = request.progress;
+        (void)evaluate::run_map(study, emulated.show());
     }
     std::vector<TestedForm> rows = request.rows;
     rows.insert(rows.end(), request.untimed.begin(), request.untimed.end());
-    std::vector<const MetPixels*> of_all;
-    for (const MetPixels& row : meetings.rows) of_all.push_back(&row);
-    for (const MetPixels& row : emulated.rows) of_all.push_back(&row);
-    find_narrowest(r, rows, of_all);
-    r.none_meets = static_cast<std::uint64_t>(std::ranges::count(r.narrowest, RequirementMap::none));
-    r.unknown = static_cast<std::uint64_t>(std::ranges::count(r.narrowest, RequirementMap::unresolved));
-    return r;
+    std::vector<const MetPixels*> all_met_pixels;
+    for (const MetPixels& row : met_pixels.rows) all_met_pixels.push_back(&row);
+    for (const MetPixels& row : emulated.rows) all_met_pixels.push_back(&row);
+    find_narrowest(map, rows, all_met_pixels);
+    map.none_meets = static_cast<std::uint64_t>(std::ranges::count(map.narrowest, RequirementMap::none));
+    map.unknown = static_cast<std::uint64_t>(std::ranges::count(map.narrowest, RequirementMap::unresolved));
+    return map;
 }
 
 }  // namespace lostbits::measure::choice

@@ -1,5 +1,5 @@
 // Finds for each pixel of a scene the cheapest form and format that meet a requirement there, and the narrowest format
-// in which any form does.
+// in which any form meets it.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +10,9 @@
 
 namespace lostbits::measure::choice {
 
-/// Pixels at which a row meets the requirement: its decision is right and, where the ray hits, t keeps the required
-/// bits within the tolerance. The requirement's shares (`wrong`, `quantile`) are about many pixels and do not apply to
-/// one. The metrics of the request are those of the requirement.
+/// Pixels at which a row meets the requirement: its decision is right and, if the ray hits, t keeps the required bits
+/// within the tolerance. The requirement's shares (`wrong`, `quantile`) are about many pixels and do not apply to one
+/// pixel. The metrics of the map must be those of the requirement.
 class MetPixels {
 public:
     MetPixels(std::size_t pixels, const Requirement& requirement, int precision)
@@ -20,7 +20,7 @@ public:
 
     void band(const evaluate::BandResult& result);
     [[nodiscard]] bool meets(std::size_t pixel) const { return meets_[pixel]; }
-    /// True if it is unknown: the truth was not proved.
+    /// True if the truth is not proved, so that it is unknown whether the row meets the requirement.
     [[nodiscard]] bool unresolved(std::size_t pixel) const { return unresolved_[pixel]; }
     [[nodiscard]] std::uint64_t count() const;
 
@@ -33,7 +33,7 @@ private:
 /// One `MetPixels` for each row of the request, in the form that `run_map` takes.
 struct MetPixelsByForm {
     std::vector<MetPixels> rows;
-    explicit MetPixelsByForm(const ChoiceRequest& request, const std::vector<evaluate::TestedForm>& of);
+    explicit MetPixelsByForm(const ChoiceRequest& request, const std::vector<evaluate::TestedForm>& forms);
     [[nodiscard]] evaluate::ShowRows show() { return evaluate::show_to_each(rows); }
 };
 
@@ -43,23 +43,23 @@ struct RequirementMap {
     int width = 0, height = 0;
     std::vector<int> cheapest{};         ///< by pixel, from the top left: index of the candidate, or one of the above
     std::vector<int> narrowest{};        ///< the same for indices of `formats`
-    std::vector<Format> formats{};       ///< in which rows compute, narrowest significand first
-    std::vector<std::uint64_t> met{};    ///< by candidate: pixels at which it meets the requirement
-    std::vector<std::uint64_t> taken{};  ///< by candidate: pixels at which it is the cheapest that does
-    std::vector<std::uint64_t> any_meets{};  ///< by format: pixels at which any form meets the requirement
-    std::vector<std::uint64_t> needed{};     ///< by format: pixels at which it is the narrowest in which any form does
+    std::vector<Format> formats{};       ///< formats in which rows compute, narrowest significand first
+    std::vector<std::uint64_t> met{};    ///< by candidate: number of pixels at which it meets the requirement
+    std::vector<std::uint64_t> taken{};  ///< by candidate: number of pixels at which it is the cheapest of them
+    std::vector<std::uint64_t> any_meets{};  ///< by format: number of pixels at which any form meets it
+    std::vector<std::uint64_t> needed{};     ///< by format: number of pixels at which no narrower one has such a form
     std::uint64_t none_meets = 0, unknown = 0;  ///< numbers of pixels
 
     [[nodiscard]] std::uint64_t pixels() const { return cheapest.size(); }
     /// Mean seconds for one ray and primitive if each pixel uses its cheapest candidate, over the pixels at which any
-    /// meets the requirement. Every method of switching between forms takes at least this. NaN if there is no such
-    /// pixel.
-    [[nodiscard]] double least_time(const std::vector<Candidate>& all) const;
+    /// candidate meets the requirement. Every method of switching between forms takes at least this long. NaN if there
+    /// is no such pixel.
+    [[nodiscard]] double least_time(const std::vector<Candidate>& candidates) const;
 };
 
-/// `meetings` belong to the request's rows, in their order, and are filled. `untimed` rows are in emulated formats and
-/// have no time: they are measured here, and count only among the formats.
-RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vector<Candidate>& all,
-                                  const MetPixelsByForm& meetings);
+/// `met_pixels` belongs to the request's rows, in their order, and is already filled. The `untimed` rows are in
+/// emulated formats and have no time: they are measured here, and only the members about formats depend on them.
+RequirementMap requirement_map_of(const ChoiceRequest& request, const std::vector<Candidate>& candidates,
+                                  const MetPixelsByForm& met_pixels);
 
 }  // namespace lostbits::measure::choice

@@ -42,8 +42,9 @@ const RawKernels& kernels() {
     return chosen ? *chosen : *kernels_of(Isa::w128);
 }
 
-void leave_all(std::span<const double> answers, std::initializer_list<double*> out, std::vector<std::uint32_t>& left) {
-    for (double* const column : out) {
+void leave_all(std::span<const double> answers, std::initializer_list<double*> columns,
+               std::vector<std::uint32_t>& left) {
+    for (double* const column : columns) {
         if (column) std::fill_n(column, answers.size(), missing);
     }
     for (std::size_t i = 0; i < answers.size(); ++i) {
@@ -51,29 +52,29 @@ void leave_all(std::span<const double> answers, std::initializer_list<double*> o
     }
 }
 
-/// Does the same as `TrueLengths::put`, for lengths that doubles hold: each is 0 for a miss, and otherwise hi is
-/// normal.
-void put_lengths(const truth::RayTruths::Lengths& from, std::size_t begin, std::size_t end, TrueLengths& to) {
+/// Does the same as `TrueLengths::set`, for lengths that doubles hold: hi is 0 for a miss, and normal for a hit.
+void copy_lengths(const truth::RayTruths::Lengths& from, std::size_t begin, std::size_t end, TrueLengths& to) {
     constexpr std::uint64_t exponent = std::uint64_t{0x7ff} << 52;
     for (std::size_t i = begin; i < end; ++i) {
         const double hi = from.hi[i], lo = from.lo[i];
         const double binade = std::bit_cast<double>(std::bit_cast<std::uint64_t>(hi) & exponent);
-        const bool held = binade >= 0x1p-400 && binade <= 0x1p+400 && (lo == 0 || std::fabs(lo) >= binade * 0x1p-200);
-        to.hi[i] = held ? hi : missing;
+        const bool is_held =
+            binade >= 0x1p-400 && binade <= 0x1p+400 && (lo == 0 || std::fabs(lo) >= binade * 0x1p-200);
+        to.hi[i] = is_held ? hi : missing;
         to.lo[i] = lo;
         // If hi is a power of two and lo points towards zero, t* lies in the binade below.
         to.inverse[i] = (hi == binade && lo < 0 ? 2.0 : 1.0) / binade;
     }
 }
 
-/// Buffer for the indices that a kernel leaves in one block; `append` adds them to `left`.
+/// Buffer for the indices of the rays that a kernel leaves in one block; `append` adds them to `left`.
 constexpr std::size_t block = 512;  // columns of primitives stay in the first-level cache
-struct Places {
-    std::array<std::uint32_t, block> numbers;
+struct BlockIndices {
+    std::array<std::uint32_t, block> indices;
 
-    [[nodiscard]] RawLeft raw() { return {numbers.data(), 0}; }
+    [[nodiscard]] RawLeft raw() { return {indices.data(), 0}; }
     void append(const RawLeft& raw, std::size_t begin, std::vector<std::uint32_t>& left) const {
-        for (std::size_t k = 0; k < raw.count; ++k) left.push_back(static_cast<std::uint32_t>(begin + numbers[k]));
+        for (std::size_t k = 0; k < raw.count; ++k) left.push_back(static_cast<std::uint32_t>(begin + indices[k]));
     }
 };
 
@@ -85,7 +86,7 @@ void TrueLengths::resize(std::size_t rays) {
     for (auto* column : {&hi, &lo, &inverse}) column->resize(rays);
 }
 
-void TrueLengths::put(std::size_t i, const truth::Truth& truth, Direction unit_of) {
+void TrueLengths::set(std::size_t i, const truth::Truth& truth, Direction unit_of) {
     const truth::Certified& x = unit_of == Direction::unit ? truth.distance : truth.t;
     decision[i] = truth.decision;
     object[i] = truth.object;
@@ -98,82 +99,84 @@ void TrueLengths::put(std::size_t i, const truth::Truth& truth, Direction unit_o
     inverse[i] = std::ldexp(1.0, -static_cast<int>(x.floor_log2()));
 }
 
-const BandColumns::Found* BandColumns::find_if(Convention convention, Direction unit_of) const {
+const BandColumns::CachedLengths* BandColumns::find_if(Convention convention, Direction unit_of) const {
     const auto found = std::ranges::find_if(
-        found_, [&](const Found& f) { return f.convention == convention && f.unit_of == unit_of; });
-    return found == found_.end() ? nullptr : &*found;
+        cached_, [&](const CachedLengths& f) { return f.convention == convention && f.unit_of == unit_of; });
+    return found == cached_.end() ? nullptr : &*found;
 }
 
 const TrueLengths& BandColumns::find(Convention convention, Direction unit_of) {
-    if (const Found* const found = find_if(convention, unit_of)) return found->lengths;
+    if (const CachedLengths* const found = find_if(convention, unit_of)) return found->lengths;
     const truth::RayTruths& truths = band_->truths();
-    TrueLengths& columns = found_.emplace_back(Found{convention, unit_of, {}}).lengths;
+    TrueLengths& columns = cached_.emplace_back(CachedLengths{convention, unit_of, {}}).lengths;
     columns.decision = truths.decision;
     columns.object = truths.object;
     for (auto* column : {&columns.hi, &columns.lo, &columns.inverse}) column->resize(truths.size());
     intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, truths.size(), 4096), [&](const auto& range) {
-        put_lengths(unit_of == Direction::unit ? truths.distance : truths.t, range.begin(), range.end(), columns);
+        copy_lengths(unit_of == Direction::unit ? truths.distance : truths.t, range.begin(), range.end(), columns);
     });
-    for (const auto& [i, closed] : truths.whole) columns.put(i, closed, unit_of);
+    for (const auto& [i, truth] : truths.whole) columns.set(i, truth, unit_of);
     if (convention == Convention{}) return columns;
     intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, truths.size(), 256), [&](const auto& range) {
         band_->stop().check();
         for (std::size_t i = range.begin(); i < range.end(); ++i)
-            if (band_->may_differ(i, convention)) columns.put(i, band_->truth(i, convention), unit_of);
+            if (band_->may_differ(i, convention)) columns.set(i, band_->truth(i, convention), unit_of);
     });
     return columns;
 }
 
 double find_errors(std::span<const double> answers, const TrueLengths& truth, const FloatFormat& format,
                    const ErrorColumns& out, std::vector<std::uint32_t>& left) {
-    const RawKernels* const run = kernels_of(intersect::simd::current_isa());
-    if (!run) {
+    const RawKernels* const raw_kernels = kernels_of(intersect::simd::current_isa());
+    if (!raw_kernels) {
         leave_all(answers, {out.ulp, out.lost, out.correct, out.relative, out.absolute}, left);
         return 0;
     }
-    const auto from = [](double* column, std::size_t begin) { return column ? column + begin : nullptr; };
+    const auto column_from = [](double* column, std::size_t begin) { return column ? column + begin : nullptr; };
     double largest = 0;
     for (std::size_t begin = 0; begin < answers.size(); begin += block) {
-        Places places;
-        RawErrors batch{.size = std::min(block, answers.size() - begin),
-                        .in = {answers.data() + begin, truth.hi.data() + begin, truth.lo.data() + begin,
-                               truth.inverse.data() + begin},
-                        .out = {from(out.ulp, begin), from(out.lost, begin), from(out.correct, begin),
-                                from(out.relative, begin), from(out.absolute, begin)},
-                        .precision = static_cast<double>(format.precision),
-                        .ulps_of_binade = std::ldexp(1.0, format.precision - 1),
-                        .most_inverse = std::ldexp(1.0, -format.emin),
-                        .largest = largest,
-                        .left = places.raw()};
-        run->errors(batch);
+        BlockIndices block_indices;
+        RawErrors batch{
+            .size = std::min(block, answers.size() - begin),
+            .in = {answers.data() + begin, truth.hi.data() + begin, truth.lo.data() + begin,
+                   truth.inverse.data() + begin},
+            .out = {column_from(out.ulp, begin), column_from(out.lost, begin), column_from(out.correct, begin),
+                    column_from(out.relative, begin), column_from(out.absolute, begin)},
+            .precision = static_cast<double>(format.precision),
+            .ulps_of_binade = std::ldexp(1.0, format.precision - 1),
+            .most_inverse = std::ldexp(1.0, -format.emin),
+            .largest = largest,
+            .left = block_indices.raw()};
+        raw_kernels->errors(batch);
         largest = batch.largest;
-        places.append(batch.left, begin, left);
+        block_indices.append(batch.left, begin, left);
     }
     return largest;
 }
 
 void find_residuals(std::span<const double> answers, const HitPoints& points, double* out,
                     std::vector<std::uint32_t>& left) {
-    const RawKernels* const run = kernels_of(intersect::simd::current_isa());
+    const RawKernels* const raw_kernels = kernels_of(intersect::simd::current_isa());
     const Primitive<double> first = points.primitives[0];
     const Shape shape = first.shape;
-    const auto same_shape = [shape](const Primitive<double>& s) { return s.shape == shape && !s.placed; };
-    const bool same = std::ranges::all_of(points.primitives.listed(), same_shape) &&
-                      (!points.primitives.flake() || shape == scene::sphere::Sphereflake::shape) &&
-                      (!points.primitives.mesh() || (shape == scene::triangle::Mesh::shape && !first.placed));
-    void (*const residuals)(RawResiduals&) = run ? run->residuals[static_cast<std::size_t>(shape)] : nullptr;
-    if (!residuals || points.engine == Format::Engine::rounded || !same) {
+    const auto has_shape = [shape](const Primitive<double>& s) { return s.shape == shape && !s.placed; };
+    const bool has_one_shape = std::ranges::all_of(points.primitives.listed(), has_shape) &&
+                               (!points.primitives.flake() || shape == scene::sphere::Sphereflake::shape) &&
+                               (!points.primitives.mesh() || (shape == scene::triangle::Mesh::shape && !first.placed));
+    void (*const residuals)(RawResiduals&) =
+        raw_kernels ? raw_kernels->residuals[static_cast<std::size_t>(shape)] : nullptr;
+    if (!residuals || points.engine == Format::Engine::rounded || !has_one_shape) {
         leave_all(answers, {out}, left);
         return;
     }
-    const std::size_t used = first.used().size();
+    const std::size_t number_count = first.used().size();
     std::array<std::array<double, block>, most_numbers> numbers;
-    const auto fill = [&](std::size_t i, std::size_t primitive) {
-        const Primitive<double> there = points.primitives[primitive];
-        for (std::size_t k = 0; k < used; ++k) numbers[k][i] = there.numbers[k];
+    const auto load_primitive = [&](std::size_t i, std::size_t primitive) {
+        const Primitive<double> current = points.primitives[primitive];
+        for (std::size_t k = 0; k < number_count; ++k) numbers[k][i] = current.numbers[k];
     };
     if (points.primitives.size() == 1) {
-        for (std::size_t i = 0; i < block; ++i) fill(i, 0);
+        for (std::size_t i = 0; i < block; ++i) load_primitive(i, 0);
     }
     const std::span<const Primitive<double>> listed = points.primitives.listed();
     const scene::rays::RayBlock& rays = points.rays;
@@ -184,20 +187,20 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
             if (object < listed.size()) {
                 for (std::size_t k = 0; k < most_numbers; ++k) numbers[k][i] = listed[object].numbers[k];
             } else {
-                fill(i, object);
+                load_primitive(i, object);
             }
         }
-        Places places;
+        BlockIndices block_indices;
         RawResiduals batch{
             .size = size,
             .in = {answers.data() + begin, rays.ox.data() + begin, rays.oy.data() + begin, rays.oz.data() + begin,
                    rays.dx.data() + begin, rays.dy.data() + begin, rays.dz.data() + begin},
             .out = out + begin,
             .binary32 = points.engine == Format::Engine::native32,
-            .left = places.raw()};
+            .left = block_indices.raw()};
         for (std::size_t k = 0; k < most_numbers; ++k) batch.in[RawResiduals::primitive + k] = numbers[k].data();
         residuals(batch);
-        places.append(batch.left, begin, left);
+        block_indices.append(batch.left, begin, left);
     }
 }
 

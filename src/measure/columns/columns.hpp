@@ -1,5 +1,5 @@
 // Computes the numbers that every map and sweep needs for many rays at once, in registers of `current_isa()`. The
-// results have the same bits as those of the scalar functions. Rays that a register cannot handle are listed, for the
+// results have the same bits as those of the scalar functions. Rays that a register cannot handle are listed for the
 // scalar functions.
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace lostbits::measure::columns {
 
-/// Truth of a band by one convention and in one unit. |t*| is hi + lo. hi is NaN if there is no hit, if t* is 0, and if
+/// Truth of a band by one convention and in one unit. |t*| is hi + lo. hi is NaN if there is no hit, if t* is 0, or if
 /// doubles cannot hold both parts (see `errors_of`). `inverse` is 1/2^⌊log2 t*⌋.
 struct TrueLengths {
     std::vector<truth::Truth::Decision> decision;
@@ -21,33 +21,33 @@ struct TrueLengths {
     std::vector<double> hi, lo, inverse;
 
     void resize(std::size_t rays);
-    void put(std::size_t i, const truth::Truth& truth, intersect::Direction unit_of);
+    void set(std::size_t i, const truth::Truth& truth, intersect::Direction unit_of);
 };
 
 /// Truth of a band as columns, for each convention and unit in use.
 class BandColumns {
 public:
     explicit BandColumns(const truth::Band& band) : band_(&band) {}
-    /// Computes the columns once. Not for several threads at once, unlike `of`.
+    /// Computes the columns once. Unlike `of`, it must not be called by several threads at once.
     const TrueLengths& find(intersect::Convention convention, intersect::Direction unit_of);
     [[nodiscard]] const TrueLengths& of(intersect::Convention convention, intersect::Direction unit_of) const {
         return find_if(convention, unit_of)->lengths;
     }
 
 private:
-    struct Found {
+    struct CachedLengths {
         intersect::Convention convention;
         intersect::Direction unit_of;
         TrueLengths lengths;
     };
-    [[nodiscard]] const Found* find_if(intersect::Convention convention, intersect::Direction unit_of) const;
+    [[nodiscard]] const CachedLengths* find_if(intersect::Convention convention, intersect::Direction unit_of) const;
 
     const truth::Band* band_;
-    std::deque<Found> found_;
+    std::deque<CachedLengths> cached_;
 };
 
-/// Outputs for errors, with NaN for rays that are not measured or are left. Null for columns that are not requested;
-/// `ulp` is required.
+/// Outputs for errors, with NaN for rays that are not measured or that are left to the scalar functions. Null for
+/// columns that are not requested; `ulp` is required.
 struct ErrorColumns {
     double *ulp, *lost, *correct, *relative, *absolute;
 };
@@ -74,7 +74,7 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
 /// Adds a column to the sums.
 void add_sizes(std::span<const double> values, RawSizes& sizes);
 
-/// Keeps the hits with one more primitive that come first.
+/// Keeps, of the hits so far and the hits with one more primitive, the first one on each ray.
 void keep_nearest(const RawHits<float>& hits);
 void keep_nearest(const RawHits<double>& hits);
 

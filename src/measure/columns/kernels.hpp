@@ -21,9 +21,9 @@ struct LaneBits {
     static Words words(const P& x) { return __builtin_bit_cast(Words, x.registers()); }
     static P of_words(Words words) { return P(__builtin_bit_cast(typename P::Register, words)); }
     static bits::NearOne<P> near_one(const P& x) {
-        const Words moved = words(x) + (bits::bits_of_one - bits::bits_of_root_half);
-        return {of_words((moved >> 52) | bits::bits_of_two_52) - P(0x1p52 + 1023),
-                of_words((moved & bits::bits_of_fraction) + bits::bits_of_root_half)};
+        const Words shifted = words(x) + (bits::bits_of_one - bits::bits_of_root_half);
+        return {of_words((shifted >> 52) | bits::bits_of_two_52) - P(0x1p52 + 1023),
+                of_words((shifted & bits::bits_of_fraction) + bits::bits_of_root_half)};
     }
     static P leading_half(const P& x) { return of_words(words(x) & ~((std::uint64_t{1} << 27) - 1)); }
 };
@@ -31,12 +31,12 @@ struct LaneBits {
 using stages::TwoWords;
 
 /// Numbers of one pass of a loop, from index i on: a whole pack, or the last `left` numbers followed by NaN.
-template <class P, bool whole>
+template <class P, bool is_whole>
 struct Pass {
     std::size_t i, left;
 
     [[nodiscard]] P load(const double* column) const {
-        if constexpr (whole) {
+        if constexpr (is_whole) {
             return P::load(column + i);
         } else {
             double lanes[most_lanes];
@@ -46,7 +46,7 @@ struct Pass {
         }
     }
     void store(const P& x, double* column) const {
-        if constexpr (whole) {
+        if constexpr (is_whole) {
             x.store(column + i);
         } else {
             double lanes[most_lanes];
@@ -54,14 +54,14 @@ struct Pass {
             for (std::size_t k = 0; k < left; ++k) column[i + k] = lanes[k];
         }
     }
-    /// Records the lanes of a mask; few masks have any lane set.
+    /// Records the lanes of a mask as left to the scalar functions; few masks have any lane set.
     template <class Mask>
-    void leave(const Mask& mask, RawLeft& rays) const {
+    void leave(const Mask& mask, RawLeft& left_rays) const {
         if (!any_of(mask)) return;
-        bool set[most_lanes];
-        mask.store(set);
+        bool is_set[most_lanes];
+        mask.store(is_set);
         for (std::size_t k = 0; k < P::lanes; ++k) {
-            if (set[k]) rays.places[rays.count++] = static_cast<std::uint32_t>(i + k);
+            if (is_set[k]) left_rays.indices[left_rays.count++] = static_cast<std::uint32_t>(i + k);
         }
     }
 };
@@ -92,31 +92,31 @@ template <class Width>
     double *const correct_out = batch.out[RawErrors::correct], *const relative_out = batch.out[RawErrors::relative];
     double* const absolute_out = batch.out[RawErrors::absolute];
     const std::size_t size = batch.size;
-    const P low(0x1p-400), high(0x1p+400), none(std::numeric_limits<double>::quiet_NaN());
+    const P low(0x1p-400), high(0x1p+400), nan(std::numeric_limits<double>::quiet_NaN());
     const P precision(batch.precision), ulps_of_binade(batch.ulps_of_binade), most_inverse(batch.most_inverse);
     P largest(batch.largest);
     RawLeft left = batch.left;
     for_each_pack<P>(size, [&](const auto& pass) {
         const P t = pass.load(answers), hi = pass.load(truth_hi), lo = pass.load(truth_lo);
-        const auto wanted = t >= t;
-        const auto ordinary = wanted && abs(t) >= low && abs(t) <= high && abs(hi) >= low && abs(hi) <= high;
-        pass.leave(wanted && !ordinary, left);
-        const TwoWords<P> apart = stages::sum_of<P>(t, -hi);
+        const auto is_measured = t >= t;
+        const auto is_in_range = is_measured && abs(t) >= low && abs(t) <= high && abs(hi) >= low && abs(hi) <= high;
+        pass.leave(is_measured && !is_in_range, left);
+        const TwoWords<P> raw_difference = stages::sum_of<P>(t, -hi);
         const P tail = P(0) - lo;
-        const TwoWords<P> s = stages::sum_of<P>(apart.hi, tail);
-        const P difference = s.hi + (s.lo + apart.lo + P(0));
+        const TwoWords<P> sum = stages::sum_of<P>(raw_difference.hi, tail);
+        const P difference = sum.hi + (sum.lo + raw_difference.lo + P(0));
         const P ulps = difference * (min(pass.load(inverses), most_inverse) * ulps_of_binade);
-        const P many = abs(ulps);
-        pass.store(select(ordinary, ulps, none), ulp_out);
-        largest = max(select(ordinary, many, P(0)), largest);
+        const P magnitude = abs(ulps);
+        pass.store(select(is_in_range, ulps, nan), ulp_out);
+        largest = max(select(is_in_range, magnitude, P(0)), largest);
         if (lost_out || correct_out) {
-            const P count = min(bits::log2_by<LaneBits<Width>>(many) + P(1), precision);
-            const P lost = select(many > P(0.5), count, P(0));
-            if (lost_out) pass.store(select(ordinary, lost, none), lost_out);
-            if (correct_out) pass.store(select(ordinary, precision - lost, none), correct_out);
+            const P bits_lost = min(bits::log2_by<LaneBits<Width>>(magnitude) + P(1), precision);
+            const P lost = select(magnitude > P(0.5), bits_lost, P(0));
+            if (lost_out) pass.store(select(is_in_range, lost, nan), lost_out);
+            if (correct_out) pass.store(select(is_in_range, precision - lost, nan), correct_out);
         }
-        if (relative_out) pass.store(select(ordinary, abs(difference / (hi + lo)), none), relative_out);
-        if (absolute_out) pass.store(select(ordinary, abs(difference), none), absolute_out);
+        if (relative_out) pass.store(select(is_in_range, abs(difference / (hi + lo)), nan), relative_out);
+        if (absolute_out) pass.store(select(is_in_range, abs(difference), nan), absolute_out);
     });
     batch.left = left;
     double lanes[most_lanes];
@@ -124,8 +124,8 @@ template <class Width>
     for (std::size_t k = 0; k < P::lanes; ++k) batch.largest = batch.largest < lanes[k] ? lanes[k] : batch.largest;
 }
 
-/// Adds sizes, with a sum in two doubles in each lane. With sizes of at most 2^900 nothing overflows before 2^123
-/// samples, and a step leaves out at most 2^-53 of the low part.
+/// Adds sizes, with a sum in two doubles in each lane. Sizes of at most 2^900 do not overflow before 2^123 samples, and
+/// each addition leaves out at most 2^-53 of the low part.
 template <class Width>
 [[gnu::flatten]] void add_sizes(RawSizes& batch) {
     using P = Pack<double, Width>;
@@ -170,7 +170,8 @@ template <class Width>
     }
 }
 
-/// Written for the compiler to vectorise. A hit at NaN never replaces another hit; it stays if it is the only one.
+/// Written so that the compiler can vectorise it. A hit at NaN never replaces another hit; it stays if it is the only
+/// one.
 template <class F, class Width>
 [[gnu::flatten]] void keep_nearest(const RawHits<F>& batch) {
     const F* __restrict const t = batch.t;
@@ -180,19 +181,19 @@ template <class F, class Width>
     const std::int32_t object = batch.object;
     const std::size_t size = batch.size;
     for (std::size_t i = 0; i < size; ++i) {
-        const F x = t[i], before = nearest[i];
-        const bool first = objects[i] < 0;
-        const bool comes_first = x < before || before != before;
-        const bool taken = hit[i] != 0 && (first || (comes_first && x == x));
-        nearest[i] = taken ? x : before;
-        objects[i] = taken ? object : objects[i];
+        const F x = t[i], old_nearest = nearest[i];
+        const bool is_first = objects[i] < 0;
+        const bool is_nearer = x < old_nearest || old_nearest != old_nearest;
+        const bool is_taken = hit[i] != 0 && (is_first || (is_nearer && x == x));
+        nearest[i] = is_taken ? x : old_nearest;
+        objects[i] = is_taken ? object : objects[i];
     }
 }
 
-/// o + t·d as the format computes it. A product of two floats is exact in double. Their sum, rounded to double and then
-/// to float, is the same as if rounded once, since 53 ≥ 2·24 + 2.
+/// Coordinate of o + t·d as the format computes it. A product of two floats is exact in double. Their sum, rounded to
+/// double and then to float, is the same as if rounded once, since 53 ≥ 2·24 + 2.
 template <bool binary32, class P, class Width>
-[[gnu::always_inline]] inline P along(const P& origin, const P& t, const P& direction) {
+[[gnu::always_inline]] inline P hit_coordinate(const P& origin, const P& t, const P& direction) {
     if constexpr (binary32) {
         return stages::nearest_binary32(origin + stages::nearest_binary32(t * direction));
     } else {
@@ -206,23 +207,23 @@ template <bool binary32, class Width, class Residual>
     const double* in[RawResiduals::columns_in];
     for (int k = 0; k < RawResiduals::columns_in; ++k) in[k] = batch.in[k];
     double* const out = batch.out;
-    const P none(std::numeric_limits<double>::quiet_NaN());
+    const P nan(std::numeric_limits<double>::quiet_NaN());
     RawLeft left = batch.left;
     for_each_pack<P>(
         batch.size, [&](const auto& pass) __attribute__((always_inline)) {
-            const auto at = [&](int column) __attribute__((always_inline)) { return pass.load(in[column]); };
-            const P t = at(RawResiduals::answer);
-            const auto wanted = t >= t;
-            const P p[3] = {along<binary32, P, Width>(at(RawResiduals::ox), t, at(RawResiduals::dx)),
-                            along<binary32, P, Width>(at(RawResiduals::oy), t, at(RawResiduals::dy)),
-                            along<binary32, P, Width>(at(RawResiduals::oz), t, at(RawResiduals::dz))};
+            const auto load = [&](int column) __attribute__((always_inline)) { return pass.load(in[column]); };
+            const P t = load(RawResiduals::answer);
+            const auto is_measured = t >= t;
+            const P p[3] = {hit_coordinate<binary32, P, Width>(load(RawResiduals::ox), t, load(RawResiduals::dx)),
+                            hit_coordinate<binary32, P, Width>(load(RawResiduals::oy), t, load(RawResiduals::dy)),
+                            hit_coordinate<binary32, P, Width>(load(RawResiduals::oz), t, load(RawResiduals::dz))};
             P value;
-            const auto proved =
-                wanted &&
+            const auto is_proved =
+                is_measured &&
                 residual(
-                    p, [&](int k) __attribute__((always_inline)) { return at(RawResiduals::primitive + k); }, value);
-            pass.leave(wanted && !proved, left);
-            pass.store(select(proved, value, none), out);
+                    p, [&](int k) __attribute__((always_inline)) { return load(RawResiduals::primitive + k); }, value);
+            pass.leave(is_measured && !is_proved, left);
+            pass.store(select(is_proved, value, nan), out);
         });
     batch.left = left;
 }
@@ -239,9 +240,9 @@ template <class Width>
 void fill_residuals(RawKernels& kernels) {
     auto* residuals = kernels.residuals;
     Primitives::each([&residuals]<template <class> class S>() {
-        *residuals++ = [](RawResiduals& all) {
-            if (all.binary32) residuals_in<S, true, Width>(all);
-            else residuals_in<S, false, Width>(all);
+        *residuals++ = [](RawResiduals& batch) {
+            if (batch.binary32) residuals_in<S, true, Width>(batch);
+            else residuals_in<S, false, Width>(batch);
         };
     });
 }

@@ -13,7 +13,7 @@ inline constexpr std::size_t most_lanes = 8;
 
 /// Rays that a kernel leaves to the scalar functions: `count` indices in ascending order.
 struct RawLeft {
-    std::uint32_t* places;
+    std::uint32_t* indices;
     std::size_t count;
 };
 
@@ -49,11 +49,11 @@ struct RawSizes {
     const double* values;
     double hi[most_lanes], lo[most_lanes];  ///< sums over sizes up to `largest_summed`: sample i in lane i mod 8
     double largest;
-    std::uint64_t count, zeros, beyond;  ///< beyond: number of sizes above `largest_summed`, including infinite ones
+    std::uint64_t count, zeros, beyond;  ///< `beyond` counts sizes above `largest_summed`, including infinity
 };
 inline constexpr double largest_summed = 0x1p+900;
 
-/// Hits with one more primitive, of which a kernel keeps those that come first.
+/// Hits with one more primitive. A kernel keeps each hit that comes before the nearest hit so far.
 template <class F>
 struct RawHits {
     std::size_t size;

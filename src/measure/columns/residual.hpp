@@ -1,4 +1,4 @@
-// Distance of a point from a surface, for packs of doubles and for one.
+// Distance of a point from a surface, for packs of doubles and for single doubles.
 #pragma once
 
 #include "number/wide/running.hpp"
@@ -6,8 +6,8 @@
 
 namespace lostbits::measure::columns {
 
-/// Computes `off_surface` of the point p for the primitive with `number(0)`, `number(1)`, …, with a running bound. True
-/// if the result is accurate to 2^-40 of itself, or so small that the rounding noise of a double hides it.
+/// Computes `off_surface` of the point p, with a running bound, for the primitive with `number(0)`, `number(1)`, ….
+/// True if the result is accurate to 2^-40 of itself, or so small that the rounding noise of a double hides it.
 template <template <class> class S, class P, class Numbers>
 auto find_residual(const P* p, const Numbers& number, P& value) {
     using E = number::wide::Running<number::wide::TwoWords<P>>;

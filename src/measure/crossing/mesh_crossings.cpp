@@ -20,8 +20,8 @@ namespace {
 
 /// Exact position of a line relative to one triangle.
 struct Passage {
-    enum class By : std::uint8_t { outside, rim, inner, in_plane };
-    By by = By::outside;
+    enum class Kind : std::uint8_t { outside, rim, inner, in_plane };
+    Kind kind = Kind::outside;
     bool front = false;  ///< known for `rim` and `inner`
     int t_sign = 0;      ///< known for `rim` and `inner`
 };
@@ -34,23 +34,23 @@ FlatSpan<E> lifted_span(const Ray<double>& ray, const Primitive<double>& triangl
 template <class E>
 std::optional<Passage> find_passage(const Ray<double>& ray, const Primitive<double>& triangle) {
     const FlatSpan<E> span = lifted_span<E>(ray, triangle);
-    if (sign(span.at.m) == 0) return Passage{.by = Passage::By::in_plane};
+    if (sign(span.at.m) == 0) return Passage{.kind = Passage::Kind::in_plane};
     if (span.closed.is_no()) return Passage{};
     if (!span.closed.is_yes() || span.open.is_unknown()) return std::nullopt;
     const auto t = sign(span.at.n);
     if (!t) return std::nullopt;
-    return Passage{span.open.is_yes() ? Passage::By::inner : Passage::By::rim, span.front.is_yes(), *t};
+    return Passage{span.open.is_yes() ? Passage::Kind::inner : Passage::Kind::rim, span.front.is_yes(), *t};
 }
 
-/// Nothing if no precision decides. Single doubles with bounds decide most triangles, in a fifth of the time.
-std::optional<Passage> passage(const Ray<double>& ray, const Primitive<double>& triangle) {
+/// Returns nothing if no precision decides. Single doubles with bounds decide most triangles, in a fifth of the time.
+std::optional<Passage> passage_of(const Ray<double>& ray, const Primitive<double>& triangle) {
     if (!is_proper(triangle)) return Passage{};
-    if (const auto quick = find_passage<number::wide::Running<double>>(ray, triangle)) return quick;
+    if (const auto fast_result = find_passage<number::wide::Running<double>>(ray, triangle)) return fast_result;
     return by_rising_precision([&]<class E>() { return find_passage<E>(ray, triangle); });
 }
 
-/// The height of the line's point above an edge e is v/|e|, up to the same factor, with v = ±d·(p × q) for the corners
-/// p and q of the edge relative to o. Heights compare as v |v|/e² do.
+/// Up to the same factor for all edges, the height of the line's point above an edge e is v/|e|, with v = ±d·(p × q)
+/// for the corners p and q of the edge relative to o. Heights compare as v |v|/e² do.
 template <class E>
 std::optional<unsigned> find_nearest_edges(const auto& triangle, const Ray<E>& ray, int facing) {
     const std::array<Vec<E>, 3> corners{triangle.a - ray.origin, triangle.b - ray.origin, triangle.c - ray.origin};
@@ -73,7 +73,7 @@ std::optional<unsigned> find_nearest_edges(const auto& triangle, const Ray<E>& r
     return nearest;
 }
 
-/// Order of the t of two crossings, −1, 0 or 1, by n/m of their spans, m > 0.
+/// Order of the t of two crossings, −1, 0 or 1: that of the quotients n/m of their spans, m > 0.
 std::optional<int> order_of_t(const Ray<double>& ray, const Primitive<double>& a, const Primitive<double>& b) {
     return by_rising_precision([&]<class E>() {
         const Fraction<E> x = lifted_span<E>(ray, a).at, y = lifted_span<E>(ray, b).at;
@@ -81,71 +81,72 @@ std::optional<int> order_of_t(const Ray<double>& ray, const Primitive<double>& a
     });
 }
 
-std::vector<std::uint32_t> candidates_of(const Ray<double>& ray, const Triangles& among) {
+std::vector<std::uint32_t> candidates_of(const Ray<double>& ray, const Triangles& triangles) {
     std::vector<std::uint32_t> found;
-    if (among.index) {
-        among.index->candidates(ray, found);
+    if (triangles.index) {
+        triangles.index->candidates(ray, found);
     } else {
-        found.resize(among.primitives.size());
+        found.resize(triangles.primitives.size());
         std::iota(found.begin(), found.end(), 0U);
     }
     return found;
 }
 
 /// Directions without zeros and without two components of one size, from the fractional parts of multiples of √2, √3
-/// and √5: none lies in a plane that people draw.
+/// and √5. None of them lies in a plane that people draw.
 Vec<double> direction_of_attempt(int k) {
-    const auto part = [k](double x) { return std::fmod((k + 1) * x, 1) + 0x1p-6; };
-    const Vec<double> d(part(std::sqrt(2.0)), part(std::sqrt(3.0)), part(std::sqrt(5.0)));
+    const auto fraction = [k](double x) { return std::fmod((k + 1) * x, 1) + 0x1p-6; };
+    const Vec<double> d(fraction(std::sqrt(2.0)), fraction(std::sqrt(3.0)), fraction(std::sqrt(5.0)));
     return k % 2 == 0 ? d : -1.0 * d;
 }
 
 /// Counts the crossings of one ray from a point. Nothing if the ray meets a rim or lies in the plane of a triangle.
-std::optional<PointInMesh> count_crossings(const Ray<double>& ray, const Triangles& mesh, TruthLimit limit) {
+std::optional<PointInMesh> count_crossings(const Ray<double>& ray, const Triangles& triangles, TruthLimit limit) {
     PointInMesh found;
     bool is_clear = true;
-    for (const std::uint32_t k : candidates_of(ray, mesh)) {
+    for (const std::uint32_t k : candidates_of(ray, triangles)) {
         limit.stop.check();
-        const auto by = passage(ray, mesh.primitives[k]);
-        if (!by || by->by == Passage::By::in_plane) {
+        const auto passage = passage_of(ray, triangles.primitives[k]);
+        if (!passage || passage->kind == Passage::Kind::in_plane) {
             is_clear = false;
             continue;
         }
-        if (by->by == Passage::By::outside || by->t_sign < 0) continue;
-        if (by->t_sign == 0) return PointInMesh{.on_surface = true};
-        if (by->by == Passage::By::rim) is_clear = false;
+        if (passage->kind == Passage::Kind::outside || passage->t_sign < 0) continue;
+        if (passage->t_sign == 0) return PointInMesh{.on_surface = true};
+        if (passage->kind == Passage::Kind::rim) is_clear = false;
         ++found.crossings;
-        found.winding += by->front ? -1 : 1;
+        found.winding += passage->front ? -1 : 1;
     }
     return is_clear ? std::optional(found) : std::nullopt;
 }
 
 }  // namespace
 
-MeshCrossings crossings_of(const Ray<double>& ray, const Triangles& among, const Range<double>& range,
+MeshCrossings crossings_of(const Ray<double>& ray, const Triangles& triangles, const Range<double>& range,
                            TruthLimit limit) {
     MeshCrossings found;
     if (!is_proper(ray)) return found;
-    for (const std::uint32_t k : candidates_of(ray, among)) {
+    for (const std::uint32_t k : candidates_of(ray, triangles)) {
         limit.stop.check();
-        const Primitive<double> triangle = among.primitives[k];
-        const auto by = passage(ray, triangle);
-        if (by && (by->by == Passage::By::outside || by->by == Passage::By::in_plane)) continue;
+        const Primitive<double> triangle = triangles.primitives[k];
+        const auto passage = passage_of(ray, triangle);
+        if (passage && (passage->kind == Passage::Kind::outside || passage->kind == Passage::Kind::in_plane)) continue;
         const Truth truth = find_truth(ray, triangle, limit, {}, range);
-        if (!by || truth.decision == Truth::Decision::unresolved) found.is_resolved = false;
+        if (!passage || truth.decision == Truth::Decision::unresolved) found.is_resolved = false;
         else if (truth.is_hit())
-            found.in_order.push_back({k, 0, truth.t, truth.distance, by->front, by->by == Passage::By::rim});
+            found.in_order.push_back(
+                {k, 0, truth.t, truth.distance, passage->front, passage->kind == Passage::Kind::rim});
     }
     const auto order = [&](const MeshCrossing& a, const MeshCrossing& b) {
-        if (const int apart = compare(a.t, b.t); apart != 0) return apart;
-        const auto exact = order_of_t(ray, among.primitives[a.triangle], among.primitives[b.triangle]);
+        if (const int difference = compare(a.t, b.t); difference != 0) return difference;
+        const auto exact = order_of_t(ray, triangles.primitives[a.triangle], triangles.primitives[b.triangle]);
         if (!exact) found.is_resolved = false;
         return exact.value_or(0);
     };
     std::ranges::stable_sort(found.in_order, [&](const auto& a, const auto& b) { return order(a, b) < 0; });
     for (std::size_t i = 1; i < found.in_order.size(); ++i) {
-        MeshCrossing &last = found.in_order[i - 1], &next = found.in_order[i];
-        next.place = last.place + (order(last, next) == 0 ? 0 : 1);
+        MeshCrossing &previous = found.in_order[i - 1], &next = found.in_order[i];
+        next.rank = previous.rank + (order(previous, next) == 0 ? 0 : 1);
     }
     return found;
 }
@@ -160,15 +161,16 @@ std::optional<int> facing_of(const Ray<double>& ray, const Primitive<double>& tr
 }
 
 unsigned nearest_edges(const Ray<double>& ray, const Primitive<double>& triangle) {
-    constexpr unsigned all = 0b111;
+    constexpr unsigned all_edges = 0b111;
     const int facing = facing_of(ray, triangle).value_or(0);
-    if (facing == 0) return all;
+    if (facing == 0) return all_edges;
     const auto found = by_rising_precision([&]<class E>() {
-        return in_object_space<Triangle>(
-            lift_ray<E>(ray), lift_primitive<E>(triangle),
-            [facing](const auto& shape, const auto& its) { return find_nearest_edges<E>(shape, its, facing); });
+        return in_object_space<Triangle>(lift_ray<E>(ray), lift_primitive<E>(triangle),
+                                         [facing](const auto& shape, const auto& object_ray) {
+                                             return find_nearest_edges<E>(shape, object_ray, facing);
+                                         });
     });
-    return found.value_or(all);
+    return found.value_or(all_edges);
 }
 
 bool is_beside_border(const Ray<double>& ray, const Primitive<double>& triangle, const scene::triangle::Mesh& mesh,
@@ -180,11 +182,11 @@ bool is_beside_border(const Ray<double>& ray, const Primitive<double>& triangle,
     return false;
 }
 
-PointInMesh place_in_mesh(const Vec<double>& point, const Triangles& mesh, TruthLimit limit) {
+PointInMesh place_in_mesh(const Vec<double>& point, const Triangles& triangles, TruthLimit limit) {
     constexpr int attempts = 64;
     if (is_proper(Ray<double>{point, {1, 1, 1}}))
         for (int k = 0; k < attempts; ++k)
-            if (const auto found = count_crossings({point, direction_of_attempt(k)}, mesh, limit)) return *found;
+            if (const auto found = count_crossings({point, direction_of_attempt(k)}, triangles, limit)) return *found;
     return {.is_resolved = false};
 }
 

@@ -17,11 +17,11 @@ using scene::rays::PrimitiveList;
 
 namespace {
 
-float below(double x) {
+float round_down(double x) {
     const auto f = static_cast<float>(x);
     return static_cast<double>(f) <= x ? f : std::nextafter(f, -HUGE_VALF);
 }
-float above(double x) { return -below(-x); }
+float round_up(double x) { return -round_down(-x); }
 
 double frobenius(const std::array<Vec<double>, 3>& m) {
     double sum = 0;
@@ -29,13 +29,13 @@ double frobenius(const std::array<Vec<double>, 3>& m) {
     return std::sqrt(sum);
 }
 
-/// Sizes of a matrix: `size` bounds the numbers that turn a point of the primitive into one of the world, |A| |p| +
+/// Bounds of a matrix. `size` bounds the numbers that turn a point of the primitive into one of the world, |A| |p| +
 /// |τ|. `condition` is ‖A‖ ‖A⁻¹‖/3 with Frobenius' norm, which lies between κ/3 and κ and is 1 for rotations and even
 /// scales.
-struct Spread {
+struct MatrixBounds {
     double size = 0, condition = 1;
 
-    explicit Spread(const Primitive<double>& primitive) {
+    explicit MatrixBounds(const Primitive<double>& primitive) {
         if (!primitive.placed) return;
         const Affine<double> m = primitive.placed->map();
         for (const double x : primitive.used()) size = std::max(size, std::fabs(x));
@@ -44,7 +44,7 @@ struct Spread {
     }
 };
 
-/// Distance beyond the primitive's box at which a form that squares lengths may still claim a hit.
+/// Distance from the primitive's box up to which a form that squares lengths may still claim a hit.
 double growth_of(const Primitive<double>& primitive, const RayBounds& rays, const FloatFormat& format) {
     if (primitive.placed || !length_key(primitive.shape)) return 0;
     const auto ball = ball_around(primitive);
@@ -56,41 +56,44 @@ double growth_of(const Primitive<double>& primitive, const RayBounds& rays, cons
 /// Smaller lengths are roots of squares that may have lost bits, or all of them, to underflow.
 constexpr double least_trusted = 0x1p-400;
 
-/// The box of a primitive, under a matrix that of the ball around it. Nothing where it is not to be trusted, and where
-/// the primitive has none: a plane, or one under a stored inverse.
+/// Box of a primitive; with a matrix, the box of the ball around the primitive. Nothing if the box cannot be trusted,
+/// and for a primitive without a box: a plane, or one under a stored inverse.
 std::optional<BoundingBox<double>> wide_box_of(const Primitive<double>& primitive) {
     if (!has_bounding_box(primitive.shape) || (primitive.placed && primitive.placed->is_inverse)) return std::nullopt;
     if (primitive.placed) {
-        const auto own = visit(primitive, [](const auto& shape) { return shape.ball_around(); });
-        if (!(std::min(own.radius, frobenius(primitive.placed->map().rows)) >= least_trusted)) return std::nullopt;
+        const auto object_ball = visit(primitive, [](const auto& shape) { return shape.ball_around(); });
+        if (!(std::min(object_ball.radius, frobenius(primitive.placed->map().rows)) >= least_trusted))
+            return std::nullopt;
         const auto ball = ball_around(primitive);
-        const double reach = ball.radius * (1 + 0x1p-40);  // its radius is rounded
-        return BoundingBox<double>{ball.centre - Vec<double>(reach, reach, reach),
-                                   ball.centre + Vec<double>(reach, reach, reach)};
+        const double radius = ball.radius * (1 + 0x1p-40);  // the radius of the ball is rounded
+        return BoundingBox<double>{ball.centre - Vec<double>(radius, radius, radius),
+                                   ball.centre + Vec<double>(radius, radius, radius)};
     }
     return bounding_box_of(primitive);
 }
 
-/// The same, wider by `growth`, in units of 2^shift. Lengths that vanish there are less than the margin.
+/// Box of a primitive, wider by `growth`, in units of 2^shift. Lengths that underflow in these units are less than the
+/// margin.
 std::optional<std::array<float, 6>> box_of(const Primitive<double>& primitive, double growth, int shift) {
     const auto bounding_box = wide_box_of(primitive);
     if (!bounding_box) return std::nullopt;
     std::array<float, 6> box;
     for (int k = 0; k < 3; ++k) {
         const auto i = static_cast<std::size_t>(k);
-        box[i] = below(std::ldexp(bounding_box->lo[k] - growth, -shift));
-        box[i + 3] = above(std::ldexp(bounding_box->hi[k] + growth, -shift));
+        box[i] = round_down(std::ldexp(bounding_box->lo[k] - growth, -shift));
+        box[i + 3] = round_up(std::ldexp(bounding_box->hi[k] + growth, -shift));
     }
     if (!std::ranges::all_of(box, [](float x) { return std::isfinite(x); })) return std::nullopt;
     return box;
 }
 
-/// The power of two that boxes are measured in, from that of the median of some primitives. Any would do.
+/// Exponent of the power of two that is the unit of the boxes: that of the median size of some primitives. Any exponent
+/// would be correct.
 int shift_of(const PrimitiveList<double>& primitives) {
-    constexpr std::size_t looked_at = 1023;
-    constexpr int far_from_the_ends_of_binary32 = 100;
+    constexpr std::size_t sample_size = 1023;
+    constexpr int largest_unscaled_exponent = 100;
     std::vector<int> powers;
-    for (std::size_t i = 0; i < primitives.size(); i += primitives.size() / looked_at + 1) {
+    for (std::size_t i = 0; i < primitives.size(); i += primitives.size() / sample_size + 1) {
         const auto box = wide_box_of(primitives[i]);
         double reach = 0;
         for (int k = 0; box && k < 3; ++k) reach = std::max({reach, std::fabs(box->lo[k]), std::fabs(box->hi[k])});
@@ -99,15 +102,15 @@ int shift_of(const PrimitiveList<double>& primitives) {
     if (powers.empty()) return 0;
     const auto median = powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / 2);
     std::ranges::nth_element(powers, median);
-    return std::abs(*median) <= far_from_the_ends_of_binary32 ? 0 : *median;
+    return std::abs(*median) <= largest_unscaled_exponent ? 0 : *median;
 }
 
 void sort(std::vector<std::uint32_t>& primitives) { sort_by_index(primitives, std::identity()); }
 
-std::array<float, 6> around(const std::array<float, 6>& a, const std::array<float, 6>& b) {
-    std::array<float, 6> both;
-    for (std::size_t k = 0; k < 3; ++k) both[k] = std::min(a[k], b[k]), both[k + 3] = std::max(a[k + 3], b[k + 3]);
-    return both;
+std::array<float, 6> union_of(const std::array<float, 6>& a, const std::array<float, 6>& b) {
+    std::array<float, 6> result;
+    for (std::size_t k = 0; k < 3; ++k) result[k] = std::min(a[k], b[k]), result[k + 3] = std::max(a[k + 3], b[k + 3]);
+    return result;
 }
 
 }  // namespace
@@ -119,36 +122,38 @@ std::shared_ptr<const BoxTree> BoxTree::make(const PrimitiveList<double>& primit
     const int shift = tree->shift_ = shift_of(primitives);
     const bool has_mesh = primitives.mesh() != nullptr;
     std::vector<Corners> boxes(primitives.size());
-    double reach = 0, widest = rounding, growth_of_all = 0;
+    double reach = 0, largest_rounding = rounding, largest_growth = 0;
     for (std::uint32_t i = 0; i < primitives.size(); ++i) {
         const Primitive<double> primitive = primitives[i];
         const double growth = format ? growth_of(primitive, bounds, *format) : 0;
         const auto box = box_of(primitive, growth, shift);
-        const Spread spread(primitive);
-        // Under a matrix, a rounded inverse is off by κu of itself. An error in the space of the primitive becomes κ
-        // times as large in the world.
-        const double its_rounding = primitive.placed ? 2 * spread.condition * spread.condition * rounding : rounding;
-        if (!box || (primitive.placed && format && !(its_rounding < 0x1p-5))) {
+        const MatrixBounds matrix(primitive);
+        // Under a matrix, a rounded inverse has a relative error of κu. An error in the space of the primitive becomes
+        // κ times as large in the world.
+        const double primitive_rounding =
+            primitive.placed ? 2 * matrix.condition * matrix.condition * rounding : rounding;
+        if (!box || (primitive.placed && format && !(primitive_rounding < 0x1p-5))) {
             tree->unboxed_.push_back(i);
             if (!has_mesh && tree->unboxed_.size() > most_unboxed) return nullptr;
             continue;
         }
         tree->order_.push_back(i);
         boxes[i] = *box;
-        reach = std::max(reach, std::ldexp(spread.size, -shift)), widest = std::max(widest, its_rounding);
-        growth_of_all = std::max(growth_of_all, growth);
+        reach = std::max(reach, std::ldexp(matrix.size, -shift)),
+        largest_rounding = std::max(largest_rounding, primitive_rounding);
+        largest_growth = std::max(largest_growth, growth);
         for (const float x : *box) reach = std::max(reach, std::fabs(static_cast<double>(x)));
     }
     if (tree->order_.empty()) return has_mesh ? tree : nullptr;
-    // |(x, y, z)| ≤ √3 max |x|. Of lengths below the least float squares may underflow, and so may a margin times
+    // |(x, y, z)| ≤ √3 max |x|. Squares of lengths below the least float may underflow, and so may a margin times
     // 1/|d|.
-    tree->relative_ = 0x1p-40 + std::min(widest, 0x1p-5);
+    tree->relative_ = 0x1p-40 + std::min(largest_rounding, 0x1p-5);
     tree->reach_ = 1.75 * reach + 0x1p-149;
-    tree->behind_ = std::ldexp(growth_of_all, -shift);
+    tree->behind_ = std::ldexp(largest_growth, -shift);
     const auto count = static_cast<std::uint32_t>(tree->order_.size());
     tree->nodes_.resize(1 + nodes_over(count));
     for (std::size_t k = 0; k < 6; ++k) tree->nodes_[0].box[k][1] = k < 3 ? HUGE_VALF : -HUGE_VALF;
-    // Isolated: a thread that waits here takes no other work, which might wait for this tree.
+    // Isolated: a thread that waits here takes no other work, since that might wait for this tree.
     tbb::this_task_arena::isolate([&] { tree->build(boxes, {.node = 0, .c = 0, .free = 1}, 0, count); });
     return tree;
 }
@@ -158,60 +163,62 @@ std::uint32_t BoxTree::nodes_over(std::uint32_t count) {
 }
 
 void BoxTree::build(const std::vector<Corners>& boxes, Child child, std::uint32_t begin, std::uint32_t end) {
-    Corners all = boxes[order_[begin]], middles;
-    for (std::size_t k = 0; k < 3; ++k) middles[k] = HUGE_VALF, middles[k + 3] = -HUGE_VALF;
+    Corners box = boxes[order_[begin]], middle_range;
+    for (std::size_t k = 0; k < 3; ++k) middle_range[k] = HUGE_VALF, middle_range[k + 3] = -HUGE_VALF;
     const auto middle = [&boxes](std::uint32_t primitive, std::size_t k) {
         return boxes[primitive][k] / 2 + boxes[primitive][k + 3] / 2;
     };
     for (std::uint32_t i = begin; i < end; ++i) {
-        all = around(all, boxes[order_[i]]);
+        box = union_of(box, boxes[order_[i]]);
         for (std::size_t k = 0; k < 3; ++k) {
-            middles[k] = std::min(middles[k], middle(order_[i], k));
-            middles[k + 3] = std::max(middles[k + 3], middle(order_[i], k));
+            middle_range[k] = std::min(middle_range[k], middle(order_[i], k));
+            middle_range[k + 3] = std::max(middle_range[k + 3], middle(order_[i], k));
         }
     }
     const bool is_leaf = end - begin <= most_in_leaf;
     Node& node = nodes_[child.node];
-    for (std::size_t k = 0; k < 6; ++k) node.box[k][child.c] = all[k];
+    for (std::size_t k = 0; k < 6; ++k) node.box[k][child.c] = box[k];
     node.next[child.c] = is_leaf ? begin : child.free, node.count[child.c] = is_leaf ? end - begin : 0;
     if (is_leaf) return;
     std::size_t axis = 0;
     for (std::size_t k = 1; k < 3; ++k)
-        if (middles[k + 3] - middles[k] > middles[axis + 3] - middles[axis]) axis = k;
-    const std::uint32_t half = begin + (end - begin) / 2, below = child.free + 1;
-    const auto before = [&](std::uint32_t a, std::uint32_t b) { return middle(a, axis) < middle(b, axis); };
-    std::nth_element(order_.begin() + begin, order_.begin() + half, order_.begin() + end, before);
-    const auto build_one = [&] { build(boxes, {child.free, 0, below}, begin, half); };
-    const auto build_other = [&] { build(boxes, {child.free, 1, below + nodes_over(half - begin)}, half, end); };
-    if (end - begin > 1U << 14) tbb::parallel_invoke(build_one, build_other);
-    else build_one(), build_other();
+        if (middle_range[k + 3] - middle_range[k] > middle_range[axis + 3] - middle_range[axis]) axis = k;
+    const std::uint32_t middle_index = begin + (end - begin) / 2, first_free = child.free + 1;
+    const auto is_before = [&](std::uint32_t a, std::uint32_t b) { return middle(a, axis) < middle(b, axis); };
+    std::nth_element(order_.begin() + begin, order_.begin() + middle_index, order_.begin() + end, is_before);
+    const auto build_first = [&] { build(boxes, {child.free, 0, first_free}, begin, middle_index); };
+    const auto build_second = [&] {
+        build(boxes, {child.free, 1, first_free + nodes_over(middle_index - begin)}, middle_index, end);
+    };
+    if (end - begin > 1U << 14) tbb::parallel_invoke(build_first, build_second);
+    else build_first(), build_second();
 }
 
 double BoxTree::least_distance(const Vec<double>& p, const Node& node, std::size_t child) const {
-    Vec<double> beside(0, 0, 0);
+    Vec<double> outside(0, 0, 0);
     double size = reach_;
     for (int k = 0; k < 3; ++k) {
         const auto c = static_cast<std::size_t>(k);
         const double x = std::ldexp(p[k], -shift_);
-        beside[k] = std::max(
+        outside[k] = std::max(
             {0.0, static_cast<double>(node.box[c][child]) - x, x - static_cast<double>(node.box[c + 3][child])});
         size += std::fabs(x);
     }
-    return std::ldexp(length(beside) * (1 - 0x1p-40) - 0x1p-40 * size, shift_);
+    return std::ldexp(length(outside) * (1 - 0x1p-40) - 0x1p-40 * size, shift_);
 }
 
 void BoxTree::within(const Vec<double>& p, double distance, std::vector<std::uint32_t>& found) const {
     found = unboxed_;
-    std::vector<std::uint32_t> later;
-    if (!nodes_.empty()) later.push_back(0);
-    while (!later.empty()) {
-        const std::uint32_t i = later.back();
-        later.pop_back();
+    std::vector<std::uint32_t> pending;
+    if (!nodes_.empty()) pending.push_back(0);
+    while (!pending.empty()) {
+        const std::uint32_t i = pending.back();
+        pending.pop_back();
         const Node& node = nodes_[i];
         for (std::size_t c = 0; c < 2; ++c) {
             if (least_distance(p, node, c) > distance) continue;
             found.insert(found.end(), leaf(node, c).begin(), leaf(node, c).end());
-            if (node.has_node(c)) later.push_back(node.next[c]);
+            if (node.has_node(c)) pending.push_back(node.next[c]);
         }
     }
     sort(found);
@@ -221,60 +228,62 @@ namespace {
 
 double largest(const Vec<double>& v) { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); }
 
-/// Some number that is not finite, or no direction.
-bool is_no_ray(const Ray<double>& ray) {
-    const auto finite = [](const Vec<double>& v) {
+/// True if a number of the ray is not finite, or if its direction is zero.
+bool is_invalid(const Ray<double>& ray) {
+    const auto is_finite = [](const Vec<double>& v) {
         return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
     };
-    return !finite(ray.origin) || !finite(ray.direction) || largest(ray.direction) == 0;
+    return !is_finite(ray.origin) || !is_finite(ray.direction) || largest(ray.direction) == 0;
 }
 
-/// Components of a direction whose largest is 1 or more are taken for no less than it: 1/d stays finite.
+/// Smaller components of a direction whose largest component is at least 1 are replaced by this, so that 1/d stays
+/// finite.
 constexpr double least_component = 0x1p-1000;
 
-/// |v| or more, where squares overflow or underflow too.
-double size_of_any(const Vec<double>& v) {
-    const double size = length(v), largest_of_v = largest(v);
-    return std::isfinite(size) ? std::max(size, largest_of_v) : 1.75 * largest_of_v;
+/// Upper bound of |v|, even if squares overflow or underflow.
+double safe_length(const Vec<double>& v) {
+    const double computed_length = length(v), largest_component = largest(v);
+    return std::isfinite(computed_length) ? std::max(computed_length, largest_component) : 1.75 * largest_component;
 }
 
 }  // namespace
 
-/// Walk of one ray down the tree, node by node, so that the walks of several rays can take turns.
+/// Walk of one ray down the tree, node by node. The walks of several rays can take turns.
 class BoxTree::Walk {
 public:
     Walk() = default;
-    /// Starts with all that is found without the tree. `found` outlives the walk.
+    /// Starts with the primitives outside the tree. `found` outlives the walk.
     Walk(const BoxTree& tree, const Ray<double>& ray, std::vector<std::uint32_t>& found);
 
-    [[nodiscard]] bool is_done() const { return waiting_ == 0; }
-    /// Visits one node. Of the children that the ray may meet, leaves are found, and nodes are visited later.
+    [[nodiscard]] bool is_done() const { return pending_count_ == 0; }
+    /// Visits one node. Adds the primitives of each leaf that the ray may meet, and records each such child node for a
+    /// later visit.
     void step();
 
 private:
     /// The t at which the ray crosses a side of the box of child `c`.
-    [[nodiscard]] double crossing(const Node& node, std::size_t c, std::size_t corner, double from,
+    [[nodiscard]] double crossing(const Node& node, std::size_t c, std::size_t corner, double origin,
                                   std::size_t k) const {
-        return (static_cast<double>(node.box[corner][c]) - from) * inverse_[k];
+        return (static_cast<double>(node.box[corner][c]) - origin) * inverse_[k];
     }
     [[nodiscard]] bool may_meet(const Node& node, std::size_t c) const {
-        const double enter =
-            std::max(std::max(before_, crossing(node, c, in_[0], o_in_[0], 0)),
-                     std::max(crossing(node, c, in_[1], o_in_[1], 1), crossing(node, c, in_[2], o_in_[2], 2)));
-        const double leave =
-            std::min(std::min(crossing(node, c, out_[0], o_out_[0], 0), crossing(node, c, out_[1], o_out_[1], 1)),
-                     crossing(node, c, out_[2], o_out_[2], 2));
+        const double enter = std::max(std::max(earliest_t_, crossing(node, c, entry_corner_[0], entry_origin_[0], 0)),
+                                      std::max(crossing(node, c, entry_corner_[1], entry_origin_[1], 1),
+                                               crossing(node, c, entry_corner_[2], entry_origin_[2], 2)));
+        const double leave = std::min(std::min(crossing(node, c, exit_corner_[0], exit_origin_[0], 0),
+                                               crossing(node, c, exit_corner_[1], exit_origin_[1], 1)),
+                                      crossing(node, c, exit_corner_[2], exit_origin_[2], 2));
         return enter <= leave;
     }
 
     const BoxTree* tree_ = nullptr;
     std::vector<std::uint32_t>* found_ = nullptr;
-    double before_ = 0;
-    /// Corner of each axis through which the ray enters, and the one through which it leaves.
-    std::array<std::size_t, 3> in_, out_;
-    std::array<double, 3> o_in_, o_out_, inverse_;
-    std::array<std::uint32_t, 64> later_;  ///< nodes to visit: a tree over 2^32 primitives is 33 deep
-    std::size_t waiting_ = 0;
+    double earliest_t_ = 0;
+    /// Corner of each axis through which the ray enters, and corner through which it leaves.
+    std::array<std::size_t, 3> entry_corner_, exit_corner_;
+    std::array<double, 3> entry_origin_, exit_origin_, inverse_;
+    std::array<std::uint32_t, 64> pending_;  ///< nodes to visit: a tree over 2^32 primitives is 33 deep
+    std::size_t pending_count_ = 0;
 };
 
 BoxTree::Walk::Walk(const BoxTree& tree, const Ray<double>& ray, std::vector<std::uint32_t>& found)
@@ -282,8 +291,8 @@ BoxTree::Walk::Walk(const BoxTree& tree, const Ray<double>& ray, std::vector<std
     found = tree.unboxed_;
     const auto& order = tree.order_;
     if (order.empty()) return;
-    if (is_no_ray(ray)) {
-        found.insert(found.end(), order.begin(), order.begin() + std::min(order.size(), most_for_no_ray));
+    if (is_invalid(ray)) {
+        found.insert(found.end(), order.begin(), order.begin() + std::min(order.size(), most_for_invalid_ray));
         return;
     }
     const Vec<double> o(std::ldexp(ray.origin.x, -tree.shift_), std::ldexp(ray.origin.y, -tree.shift_),
@@ -295,21 +304,21 @@ BoxTree::Walk::Walk(const BoxTree& tree, const Ray<double>& ray, std::vector<std
     const int e = std::ilogb(largest(ray.direction));
     const Vec<double> d(std::ldexp(ray.direction.x, -e), std::ldexp(ray.direction.y, -e),
                         std::ldexp(ray.direction.z, -e));
-    const double margin = tree.relative_ * size_of_any(o) + tree.relative_ * tree.reach_;
-    before_ = tree.behind_ == 0 ? 0 : -tree.behind_ / length(d);
+    const double margin = tree.relative_ * safe_length(o) + tree.relative_ * tree.reach_;
+    earliest_t_ = tree.behind_ == 0 ? 0 : -tree.behind_ / length(d);
     for (std::size_t k = 0; k < 3; ++k) {
         const auto axis = static_cast<int>(k);
-        const bool up = !std::signbit(d[axis]);
-        in_[k] = up ? k : k + 3, out_[k] = up ? k + 3 : k;
-        o_in_[k] = up ? o[axis] + margin : o[axis] - margin;
-        o_out_[k] = up ? o[axis] - margin : o[axis] + margin;
+        const bool is_positive = !std::signbit(d[axis]);
+        entry_corner_[k] = is_positive ? k : k + 3, exit_corner_[k] = is_positive ? k + 3 : k;
+        entry_origin_[k] = is_positive ? o[axis] + margin : o[axis] - margin;
+        exit_origin_[k] = is_positive ? o[axis] - margin : o[axis] + margin;
         inverse_[k] = std::copysign(1 / std::max(std::fabs(d[axis]), least_component), d[axis]);
     }
-    later_[waiting_++] = 0;
+    pending_[pending_count_++] = 0;
 }
 
 void BoxTree::Walk::step() {
-    const Node& node = tree_->nodes_[later_[--waiting_]];
+    const Node& node = tree_->nodes_[pending_[--pending_count_]];
     for (std::size_t c = 0; c < 2; ++c) {
         if (!may_meet(node, c)) continue;
         if (node.count[c] > 0) {
@@ -317,7 +326,7 @@ void BoxTree::Walk::step() {
             found_->insert(found_->end(), primitives.begin(), primitives.end());
         } else {
             __builtin_prefetch(&tree_->nodes_[node.next[c]]);
-            later_[waiting_++] = node.next[c];
+            pending_[pending_count_++] = node.next[c];
         }
     }
 }
@@ -331,16 +340,16 @@ void BoxTree::candidates(const Ray<double>& ray, std::vector<std::uint32_t>& fou
 // turns, their waits overlap.
 void BoxTree::append_candidates(std::span<const Ray<double>> rays, std::vector<std::uint32_t>& found,
                                 std::span<std::size_t> ends) const {
-    constexpr std::size_t at_once = 16, together = 256;
-    std::array<Walk, at_once> walks;
-    std::vector<std::vector<std::uint32_t>> found_by(std::min(rays.size(), together));
-    for (std::size_t begin = 0; begin < rays.size(); begin += together) {
-        const std::size_t count = std::min(together, rays.size() - begin);
+    constexpr std::size_t most_walks = 16, batch_size = 256;
+    std::array<Walk, most_walks> walks;
+    std::vector<std::vector<std::uint32_t>> found_by(std::min(rays.size(), batch_size));
+    for (std::size_t begin = 0; begin < rays.size(); begin += batch_size) {
+        const std::size_t count = std::min(batch_size, rays.size() - begin);
         std::size_t next = 0;
-        for (bool under_way = true; under_way;) {
-            under_way = next < count;
+        for (bool is_running = true; is_running;) {
+            is_running = next < count;
             for (Walk& walk : walks) {
-                if (!walk.is_done()) walk.step(), under_way = true;
+                if (!walk.is_done()) walk.step(), is_running = true;
                 else if (next < count) walk = Walk(*this, rays[begin + next], found_by[next]), ++next;
             }
         }

@@ -19,37 +19,37 @@ using scene::rays::PrimitiveList;
 
 void PrimitiveIndex::append_candidates(std::span<const Ray<double>> rays, std::vector<std::uint32_t>& found,
                                        std::span<std::size_t> ends) const {
-    std::vector<std::uint32_t> of_one;
+    std::vector<std::uint32_t> ray_candidates;
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        candidates(rays[i], of_one);
-        found.insert(found.end(), of_one.begin(), of_one.end());
+        candidates(rays[i], ray_candidates);
+        found.insert(found.end(), ray_candidates.begin(), ray_candidates.end());
         ends[i] = found.size();
     }
 }
 
 CandidateLists::CandidateLists(const PrimitiveIndex& index, const scene::rays::RayBlock& rays) {
-    constexpr std::size_t together = 1024;
-    const std::size_t parts = (rays.size() + together - 1) / together;
+    constexpr std::size_t rays_per_part = 1024;
+    const std::size_t parts = (rays.size() + rays_per_part - 1) / rays_per_part;
     std::vector<std::vector<std::uint32_t>> primitives(parts);
     ends_.resize(rays.size() + 1);
     intersect::process::in_parallel(std::size_t{0}, parts, [&](std::size_t part) {
-        const std::size_t begin = part * together, end = std::min(rays.size(), begin + together);
-        std::vector<Ray<double>> some;
-        for (std::size_t i = begin; i < end; ++i) some.push_back(rays[i]);
-        index.append_candidates(some, primitives[part], std::span(ends_).subspan(begin + 1, end - begin));
+        const std::size_t begin = part * rays_per_part, end = std::min(rays.size(), begin + rays_per_part);
+        std::vector<Ray<double>> part_rays;
+        for (std::size_t i = begin; i < end; ++i) part_rays.push_back(rays[i]);
+        index.append_candidates(part_rays, primitives[part], std::span(ends_).subspan(begin + 1, end - begin));
     });
-    std::size_t before = 0;
-    for (std::size_t part = 0; part < parts; before += primitives[part].size(), ++part)
-        for (std::size_t i = part * together; i < std::min(rays.size(), (part + 1) * together); ++i)
-            ends_[i + 1] += before;
+    std::size_t pairs_before = 0;
+    for (std::size_t part = 0; part < parts; pairs_before += primitives[part].size(), ++part)
+        for (std::size_t i = part * rays_per_part; i < std::min(rays.size(), (part + 1) * rays_per_part); ++i)
+            ends_[i + 1] += pairs_before;
     primitives_.reserve(ends_.back());
     for (const auto& part : primitives) primitives_.insert(primitives_.end(), part.begin(), part.end());
 }
 
-CandidateLists::CandidateLists(const CandidateLists& all, std::span<const std::uint32_t> rays) {
+CandidateLists::CandidateLists(const CandidateLists& all_rays, std::span<const std::uint32_t> rays) {
     for (const std::uint32_t ray : rays) {
-        const auto its = all.of(ray);
-        primitives_.insert(primitives_.end(), its.begin(), its.end());
+        const auto ray_candidates = all_rays.of(ray);
+        primitives_.insert(primitives_.end(), ray_candidates.begin(), ray_candidates.end());
         ends_.push_back(primitives_.size());
     }
 }
@@ -58,26 +58,26 @@ namespace {
 
 double size_of(const Vec<double>& v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
 
-/// Upper bound of B, and the radius of the smallest sphere.
+/// Upper bound of the sum B of squares, and the radius of the smallest sphere.
 struct Extent {
     double sum = 0, least_radius = HUGE_VAL;
 };
 
 std::optional<Extent> extent_of(const PrimitiveList<double>& primitives, const RayBounds& rays) {
-    Extent e;
+    Extent extent;
     double reach = 0;
     for (std::size_t i = 0; i < primitives.size(); ++i) {
         const Primitive<double> primitive = primitives[i];
         // The bound holds for forms of round primitives, in the space of the rays.
         if (!row_of(primitive.shape).round || primitive.placed) return std::nullopt;
         const auto s = ball_around(primitive);
-        const double one = size_of(s.centre) + s.radius;
-        if (!(s.radius > 0) || !std::isfinite(one)) return std::nullopt;
-        reach = std::max(reach, one);
-        e.least_radius = std::min(e.least_radius, s.radius);
+        const double distance = size_of(s.centre) + s.radius;
+        if (!(s.radius > 0) || !std::isfinite(distance)) return std::nullopt;
+        reach = std::max(reach, distance);
+        extent.least_radius = std::min(extent.least_radius, s.radius);
     }
-    e.sum = sum_of_squares(rays.origin, reach);
-    return e;
+    extent.sum = sum_of_squares(rays.origin, reach);
+    return extent;
 }
 
 /// Bounding box of some spheres.
@@ -127,7 +127,7 @@ bool squares_are_safe(double sum, double radius, const RayBounds& rays, const Fl
 
 namespace {
 
-/// A form that marches needs its primitives in memory one by one.
+/// Primitives of a scene with shared inputs. A form that marches needs them in memory one by one.
 PrimitiveList<double> shared_of(const scene::file::Scene& scene) {
     return scene.march ? PrimitiveList(scene::rays::shared_primitives(scene))
                        : scene::rays::shared_primitive_list(scene);
@@ -137,7 +137,7 @@ bool are_many(const PrimitiveList<double>& primitives) {
     return primitives.size() >= least_primitives || primitives.mesh() != nullptr;
 }
 
-/// An index of spheres is preferred: a flake of millions takes one byte for each sphere in it, and about 60 in a tree.
+/// Index of spheres if possible: a flake of millions takes one byte for each sphere in it, and about 60 in a tree.
 std::shared_ptr<const PrimitiveIndex> index_of(const PrimitiveList<double>& primitives, const RayBounds& bounds,
                                                const FloatFormat* format) {
     if (auto spheres = SphereIndex::make(primitives, bounds, format)) return spheres;
@@ -147,22 +147,23 @@ std::shared_ptr<const PrimitiveIndex> index_of(const PrimitiveList<double>& prim
 }  // namespace
 
 Culler::Culler(const scene::file::Scene& scene) {
-    const bool own = scene.inputs == scene::file::Inputs::own;
-    if (own) ideal_ = scene.march ? PrimitiveList<Real>(scene.primitives()) : scene::rays::ideal_primitive_list(scene);
+    const bool has_own_inputs = scene.inputs == scene::file::Inputs::own;
+    if (has_own_inputs)
+        ideal_ = scene.march ? PrimitiveList<Real>(scene.primitives()) : scene::rays::ideal_primitive_list(scene);
     else stored_ = shared_of(scene);
     if (scene.primitive_count() < least_primitives && !scene.mesh) return;
-    if (scene.camera.rays) {  // the rays that a format makes have no bounds
+    if (scene.camera.rays) {  // rays that a format computes have no bounds
         bounds_ = {HUGE_VAL, 0, HUGE_VAL};
         return;
     }
-    constexpr int rows = 16;
-    for (int y = 0; y < scene.height; y += rows) {
-        bounds_ =
-            join(bounds_, bounds_of(scene::rays::input_rays(scene, y, std::min(scene.height, y + rows), binary64)));
+    constexpr int line_count = 16;
+    for (int y = 0; y < scene.height; y += line_count) {
+        bounds_ = join(bounds_,
+                       bounds_of(scene::rays::input_rays(scene, y, std::min(scene.height, y + line_count), binary64)));
     }
-    // Ideal rays may be rays whose numbers doubles do not hold.
-    if (own && !(std::isfinite(bounds_.origin) && bounds_.least_direction > 0)) return;
-    truth_ = index_of(own ? round_primitives(ideal_, binary64) : stored_, bounds_, nullptr);
+    // Ideal rays may have numbers that doubles cannot hold.
+    if (has_own_inputs && !(std::isfinite(bounds_.origin) && bounds_.least_direction > 0)) return;
+    truth_ = index_of(has_own_inputs ? round_primitives(ideal_, binary64) : stored_, bounds_, nullptr);
 }
 
 Culler::Culler(const scene::file::Scene& scene, const Ray<double>& ray)
@@ -182,31 +183,31 @@ Culler::Culler(const Culler& parent, const scene::rays::RayBlock& rays)
 
 std::shared_ptr<const PrimitiveIndex> Culler::for_forms(const FloatFormat& format,
                                                         const PrimitiveList<double>& primitives) {
-    return index_for(For::forms, format, primitives);
+    return index_for(Use::forms, format, primitives);
 }
 std::shared_ptr<const PrimitiveIndex> Culler::for_stored_truth(const FloatFormat& format,
                                                                const PrimitiveList<double>& primitives) {
-    return index_for(For::stored_truth, format, primitives);
+    return index_for(Use::stored_truth, format, primitives);
 }
 
-std::shared_ptr<const PrimitiveIndex> Culler::index_for(For use, const FloatFormat& format,
+std::shared_ptr<const PrimitiveIndex> Culler::index_for(Use use, const FloatFormat& format,
                                                         const PrimitiveList<double>& primitives) const {
     if (!are_many(primitives)) return nullptr;
     if (parent_) {
-        if (auto common = parent_->index_for(use, format, primitives)) return common;
+        if (auto shared_index = parent_->index_for(use, format, primitives)) return shared_index;
     }
-    // Nothing in here waits for other threads, which might wait for this one.
-    const std::scoped_lock lock(made_->making);
-    const auto [place, fresh] = made_->indices.try_emplace({use, format.precision, format.emin, format.emax});
-    if (fresh) {
-        // The rays as the format rounds them.
+    // No code under this lock waits for other threads, since they might wait for this one.
+    const std::scoped_lock lock(lazy_->mutex);
+    const auto [entry, is_new] = lazy_->indices.try_emplace({use, format.precision, format.emin, format.emax});
+    if (is_new) {
+        // Bounds of the rays as the format rounds them.
         const double u = std::ldexp(1.0, -format.precision);
-        place->second = index_of(
+        entry->second = index_of(
             primitives,
             {bounds_.origin * (1 + 2 * u), bounds_.least_direction * (1 - 2 * u), bounds_.direction * (1 + 2 * u)},
-            use == For::forms ? &format : nullptr);
+            use == Use::forms ? &format : nullptr);
     }
-    return place->second;
+    return entry->second;
 }
 
 std::shared_ptr<const SphereIndex> SphereIndex::make(const PrimitiveList<double>& primitives, const RayBounds& rays,
@@ -214,10 +215,10 @@ std::shared_ptr<const SphereIndex> SphereIndex::make(const PrimitiveList<double>
     if (primitives.size() < least_primitives || !std::isfinite(rays.origin) || !(rays.least_direction > 0))
         return nullptr;
     const auto extent = extent_of(primitives, rays);
-    const auto safe_in = [&](const FloatFormat& f) {
+    const auto is_safe_in = [&](const FloatFormat& f) {
         return squares_are_safe(extent->sum, extent->least_radius, rays, f);
     };
-    if (!extent || !safe_in(binary64) || (format && !safe_in(*format))) return nullptr;
+    if (!extent || !is_safe_in(binary64) || (format && !is_safe_in(*format))) return nullptr;
     std::shared_ptr<SphereIndex> index(new SphereIndex);
     index->primitives_ = primitives;
     index->rounding_ = format ? 64 * std::ldexp(1.0, -format->precision) : 0;
@@ -236,46 +237,46 @@ double SphereIndex::reach(const Vec<double>& centre, double radius) const {
 void SphereIndex::make_balls() {
     for (std::size_t begin = 0; begin < primitives_.size(); begin += block) {
         const std::size_t end = std::min(primitives_.size(), begin + block);
-        SphereBounds around;
+        SphereBounds bounds;
         for (std::size_t i = begin; i < end; ++i) {
             const auto [centre, radius] = ball_around(primitives_[i]);
-            around.add(centre, radius);
+            bounds.add(centre, radius);
         }
-        const Vec<double> middle = around.middle();
-        double most = 0;
+        const Vec<double> middle = bounds.middle();
+        double ball_reach = 0;
         for (std::size_t i = begin; i < end; ++i) {
             const auto [centre, radius] = ball_around(primitives_[i]);
-            most = std::max(most, size_of(centre - middle) + reach(centre, radius));
+            ball_reach = std::max(ball_reach, size_of(centre - middle) + reach(centre, radius));
         }
-        blocks_.add(middle, most + margin_);
+        blocks_.add(middle, ball_reach + margin_);
     }
     constexpr std::size_t blocks = page / block;
     for (std::size_t begin = 0; begin < blocks_.x.size(); begin += blocks) {
         const std::size_t end = std::min(blocks_.x.size(), begin + blocks);
-        SphereBounds around;
-        for (std::size_t b = begin; b < end; ++b) around.add(blocks_.centre(b), blocks_.reach[b]);
-        const Vec<double> middle = around.middle();
-        double most = 0;
+        SphereBounds bounds;
+        for (std::size_t b = begin; b < end; ++b) bounds.add(blocks_.centre(b), blocks_.reach[b]);
+        const Vec<double> middle = bounds.middle();
+        double ball_reach = 0;
         for (std::size_t b = begin; b < end; ++b)
-            most = std::max(most, size_of(blocks_.centre(b) - middle) + blocks_.reach[b]);
-        pages_.add(middle, most + margin_);
+            ball_reach = std::max(ball_reach, size_of(blocks_.centre(b) - middle) + blocks_.reach[b]);
+        pages_.add(middle, ball_reach + margin_);
     }
 }
 
 SphereIndex::UnitRay::UnitRay(const Ray<double>& ray)
-    : origin(ray.origin), along(ray.direction / size_of(ray.direction)) {}
+    : origin(ray.origin), unit_direction(ray.direction / size_of(ray.direction)) {}
 
 bool SphereIndex::meets(const UnitRay& line, const Vec<double>& centre, double reach) const {
-    const Vec<double> f = centre - line.origin;
-    const Vec<double> m = cross(f, line.along);
-    const bool ahead = dot(f, line.along) >= -(reach + behind_);
-    return ahead && dot(m, m) <= reach * reach;
+    const Vec<double> to_centre = centre - line.origin;
+    const Vec<double> moment = cross(to_centre, line.unit_direction);
+    const bool is_ahead = dot(to_centre, line.unit_direction) >= -(reach + behind_);
+    return is_ahead && dot(moment, moment) <= reach * reach;
 }
 
 void SphereIndex::find_runs(const UnitRay& line, std::size_t p, Grain grain, std::vector<Run>& runs) const {
     runs.clear();
     if (!meets(line, pages_.centre(p), pages_.reach[p])) return;
-    const auto take = [&runs](std::size_t begin, std::size_t end) {
+    const auto add_run = [&runs](std::size_t begin, std::size_t end) {
         if (!runs.empty() && runs.back().second == begin) runs.back().second = end;
         else runs.emplace_back(begin, end);
     };
@@ -284,10 +285,10 @@ void SphereIndex::find_runs(const UnitRay& line, std::size_t p, Grain grain, std
     for (std::size_t b = first; b < last; ++b) {
         if (!meets(line, blocks_.centre(b), blocks_.reach[b])) continue;
         const std::size_t begin = b * block, end = std::min(begin + block, primitives_.size());
-        if (grain == Grain::blocks) take(begin, end);
+        if (grain == Grain::blocks) add_run(begin, end);
         for (std::size_t i = begin; grain == Grain::spheres && i < end; ++i) {
             const auto [centre, radius] = ball_around(primitives_[i]);
-            if (meets(line, centre, reach(centre, radius))) take(i, i + 1);
+            if (meets(line, centre, reach(centre, radius))) add_run(i, i + 1);
         }
     }
 }

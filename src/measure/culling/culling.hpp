@@ -1,4 +1,4 @@
-// Finds, among many spheres, those that a ray can meet, or that rounding can make a form claim.
+// Indices that find, among many primitives, the ones that a ray can meet, or that rounding can make a form hit.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@
 
 namespace lostbits::measure::culling {
 
-/// Number of primitives from which an index pays.
+/// Number of primitives from which on an index is worthwhile.
 inline constexpr std::size_t least_primitives = 64;
 
 /// Index that finds candidates among many primitives, for rays within stated bounds. The candidates are a superset:
@@ -39,8 +39,8 @@ public:
 class CandidateLists {
 public:
     CandidateLists(const PrimitiveIndex& index, const scene::rays::RayBlock& rays);
-    /// Takes the candidates of some rays of `all`, in their order.
-    CandidateLists(const CandidateLists& all, std::span<const std::uint32_t> rays);
+    /// Copies the candidates of some rays of another list, in the order of `rays`.
+    CandidateLists(const CandidateLists& all_rays, std::span<const std::uint32_t> rays);
 
     [[nodiscard]] std::size_t rays() const { return ends_.size() - 1; }
     [[nodiscard]] std::size_t pairs() const { return primitives_.size(); }
@@ -57,13 +57,13 @@ private:
     std::vector<std::uint32_t> primitives_;
 };
 
-/// Bounds on the numbers of a picture, over all of its rays.
+/// Bounds on the numbers of all rays of a picture.
 struct RayBounds {
     double origin = 0;                          ///< upper bound of |origin|
     double least_direction = 0, direction = 0;  ///< bounds of the lengths of the directions
 };
 
-/// Bounds of the rays in a block; `join` makes the bounds for both.
+/// Bounds of the rays in a block; `join` returns bounds that hold for both.
 RayBounds bounds_of(const scene::rays::RayBlock& rays);
 RayBounds join(const RayBounds& a, const RayBounds& b);
 
@@ -99,14 +99,14 @@ public:
     static std::shared_ptr<const SphereIndex> make(const scene::rays::PrimitiveList<double>& primitives,
                                                    const RayBounds& bounds, const FloatFormat* format);
 
-    /// A ray, with a direction of length one.
+    /// A ray with a direction of length one.
     class UnitRay {
     public:
         explicit UnitRay(const Ray<double>& ray);
 
     private:
         friend SphereIndex;
-        Vec<double> origin, along;
+        Vec<double> origin, unit_direction;
     };
 
     void candidates(const Ray<double>& ray, std::vector<std::uint32_t>& found) const override;
@@ -119,12 +119,12 @@ public:
     void find_runs(const UnitRay& line, std::size_t p, Grain grain, std::vector<Run>& runs) const;
 
 private:
-    /// Balls around all that runs of spheres can reach.
+    /// Balls around everything that runs of spheres can reach.
     struct Balls {
         std::vector<double> x, y, z, reach;
         [[nodiscard]] Vec<double> centre(std::size_t i) const { return {x[i], y[i], z[i]}; }
-        void add(const Vec<double>& centre, double reach_there) {
-            x.push_back(centre.x), y.push_back(centre.y), z.push_back(centre.z), reach.push_back(reach_there);
+        void add(const Vec<double>& centre, double ball_reach) {
+            x.push_back(centre.x), y.push_back(centre.y), z.push_back(centre.z), reach.push_back(ball_reach);
         }
     };
     SphereIndex() = default;
@@ -137,7 +137,7 @@ private:
     double rounding_ = 0;  ///< 64·u
     double origin_ = 0;    ///< upper bound of |O|
     double margin_ = 0;    ///< covers this file's arithmetic
-    double behind_ = 0;    ///< distance before the origin at which a candidate may end
+    double behind_ = 0;    ///< distance behind the origin at which a candidate may end
 };
 
 /// Primitives of a picture and their indices, made once for all of its bands. Not for several threads at once.
@@ -148,8 +148,9 @@ public:
     Culler(const scene::file::Scene& scene, const Ray<double>& ray);
     /// Makes a culler for rays that do not belong to a scene.
     Culler(scene::rays::PrimitiveList<double> primitives, const scene::rays::RayBlock& rays);
-    /// The first serves rays that come in blocks, the second one block: it shares every index that does not depend on
-    /// bounds of rays. Several threads may make and use those of blocks; `parent` outlives them.
+    /// Makes a culler for rays that come in blocks; the other constructor makes the culler of one block, which shares
+    /// every index that does not depend on bounds of rays. Several threads may make and use cullers of blocks; `parent`
+    /// outlives them.
     explicit Culler(scene::rays::PrimitiveList<double> primitives);
     Culler(const Culler& parent, const scene::rays::RayBlock& rays);
     Culler(Culler&&) = default;
@@ -158,10 +159,11 @@ public:
     /// Primitives for the bands of a scene with shared inputs, and of a scene with own inputs.
     [[nodiscard]] const scene::rays::PrimitiveList<double>& shared() const { return stored_; }
     [[nodiscard]] const scene::rays::PrimitiveList<Real>& ideal() const { return ideal_; }
-    /// Index for the truth of the primitives as given. May be null, as may those of a format: test every primitive
-    /// then.
+    /// Index for the truth of the primitives as given. This and the indices of a format may be null: test every
+    /// primitive then.
     [[nodiscard]] const PrimitiveIndex* for_truth() const { return truth_.get(); }
-    /// Indices for forms in a format that receive `primitives`, and for the truth of those. Made on first use.
+    /// Indices for forms in a format that receive `primitives`, and for the truth of those primitives. Made on first
+    /// use.
     std::shared_ptr<const PrimitiveIndex> for_forms(const FloatFormat& format,
                                                     const scene::rays::PrimitiveList<double>& primitives);
     std::shared_ptr<const PrimitiveIndex> for_stored_truth(const FloatFormat& format,
@@ -172,20 +174,20 @@ private:
     scene::rays::PrimitiveList<Real> ideal_;
     scene::rays::PrimitiveList<double> stored_;
     std::shared_ptr<const PrimitiveIndex> truth_;
-    enum class For : std::uint8_t { forms, stored_truth };
-    /// Indices that are made when they are first asked for.
+    enum class Use : std::uint8_t { forms, stored_truth };
+    /// Indices that are made on first use.
     struct LazyIndices {
-        std::mutex making;
-        std::map<std::tuple<For, int, int, int>, std::shared_ptr<const PrimitiveIndex>> indices;
+        std::mutex mutex;
+        std::map<std::tuple<Use, int, int, int>, std::shared_ptr<const PrimitiveIndex>> indices;
     };
-    std::shared_ptr<const PrimitiveIndex> index_for(For use, const FloatFormat& format,
+    std::shared_ptr<const PrimitiveIndex> index_for(Use use, const FloatFormat& format,
                                                     const scene::rays::PrimitiveList<double>& primitives) const;
     const Culler* parent_ = nullptr;
-    std::unique_ptr<LazyIndices> made_ = std::make_unique<LazyIndices>();
+    std::unique_ptr<LazyIndices> lazy_ = std::make_unique<LazyIndices>();
 };
 
 /// True if a ray may start in the primitive or on it. False only if bounds on all roundings prove that it does not;
-/// results that overflow, underflow or are too close to tell give true. No ray starts in a shape without an inside.
+/// results that overflow, underflow or are too close to decide give true. No ray starts in a shape without an inside.
 bool may_start_inside(const Ray<double>& ray, const Primitive<double>& primitive);
 
 }  // namespace lostbits::measure::culling

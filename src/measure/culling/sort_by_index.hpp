@@ -13,29 +13,29 @@ namespace lostbits::measure::culling {
 /// ones by 11 bits of the index at a time. Far from a mesh of 20,480 triangles each ray has all of them as candidates:
 /// comparing took two thirds of the time of `choose` there.
 template <class T, class Index>
-void sort_by_index(std::vector<T>& all, const Index& index_of) {
-    constexpr std::size_t few = 512, digits = 1 << 11;
-    if (all.size() <= few) {
-        std::ranges::stable_sort(all, {}, index_of);
+void sort_by_index(std::vector<T>& elements, const Index& index_of) {
+    constexpr std::size_t short_size = 512, digits = 1 << 11;
+    if (elements.size() <= short_size) {
+        std::ranges::stable_sort(elements, {}, index_of);
         return;
     }
     std::uint32_t largest = 0;
-    bool sorted = true;
-    for (const T& one : all) {
-        const std::uint32_t index = index_of(one);
-        sorted &= index >= largest;
+    bool is_sorted = true;
+    for (const T& element : elements) {
+        const std::uint32_t index = index_of(element);
+        is_sorted &= index >= largest;
         largest = std::max(largest, index);
     }
-    if (sorted) return;
-    std::vector<T> other(all.size());
+    if (is_sorted) return;
+    std::vector<T> buffer(elements.size());
     for (unsigned shift = 0; shift < 32 && (largest >> shift) != 0; shift += 11) {
-        std::array<std::size_t, digits> places{};
-        const auto digit = [&](const T& one) { return (index_of(one) >> shift) % digits; };
-        for (const T& one : all) ++places[digit(one)];
-        std::size_t before = 0;
-        for (std::size_t& place : places) place = std::exchange(before, before + place);
-        for (const T& one : all) other[places[digit(one)]++] = one;
-        all.swap(other);
+        std::array<std::size_t, digits> offsets{};
+        const auto digit = [&](const T& element) { return (index_of(element) >> shift) % digits; };
+        for (const T& element : elements) ++offsets[digit(element)];
+        std::size_t next_offset = 0;
+        for (std::size_t& offset : offsets) offset = std::exchange(next_offset, next_offset + offset);
+        for (const T& element : elements) buffer[offsets[digit(element)]++] = element;
+        elements.swap(buffer);
     }
 }
 

@@ -34,7 +34,7 @@ using truth::missing;
 
 namespace {
 
-/// Rays of the file in the pipeline: read first, then measured as a band.
+/// Part of the file in the pipeline: its records are read first, then its rays are measured as a band.
 struct Piece {
     Records records;
     std::exception_ptr fault = {};  ///< error while reading, rethrown in the order of the file
@@ -55,14 +55,15 @@ std::size_t records_of_piece(const JudgeRequest& request) {
            static_cast<std::size_t>(width);
 }
 
-[[noreturn]] void refuse_size(const Dump& dump, const JudgeRequest& request, const JudgeResult& result,
-                              const char* has) {
-    throw InputError(dump.name() + ": " + has + " " + scene::toml::counted(result.rays, "ray") + ", but a picture of " +
-                     std::to_string(request.picture->first) + "x" + std::to_string(request.picture->second) + " has " +
-                     std::to_string(pixels_of(request)) + "; its --size is columns x rows");
+[[noreturn]] void throw_wrong_size(const Dump& dump, const JudgeRequest& request, const JudgeResult& result,
+                                   const char* count_phrase) {
+    throw InputError(dump.name() + ": " + count_phrase + " " + scene::toml::counted(result.rays, "ray") +
+                     ", but a picture of " + std::to_string(request.picture->first) + "x" +
+                     std::to_string(request.picture->second) + " has " + std::to_string(pixels_of(request)) +
+                     "; its --size is columns x rows");
 }
 
-constexpr std::size_t most_of_first = 4096;  // limit of JudgeResult::first
+constexpr std::size_t most_first_rays = 4096;  // limit of JudgeResult::first
 
 class Run {
 public:
@@ -74,32 +75,32 @@ public:
           primitives_(scene::rays::primitive_list_of(group_of_primitives())) {
         if (file_ && dump.layout().decides_only() && file_row().form->info->roots != intersect::Roots::none)
             throw std::logic_error("a file without a t is judged by a row that has one");
-        const bool each_its_own = dump.layout().primitive() || dump.layout().has_matrix();
-        if (!each_its_own) dump.number_primitives(primitives_.size());
-        if (!each_its_own && request.mesh) culler_.emplace(primitives_);
+        const bool has_own_primitives = dump.layout().primitive() || dump.layout().has_matrix();
+        if (!has_own_primitives) dump.number_primitives(primitives_.size());
+        if (!has_own_primitives && request.mesh) culler_.emplace(primitives_);
         for (std::size_t r = 0; r < request.rows.size(); ++r) result_.summaries.emplace_back(request.metrics);
     }
 
     JudgeResult run() {
-        // Only a few pieces at a time: each is measured in parallel.
-        constexpr std::size_t at_once = 4;
-        const auto read = tbb::make_filter<void, std::shared_ptr<Piece>>(
+        // Only a few pieces at a time, because each is measured in parallel.
+        constexpr std::size_t most_pieces = 4;
+        const auto read_filter = tbb::make_filter<void, std::shared_ptr<Piece>>(
             tbb::filter_mode::serial_in_order, [this](tbb::flow_control& flow) {
                 intersect::process::FloatingPoint::standard().set();
                 return next(flow);
             });
-        const auto find = tbb::make_filter<std::shared_ptr<Piece>, std::shared_ptr<Piece>>(
+        const auto prepare_filter = tbb::make_filter<std::shared_ptr<Piece>, std::shared_ptr<Piece>>(
             tbb::filter_mode::parallel, [this](std::shared_ptr<Piece> piece) {
                 intersect::process::FloatingPoint::standard().set();
                 prepare(*piece);
                 return piece;
             });
-        const auto take = tbb::make_filter<std::shared_ptr<Piece>, void>(
+        const auto measure_filter = tbb::make_filter<std::shared_ptr<Piece>, void>(
             tbb::filter_mode::serial_in_order, [this](const std::shared_ptr<Piece>& piece) {
                 intersect::process::FloatingPoint::standard().set();
                 measure(*piece);
             });
-        tbb::parallel_pipeline(at_once, read & find & take);
+        tbb::parallel_pipeline(most_pieces, read_filter & prepare_filter & measure_filter);
         if (!request_.pieces) check_whole(dump_, request_, result_);
         return std::move(result_);
     }
@@ -107,23 +108,23 @@ public:
 private:
     [[nodiscard]] const TestedForm& file_row() const { return request_.rows[*file_]; }
     [[nodiscard]] std::uint64_t pixels() const { return pixels_of(request_); }
-    [[noreturn]] void refuse_size(const char* has) const {
-        lostbits::measure::judge::refuse_size(dump_, request_, result_, has);
+    [[noreturn]] void throw_wrong_size(const char* count_phrase) const {
+        lostbits::measure::judge::throw_wrong_size(dump_, request_, result_, count_phrase);
     }
 
     std::shared_ptr<Piece> next(tbb::flow_control& flow) {
         auto piece = std::make_shared<Piece>();
-        const std::size_t most = records_of_piece(request_);
+        const std::size_t record_count = records_of_piece(request_);
         if (failed_ || (request_.pieces && (request_.pieces->size() == 0 || read_ >= request_.pieces->last))) {
             flow.stop();
             return piece;
         }
         try {
-            bool there = dump_.next(most, piece->records);
-            for (; there && request_.pieces && read_ < request_.pieces->first; ++read_)
-                there = dump_.next(most, piece->records);
+            bool is_read = dump_.next(record_count, piece->records);
+            for (; is_read && request_.pieces && read_ < request_.pieces->first; ++read_)
+                is_read = dump_.next(record_count, piece->records);
             ++read_;
-            if (!there) flow.stop();
+            if (!is_read) flow.stop();
         } catch (...) {
             piece->fault = std::current_exception();
             failed_ = true;
@@ -146,10 +147,10 @@ private:
         const auto width = static_cast<std::size_t>(request_.picture ? request_.picture->first : 0);
         // False for a list, and for the last piece of a file that is not a picture of this size, which `measure`
         // refuses.
-        const bool rows = width > 0 && n % width == 0 && chunk.first + n <= pixels();
-        group.rays.width = static_cast<int>(rows ? width : n);
-        group.rays.y0 = rows ? static_cast<int>(chunk.first / width) : 0;
-        group.rays.y1 = group.rays.y0 + static_cast<int>(rows ? n / width : 1);
+        const bool has_whole_lines = width > 0 && n % width == 0 && chunk.first + n <= pixels();
+        group.rays.width = static_cast<int>(has_whole_lines ? width : n);
+        group.rays.y0 = has_whole_lines ? static_cast<int>(chunk.first / width) : 0;
+        group.rays.y1 = group.rays.y0 + static_cast<int>(has_whole_lines ? n / width : 1);
         group.paired = !chunk.primitives.empty();
         if (group.paired) {
             group.primitives = chunk.primitives;
@@ -164,7 +165,7 @@ private:
         if (file_) piece.answers = answers_of(piece);
     }
 
-    /// The primitives of all rays. A mesh stays a mesh, because only a mesh can have cracks and double hits.
+    /// Primitives of all rays. A mesh stays a mesh, because only a mesh can have cracks and double hits.
     [[nodiscard]] RayGroup group_of_primitives() const {
         RayGroup group;
         group.primitives = request_.primitives;
@@ -176,16 +177,16 @@ private:
         const Chunk& chunk = piece.chunk;
         answer::Answers answers{chunk.t, chunk.hit, std::vector<std::int32_t>(chunk.size(), -1)};
         for (double& t : answers.t) t = t == t ? t : missing;
-        const bool tells_near = file_row().form->info->inside == intersect::Inside::near;
+        const bool may_be_behind = file_row().form->info->inside == intersect::Inside::near;
         for (std::size_t i = 0; i < chunk.size(); ++i) {
-            if (tells_near && answers.t[i] < 0) answers.hit[i] = 0, answers.t[i] = 0;
+            if (may_be_behind && answers.t[i] < 0) answers.hit[i] = 0, answers.t[i] = 0;
             if (answers.hit[i] != 0) answers.object[i] = object_of(piece, i);
         }
         return answers;
     }
 
-    /// The primitive that an answer is about: the only one, the one that the file names, the one that the ray truly
-    /// hits, or otherwise the one whose surface is nearest to the answer.
+    /// Index of the primitive that an answer is about: the only one, else the one that the file names, else the one
+    /// that the ray truly hits, else the one whose surface is nearest to the answer.
     [[nodiscard]] std::int32_t object_of(const Piece& piece, std::size_t i) const {
         const Chunk& chunk = piece.chunk;
         if (!chunk.primitives.empty()) return static_cast<std::int32_t>(i);
@@ -199,8 +200,8 @@ private:
         };
         const auto* const tree = dynamic_cast<const culling::BoxTree*>(culler_ ? culler_->for_truth() : nullptr);
         if (tree) return static_cast<std::int32_t>(tree->nearest(p, distance));
-        const auto all = std::views::iota(std::size_t{0}, primitives_.size());
-        return static_cast<std::int32_t>(*std::ranges::min_element(all, {}, distance));
+        const auto indices = std::views::iota(std::size_t{0}, primitives_.size());
+        return static_cast<std::int32_t>(*std::ranges::min_element(indices, {}, distance));
     }
 
     void measure(Piece& piece) {
@@ -212,14 +213,14 @@ private:
         result_.digits = std::max(result_.digits, chunk.digits);
         result_.decimals += chunk.decimals;
         for (const double t : chunk.t) {
-            const bool all = result_.floats == result_.answers;
+            const bool are_all_floats = result_.floats == result_.answers;
             result_.answers += t != 0;
             result_.floats += t != 0 && (static_cast<double>(static_cast<float>(t)) == t || std::isnan(t) ||
-                                         (all && scene::dump::is_float_in_decimal(t)));
+                                         (are_all_floats && scene::dump::is_float_in_decimal(t)));
         }
-        if (request_.picture && result_.rays > pixels()) refuse_size("has at least");
+        if (request_.picture && result_.rays > pixels()) throw_wrong_size("has at least");
         if (request_.picture && chunk.size() % static_cast<std::size_t>(request_.picture->first) != 0)
-            refuse_size("has");
+            throw_wrong_size("has");
         if (request_.stages) *request_.stages += piece.band->stages();
         const std::int64_t first = request_.picture ? 0 : static_cast<std::int64_t>(chunk.first);
         const auto values = group(chunk);
@@ -236,7 +237,7 @@ private:
                                    .answers = request_.is_of_file(row) ? &piece.answers : nullptr},
                                   piece.shared->of(row), result_.summaries[r], parts);
         });
-        if (file_) keep_first(piece);
+        if (file_) add_first(piece);
         request_.progress(chunk.size(), piece.records.bytes.size());
     }
 
@@ -246,24 +247,25 @@ private:
         const std::size_t columns = dump_.layout().kept().size();
         auto values = evaluate::by_value(std::span(chunk.kept).subspan(*request_.by), columns);
         try {
-            for (const auto& each : values) result_.groups.add(each.value, request_.rows.size(), request_.metrics);
+            for (const auto& rays_of_value : values)
+                result_.groups.add(rays_of_value.value, request_.rows.size(), request_.metrics);
         } catch (const InputError& e) {
             throw InputError(dump_.name() + ": " + dump_.layout().kept()[*request_.by] + " has " + e.what());
         }
         return values;
     }
 
-    void keep_first(const Piece& piece) {
+    void add_first(const Piece& piece) {
         const TestedForm& row = file_row();
-        const FormatInputs& in = piece.shared->of(row).inputs;
-        for (std::size_t i = 0; i < piece.chunk.size() && result_.first.size() < most_of_first; ++i) {
+        const FormatInputs& inputs = piece.shared->of(row).inputs;
+        for (std::size_t i = 0; i < piece.chunk.size() && result_.first.size() < most_first_rays; ++i) {
             const truth::Truth truth = piece.band->truth(i, row.convention());
             const bool hit = piece.answers.hit[i] != 0;
             if (truth.decision == truth::Truth::Decision::unresolved || !(hit || truth.is_hit())) continue;
             const int object = truth.is_hit() ? truth.object : piece.answers.object[i];
-            result_.first.push_back(contract::judged(in.rays_for(*row.form->info)[i],
-                                                     in.primitives[static_cast<std::size_t>(object)], truth, row, hit,
-                                                     piece.answers.t[i]));
+            result_.first.push_back(contract::judged(inputs.rays_for(*row.form->info)[i],
+                                                     inputs.primitives[static_cast<std::size_t>(object)], truth, row,
+                                                     hit, piece.answers.t[i]));
         }
     }
 
@@ -280,20 +282,20 @@ private:
 
 }  // namespace
 
-void JudgeResult::append(JudgeResult&& after) {
-    if (summaries.empty()) summaries = std::move(after.summaries);
+void JudgeResult::append(JudgeResult&& next) {
+    if (summaries.empty()) summaries = std::move(next.summaries);
     else
-        for (std::size_t r = 0; r < summaries.size(); ++r) summaries[r].append(std::move(after.summaries.at(r)));
-    rays += after.rays;
-    rounded += after.rounded;
-    answers += after.answers;
-    floats += after.floats;
-    digits = std::max(digits, after.digits);
-    decimals += after.decimals;
-    for (contract::AnswerSample& judged : after.first) {
-        if (first.size() < most_of_first) first.push_back(std::move(judged));
+        for (std::size_t r = 0; r < summaries.size(); ++r) summaries[r].append(std::move(next.summaries.at(r)));
+    rays += next.rays;
+    rounded += next.rounded;
+    answers += next.answers;
+    floats += next.floats;
+    digits = std::max(digits, next.digits);
+    decimals += next.decimals;
+    for (contract::AnswerSample& sample : next.first) {
+        if (first.size() < most_first_rays) first.push_back(std::move(sample));
     }
-    groups.append(std::move(after.groups));
+    groups.append(std::move(next.groups));
 }
 
 std::optional<std::size_t> JudgeRequest::file_place() const {
@@ -321,7 +323,7 @@ std::uint64_t count_pieces(Dump& dump, const JudgeRequest& request) {
 void check_whole(const Dump& dump, const JudgeRequest& request, const JudgeResult& result) {
     if (result.rays == 0)
         throw InputError(dump.name() + ": has no rays; write one record for each ray after the header");
-    if (request.picture && result.rays != pixels_of(request)) refuse_size(dump, request, result, "has");
+    if (request.picture && result.rays != pixels_of(request)) throw_wrong_size(dump, request, result, "has");
 }
 
 JudgeResult run_judge(Dump& dump, const JudgeRequest& request, const ShowJudged& show) {
@@ -329,10 +331,10 @@ JudgeResult run_judge(Dump& dump, const JudgeRequest& request, const ShowJudged&
 }
 
 std::string name_of_answers(const std::string& name) {
-    std::string word = "file.";
+    std::string result = "file.";
     for (const char c : name)
-        word += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ? c : '_';
-    return word;
+        result += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ? c : '_';
+    return result;
 }
 
 FileForm::FileForm(const std::string& name, Shape shape, const intersect::Info& info)

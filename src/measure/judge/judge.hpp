@@ -39,17 +39,17 @@ private:
 struct JudgeRequest {
     /// Primitives of all rays, in the format of the dump. If there are none and no mesh, each ray has its own.
     std::vector<Primitive<double>> primitives = {};
-    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< mesh whose triangles come after these; null: none
+    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< mesh whose triangles follow `primitives`; or null
     std::optional<intersect::MarchConstants<double>> march = {};
     std::vector<evaluate::TestedForm> rows = {};
     const intersect::table::Intersector* file_form = nullptr;  ///< form of the file's answers; null: the file has none
     std::vector<const metric::Metric*> metrics = {};
-    std::optional<std::pair<int, int>> picture = {};  ///< columns and rows; absent: the rays are a list
-    /// Index of the column, among those that the dump keeps, by whose values rays are grouped too.
+    std::optional<std::pair<int, int>> picture = {};  ///< numbers of columns and lines; absent: the rays are a list
+    /// Index of the column by whose values rays are grouped, among the columns that the dump keeps.
     std::optional<std::size_t> by = {};
     truth::TruthLimit limit = {};
     truth::StageCounts* stages = nullptr;  ///< receives the counts of stages; may be null
-    /// The pieces of the file to measure, see `count_pieces`; absent: all.
+    /// The pieces of the file to measure, see `count_pieces`; absent: all pieces.
     std::optional<shard::Units> pieces = {};
     /// Receives the numbers of rays and of bytes of the file done since the last call; may throw to stop.
     std::function<void(std::uint64_t rays, std::uint64_t bytes)> progress = [](std::uint64_t, std::uint64_t) {};
@@ -59,33 +59,35 @@ struct JudgeRequest {
     [[nodiscard]] std::optional<std::size_t> file_place() const;
 };
 
-/// Receives the results of a row for some rays, with the file's record of them. Called in order for each row; different
-/// rows may be shown at the same time.
+/// Receives the results of a row for some rays, with the file's record of these rays. Called in order for each row;
+/// different rows may be shown at the same time.
 using ShowJudged =
     std::function<void(std::size_t row, const scene::dump::Chunk& chunk, const evaluate::BandResult& result)>;
 
 struct JudgeResult {
     std::vector<evaluate::FormSummary> summaries;  ///< one for each row
     std::uint64_t rays = 0;
-    std::uint64_t rounded = 0;  ///< numbers of the file that its format cannot represent
-    /// Answers of the file with a t that is not 0, and those of them whose t is a binary32 number or the decimal of
-    /// one. If there are many and all are, they were computed in binary32. The latter are counted until one is neither.
+    std::uint64_t rounded = 0;  ///< number of values in the file that its format cannot represent
+    /// `answers`: number of answers of the file whose t is not 0. `floats`: number of these whose t is a binary32
+    /// number, or, as long as every t was either, the decimal of one. If there are many answers and all are floats,
+    /// they were computed in binary32.
     std::uint64_t answers = 0, floats = 0;
-    int digits = 0;              ///< largest number of digits of a decimal that is not exactly a number of the format
+    int digits = 0;              ///< largest number of digits of a decimal that the format cannot represent exactly
     std::uint64_t decimals = 0;  ///< number of such decimals
-    /// The file's answers and the truth for the first rays that either hits, for `contract::suspicion`.
+    /// The file's answers and the truth for the first rays that the file or the truth hits, for `contract::suspicion`.
     std::vector<contract::AnswerSample> first = {};
     evaluate::Groups groups = {};  ///< used if the request has a column for grouping
 
-    /// Adds the results of the pieces that come next.
-    void append(JudgeResult&& after);
-    /// Number of rays that the file correctly misses, by its summary, scaled to as many rays as `first` holds.
+    /// Adds the results of the next pieces.
+    void append(JudgeResult&& next);
+    /// Number of rays that the file correctly misses, according to its summary, scaled to the number of rays in
+    /// `first`.
     [[nodiscard]] std::uint64_t misses_beside_first(const evaluate::FormSummary& file) const;
     /// True if `first` has every ray that the file (with this summary) or the truth hits.
     [[nodiscard]] bool first_are_all(const evaluate::FormSummary& file) const;
 };
 
-/// Counts the pieces in which the file is measured; the request's picture and the file alone decide them. Reads the
+/// Counts the pieces in which the file is measured, which depend only on the request's picture and the file. Reads the
 /// file to its end.
 std::uint64_t count_pieces(scene::dump::Dump& dump, const JudgeRequest& request);
 
@@ -93,8 +95,8 @@ std::uint64_t count_pieces(scene::dump::Dump& dump, const JudgeRequest& request)
 void check_whole(const scene::dump::Dump& dump, const JudgeRequest& request, const JudgeResult& result);
 
 /// Reads the dump to its end, or to the end of its pieces. Memory does not grow with the file, and the results do not
-/// depend on the number of threads: the rays alone decide the pieces, and they are added in order. Throws InputError,
-/// with the position, for anything the dump refuses, for rays that do not fit the picture, and for too many groups.
+/// depend on the number of threads: the pieces depend only on the rays, and are added in order. Throws InputError, with
+/// the position, for anything the dump refuses, for rays that do not fit the picture, and for too many groups.
 JudgeResult run_judge(scene::dump::Dump& dump, const JudgeRequest& request, const ShowJudged& show = {});
 
 }  // namespace lostbits::measure::judge

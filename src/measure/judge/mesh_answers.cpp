@@ -18,10 +18,10 @@ using scene::rays::PrimitiveList;
 
 namespace {
 
-/// Pieces that are decoded at a time, and their size in records.
+/// Number of pieces that are decoded at a time, and their size in records.
 constexpr std::size_t pieces_at_once = 16, records_at_once = 4096;
 
-PrimitiveList<double> list_of(const MeshAnswersRequest& request) {
+PrimitiveList<double> primitive_list(const MeshAnswersRequest& request) {
     scene::rays::RayGroup group;
     group.mesh = request.mesh;
     return scene::rays::primitive_list_of(group);
@@ -30,13 +30,13 @@ PrimitiveList<double> list_of(const MeshAnswersRequest& request) {
 class MeshRun {
 public:
     MeshRun(Dump& dump, const MeshAnswersRequest& request, const ShowAnswers& show)
-        : dump_(dump), request_(request), show_(show), primitives_(list_of(request)), culler_(primitives_) {
+        : dump_(dump), request_(request), show_(show), primitives_(primitive_list(request)), culler_(primitives_) {
         result_.kind = dump.layout().answers();
         if (dump.layout().has(scene::dump::slot::object)) dump.number_primitives(primitives_.size());
     }
 
     MeshAnswersResult run() {
-        while (read()) measure(false);
+        while (read_pieces()) measure(false);
         measure(true);
         if (result_.rays == 0)
             throw InputError(dump_.name() + ": has no records; write one for each ray or point after the header");
@@ -47,7 +47,7 @@ private:
     [[nodiscard]] bool is_list() const { return result_.kind == AnswerKind::all_hits; }
 
     /// Reads some pieces and appends their answers. Returns false at the end of the file.
-    bool read() {
+    bool read_pieces() {
         std::vector<Records> pieces;
         while (pieces.size() < pieces_at_once) {
             request_.limit.stop.check();
@@ -71,38 +71,39 @@ private:
         if (is_list() && count > 0) {
             require_next(chunk, i);
         } else {
-            waiting_.push_back(
+            pending_.push_back(
                 {.record = chunk.first + i, .ray = chunk.rays[i], .range = chunk.rays.range(i), .count = count});
-            if (is_list()) waiting_.back().count = 0;
+            if (is_list()) pending_.back().count = 0;
         }
         if (!is_list() || count < 0) return;
-        waiting_.back().hits.push_back({chunk.object[i], chunk.t.empty() ? 0 : chunk.t[i]});
-        ++waiting_.back().count;
+        pending_.back().hits.push_back({chunk.object[i], chunk.t.empty() ? 0 : chunk.t[i]});
+        ++pending_.back().count;
     }
-    /// Requires that a hit after the first follows the one before it. Within a chunk its reader has seen to that.
+    /// Throws unless this hit, which is not the first of its ray, continues the last ray. Within a chunk, the reader
+    /// has already checked that.
     void require_next(const Chunk& chunk, std::size_t i) const {
-        const auto fail = [&](const std::string& why) {
+        const auto throw_error = [&](const std::string& why) {
             throw InputError(chunk.first_place + ": hit_index is " + std::to_string(chunk.counts[i]) + "; " + why);
         };
-        if (waiting_.empty() || waiting_.back().count != chunk.counts[i])
-            fail("the hits of a ray follow each other in the order of their hit_index, from 0");
-        const Ray<double> ray = chunk.rays[i], &before = waiting_.back().ray;
-        if (ray.origin != before.origin || ray.direction != before.direction)
-            fail("the record before it is of another ray; write the same ray in all records of its hits");
+        if (pending_.empty() || pending_.back().count != chunk.counts[i])
+            throw_error("the hits of a ray follow each other in the order of their hit_index, from 0");
+        const Ray<double> ray = chunk.rays[i], &last_ray = pending_.back().ray;
+        if (ray.origin != last_ray.origin || ray.direction != last_ray.direction)
+            throw_error("the record before it is of another ray; write the same ray in all records of its hits");
     }
 
-    /// Measures what was read; unless it is the end, the last ray waits, since further hits of it may follow.
-    void measure(bool end) {
-        const std::size_t n = waiting_.size() - (end || waiting_.empty() || !is_list() ? 0 : 1);
+    /// Measures what was read. Unless this is the end, the last ray stays pending, since further hits of it may follow.
+    void measure(bool is_end) {
+        const std::size_t n = pending_.size() - (is_end || pending_.empty() || !is_list() ? 0 : 1);
         intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, n, 64), [&](const auto& range) {
             for (std::size_t i = range.begin(); i < range.end(); ++i) {
                 request_.limit.stop.check();
-                judge(waiting_[i]);
+                judge(pending_[i]);
             }
         });
-        for (std::size_t i = 0; i < n; ++i) add(waiting_[i]);
-        if (show_) show_(std::span(waiting_).first(n));
-        waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(n));
+        for (std::size_t i = 0; i < n; ++i) add(pending_[i]);
+        if (show_) show_(std::span(pending_).first(n));
+        pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(n));
         request_.progress(std::exchange(bytes_, 0));
     }
 
@@ -120,26 +121,26 @@ private:
         answer.judgement.crossings = SurfaceCrossings(crossings, request_.contract.facing).all().size();
     }
     void judge_point(JudgedAnswer& answer, const crossing::Triangles& triangles) const {
-        const crossing::PointInMesh at = place_in_mesh(answer.ray.origin, triangles, request_.limit);
-        const bool balanced = request_.mesh->mesh().edges.unbalanced == 0;
-        const bool inside = balanced ? at.winding != 0 : at.crossings % 2 != 0;
-        answer.winding = at.winding;
-        answer.judgement.outcome = !at.is_resolved                 ? MeshOutcome::unresolved
-                                   : at.on_surface                 ? MeshOutcome::on_surface
-                                   : inside == (answer.count != 0) ? MeshOutcome::agree
-                                   : inside                        ? MeshOutcome::false_outside
-                                                                   : MeshOutcome::false_inside;
+        const crossing::PointInMesh position = place_in_mesh(answer.ray.origin, triangles, request_.limit);
+        const bool is_balanced = request_.mesh->mesh().edges.unbalanced == 0;
+        const bool is_inside = is_balanced ? position.winding != 0 : position.crossings % 2 != 0;
+        answer.winding = position.winding;
+        answer.judgement.outcome = !position.is_resolved              ? MeshOutcome::unresolved
+                                   : position.on_surface              ? MeshOutcome::on_surface
+                                   : is_inside == (answer.count != 0) ? MeshOutcome::agree
+                                   : is_inside                        ? MeshOutcome::false_outside
+                                                                      : MeshOutcome::false_inside;
     }
     void find_errors(JudgedAnswer& answer) const {
         const FloatFormat& format = dump_.format().parameters;
         answer.ulps.assign(answer.hits.size(), truth::missing);
         for (std::size_t k = 0; k < answer.hits.size(); ++k) {
-            const crossing::MeshCrossing* const met = answer.judgement.met[k];
+            const crossing::MeshCrossing* const owner = answer.judgement.met[k];
             const double t = answer.hits[k].t;
-            if (met != nullptr && request_.contract.has_t && !std::isnan(t))
-                answer.ulps[k] = truth::ulp_error(t, request_.contract.unit ? met->distance : met->t, format);
+            if (owner != nullptr && request_.contract.has_t && !std::isnan(t))
+                answer.ulps[k] = truth::ulp_error(t, request_.contract.unit ? owner->distance : owner->t, format);
         }
-        answer.judgement.met.clear();  // the crossings end here
+        answer.judgement.met.clear();  // the crossings do not outlive `judge`
     }
 
     void add(const JudgedAnswer& answer) {
@@ -165,17 +166,17 @@ private:
     const ShowAnswers& show_;
     PrimitiveList<double> primitives_;
     culling::Culler culler_;
-    std::vector<JudgedAnswer> waiting_ = {};  ///< answers that were read and not judged
-    std::uint64_t bytes_ = 0;                 ///< their bytes in the file
+    std::vector<JudgedAnswer> pending_ = {};  ///< answers that were read but not judged yet
+    std::uint64_t bytes_ = 0;                 ///< number of bytes of the file that they take
     MeshAnswersResult result_;
 };
 
 }  // namespace
 
 std::uint64_t MeshAnswersResult::faults() const {
-    std::uint64_t all = 0;
-    for (std::size_t o = 0; o < outcomes.size(); ++o) all += is_fault(static_cast<MeshOutcome>(o)) ? outcomes[o] : 0;
-    return all;
+    std::uint64_t sum = 0;
+    for (std::size_t o = 0; o < outcomes.size(); ++o) sum += is_fault(static_cast<MeshOutcome>(o)) ? outcomes[o] : 0;
+    return sum;
 }
 
 void require_inside(const scene::triangle::Mesh& mesh, const std::string& file) {

@@ -23,16 +23,16 @@ struct MeshAnswersRequest {
     std::function<void(std::uint64_t bytes)> progress = [](std::uint64_t) {};
 };
 
-/// A ray, or a point, of the file with its answer and what is true.
+/// A ray or point of the file with its answer and the result of judging it.
 struct JudgedAnswer {
-    std::uint64_t record = 0;  ///< index of its first record in the file, from 0
-    Ray<double> ray{};         ///< for a point: its origin
+    std::uint64_t record = 0;  ///< index in the file, from 0, of its first record
+    Ray<double> ray{};         ///< for a point, its origin is the point
     Range<double> range{};
-    std::vector<ListedHit> hits = {};  ///< for `all_hits`
-    std::int32_t count = 0;            ///< the answer, for other kinds; the number of hits for `all_hits`
-    ListJudgement judgement = {};      ///< for other kinds than `all_hits`, outcome and crossings alone
-    std::vector<double> ulps = {};  ///< for each hit: (t − t*)/ulp(t*); NaN where the ray does not meet its triangle
-    std::int32_t winding = 0;       ///< for points
+    std::vector<ListedHit> hits = {};  ///< filled for `all_hits` only
+    std::int32_t count = 0;            ///< the answer as in the file; for `all_hits`, the number of hits
+    ListJudgement judgement = {};      ///< for kinds other than `all_hits`, only `outcome` and `crossings` are set
+    std::vector<double> ulps = {};     ///< (t − t*)/ulp(t*) of each hit; NaN if the ray does not meet its triangle
+    std::int32_t winding = 0;          ///< filled for points only
 };
 
 /// Receives the answers of consecutive records, in the order of the file.
@@ -44,17 +44,18 @@ struct MeshAnswersResult {
     std::array<std::uint64_t, mesh_outcome_rows.size()> outcomes{};
     /// The first ray or point of each outcome that is a fault.
     std::array<std::optional<JudgedAnswer>, mesh_outcome_rows.size()> first{};
-    /// For lists: true crossings, listed hits, crossings without a hit, hits beyond the first of a crossing, hits that
-    /// are no crossing, and hits beside the right triangle. `crossings` is known for numbers of crossings, too.
+    /// For lists: numbers of true crossings, of listed hits, of crossings without a hit, of hits beyond the first of a
+    /// crossing, of hits that are not a crossing, and of hits beside the right triangle. For numbers of crossings,
+    /// `crossings` is also set.
     std::uint64_t crossings = 0, listed = 0, missing = 0, doubled = 0, wrong = 0, neighbours = 0;
     metric::Distribution ulps, lost_bits;  ///< of the hits whose triangle the ray meets
-    std::uint64_t rounded = 0;             ///< numbers of the file that its format cannot represent
+    std::uint64_t rounded = 0;             ///< number of values in the file that its format cannot represent
 
     [[nodiscard]] std::uint64_t of(MeshOutcome outcome) const { return outcomes[static_cast<std::size_t>(outcome)]; }
     [[nodiscard]] std::uint64_t faults() const;
 };
 
-/// Throws InputError if points cannot be said to be inside of the mesh or not: if an edge has an odd number of faces.
+/// Throws InputError if an edge of the mesh has an odd number of faces, so that no point is inside or outside.
 void require_inside(const scene::triangle::Mesh& mesh, const std::string& file);
 
 /// Reads the dump to its end. Memory grows with the number of hits of a ray, not with the file. The results do not

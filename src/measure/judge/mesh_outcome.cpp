@@ -30,21 +30,23 @@ bool can_be(MeshOutcome outcome, AnswerKind kind) {
 }
 
 SurfaceCrossings::SurfaceCrossings(const MeshCrossings& crossings, intersect::Facing facing) {
-    for (const MeshCrossing& one : crossings.in_order) {
-        const auto same = [&one](const Surface& s) { return s.place == one.place && s.front == one.front; };
-        auto found = std::ranges::find_if(all_, same);
-        if (found == all_.end()) found = all_.insert(all_.end(), {one.place, one.front, {}});
-        found->owners.push_back(&one);
+    for (const MeshCrossing& owner : crossings.in_order) {
+        const auto is_same_surface = [&owner](const Surface& s) {
+            return s.rank == owner.rank && s.front == owner.front;
+        };
+        auto found = std::ranges::find_if(surfaces_, is_same_surface);
+        if (found == surfaces_.end()) found = surfaces_.insert(surfaces_.end(), {owner.rank, owner.front, {}});
+        found->owners.push_back(&owner);
     }
-    for (Surface& s : all_)
+    for (Surface& s : surfaces_)
         s.touches = std::ranges::any_of(
-            all_, [&s](const Surface& other) { return other.place == s.place && other.front != s.front; });
+            surfaces_, [&s](const Surface& other) { return other.rank == s.rank && other.front != s.front; });
     if (facing != intersect::Facing::both)
-        std::erase_if(all_, [&](const Surface& s) { return s.front != (facing == intersect::Facing::front); });
+        std::erase_if(surfaces_, [&](const Surface& s) { return s.front != (facing == intersect::Facing::front); });
 }
 
 std::size_t SurfaceCrossings::certain() const {
-    return static_cast<std::size_t>(std::ranges::count_if(all_, [](const Surface& s) { return !s.touches; }));
+    return static_cast<std::size_t>(std::ranges::count_if(surfaces_, [](const Surface& s) { return !s.touches; }));
 }
 
 namespace {
@@ -56,7 +58,7 @@ bool is_at_border(const Ray<double>& ray, const Surface& surface, const MeshColu
     });
 }
 
-/// The hits of one list, each with the crossing that it is.
+/// Hits of one list, and the crossing that each hit is.
 class ListedHits {
 public:
     ListedHits(const Ray<double>& ray, std::span<const ListedHit> hits, const MeshCrossings& crossings,
@@ -66,97 +68,99 @@ public:
           mesh_(mesh),
           contract_(contract),
           surfaces_(crossings, contract.facing),
-          times_(surfaces_.all().size()) {
-        found_.met.resize(hits.size());
-        found_.crossings = surfaces_.all().size();
-        is_.assign(hits.size(), none);
-        for (std::size_t i = 0; i < hits.size(); ++i) find_owned(i);
+          listed_counts_(surfaces_.all().size()) {
+        judgement_.met.resize(hits.size());
+        judgement_.crossings = surfaces_.all().size();
+        surface_of_hit_.assign(hits.size(), no_surface);
+        for (std::size_t i = 0; i < hits.size(); ++i) match_owned(i);
         for (std::size_t i = 0; i < hits.size(); ++i)
-            if (is_[i] == none) find_beside(i);
+            if (surface_of_hit_[i] == no_surface) match_beside(i);
     }
 
-    [[nodiscard]] ListJudgement judged() {
+    [[nodiscard]] ListJudgement judgement() {
         count_missing();
-        for (const std::size_t n : times_) found_.doubled += n > 1 ? n - 1 : 0;
-        found_.wrong = static_cast<std::size_t>(std::ranges::count(is_, none));
-        take(found_.neighbours > 0, MeshOutcome::wrong_neighbour);
-        take(is_out_of_order(), MeshOutcome::out_of_order);
-        take(found_.doubled > 0, MeshOutcome::double_hit);
-        take(found_.missing > 0, MeshOutcome::missing_hit);
-        take(found_.wrong > 0, MeshOutcome::false_hit);
-        take(leaks_ && found_.wrong % 2 != found_.missing % 2, MeshOutcome::crack);
-        take(contract_.has_t && std::ranges::any_of(hits_, [](const ListedHit& h) { return std::isnan(h.t); }),
-             MeshOutcome::not_a_number);
-        return std::move(found_);
+        for (const std::size_t n : listed_counts_) judgement_.doubled += n > 1 ? n - 1 : 0;
+        judgement_.wrong = static_cast<std::size_t>(std::ranges::count(surface_of_hit_, no_surface));
+        set_outcome_if(judgement_.neighbours > 0, MeshOutcome::wrong_neighbour);
+        set_outcome_if(is_out_of_order(), MeshOutcome::out_of_order);
+        set_outcome_if(judgement_.doubled > 0, MeshOutcome::double_hit);
+        set_outcome_if(judgement_.missing > 0, MeshOutcome::missing_hit);
+        set_outcome_if(judgement_.wrong > 0, MeshOutcome::false_hit);
+        set_outcome_if(leaks_ && judgement_.wrong % 2 != judgement_.missing % 2, MeshOutcome::crack);
+        set_outcome_if(
+            contract_.has_t && std::ranges::any_of(hits_, [](const ListedHit& h) { return std::isnan(h.t); }),
+            MeshOutcome::not_a_number);
+        return std::move(judgement_);
     }
 
 private:
-    static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+    static constexpr std::size_t no_surface = std::numeric_limits<std::size_t>::max();
 
-    void take(bool is, MeshOutcome outcome) {
-        if (is) found_.outcome = outcome;
+    void set_outcome_if(bool has_fault, MeshOutcome outcome) {
+        if (has_fault) judgement_.outcome = outcome;
     }
-    void find_owned(std::size_t i) {
-        const auto& all = surfaces_.all();
-        for (std::size_t s = 0; s < all.size(); ++s)
-            for (const MeshCrossing* const owner : all[s].owners)
+    void match_owned(std::size_t i) {
+        const auto& surfaces = surfaces_.all();
+        for (std::size_t s = 0; s < surfaces.size(); ++s)
+            for (const MeshCrossing* const owner : surfaces[s].owners)
                 if (static_cast<std::int64_t>(owner->triangle) == hits_[i].triangle) {
-                    is_[i] = s, found_.met[i] = owner;
-                    ++times_[s];
+                    surface_of_hit_[i] = s, judgement_.met[i] = owner;
+                    ++listed_counts_[s];
                     return;
                 }
     }
-    /// Takes a triangle that is not met for one of the crossings beside it: for one without a hit, and for the nearest
-    /// of these.
-    void find_beside(std::size_t i) {
+    /// Assigns a hit, whose triangle the ray does not meet, to a crossing of a triangle with a common vertex:
+    /// preferably to a crossing without a hit, and among equals to the nearest.
+    void match_beside(std::size_t i) {
         const auto triangle = static_cast<std::size_t>(hits_[i].triangle);
         const int facing = crossing::facing_of(ray_, mesh_[triangle]).value_or(0);
-        const auto& all = surfaces_.all();
+        const auto& surfaces = surfaces_.all();
         const auto distance = [&](std::size_t s) {
-            const MeshCrossing& owner = *all[s].owners.front();
+            const MeshCrossing& owner = *surfaces[s].owners.front();
             return contract_.has_t
                        ? std::fabs(truth::scaled_difference(truth::exactly(std::isfinite(hits_[i].t) ? hits_[i].t : 0),
                                                             contract_.unit ? owner.distance : owner.t, 0))
                        : 0;
         };
-        for (std::size_t s = 0; s < all.size(); ++s) {
-            if (facing != 0 && (facing > 0) != all[s].front) continue;
-            const bool beside = std::ranges::any_of(all[s].owners, [&](const MeshCrossing* owner) {
+        for (std::size_t s = 0; s < surfaces.size(); ++s) {
+            if (facing != 0 && (facing > 0) != surfaces[s].front) continue;
+            const bool shares_vertex = std::ranges::any_of(surfaces[s].owners, [&](const MeshCrossing* owner) {
                 return mesh_.mesh().share_a_vertex(owner->triangle, triangle);
             });
-            if (!beside) continue;
-            const auto order = [&](std::size_t k) { return std::pair(times_[k] > 0, distance(k)); };
-            if (is_[i] == none || order(s) < order(is_[i])) is_[i] = s;
+            if (!shares_vertex) continue;
+            const auto rank = [&](std::size_t k) { return std::pair(listed_counts_[k] > 0, distance(k)); };
+            if (surface_of_hit_[i] == no_surface || rank(s) < rank(surface_of_hit_[i])) surface_of_hit_[i] = s;
         }
-        if (is_[i] == none) return;
-        if (times_[is_[i]] == 0) ++found_.neighbours;
-        ++times_[is_[i]];
+        if (surface_of_hit_[i] == no_surface) return;
+        if (listed_counts_[surface_of_hit_[i]] == 0) ++judgement_.neighbours;
+        ++listed_counts_[surface_of_hit_[i]];
     }
-    /// Also finds out whether light leaks at a missing crossing.
+    /// Counts the missing crossings, and finds out whether light leaks through one of them.
     void count_missing() {
-        const auto& all = surfaces_.all();
-        for (std::size_t s = 0; s < all.size(); ++s) {
-            if (times_[s] > 0) continue;
-            const bool border = is_at_border(ray_, all[s], mesh_);
-            const bool rim = std::ranges::any_of(all[s].owners, &MeshCrossing::at_rim);
-            if (contract_.touching_may_miss && (is_touched_only(s) || (border && rim))) continue;
-            ++found_.missing;
-            leaks_ = leaks_ || !border;
+        const auto& surfaces = surfaces_.all();
+        for (std::size_t s = 0; s < surfaces.size(); ++s) {
+            if (listed_counts_[s] > 0) continue;
+            const bool is_border = is_at_border(ray_, surfaces[s], mesh_);
+            const bool is_at_rim = std::ranges::any_of(surfaces[s].owners, &MeshCrossing::at_rim);
+            if (contract_.touching_may_miss && (is_touched_only(s) || (is_border && is_at_rim))) continue;
+            ++judgement_.missing;
+            leaks_ = leaks_ || !is_border;
         }
     }
-    /// True if the ray meets both sides at this t and neither is in the list.
+    /// True if the ray meets both sides at this t and the list has neither.
     [[nodiscard]] bool is_touched_only(std::size_t s) const {
-        const auto& all = surfaces_.all();
-        bool listed = false;
-        for (std::size_t k = 0; k < all.size(); ++k) listed = listed || (all[k].place == all[s].place && times_[k] > 0);
-        return all[s].touches && !listed;
+        const auto& surfaces = surfaces_.all();
+        bool is_listed = false;
+        for (std::size_t k = 0; k < surfaces.size(); ++k)
+            is_listed = is_listed || (surfaces[k].rank == surfaces[s].rank && listed_counts_[k] > 0);
+        return surfaces[s].touches && !is_listed;
     }
     [[nodiscard]] bool is_out_of_order() const {
-        int last = -1;
-        for (const std::size_t s : is_) {
-            if (s == none) continue;
-            if (surfaces_.all()[s].place < last) return true;
-            last = surfaces_.all()[s].place;
+        int last_rank = -1;
+        for (const std::size_t s : surface_of_hit_) {
+            if (s == no_surface) continue;
+            if (surfaces_.all()[s].rank < last_rank) return true;
+            last_rank = surfaces_.all()[s].rank;
         }
         return false;
     }
@@ -166,10 +170,10 @@ private:
     const MeshColumns& mesh_;
     const MeshContract& contract_;
     SurfaceCrossings surfaces_;
-    std::vector<std::size_t> times_;  ///< how often each crossing is in the list
-    std::vector<std::size_t> is_;     ///< the crossing that each hit is
+    std::vector<std::size_t> listed_counts_;   ///< number of hits of each crossing in the list
+    std::vector<std::size_t> surface_of_hit_;  ///< index of the crossing that each hit is
     bool leaks_ = false;
-    ListJudgement found_;
+    ListJudgement judgement_;
 };
 
 }  // namespace
@@ -177,20 +181,20 @@ private:
 ListJudgement judge_list(const Ray<double>& ray, std::span<const ListedHit> hits, const MeshCrossings& crossings,
                          const MeshColumns& mesh, const MeshContract& contract) {
     if (!crossings.is_resolved) return {.outcome = MeshOutcome::unresolved, .met = {hits.size(), nullptr}};
-    return ListedHits(ray, hits, crossings, mesh, contract).judged();
+    return ListedHits(ray, hits, crossings, mesh, contract).judgement();
 }
 
 MeshOutcome judge_count(const Ray<double>& ray, std::int32_t count, bool parity, const MeshCrossings& crossings,
                         const MeshColumns& mesh, const MeshContract& contract) {
     if (!crossings.is_resolved) return MeshOutcome::unresolved;
     const SurfaceCrossings surfaces(crossings, contract.facing);
-    const auto counted = static_cast<std::size_t>(count), all = surfaces.all().size(), least = surfaces.certain();
-    if (counted % 2 == all % 2 && (parity || (counted >= least && counted <= all))) return MeshOutcome::agree;
-    if (all == 0) return MeshOutcome::false_hit;
-    const bool border =
+    const auto answer = static_cast<std::size_t>(count), total = surfaces.all().size(), least = surfaces.certain();
+    if (answer % 2 == total % 2 && (parity || (answer >= least && answer <= total))) return MeshOutcome::agree;
+    if (total == 0) return MeshOutcome::false_hit;
+    const bool is_border =
         std::ranges::all_of(surfaces.all(), [&](const Surface& s) { return is_at_border(ray, s, mesh); });
-    if (counted % 2 != all % 2 && !border) return MeshOutcome::crack;
-    return counted < all ? MeshOutcome::missing_hit : MeshOutcome::false_hit;
+    if (answer % 2 != total % 2 && !is_border) return MeshOutcome::crack;
+    return answer < total ? MeshOutcome::missing_hit : MeshOutcome::false_hit;
 }
 
 }  // namespace lostbits::measure::judge

@@ -31,7 +31,7 @@ enum class MeshOutcome : std::uint8_t {
     unresolved
 };
 
-/// A name and its meaning for all kinds of answers.
+/// Name of an outcome, and its meaning for all kinds of answers.
 struct MeshOutcomeRow {
     std::string_view name, meaning;
 };
@@ -70,30 +70,31 @@ struct ListedHit {
 struct MeshContract {
     bool has_t = true;
     bool unit = false;  ///< t is a distance
-    /// A ray that only touches the surface, at a fold or a border, may also be listed without that hit.
+    /// A ray that only touches the surface, at a fold or a border, may also be listed without this hit.
     bool touching_may_miss = false;
     intersect::Facing facing = intersect::Facing::both;  ///< side from which triangles are hit
 };
 
-/// All crossings of a ray, grouped as crossings of the surface: triangles that are met at one t from one side are one
-/// crossing.
+/// All crossings of a ray, grouped as crossings of the surface: triangles that the ray meets at one t from one side are
+/// one crossing.
 class SurfaceCrossings {
 public:
-    /// `crossings` must outlive it.
+    /// `crossings` must outlive this object.
     SurfaceCrossings(const crossing::MeshCrossings& crossings, intersect::Facing facing);
 
     struct Surface {
-        int place;
+        /// Rank in the order of t; crossings at the same t have the same rank.
+        int rank;
         bool front;
         std::vector<const crossing::MeshCrossing*> owners;
         bool touches = false;  ///< the ray meets a surface of the other side at the same t
     };
-    [[nodiscard]] const std::vector<Surface>& all() const { return all_; }
-    /// The number of crossings without those where the ray only touches the surface.
+    [[nodiscard]] const std::vector<Surface>& all() const { return surfaces_; }
+    /// The number of crossings, except those where the ray only touches the surface.
     [[nodiscard]] std::size_t certain() const;
 
 private:
-    std::vector<Surface> all_;
+    std::vector<Surface> surfaces_;
 };
 
 /// Result of comparing the hits that are listed for a ray with the true ones.
@@ -108,16 +109,16 @@ struct ListJudgement {
 ///
 /// A hit is the crossing that its triangle owns. A triangle that the ray does not meet, but that shares a vertex with
 /// an owner of a crossing and does not face the other way, is a `wrong_neighbour` of that crossing if no other hit is
-/// this crossing, and a `double_hit` otherwise. Any other hit is false. A crossing without a hit is missing, and the
-/// ray is a `crack` if a crossing is missing and the number of different crossings in the list, false ones included,
-/// differs from the true number by an odd number. At a border of the mesh it stays a missing hit.
+/// this crossing, and a `double_hit` otherwise. Any other hit is false. A crossing without a hit is missing. The ray is
+/// a `crack` if a crossing is missing and the number of different crossings in the list, false ones included, differs
+/// from the true number by an odd number. At a border of the mesh, the outcome stays `missing_hit`.
 ListJudgement judge_list(const Ray<double>& ray, std::span<const ListedHit> hits,
                          const crossing::MeshCrossings& crossings, const scene::rays::MeshColumns& mesh,
                          const MeshContract& contract);
 
-/// Compares a number of crossings, or its parity, with all crossings of a ray. Where the ray only touches the surface,
-/// the two crossings may be counted or not. It is a `crack` if the ray crosses the surface and the number differs from
-/// the true one by an odd number, unless the ray passes all its crossings at borders of the mesh.
+/// Compares a number of crossings, or its parity, with all crossings of a ray. If the ray only touches the surface, the
+/// two crossings may be counted or not. The outcome is `crack` if the ray crosses the surface and the number differs
+/// from the true one by an odd number, unless the ray passes all its crossings at borders of the mesh.
 MeshOutcome judge_count(const Ray<double>& ray, std::int32_t count, bool parity,
                         const crossing::MeshCrossings& crossings, const scene::rays::MeshColumns& mesh,
                         const MeshContract& contract);

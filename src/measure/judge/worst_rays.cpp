@@ -8,8 +8,8 @@ namespace lostbits::measure::judge {
 
 using answer::Outcome;
 
-ReportedRay WorstRays::note(std::uint64_t first, std::size_t i, const evaluate::BandResult& result) const {
-    // Two primitives decide which hit is nearest: that of the form and the true one.
+ReportedRay WorstRays::reported_ray(std::uint64_t first, std::size_t i, const evaluate::BandResult& result) const {
+    // Two primitives decide which hit is nearest: the one that the form hits and the one truly hit.
     std::set<int> deciding;
     if (result.answers->march.empty()) {
         if (result.answers->hit[i] != 0) deciding.insert(result.answers->object[i]);
@@ -21,41 +21,44 @@ ReportedRay WorstRays::note(std::uint64_t first, std::size_t i, const evaluate::
             .given = result.band->given(i, deciding)};
 }
 
-bool WorstRays::is_kept(double error) const { return errors_.size() < most_ || error > std::fabs(errors_.back().ulps); }
-
-void WorstRays::keep_error(ReportedRay&& ray) {
-    const auto size = [](const ReportedRay& kept) { return std::fabs(kept.ulps); };
-    if (errors_.size() == most_) errors_.pop_back();
-    errors_.insert(std::ranges::upper_bound(errors_, size(ray), std::greater<>(), size), std::move(ray));
+bool WorstRays::is_among_worst(double error) const {
+    return errors_.size() < most_rays_ || error > std::fabs(errors_.back().ulps);
 }
 
-void WorstRays::keep_fault(ReportedRay&& ray) {
+void WorstRays::insert_error(ReportedRay&& ray) {
+    const auto magnitude = [](const ReportedRay& ray_kept) { return std::fabs(ray_kept.ulps); };
+    if (errors_.size() == most_rays_) errors_.pop_back();
+    errors_.insert(std::ranges::upper_bound(errors_, magnitude(ray), std::greater<>(), magnitude), std::move(ray));
+}
+
+void WorstRays::add_fault(ReportedRay&& ray) {
     auto& faults = faults_[static_cast<std::size_t>(ray.outcome)];
-    if (faults.size() < most_) faults.push_back(std::move(ray));
+    if (faults.size() < most_rays_) faults.push_back(std::move(ray));
 }
 
 void WorstRays::look_at(std::uint64_t first, const evaluate::BandResult& result) {
-    if (most_ == 0) return;
+    if (most_rays_ == 0) return;
     const std::vector<double>& ulps = result.metrics[ulp_error_];
     for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
         const Outcome outcome = result.outcomes[i];
         if (outcome == Outcome::agree_miss || outcome == Outcome::unresolved) continue;
         if (outcome != Outcome::agree_hit) {
-            if (faults_[static_cast<std::size_t>(outcome)].size() < most_) keep_fault(note(first, i, result));
+            if (faults_[static_cast<std::size_t>(outcome)].size() < most_rays_)
+                add_fault(reported_ray(first, i, result));
             continue;
         }
         // An answer with an error of at most half an ulp is never reported as the worst.
         const double error = std::fabs(ulps[i]);
-        if (error > 0.5 && is_kept(error)) keep_error(note(first, i, result));
+        if (error > 0.5 && is_among_worst(error)) insert_error(reported_ray(first, i, result));
     }
 }
 
-void WorstRays::append(WorstRays&& after) {
-    for (ReportedRay& ray : after.errors_) {
-        if (is_kept(std::fabs(ray.ulps))) keep_error(std::move(ray));
+void WorstRays::append(WorstRays&& next) {
+    for (ReportedRay& ray : next.errors_) {
+        if (is_among_worst(std::fabs(ray.ulps))) insert_error(std::move(ray));
     }
-    for (auto& faults : after.faults_) {
-        for (ReportedRay& ray : faults) keep_fault(std::move(ray));
+    for (auto& faults : next.faults_) {
+        for (ReportedRay& ray : faults) add_fault(std::move(ray));
     }
 }
 

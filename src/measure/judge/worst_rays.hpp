@@ -1,4 +1,4 @@
-// Rays of one row for a closer look: the largest errors, and the first wrong decisions of each kind.
+// Rays of one row to look at more closely: the largest errors, and the first wrong decisions of each kind.
 #pragma once
 
 #include <array>
@@ -17,33 +17,33 @@ struct ReportedRay {
     std::shared_ptr<const scene::rays::RayGroup> given = {};
 };
 
-/// Keeps up to `most` rays of each kind: correct hits with the largest |ulp_error|, the first among equal ones, and the
-/// first rays with each wrong decision.
+/// Keeps up to `most` rays of each kind: correct hits with the largest |ulp_error|, the first among equal errors, and
+/// the first rays with each wrong decision.
 class WorstRays {
 public:
-    /// `ulp_error` is the index of that metric among the measured ones.
-    explicit WorstRays(std::size_t most = 0, std::size_t ulp_error = 0) : most_(most), ulp_error_(ulp_error) {}
+    /// `ulp_error` is the index of that metric among the measured metrics.
+    explicit WorstRays(std::size_t most = 0, std::size_t ulp_error = 0) : most_rays_(most), ulp_error_(ulp_error) {}
 
-    /// Adds rays of the file, from number `first` on.
+    /// Adds rays of the file, from index `first` on.
     void look_at(std::uint64_t first, const evaluate::BandResult& result);
-    /// Adds the rays that come next in the file.
-    void append(WorstRays&& after);
+    /// Adds the next rays of the file.
+    void append(WorstRays&& next);
     /// The largest errors, followed by the wrong decisions in the file's order.
     [[nodiscard]] std::vector<ReportedRay> all() const;
 
     template <class Bits>
     void fields(Bits& bits) {
-        bits(most_, ulp_error_, errors_, faults_);
+        bits(most_rays_, ulp_error_, errors_, faults_);
     }
 
 private:
-    void keep_error(ReportedRay&& ray);
-    void keep_fault(ReportedRay&& ray);
-    [[nodiscard]] bool is_kept(double error) const;
-    ReportedRay note(std::uint64_t first, std::size_t i, const evaluate::BandResult& result) const;
+    void insert_error(ReportedRay&& ray);
+    void add_fault(ReportedRay&& ray);
+    [[nodiscard]] bool is_among_worst(double error) const;
+    ReportedRay reported_ray(std::uint64_t first, std::size_t i, const evaluate::BandResult& result) const;
 
-    std::size_t most_, ulp_error_;
-    std::vector<ReportedRay> errors_;  ///< in descending order
+    std::size_t most_rays_, ulp_error_;
+    std::vector<ReportedRay> errors_;  ///< in descending order of |ulp_error|
     std::array<std::vector<ReportedRay>, answer::outcome_names.size()> faults_;
 };
 

@@ -1,4 +1,4 @@
-// Metrics of the ray that a form is given: its distance from the ideal one.
+// Metrics of the ray that a form is given: its distance from the ideal ray.
 
 #include <cmath>
 
@@ -14,13 +14,13 @@ using truth::missing;
 namespace {
 
 bool is_finite(const Vec<double>& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-bool vanishes(const Vec<double>& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
+bool is_zero(const Vec<double>& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
 
 Real largest(const Vec<Real>& v) { return max(max(Real(abs(v.x)), Real(abs(v.y))), Real(abs(v.z))); }
 
 /// Lost bits of the largest component of the difference, which is measured in ulps of the largest component of the true
 /// vector.
-double bits_off(const Vec<Real>& given, const Vec<Real>& truth, const FloatFormat& format) {
+double vector_lost_bits(const Vec<Real>& given, const Vec<Real>& truth, const FloatFormat& format) {
     const Real size = largest(truth);
     long floor_log2 = format.emin;
     if (size != 0) {
@@ -34,7 +34,7 @@ double bits_off(const Vec<Real>& given, const Vec<Real>& truth, const FloatForma
 
 Vec<Real> unit(const Vec<Real>& v) { return (1 / length(v)) * v; }
 
-bool has_direction(const Sample& s) { return is_finite(s.ray->direction) && !vanishes(s.ray->direction); }
+bool has_direction(const Sample& s) { return is_finite(s.ray->direction) && !is_zero(s.ray->direction); }
 
 // Errors are infinite, and lost bits are the precision p, if a component is NaN or infinite or a direction is zero.
 
@@ -47,7 +47,7 @@ double origin_error(const Sample& s) {
 double origin_lost_bits(const Sample& s) {
     if (!s.true_ray) return missing;
     if (!is_finite(s.ray->origin)) return s.format->parameters.precision;
-    return bits_off(lift_vec<Real>(s.ray->origin), s.true_ray->origin, s.format->parameters);
+    return vector_lost_bits(lift_vec<Real>(s.ray->origin), s.true_ray->origin, s.format->parameters);
 }
 
 /// Computed from the sine and the cosine, which is accurate near 0 and near a right angle.
@@ -61,7 +61,7 @@ double direction_error(const Sample& s) {
 double direction_lost_bits(const Sample& s) {
     if (!s.true_ray) return missing;
     if (!has_direction(s)) return s.format->parameters.precision;
-    return bits_off(unit(lift_vec<Real>(s.ray->direction)), unit(s.true_ray->direction), s.format->parameters);
+    return vector_lost_bits(unit(lift_vec<Real>(s.ray->direction)), unit(s.true_ray->direction), s.format->parameters);
 }
 
 /// |d/(d·f) − d*/(d*·f)| over the side of a pixel, both at distance 1 in front of the eye. f is the direction in which
@@ -69,38 +69,38 @@ double direction_lost_bits(const Sample& s) {
 double pixel_error(const Sample& s) {
     if (!s.true_ray || !s.frame) return missing;
     if (!has_direction(s)) return HUGE_VAL;
-    const Vec<Real> d = lift_vec<Real>(s.ray->direction), &truth = s.true_ray->direction, &ahead = s.frame->forward;
-    const Real depth = dot(d, ahead);
+    const Vec<Real> d = lift_vec<Real>(s.ray->direction), &truth = s.true_ray->direction, &forward = s.frame->forward;
+    const Real depth = dot(d, forward);
     if (depth <= 0) return HUGE_VAL;
-    const Real off = length((1 / depth) * d - (1 / dot(truth, ahead)) * truth);
-    return Real(off / s.frame->pitch).convert_to<double>();
+    const Real distance = length((1 / depth) * d - (1 / dot(truth, forward)) * truth);
+    return Real(distance / s.frame->pitch).convert_to<double>();
 }
 
 /// Metrics that are measured on every ray, whatever the form answers.
 constexpr Metric rows_of_rays[] = {
-    tabled({"origin_error", "length", "ray.origin"},
-           "|o - o*|: distance between the origins of the ray that the form is given and of the ideal ray, in the "
-           "scene's unit of length",
-           origin_error,
-           {.needs = needs_true_ray, .ramp = Ramp::magnitude, .high = 0x1p+10, .domain = MetricDomain::every}),
-    tabled({"origin_lost_bits", "bits", "ray.origin_bits"},
-           "clamp(log2(2 e), 0, p), e the largest component of o - o* in ulps of the largest of o*", origin_lost_bits,
-           {.needs = needs_true_ray, .domain = MetricDomain::every}),
-    tabled({"direction_error", "radian", "ray.direction"},
-           "angle between the direction that the form is given and the ideal one", direction_error,
-           {.needs = needs_true_ray, .ramp = Ramp::magnitude, .high = 0x1p+1, .domain = MetricDomain::every}),
-    tabled({"direction_lost_bits", "bits", "ray.direction_bits"},
-           "clamp(log2(2 e), 0, p), e the largest component of d/|d| - d*/|d*| in ulps of the largest of d*/|d*|",
-           direction_lost_bits, {.needs = needs_true_ray, .domain = MetricDomain::every}),
-    tabled({"pixel_error", "pixels", "ray.pixel"},
-           "for a camera whose rays each format makes: distance between the middle of the pixel and the point where "
-           "the direction meets the picture; infinite where the direction points away from the picture",
-           pixel_error,
-           {.needs = needs_true_ray,
-            .ramp = Ramp::magnitude,
-            .low = 0x1p-10,
-            .high = 0x1p+6,
-            .domain = MetricDomain::every})};
+    table_row({"origin_error", "length", "ray.origin"},
+              "|o - o*|: distance between the origins of the ray that the form is given and of the ideal ray, in the "
+              "scene's unit of length",
+              origin_error,
+              {.needs = needs_true_ray, .ramp = Ramp::magnitude, .high = 0x1p+10, .domain = MetricDomain::every}),
+    table_row({"origin_lost_bits", "bits", "ray.origin_bits"},
+              "clamp(log2(2 e), 0, p), e the largest component of o - o* in ulps of the largest of o*",
+              origin_lost_bits, {.needs = needs_true_ray, .domain = MetricDomain::every}),
+    table_row({"direction_error", "radian", "ray.direction"},
+              "angle between the direction that the form is given and the ideal one", direction_error,
+              {.needs = needs_true_ray, .ramp = Ramp::magnitude, .high = 0x1p+1, .domain = MetricDomain::every}),
+    table_row({"direction_lost_bits", "bits", "ray.direction_bits"},
+              "clamp(log2(2 e), 0, p), e the largest component of d/|d| - d*/|d*| in ulps of the largest of d*/|d*|",
+              direction_lost_bits, {.needs = needs_true_ray, .domain = MetricDomain::every}),
+    table_row({"pixel_error", "pixels", "ray.pixel"},
+              "for a camera whose rays each format makes: distance between the middle of the pixel and the point where "
+              "the direction meets the picture; infinite where the direction points away from the picture",
+              pixel_error,
+              {.needs = needs_true_ray,
+               .ramp = Ramp::magnitude,
+               .low = 0x1p-10,
+               .high = 0x1p+6,
+               .domain = MetricDomain::every})};
 
 }  // namespace
 

@@ -24,21 +24,21 @@ double in_ulps(const Sample& s, const truth::Certified& x, const truth::Certifie
 double error_at_zero(const Sample& s) {
     if (!s.truth->is_zero() || !s.primitive) return missing;
     if (s.t == 0) return 0;
-    double most = 0;
-    const auto see = [&most](double x) { most = std::max(most, std::fabs(x)); };
-    for (int axis = 0; axis < 3; ++axis) see(s.ray->origin[axis]);
+    double largest = 0;
+    const auto include = [&largest](double x) { largest = std::max(largest, std::fabs(x)); };
+    for (int axis = 0; axis < 3; ++axis) include(s.ray->origin[axis]);
     for_each_key(s.primitive->shape, [&](const Key& key, std::size_t first) {
         for (std::size_t k = first; k < first + key.count(); ++k)
-            if (key.kind != Key::Kind::direction && !s.primitive->placed) see(s.primitive->numbers[k]);
+            if (key.kind != Key::Kind::direction && !s.primitive->placed) include(s.primitive->numbers[k]);
     });
-    return in_roundoffs(distance_error(s) / most, s);
+    return in_roundoffs(distance_error(s) / largest, s);
 }
 
 double root(const Sample& s) {
     if (s.march) return missing;
     if (s.outcome != answer::Outcome::agree_hit || !s.primitive) return 0;
-    const bool is_near = std::fabs(ulp_error(s)) <= 8;  // the format cannot tell crossings this near apart
-    return !is_near && stability::is_wrong_root(*s.ray, *s.primitive, *s.truth, s.t) ? 2 : 1;
+    const bool is_close = std::fabs(ulp_error(s)) <= 8;  // the format cannot distinguish crossings that are this near
+    return !is_close && stability::is_wrong_root(*s.ray, *s.primitive, *s.truth, s.t) ? 2 : 1;
 }
 
 double derivative_error(const Sample& s) {
@@ -46,20 +46,20 @@ double derivative_error(const Sample& s) {
     if (s.attribution->attribution->subject != s.attribution->tape->outputs.t) return missing;
     const std::vector<double> exact = truth::gradient(*s.ray, *s.primitive, s.convention, s.range);
     if (exact.empty()) return missing;
-    const std::vector<double> own = stability::forward_derivatives(*s.attribution->tape);
+    const std::vector<double> computed = stability::forward_derivatives(*s.attribution->tape);
     double worst = 0;
-    const auto see = [&](std::size_t first, std::size_t count) {
-        double size = 0, off = 0;
+    const auto compare_vector = [&](std::size_t first, std::size_t count) {
+        double largest = 0, error = 0;
         for (std::size_t k = first; k < first + count; ++k) {
-            size = std::max(size, std::fabs(exact[k]));
-            off = std::isnan(own[k]) ? HUGE_VAL : std::max(off, std::fabs(own[k] - exact[k]));
+            largest = std::max(largest, std::fabs(exact[k]));
+            error = std::isnan(computed[k]) ? HUGE_VAL : std::max(error, std::fabs(computed[k] - exact[k]));
         }
-        worst = std::max(worst, off == 0 ? 0 : off / size);
+        worst = std::max(worst, error == 0 ? 0 : error / largest);
     };
-    see(0, 3);
-    if (s.direction != intersect::Direction::unit) see(3, 3);
+    compare_vector(0, 3);
+    if (s.direction != intersect::Direction::unit) compare_vector(3, 3);
     for_each_key(s.primitive->shape, [&](const Key& key, std::size_t first) {
-        if (key.kind != Key::Kind::direction) see(6 + first, key.count());
+        if (key.kind != Key::Kind::direction) compare_vector(6 + first, key.count());
     });
     return in_roundoffs(worst, s);
 }
@@ -69,44 +69,45 @@ constexpr std::string_view root_names[] = {"no_hit", "true", "wrong"};
 
 /// Metrics for cases in which an ulp of t* says nothing, or not enough.
 constexpr Metric rows_of_t[] = {
-    tabled(
+    table_row(
         {"error_at_zero", "u", "err.at_zero"},
         "for a hit at t* = 0, where an error in ulps says nothing: |t| |d| / (u M), where M is the largest number of "
         "the origin and of the points and lengths of the primitive",
         error_at_zero, {.ramp = Ramp::magnitude, .low = 0x1p-1}),
-    tabled(
+    table_row(
         {"root", "", "err.root"},
         "tells whether a correct hit has the t of another crossing of the same primitive (wrong): within a quarter of "
         "the distance between that crossing and the true one; no_hit: not a correct hit",
         root, {.ramp = Ramp::categories, .domain = MetricDomain::every, .categories = root_names}),
-    tabled({"derivative_error", "u", "err.derivative"},
-           "error of the derivatives dt/dx, where x is a number of origin, direction, points or lengths: the largest "
-           "error of "
-           "a derivative, divided by the largest derivative of its vector. The derivatives come from forward "
-           "differentiation of the form in its format. Forms for unit directions are not differentiated by the "
-           "direction; a primitive under a matrix has no value",
-           derivative_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-1})};
+    table_row(
+        {"derivative_error", "u", "err.derivative"},
+        "error of the derivatives dt/dx, where x is a number of origin, direction, points or lengths: the largest "
+        "error of "
+        "a derivative, divided by the largest derivative of its vector. The derivatives come from forward "
+        "differentiation of the form in its format. Forms for unit directions are not differentiated by the "
+        "direction; a primitive under a matrix has no value",
+        derivative_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-1})};
 
 }  // namespace
 
 double ulp_error(const Sample& s) { return truth::ulp_error(s.t, *s.truth, s.format->parameters); }
-double lost(const Sample& s) { return truth::lost_bits(ulp_error(s), s.format->parameters.precision); }
-double correct(const Sample& s) { return s.format->parameters.precision - lost(s); }
+double lost_bits(const Sample& s) { return truth::lost_bits(ulp_error(s), s.format->parameters.precision); }
+double correct_bits(const Sample& s) { return s.format->parameters.precision - lost_bits(s); }
 
 /// The ordinals of binary64 need 63 bits and a sign, so the difference of two of them is computed as an unsigned
 /// number.
 double herbie(const Sample& s) {
-    const auto place = [&s](double x) { return truth::ordinal(x, s.format->parameters); };
-    const auto [low, high] = std::minmax({place(s.t), place(s.truth_rounded)});
+    const auto ordinal_of = [&s](double x) { return truth::ordinal(x, s.format->parameters); };
+    const auto [low, high] = std::minmax({ordinal_of(s.t), ordinal_of(s.truth_rounded)});
     return bits::log2_of(1 + static_cast<double>(static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low)));
 }
 
-double absolute(const Sample& s) {
+double absolute_error(const Sample& s) {
     if (std::isinf(s.t)) return HUGE_VAL;
     return std::fabs(truth::scaled_difference(truth::exactly(s.t), *s.truth, 0));
 }
 
-double relative(const Sample& s) {
+double relative_error(const Sample& s) {
     if (std::isinf(s.t)) return HUGE_VAL;
     if (s.truth->is_zero()) return s.t == 0 ? 0.0 : HUGE_VAL;
     return std::fabs(truth::scaled_difference(truth::exactly(s.t), *s.truth, s.truth->exponent) /
@@ -114,8 +115,8 @@ double relative(const Sample& s) {
 }
 
 double distance_error(const Sample& s) {
-    const Vec<double>& d = s.ray->direction;  // if the form asks for length one, |d| is one up to rounding
-    return absolute(s) * std::hypot(d.x, d.y, d.z);
+    const Vec<double>& d = s.ray->direction;  // if the form requires length one, |d| is one up to rounding
+    return absolute_error(s) * std::hypot(d.x, d.y, d.z);
 }
 
 double input_error(const Sample& s) { return s.stored_truth ? in_ulps(s, *s.stored_truth, *s.truth) : missing; }

@@ -1,5 +1,5 @@
-// Metrics of the hit point: its distance from the surface, its barycentric weights, its normal, and the numbers that
-// renderers use bounds of.
+// Metrics of the hit point: its distance from the surface, its barycentric weights, its normal, and errors for which
+// renderers use bounds.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -24,7 +24,7 @@ namespace {
 /// P = o + t·d as the format computes it: a product and a sum, each rounded.
 Vec<double> hit_point(const Sample& s) {
     const FloatFormat& f = s.format->parameters;
-    const auto along = [&](double o, double d) {
+    const auto component = [&](double o, double d) {
         switch (s.format->engine) {
             case Format::Engine::native32: {
                 const float step = static_cast<float>(s.t) * static_cast<float>(d);
@@ -35,37 +35,40 @@ Vec<double> hit_point(const Sample& s) {
         }
         return rounding::add(o, rounding::mul(s.t, d, f), f);
     };
-    return Vec<double>(along(s.ray->origin.x, s.ray->direction.x), along(s.ray->origin.y, s.ray->direction.y),
-                       along(s.ray->origin.z, s.ray->direction.z));
+    return Vec<double>(component(s.ray->origin.x, s.ray->direction.x), component(s.ray->origin.y, s.ray->direction.y),
+                       component(s.ray->origin.z, s.ray->direction.z));
 }
 
-/// `in.operator()<F>()`, F being the machine's own type for the format; missing for a format that it has no type for.
-template <class In>
-double in_format(const Sample& s, const In& in) {
+/// Calls `compute.operator()<F>()`, where F is the machine's own type for the format. Returns `missing` for a format
+/// without such a type.
+template <class Compute>
+double in_format(const Sample& s, const Compute& compute) {
     switch (s.format->engine) {
-        case Format::Engine::native32: return in.template operator()<float>();
-        case Format::Engine::native64: return in.template operator()<double>();
+        case Format::Engine::native32: return compute.template operator()<float>();
+        case Format::Engine::native64: return compute.template operator()<double>();
         case Format::Engine::rounded: break;
     }
     return missing;
 }
 
 template <class F>
-Vec<F> stored(const Vec<double>& v) {
+Vec<F> to_format(const Vec<double>& v) {
     return {static_cast<F>(v.x), static_cast<F>(v.y), static_cast<F>(v.z)};
 }
 
-/// The number that `find.operator()<E>()` encloses, to 2^-40 of itself or 2^-90; missing where it is unbounded.
-template <class Find>
-double enclosed(const Find& find) {
-    const Ball ball = find.template operator()<Ball>();
+/// Evaluates `formula.operator()<E>()` in interval arithmetic. The result is off by at most 2^-40 of itself or 2^-90;
+/// `missing` if it is unbounded.
+template <class Formula>
+double enclosed(const Formula& formula) {
+    const Ball ball = formula.template operator()<Ball>();
     if (ball.is_bounded() && ball.radius() <= std::max(std::fabs(ball.hi()) * 0x1p-40, 0x1p-90)) return ball.hi();
     const Interval::Precision precision(8192);
-    const Interval exact = find.template operator()<Interval>();
+    const Interval exact = formula.template operator()<Interval>();
     return exact.is_bounded() ? mpfr_get_d(exact.lower(), MPFR_RNDN) : missing;
 }
 
-/// `off_surface` of a primitive at a point in world space. Under a matrix both are taken in object space.
+/// Returns `off_surface` of a primitive at a point in world space. If the primitive has a matrix, both are taken to
+/// object space.
 template <class E, template <class> class S>
 E off_surface(const Vec<double>& p, const Primitive<double>& primitive) {
     const Primitive<E> lifted = lift_primitive<E>(primitive);
@@ -76,32 +79,33 @@ E off_surface(const Vec<double>& p, const Primitive<double>& primitive) {
 double residual_of(const Vec<double>& p, const Primitive<double>& primitive) {
     return visit(primitive, [&]<template <class> class S>(const S<double>&) {
         const double point[] = {p.x, p.y, p.z};
-        const auto number = [&primitive](int k) { return primitive.numbers[static_cast<std::size_t>(k)]; };
-        if (double quick; !primitive.placed && columns::find_residual<S>(point, number, quick)) return quick;
+        const auto coordinate = [&primitive](int k) { return primitive.numbers[static_cast<std::size_t>(k)]; };
+        if (double fast_result; !primitive.placed && columns::find_residual<S>(point, coordinate, fast_result))
+            return fast_result;
         return enclosed([&]<class E>() { return off_surface<E, S>(p, primitive); });
     });
 }
 
-/// Value that the form computed for the weight of a vertex, found by the form's name of that weight. Nothing where the
+/// Value that the form computed for the weight of a vertex, found by the form's name of that weight. Nothing if the
 /// form has no name for it.
-std::optional<double> told(const Sample& s, std::size_t vertex) {
+std::optional<double> computed_weight(const Sample& s, std::size_t vertex) {
     if (!s.attribution || s.weights[vertex].empty()) return std::nullopt;
     const auto& nodes = s.attribution->tape->nodes;
     const auto found = std::ranges::find(nodes, s.weights[vertex], &TapeNode::label);
     return found == nodes.end() ? std::nullopt : std::optional(found->value);
 }
 
-/// Distance of x from the true weight of a vertex: infinite where x is not finite, missing for a primitive without
+/// Distance of x from the true weight of a vertex: infinite if x is not finite, missing for a primitive without
 /// weights.
-double error_of(double x, const Sample& s, std::size_t vertex) {
+double weight_error(double x, const Sample& s, std::size_t vertex) {
     if (!std::isfinite(x)) return HUGE_VAL;
-    return visit_shape(*s.primitive, [&]<template <class> class Of>() {
-        if constexpr (requires(const Of<double>& shape) { shape.weights(Ray<double>()); }) {
+    return visit_shape(*s.primitive, [&]<template <class> class S>() {
+        if constexpr (requires(const S<double>& shape) { shape.weights(Ray<double>()); }) {
             return std::fabs(enclosed([&]<class E>() {
-                return in_object_space<Of>(lift_ray<E>(*s.ray), lift_primitive<E>(*s.primitive),
-                                           [&](const Of<E>& shape, const Ray<E>& ray) -> E {
-                                               return E(x) - shape.weights(ray)[static_cast<int>(vertex)];
-                                           });
+                return in_object_space<S>(lift_ray<E>(*s.ray), lift_primitive<E>(*s.primitive),
+                                          [&](const S<E>& shape, const Ray<E>& ray) -> E {
+                                              return E(x) - shape.weights(ray)[static_cast<int>(vertex)];
+                                          });
             }));
         } else {
             return missing;
@@ -111,18 +115,19 @@ double error_of(double x, const Sample& s, std::size_t vertex) {
 
 /// Largest |x − x*| over the weights x of a, b and c that the form computes, in u = 2^-p. The weight of a point in the
 /// triangle is at most 1, whatever the size of the triangle, so no other scale is needed. x* belongs to the ray and the
-/// triangle as the form received them. Infinite where a weight is not finite; missing for a form that names no weights,
+/// triangle as the form received them. Infinite if a weight is not finite; missing for a form that names no weights,
 /// or whose operations cannot be recorded.
 double barycentric_error(const Sample& s) {
-    double most = missing;
+    double largest_error = missing;
     for (std::size_t vertex = 0; vertex < s.weights.size(); ++vertex)
-        if (const auto x = told(s, vertex)) most = std::fmax(most, error_of(*x, s, vertex));
-    return in_roundoffs(most, s);
+        if (const auto x = computed_weight(s, vertex))
+            largest_error = std::fmax(largest_error, weight_error(*x, s, vertex));
+    return in_roundoffs(largest_error, s);
 }
 
 /// |x + y + z − 1|, in u, for a form that computes all three weights.
 double barycentric_sum(const Sample& s) {
-    const auto x = told(s, 0), y = told(s, 1), z = told(s, 2);
+    const auto x = computed_weight(s, 0), y = computed_weight(s, 1), z = computed_weight(s, 2);
     if (!x || !y || !z) return missing;
     if (!std::isfinite(*x) || !std::isfinite(*y) || !std::isfinite(*z)) return HUGE_VAL;
     // A Real holds the sum of three doubles near 1 exactly, or what cancellation leaves of it to 2^-200.
@@ -130,13 +135,14 @@ double barycentric_sum(const Sample& s) {
 }
 
 constexpr Metric rows_of_weights[] = {
-    tabled({"barycentric_error", "u", "weights.error"},
-           "for a triangle: the largest error of the barycentric coordinates (u, v) that the form computes, |u - u*| "
-           "over 2^-p",
-           barycentric_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-2}),
-    tabled({"barycentric_sum", "u", "weights.sum"},
-           "for a triangle: |u + v + w - 1| over 2^-p, for a form that computes all three barycentric coordinates",
-           barycentric_sum, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-2, .high = 0x1p+4})};
+    table_row(
+        {"barycentric_error", "u", "weights.error"},
+        "for a triangle: the largest error of the barycentric coordinates (u, v) that the form computes, |u - u*| "
+        "over 2^-p",
+        barycentric_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-2}),
+    table_row({"barycentric_sum", "u", "weights.sum"},
+              "for a triangle: |u + v + w - 1| over 2^-p, for a form that computes all three barycentric coordinates",
+              barycentric_sum, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-2, .high = 0x1p+4})};
 
 template <class F>
 inline constexpr double roundoff = std::numeric_limits<F>::epsilon() / 2;
@@ -146,22 +152,22 @@ template <class F>
 double projected(const Sample& s) {
     const auto [centre, radius] = ball_around(*s.primitive);
     const auto r = static_cast<F>(radius), t = static_cast<F>(s.t);
-    const Vec<F> o = stored<F>(s.ray->origin) - stored<F>(centre), d = stored<F>(s.ray->direction);
+    const Vec<F> o = to_format<F>(s.ray->origin) - to_format<F>(centre), d = to_format<F>(s.ray->direction);
     const Vec<F> p = o + Vec<F>(t * d.x, t * d.y, t * d.z);
     const F scale = r / length(p);
     const Ball exact = Ball(double{r}) / length(Vec<Ball>(Ball(double{p.x}), Ball(double{p.y}), Ball(double{p.z})));
     double worst = 0;
     for (int i = 0; i < 3; ++i) {
         if (p[i] == 0) continue;
-        const Ball off = Ball(double{p[i] * scale}) / (Ball(double{p[i]}) * exact) - Ball(1);
-        if (!off.is_bounded()) return missing;
-        worst = std::max(worst, std::fabs(off.hi()));
+        const Ball error = Ball(double{p[i] * scale}) / (Ball(double{p[i]}) * exact) - Ball(1);
+        if (!error.is_bounded()) return missing;
+        worst = std::max(worst, std::fabs(error.hi()));
     }
     return worst / roundoff<F>;
 }
 
-/// Padding for the clipping of the slabs alone, as `box.signs` does it, over all t ≥ 0. Where tmin exceeds tmax it is
-/// (tmin − tmax)/tmax/u, or infinite if tmax is not positive; otherwise 0.
+/// Padding for the clipping by the slabs alone, as `box.signs` clips, over all t ≥ 0. If tmin exceeds tmax, it is (tmin
+/// − tmax)/tmax/u, or infinite if tmax is not positive; otherwise 0.
 template <class F>
 double padding_in(const Ray<F>& ray, const BoundingBox<F>& box) {
     F tmin = 0, tmax = std::numeric_limits<F>::infinity();
@@ -190,8 +196,8 @@ double normal_error(const Sample& s) {
         normal_at(ray, lift_primitive<Real>(*s.primitive), Vec<Real>(ray.origin + t_true * ray.direction));
     return in_format(s, [&]<class F>() {
         const Primitive<F> primitive = lift_primitive<F>(*s.primitive);
-        const Ray<F> given{stored<F>(s.ray->origin), stored<F>(s.ray->direction)};
-        const Vec<Real> n = normal_at(given, primitive, stored<F>(hit_point(s)));
+        const Ray<F> ray_in_format{to_format<F>(s.ray->origin), to_format<F>(s.ray->direction)};
+        const Vec<Real> n = normal_at(ray_in_format, primitive, to_format<F>(hit_point(s)));
         if (!(dot(n, n) > 0)) return HUGE_VAL;
         return Real(atan2(length(cross(n, exact)), dot(n, exact))).template convert_to<double>();
     });
@@ -204,9 +210,9 @@ double point_error(const Sample& s) {
     for (int i = 0; i < 3; ++i) {
         const Ball scale(std::ldexp(1, static_cast<int>(std::clamp<std::int64_t>(t.exponent, -800, 800))));
         const Ball exact = Ball(s.ray->origin[i]) + (Ball(t.hi) + Ball(t.lo)) * scale * Ball(s.ray->direction[i]);
-        const Ball off = Ball(p[i]) - exact;
-        if (!off.is_bounded()) return HUGE_VAL;
-        worst = std::max(worst, std::fabs(off.hi()));
+        const Ball error = Ball(p[i]) - exact;
+        if (!error.is_bounded()) return HUGE_VAL;
+        worst = std::max(worst, std::fabs(error.hi()));
         largest = std::max(largest, std::fabs(p[i]));
     }
     return worst / ((1 + largest) * std::ldexp(1, -s.format->parameters.precision));
@@ -218,20 +224,21 @@ double projected_error(const Sample& s) {
 }
 
 double padding(const Sample& s) {
-    const auto of = [&s](const Ray<double>& ray, const BoundingBox<double>& box) {
+    const auto padding_of = [&s](const Ray<double>& ray, const BoundingBox<double>& box) {
         return in_format(s, [&]<class F>() {
-            return padding_in<F>({stored<F>(ray.origin), stored<F>(ray.direction)},
-                                 {stored<F>(box.lo), stored<F>(box.hi)});
+            return padding_in<F>({to_format<F>(ray.origin), to_format<F>(ray.direction)},
+                                 {to_format<F>(box.lo), to_format<F>(box.hi)});
         });
     };
     if (s.levels) {
-        double most = 0;
-        for (const auto& asked : s.levels->boxes)
-            if (const double here = of(asked.ray, asked.box); !(here <= most)) most = here;
-        return most;
+        double largest = 0;
+        for (const auto& level : s.levels->boxes)
+            if (const double box_padding = padding_of(level.ray, level.box); !(box_padding <= largest))
+                largest = box_padding;
+        return largest;
     }
     if (!s.truth || !s.primitive || s.primitive->shape != bounding_box_shape) return missing;
-    return of(*s.ray, bounding_box_of(*s.primitive));
+    return padding_of(*s.ray, bounding_box_of(*s.primitive));
 }
 
 double padding(const Ray<float>& ray, const BoundingBox<float>& box) { return padding_in(ray, box); }

@@ -12,17 +12,17 @@
 namespace lostbits::measure::metric {
 
 /// Named column of a summary: a number computed from the parameters.
-template <class... Of>
+template <class... Args>
 struct MeasuredColumn {
     std::string_view name, unit, meaning;
-    bool whole;              ///< a count
-    double (*value)(Of...);  ///< NaN where it does not exist: a share of nothing, a quantile of no numbers
+    bool whole;                ///< a count
+    double (*value)(Args...);  ///< NaN if it does not exist, as a share of nothing or a quantile of no numbers
 };
 
-/// Finds a column by its name. InputError for an unknown one, with did-you-mean. `where` starts the message.
-template <class... Of>
-const MeasuredColumn<Of...>& column_named(std::span<const MeasuredColumn<Of...>> columns, const std::string& name,
-                                          const std::string& where) {
+/// Finds a column by its name. Throws InputError for an unknown name, with did-you-mean. `where` starts the message.
+template <class... Args>
+const MeasuredColumn<Args...>& column_named(std::span<const MeasuredColumn<Args...>> columns, const std::string& name,
+                                            const std::string& where) {
     std::vector<std::string> names;
     for (const auto& column : columns) {
         if (column.name == name) return column;

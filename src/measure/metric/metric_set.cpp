@@ -43,39 +43,40 @@ double number_of(std::string_view label) {
 }
 
 double beyond(const Sample& s) { return distance_error(s) > number_of(s.label) ? 1 : 0; }
-double too_few(const Sample& s) { return correct(s) < number_of(s.label) ? 1 : 0; }
+double too_few(const Sample& s) { return correct_bits(s) < number_of(s.label) ? 1 : 0; }
 
 constexpr std::string_view within_names[] = {"within", "beyond"}, enough_names[] = {"enough", "too_few"};
 
 /// Metrics that a label completes. The label of the first two is a number, which is appended to `meaning`. The label of
 /// the others is the name of an operation or a step, which is appended to `name` and `layer`.
 constexpr Metric labelled[] = {
-    tabled({"tolerance:", "", "err.tolerance"},
-           "tells whether the hit point is at most this far from the true one, along the ray, in the scene's unit of "
-           "length: ",
-           beyond, {.ramp = Ramp::categories, .categories = within_names}),
-    tabled({"enough_bits:", "", "bits.enough"}, "tells whether t keeps this many bits (correct_bits): ", too_few,
-           {.ramp = Ramp::categories, .categories = enough_names}),
-    tabled({"contribution:", "ulp", "contribution."},
-           "part of the error of t that is assigned to operations of that name, in ulps of t without rounding",
-           contribution, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-4}),
-    tabled({"cancellation:", "bits", "cancellation."},
-           "bits that the operation of that name cancels in operands that were already wrong", cancellation,
-           {.needs = needs_attribution}),
-    tabled(
+    table_row(
+        {"tolerance:", "", "err.tolerance"},
+        "tells whether the hit point is at most this far from the true one, along the ray, in the scene's unit of "
+        "length: ",
+        beyond, {.ramp = Ramp::categories, .categories = within_names}),
+    table_row({"enough_bits:", "", "bits.enough"}, "tells whether t keeps this many bits (correct_bits): ", too_few,
+              {.ramp = Ramp::categories, .categories = enough_names}),
+    table_row({"contribution:", "ulp", "contribution."},
+              "part of the error of t that is assigned to operations of that name, in ulps of t without rounding",
+              contribution, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-4}),
+    table_row({"cancellation:", "bits", "cancellation."},
+              "bits that the operation of that name cancels in operands that were already wrong", cancellation,
+              {.needs = needs_attribution}),
+    table_row(
         {"step:", "ulp", "space."},
         "part of the error of t that is assigned to that step to object space or back, for a primitive under a matrix",
         step_error, {.needs = needs_steps, .ramp = Ramp::magnitude, .low = 0x1p-4})};
 
-bool is_of_operation(const Metric& metric) { return !metric.label.empty() && metric.needs != needs_nothing; }
+bool has_operation_label(const Metric& metric) { return !metric.label.empty() && metric.needs != needs_nothing; }
 
 template <class Texts, class Text>
 void add_once(Texts& texts, const Text& text) {
     if (std::ranges::find(texts, text) == texts.end()) texts.emplace_back(text);
 }
 
-void refuse_unknown_label(const Metric& metric, const std::vector<const Intersector*>& forms,
-                          const attribution::Setting& setting) {
+void require_known_label(const Metric& metric, const std::vector<const Intersector*>& forms,
+                         const attribution::Setting& setting) {
     std::vector<std::string> labels;
     if ((metric.needs & needs_steps) != 0) {
         if (std::ranges::find(intersect::transform::step_names, metric.label) != intersect::transform::step_names.end())
@@ -100,12 +101,12 @@ void refuse_unknown_label(const Metric& metric, const std::vector<const Intersec
 
 const Metric* MetricSet::find(std::string_view name) {
     if (const Metric* const row = find_metric(name)) return row;
-    const auto known = std::ranges::find(owned_, name, &OwnedMetric::name);
-    if (known != owned_.end()) return &known->row;
+    const auto owned_metric = std::ranges::find(owned_, name, &OwnedMetric::name);
+    if (owned_metric != owned_.end()) return &owned_metric->row;
     const auto kind = std::ranges::find_if(
         labelled, [&](const Metric& m) { return name.starts_with(m.name) && name.size() > m.name.size(); });
     if (kind == std::end(labelled)) return nullptr;
-    if (kind->needs == needs_nothing) return of_number(*kind, name);
+    if (kind->needs == needs_nothing) return make_numbered(*kind, name);
     OwnedMetric& owned = owned_.emplace_back();
     owned.name = name;
     owned.layer = std::string(kind->layer) + owned.name.substr(kind->name.size());
@@ -116,7 +117,7 @@ const Metric* MetricSet::find(std::string_view name) {
     return &owned.row;
 }
 
-const Metric* MetricSet::of_number(const Metric& kind, std::string_view name) {
+const Metric* MetricSet::make_numbered(const Metric& kind, std::string_view name) {
     const std::string_view column = kind.name.substr(0, kind.name.size() - 1);
     if (std::isnan(number_of(name.substr(kind.name.size()))))
         throw InputError("--metric " + std::string(name) +
@@ -149,7 +150,7 @@ std::vector<const Metric*> MetricSet::for_forms(std::vector<const Metric*> metri
                                                 const std::vector<const Intersector*>& forms,
                                                 const attribution::Setting& setting) {
     for (const Metric*& m : metrics) {
-        if (is_of_operation(*m)) refuse_unknown_label(*m, forms, setting);
+        if (has_operation_label(*m)) require_known_label(*m, forms, setting);
         if (!m->by_run) continue;
         std::vector<std::string> operations;
         for (const Intersector* form : forms) {
@@ -164,7 +165,8 @@ std::vector<const Metric*> MetricSet::for_forms(std::vector<const Metric*> metri
 std::vector<const Metric*> MetricSet::for_forms(std::vector<const Metric*> metrics,
                                                 const std::vector<const Intersector*>& forms,
                                                 const std::function<attribution::OwnedSetting()>& setting) {
-    if (std::ranges::none_of(metrics, [](const Metric* m) { return m->by_run || is_of_operation(*m); })) return metrics;
+    if (std::ranges::none_of(metrics, [](const Metric* m) { return m->by_run || has_operation_label(*m); }))
+        return metrics;
     return for_forms(std::move(metrics), forms, setting().get());
 }
 

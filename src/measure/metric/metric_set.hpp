@@ -1,4 +1,4 @@
-// The metrics of one run: rows of the table, and rows that are made for the run.
+// The metrics of one run: rows of the table, and metrics that are made for the run.
 #pragma once
 
 #include <deque>
@@ -11,19 +11,19 @@
 
 namespace lostbits::measure::metric {
 
-/// Keeps the rows that are in no table, so it must outlive every request that holds them. Not thread-safe.
+/// Owns the metrics that are not in the table, so it must outlive every request that holds them. Not thread-safe.
 class MetricSet {
 public:
     /// Finds the metric of that name. `contribution:LABEL`, `cancellation:LABEL`, `tolerance:LENGTH` and
-    /// `enough_bits:BITS` make a metric here. Null for an unknown name. InputError for a LENGTH that is not a length,
-    /// and for a second LENGTH: columns are called `tolerance`, whatever the length.
+    /// `enough_bits:BITS` make a metric here. Returns null for an unknown name. Throws InputError for a LENGTH that is
+    /// not a length, and for a second LENGTH: columns are called `tolerance`, whatever the length.
     const Metric* find(std::string_view name);
 
-    /// Makes a `culprit` that tells these operations apart: its categories are `none`, then these.
+    /// Makes a `culprit` metric whose categories are `none` and these operations.
     const Metric* culprit_of(const std::vector<std::string>& operations);
 
     /// Adapts the metrics to these forms: the categories of `culprit` are the operations of each form, and an operation
-    /// of several forms is listed once. InputError for a label that no form has, with did-you-mean.
+    /// of several forms is listed once. Throws InputError for a label that no form has, with did-you-mean.
     std::vector<const Metric*> for_forms(std::vector<const Metric*> metrics,
                                          const std::vector<const intersect::table::Intersector*>& forms,
                                          const attribution::Setting& setting);
@@ -34,7 +34,7 @@ public:
                                          const std::function<attribution::OwnedSetting()>& setting);
 
 private:
-    const Metric* of_number(const Metric& kind, std::string_view name);
+    const Metric* make_numbered(const Metric& kind, std::string_view name);
 
     struct OwnedMetric {
         std::string name, layer, meaning;
@@ -42,7 +42,7 @@ private:
         std::vector<std::string_view> categories;
         Metric row;
     };
-    std::deque<OwnedMetric> owned_;  // rows stay where they are
+    std::deque<OwnedMetric> owned_;  // a deque, since pointers to its rows must stay valid
 };
 
 }  // namespace lostbits::measure::metric

@@ -1,4 +1,5 @@
-// The metric table: a row drives the command line, the EXR layer, the CSV columns and `lostbits list metrics`.
+// The table of metrics. Each row defines a name on the command line, an EXR layer, CSV columns and an entry of
+// `lostbits list metrics`.
 #pragma once
 
 #include <array>
@@ -20,9 +21,9 @@
 
 namespace lostbits::measure::metric {
 
-/// Everything known of one ray on which form and truth agree that there is a hit. For any other ray only `format`,
-/// `ray`, `march`, `bounded` and `filter_arithmetic` are set. Null pointers stand for values that no selected metric
-/// needs, or that do not exist (a form that misses in exact arithmetic has no `unrounded`).
+/// All that is known about one ray on which form and truth agree on a hit. For any other ray only `format`, `ray`,
+/// `march`, `bounded` and `filter_arithmetic` are set. Null pointers stand for values that no selected metric needs, or
+/// that do not exist (a form that misses in exact arithmetic has no `unrounded`).
 struct Sample {
     double t = truth::missing;                ///< the form's answer, a number of the format
     const Format* format = nullptr;           ///< the format of the form under test
@@ -32,10 +33,10 @@ struct Sample {
     const truth::Certified* unrounded = nullptr;  ///< the form without rounding, on the inputs as the format holds them
     double condition = truth::missing;            ///< κ of the problem at its ideal inputs
     double reach = truth::missing;                ///< how far half an ulp in each input can move t*, see `truth::reach`
-    double reach_normwise = truth::missing;       ///< how far errors of u times the length of each vector can
+    double reach_normwise = truth::missing;       ///< the same for errors of u times the length of each vector
     const Ray<double>* ray = nullptr;             ///< the inputs as the form received them
-    const Primitive<double>* primitive = nullptr;              ///< the primitive that the form hit, as it received it
-    const intersect::MarchRecord* march = nullptr;             ///< null for forms that do not march
+    const Primitive<double>* primitive = nullptr;   ///< the primitive that the form hit, as the form received it
+    const intersect::MarchRecord* march = nullptr;  ///< null for forms that do not march
     const attribution::RayAttribution* attribution = nullptr;  ///< which operation lost the bits
     const intersect::BoundedAnswer* bounded = nullptr;         ///< the answer with the form's own bound
     /// For a form that filters: the arithmetic that settled the ray.
@@ -43,12 +44,12 @@ struct Sample {
     const answer::Steps* steps = nullptr;                   ///< for a form that transforms the ray to object space
     const answer::Levels* levels = nullptr;                 ///< for a form behind a box, where the ray truly hits
     double end_margin = truth::missing;                     ///< for a form behind a box
-    const Ray<Real>* true_ray = nullptr;                    ///< the ray before any format rounded or made it
-    const scene::rays::CameraFrame<Real>* frame = nullptr;  ///< for a camera whose rays each format makes
-    intersect::Convention convention = {};                  ///< the form's
-    intersect::Direction direction = {};                    ///< the length of direction that the form asks for
+    const Ray<Real>* true_ray = nullptr;                    ///< the exact ray, which no format rounded or computed
+    const scene::rays::CameraFrame<Real>* frame = nullptr;  ///< for a camera whose rays each format computes
+    intersect::Convention convention = {};                  ///< convention of the form
+    intersect::Direction direction = {};                    ///< the length of direction that the form requires
     Range<double> range = {};                               ///< the part of the ray that counts
-    std::array<std::string_view, 3> weights = {};  ///< the form's names of the barycentric weights, for that primitive
+    std::array<std::string_view, 3> weights = {};  ///< the form's names of the barycentric weights on `primitive`
     answer::Outcome outcome = answer::Outcome::agree_miss;
     std::string_view label = {};  ///< label of the metric that is being measured
 };
@@ -82,13 +83,13 @@ enum class Ramp { lost, kept, magnitude, categories };
 /// that are compared with another form, whatever the truth; `measure_row` itself measures them.
 enum class MetricDomain { agreed_hits, marches, every, blamed, pairs };
 
-/// Metrics that are measured over columns where registers can do it (measure/columns). `value` answers for the other
-/// rays, with the same bits.
+/// Metrics that the vectorised kernels of measure/columns can compute. For the other rays, `value` computes the same
+/// bits.
 enum class InColumns { no, ulp_error, lost_bits, correct_bits, relative_error, absolute_error, residual };
 
 struct Metric {
     std::string_view name = {};     ///< name on the command line and in CSV columns
-    std::string_view unit = {};     ///< unit of the value; empty where it has none
+    std::string_view unit = {};     ///< unit of the value; empty if it has none
     std::string_view layer = {};    ///< EXR channel, `layer.channel`
     std::string_view meaning = {};  ///< one line with the formula
     unsigned needs = needs_nothing;
@@ -97,23 +98,25 @@ struct Metric {
     /// 2^p for a magnitude; `low` of a magnitude is 2^-(p + 6).
     double low = 0, high = 0;
     bool by_default = false;                   ///< measured and written unless metrics are named
-    double (*value)(const Sample&) = nullptr;  ///< value on one ray; NaN where it does not exist
+    double (*value)(const Sample&) = nullptr;  ///< value on one ray; NaN if it does not exist
     MetricDomain domain = MetricDomain::agreed_hits;
     /// Categories of a metric whose value names one: the value is an index into this list.
     std::span<const std::string_view> categories = {};
     bool by_run = false;  ///< the list depends on the forms of the run: empty until `MetricSet::for_forms` knows them
     InColumns in_columns = InColumns::no;
-    std::string_view label = {};  ///< `c` of `contribution:c`; empty for the rows of the table
+    std::string_view label = {};  ///< `c` of `contribution:c`; empty for the metrics of the table
 };
 
-/// Names of a row of the table; `how` is the rest of its meaning.
+/// Name, unit and layer of a row of the table.
 struct MetricNames {
     std::string_view name, unit, layer;
 };
-constexpr Metric tabled(MetricNames names, std::string_view meaning, double (*value)(const Sample&), Metric how = {}) {
-    how.name = names.name, how.unit = names.unit, how.layer = names.layer;
-    how.meaning = meaning, how.value = value;
-    return how;
+/// Builds a row of the table; `rest` gives the members that are not parameters.
+constexpr Metric table_row(MetricNames names, std::string_view meaning, double (*value)(const Sample&),
+                           Metric rest = {}) {
+    rest.name = names.name, rest.unit = names.unit, rest.layer = names.layer;
+    rest.meaning = meaning, rest.value = value;
+    return rest;
 }
 
 /// Every metric that needs no label, in the order of layers and columns.
@@ -122,7 +125,7 @@ std::span<const Metric> metrics();
 /// Finds the row of that name; null for an unknown name.
 const Metric* find_metric(std::string_view name);
 
-/// Index of the metric of that name in a list; the list's size where it is not there.
+/// Index of the metric of that name in a list; the list's size if the list does not have it.
 std::size_t index_of(const std::vector<const Metric*>& metrics, std::string_view name);
 
 }  // namespace lostbits::measure::metric

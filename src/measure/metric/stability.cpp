@@ -1,5 +1,5 @@
-// Metrics of how far an answer is from that of a nearby problem, and of errors that are predicted without the exact
-// answer.
+// Metrics of the distance of an answer from that of a nearby problem, and of errors that are predicted without the
+// exact answer.
 #include <cmath>
 
 #include "measure/metric/values.hpp"
@@ -30,9 +30,9 @@ double wrong_decision(const Sample& s) {
     if (!s.primitive || s.march) return missing;
     if (!answer::is_wrong(s.outcome)) return 0;
     const double u = std::ldexp(1.0, -s.format->parameters.precision);
-    const auto turned = stability::is_turned_within(u, *s.ray, *s.primitive, CountedChange::decision,
-                                                    Perturbed::componentwise, s.convention, s.range);
-    return !turned ? 3 : *turned ? 1 : 2;
+    const auto changes_within_u = stability::changes_within(u, *s.ray, *s.primitive, CountedChange::decision,
+                                                            Perturbed::componentwise, s.convention, s.range);
+    return !changes_within_u ? 3 : *changes_within_u ? 1 : 2;
 }
 
 /// True if the attribution is that of t, and not of a decision that rounding changed.
@@ -78,54 +78,58 @@ constexpr std::string_view cestac_decision_names[] = {"stable_right", "stable_wr
 constexpr std::string_view cestac_digit_names[] = {"kept", "overrated"};
 
 constexpr Metric rows_of_stability[] = {
-    tabled({"backward_error", "u", "stability.backward"},
-           "least relative change of every number of the ray and the primitive, as the format holds them, for which t "
-           "is exactly the answer, in u = 2^-p: a proved lower bound, exact to first order",
-           backward_error, {.ramp = Ramp::magnitude, .low = 0x1p-4}),
-    tabled({"backward_error_normwise", "u", "stability.normwise"},
-           "backward_error for changes of each vector relative to its length: components that are 0 change too",
-           backward_error_normwise, {.ramp = Ramp::magnitude, .low = 0x1p-4}),
-    tabled({"decision_margin", "u", "stability.margin"},
-           "least relative change of every number of the ray and the primitive, as the format holds them, that changes "
-           "hit or miss or the root, in u = 2^-p: a proved lower bound; below 2^-10 the least change is at most twice "
-           "as large, and the margin is missing where that is not proved; for the primitive that the form hits, else "
-           "the one truly hit, else the ray's own or, of several, the one that the ray misses most narrowly",
-           decision_margin, {.ramp = Ramp::magnitude, .low = 0x1p-1, .domain = MetricDomain::every}),
-    tabled({"wrong_decision", "", "stability.wrong"},
-           "tells whether a false hit, a false miss or a wrong primitive is proved to be wrong for all problems within "
-           "u of "
-           "every number (beyond_u), or to be right for one of them (within_u); unproved: neither",
-           wrong_decision,
-           {.ramp = Ramp::categories, .domain = MetricDomain::every, .categories = wrong_decision_names}),
-    tabled({"cestac_bits", "bits", "prediction.cestac"},
-           "correct bits of the mean t of three runs with random rounding, as CESTAC predicts them from the three "
-           "runs: log2(sqrt(3) |mean|/(4.303 s)), from 0 to p",
-           cestac_bits, {.needs = needs_attribution, .ramp = Ramp::kept}),
-    tabled({"cestac_error", "bits", "prediction.cestac_error"},
-           "cestac_bits minus the bits that the mean of the three runs shares with the form without rounding: above 0, "
-           "CESTAC predicts more bits than are correct",
-           cestac_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-4, .high = 0x1p+6}),
-    tabled({"cestac_digit", "", "prediction.cestac_digit"},
-           "tells whether cestac_error is a decimal digit, log2(10) bits, or more (overrated); statistics of "
-           "cestac_error are "
-           "of its magnitude, so they include predictions that are too low",
-           cestac_digit,
-           {.needs = needs_attribution,
-            .ramp = Ramp::categories,
-            .domain = MetricDomain::blamed,
-            .categories = cestac_digit_names}),
-    tabled({"cestac_decision", "", "prediction.cestac_decision"},
-           "tells whether three runs with random rounding all hit or all miss (stable), and whether the form's "
-           "decision is right",
-           cestac_decision,
-           {.needs = needs_attribution,
-            .ramp = Ramp::categories,
-            .domain = MetricDomain::blamed,
-            .categories = cestac_decision_names}),
-    tabled({"statistical_ratio", "1", "prediction.statistical"},
-           "|t - t of the form without rounding| over the root of the sum of the squares of the largest error of each "
-           "operation: independent rounding errors would exceed x with probability 2 exp(-x^2/2) at most",
-           statistical_ratio, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-6, .high = 0x1p+2})};
+    table_row(
+        {"backward_error", "u", "stability.backward"},
+        "least relative change of every number of the ray and the primitive, as the format holds them, for which t "
+        "is exactly the answer, in u = 2^-p: a proved lower bound, exact to first order",
+        backward_error, {.ramp = Ramp::magnitude, .low = 0x1p-4}),
+    table_row({"backward_error_normwise", "u", "stability.normwise"},
+              "backward_error for changes of each vector relative to its length: components that are 0 change too",
+              backward_error_normwise, {.ramp = Ramp::magnitude, .low = 0x1p-4}),
+    table_row(
+        {"decision_margin", "u", "stability.margin"},
+        "least relative change of every number of the ray and the primitive, as the format holds them, that changes "
+        "hit or miss or the root, in u = 2^-p: a proved lower bound; below 2^-10 the least change is at most twice "
+        "as large, and the margin is missing where that is not proved; for the primitive that the form hits, else "
+        "the one truly hit, else the ray's own or, of several, the one that the ray misses most narrowly",
+        decision_margin, {.ramp = Ramp::magnitude, .low = 0x1p-1, .domain = MetricDomain::every}),
+    table_row(
+        {"wrong_decision", "", "stability.wrong"},
+        "tells whether a false hit, a false miss or a wrong primitive is proved to be wrong for all problems within "
+        "u of "
+        "every number (beyond_u), or to be right for one of them (within_u); unproved: neither",
+        wrong_decision, {.ramp = Ramp::categories, .domain = MetricDomain::every, .categories = wrong_decision_names}),
+    table_row({"cestac_bits", "bits", "prediction.cestac"},
+              "correct bits of the mean t of three runs with random rounding, as CESTAC predicts them from the three "
+              "runs: log2(sqrt(3) |mean|/(4.303 s)), from 0 to p",
+              cestac_bits, {.needs = needs_attribution, .ramp = Ramp::kept}),
+    table_row(
+        {"cestac_error", "bits", "prediction.cestac_error"},
+        "cestac_bits minus the bits that the mean of the three runs shares with the form without rounding: above 0, "
+        "CESTAC predicts more bits than are correct",
+        cestac_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-4, .high = 0x1p+6}),
+    table_row({"cestac_digit", "", "prediction.cestac_digit"},
+              "tells whether cestac_error is a decimal digit, log2(10) bits, or more (overrated); statistics of "
+              "cestac_error are "
+              "of its magnitude, so they include predictions that are too low",
+              cestac_digit,
+              {.needs = needs_attribution,
+               .ramp = Ramp::categories,
+               .domain = MetricDomain::blamed,
+               .categories = cestac_digit_names}),
+    table_row({"cestac_decision", "", "prediction.cestac_decision"},
+              "tells whether three runs with random rounding all hit or all miss (stable), and whether the form's "
+              "decision is right",
+              cestac_decision,
+              {.needs = needs_attribution,
+               .ramp = Ramp::categories,
+               .domain = MetricDomain::blamed,
+               .categories = cestac_decision_names}),
+    table_row(
+        {"statistical_ratio", "1", "prediction.statistical"},
+        "|t - t of the form without rounding| over the root of the sum of the squares of the largest error of each "
+        "operation: independent rounding errors would exceed x with probability 2 exp(-x^2/2) at most",
+        statistical_ratio, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-6, .high = 0x1p+2})};
 
 }  // namespace
 

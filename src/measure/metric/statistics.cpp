@@ -15,41 +15,41 @@ namespace lostbits::measure::metric {
 
 void ExactTotal::add(double x) {
     if (x == 0) return;
-    const auto word = std::bit_cast<std::uint64_t>(x);
-    const auto exponent = static_cast<unsigned>(word >> 52 & 0x7ff);
-    const std::uint64_t fraction = word & ((std::uint64_t{1} << 52) - 1);
+    const auto bits = std::bit_cast<std::uint64_t>(x);
+    const auto exponent = static_cast<unsigned>(bits >> 52 & 0x7ff);
+    const std::uint64_t fraction = bits & ((std::uint64_t{1} << 52) - 1);
     const std::uint64_t significand = exponent == 0 ? fraction : fraction | std::uint64_t{1} << 52;
-    const unsigned place = exponent == 0 ? 0 : exponent - 1;  // |x| = significand·2^(place − 1074)
-    const unsigned shift = place % limb_bits;
+    const unsigned position = exponent == 0 ? 0 : exponent - 1;  // |x| = significand·2^(position − 1074)
+    const unsigned shift = position % limb_bits;
     const std::uint64_t low = (significand & 0xffffffffU) << shift, high = (significand >> limb_bits) << shift;
     const std::uint64_t parts[3] = {low & 0xffffffffU, (low >> limb_bits) + (high & 0xffffffffU), high >> limb_bits};
     for (std::size_t i = 0; i < 3; ++i) {
-        std::int64_t& limb = limbs_[place / limb_bits + i];
+        std::int64_t& limb = limbs_[position / limb_bits + i];
         limb += x < 0 ? -static_cast<std::int64_t>(parts[i]) : static_cast<std::int64_t>(parts[i]);
     }
-    if (++unsettled_ == most_unsettled) settle();
+    if (++pending_terms_ == most_pending_terms) normalise();
 }
 
 void ExactTotal::add(const ExactTotal& other) {
-    ExactTotal settled = other;
-    settled.settle();
-    settle();
-    for (std::size_t i = 0; i < limbs_.size(); ++i) limbs_[i] += settled.limbs_[i];
-    ++unsettled_;
+    ExactTotal normalised = other;
+    normalised.normalise();
+    normalise();
+    for (std::size_t i = 0; i < limbs_.size(); ++i) limbs_[i] += normalised.limbs_[i];
+    ++pending_terms_;
 }
 
-void ExactTotal::settle() {
+void ExactTotal::normalise() {
     for (std::size_t i = 0; i + 1 < limbs_.size(); ++i) {
         limbs_[i + 1] += limbs_[i] >> limb_bits;  // rounds down, so the rest is not negative
         limbs_[i] &= 0xffffffff;
     }
-    unsettled_ = 0;
+    pending_terms_ = 0;
 }
 
 double ExactTotal::over(std::uint64_t n) const {
-    ExactTotal settled = *this;
-    settled.settle();
-    const auto& limbs = settled.limbs_;
+    ExactTotal normalised = *this;
+    normalised.normalise();
+    const auto& limbs = normalised.limbs_;
     std::size_t top = limbs.size() - 1;
     while (top > 0 && limbs[top] == 0) --top;
     // Everything is in units of the top limb. Five limbs have at least 129 bits, more than two doubles.
@@ -66,13 +66,13 @@ double ExactTotal::over(std::uint64_t n) const {
 }
 
 void Sums::add(std::span<const double> values) {
-    const std::uint64_t before = sizes_.beyond;
+    const std::uint64_t beyond_before = sizes_.beyond;
     columns::add_sizes(values, sizes_);
     for (std::size_t lane = 0; lane < columns::most_lanes; ++lane) {
         total_.add(std::exchange(sizes_.hi[lane], 0));
         total_.add(std::exchange(sizes_.lo[lane], 0));
     }
-    if (sizes_.beyond == before) return;
+    if (sizes_.beyond == beyond_before) return;
     for (const double x : values) {
         if (std::fabs(x) > columns::largest_summed && !std::isinf(x)) total_.add(std::fabs(x));
     }
@@ -103,65 +103,66 @@ void Quantiles::add(std::span<const double> values) {
     }
 }
 
-std::uint64_t Quantiles::in_bucket(std::uint32_t place) const {
-    const auto& binade = binades_[place / buckets_per_binade];
+std::uint64_t Quantiles::bucket_count(std::uint32_t index) const {
+    const auto& binade = binades_[index / buckets_per_binade];
     if (!binade) return 0;
-    const std::uint64_t low = (*binade)[place % buckets_per_binade];
+    const std::uint64_t low = (*binade)[index % buckets_per_binade];
     if (carries_.empty()) return low;
-    const auto carry = carries_.find(place);
+    const auto carry = carries_.find(index);
     return carry == carries_.end() ? low : std::uint64_t{carry->second} << 32 | low;
 }
 
-void Quantiles::set_bucket(std::uint32_t place, std::uint64_t samples) {
-    auto& binade = binades_.at(place / buckets_per_binade);
+void Quantiles::set_bucket(std::uint32_t index, std::uint64_t samples) {
+    auto& binade = binades_.at(index / buckets_per_binade);
     if (!binade) binade = std::make_unique<Binade>();
-    (*binade)[place % buckets_per_binade] = static_cast<std::uint32_t>(samples);
-    if (samples >> 32 != 0) carries_[place] = static_cast<std::uint32_t>(samples >> 32);
+    (*binade)[index % buckets_per_binade] = static_cast<std::uint32_t>(samples);
+    if (samples >> 32 != 0) carries_[index] = static_cast<std::uint32_t>(samples >> 32);
 }
 
 void Quantiles::add(const Quantiles& other) {
     // All of `other` is read before anything is written, because it may be this object.
-    std::vector<std::uint32_t> places;
+    std::vector<std::uint32_t> indices;
     std::vector<std::uint64_t> counts;
-    other.filled(places, counts);
-    for (std::size_t k = 0; k < places.size(); ++k) set_bucket(places[k], in_bucket(places[k]) + counts[k]);
+    other.list_buckets(indices, counts);
+    for (std::size_t k = 0; k < indices.size(); ++k) set_bucket(indices[k], bucket_count(indices[k]) + counts[k]);
 }
 
-void Quantiles::filled(std::vector<std::uint32_t>& places, std::vector<std::uint64_t>& counts) const {
+void Quantiles::list_buckets(std::vector<std::uint32_t>& indices, std::vector<std::uint64_t>& counts) const {
     for (std::uint32_t b = 0; b < binades_.size(); ++b) {
         for (std::uint32_t i = 0; binades_[b] && i < buckets_per_binade; ++i) {
-            const std::uint64_t samples = in_bucket(b * buckets_per_binade + i);
+            const std::uint64_t samples = bucket_count(b * buckets_per_binade + i);
             if (samples == 0) continue;
-            places.push_back(b * buckets_per_binade + i);
+            indices.push_back(b * buckets_per_binade + i);
             counts.push_back(samples);
         }
     }
 }
 
-void Quantiles::fill(const std::vector<std::uint32_t>& places, const std::vector<std::uint64_t>& counts) {
-    for (std::size_t k = 0; k < places.size(); ++k) set_bucket(places[k], counts.at(k));
+void Quantiles::set_buckets(const std::vector<std::uint32_t>& indices, const std::vector<std::uint64_t>& counts) {
+    for (std::size_t k = 0; k < indices.size(); ++k) set_bucket(indices[k], counts.at(k));
 }
 
 double Quantiles::at(double q, const Sums& sums) const {
     if (sums.count() == 0) return truth::missing;
     const auto rank = static_cast<std::uint64_t>(std::ceil(q * static_cast<double>(sums.count())));
     if (rank >= sums.count()) return sums.largest();
-    std::uint64_t seen = sums.zeros();
-    if (rank <= seen) return 0;
+    std::uint64_t cumulative_count = sums.zeros();
+    if (rank <= cumulative_count) return 0;
     for (std::uint32_t b = 0; b < binades_.size(); ++b) {
         if (!binades_[b]) continue;
         if (b > 0 && carries_.empty()) {
-            const std::uint64_t all = std::accumulate(binades_[b]->begin(), binades_[b]->end(), std::uint64_t{0});
-            if (rank > seen + all) {
-                seen += all;
+            const std::uint64_t binade_count =
+                std::accumulate(binades_[b]->begin(), binades_[b]->end(), std::uint64_t{0});
+            if (rank > cumulative_count + binade_count) {
+                cumulative_count += binade_count;
                 continue;
             }
         }
         for (std::uint32_t i = 0; i < buckets_per_binade; ++i) {
-            const std::uint32_t place = b * buckets_per_binade + i;
-            seen += in_bucket(place) - (place == 0 ? sums.zeros() : 0);
-            if (rank > seen) continue;
-            const auto low_bits = std::uint64_t{place} << 42;
+            const std::uint32_t index = b * buckets_per_binade + i;
+            cumulative_count += bucket_count(index) - (index == 0 ? sums.zeros() : 0);
+            if (rank > cumulative_count) continue;
+            const auto low_bits = std::uint64_t{index} << 42;
             const double low = std::bit_cast<double>(low_bits);
             const double middle = std::bit_cast<double>(low_bits | std::uint64_t{1} << 41);
             return std::isinf(low) ? low : std::min(middle, sums.largest());
@@ -171,22 +172,23 @@ double Quantiles::at(double q, const Sums& sums) const {
 }
 
 Ranks ranks_around(double q, std::uint64_t n) {
-    // P(K = k)/P(K = k - 1) = (n - k + 1)/k q/(1 - q), from the likeliest k in both directions until nothing is left.
+    // P(K = k)/P(K = k - 1) = (n - k + 1)/k q/(1 - q), from the likeliest k in both directions until the rest is
+    // negligible.
     const double odds = q / (1 - q), samples = static_cast<double>(n);
-    constexpr double nothing = 1e-20;
+    constexpr double negligible = 1e-20;
     const auto likeliest = static_cast<std::uint64_t>(std::min(samples, std::floor((samples + 1) * q)));
     std::vector<double> below, above{1};
     double p = 1;
-    for (std::uint64_t k = likeliest; k > 0 && p > nothing; --k) {
+    for (std::uint64_t k = likeliest; k > 0 && p > negligible; --k) {
         p *= static_cast<double>(k) / ((samples - static_cast<double>(k) + 1) * odds);
         below.push_back(p);
     }
     p = 1;
-    for (std::uint64_t k = likeliest + 1; k <= n && p > nothing; ++k) {
+    for (std::uint64_t k = likeliest + 1; k <= n && p > negligible; ++k) {
         p *= (samples - static_cast<double>(k) + 1) / static_cast<double>(k) * odds;
         above.push_back(p);
     }
-    const double all =
+    const double total =
         std::accumulate(below.begin(), below.end(), 0.0) + std::accumulate(above.begin(), above.end(), 0.0);
     std::ranges::reverse(below);
     below.insert(below.end(), above.begin(), above.end());
@@ -196,8 +198,8 @@ Ranks ranks_around(double q, std::uint64_t n) {
     for (std::size_t i = 0; i < below.size(); ++i) {
         sum += below[i];
         const std::uint64_t next = first + i + 1;
-        if (sum <= 0.025 * all) ranks.low = next;
-        if (sum >= 0.975 * all) {
+        if (sum <= 0.025 * total) ranks.low = next;
+        if (sum >= 0.975 * total) {
             ranks.high = next;
             break;
         }
@@ -208,7 +210,7 @@ Ranks ranks_around(double q, std::uint64_t n) {
 void Distribution::add(std::span<const double> values) {
     if (!open_) {
         if (std::ranges::all_of(values, [](double x) { return std::isnan(x); })) return;
-        open_ = std::make_unique<Open>();
+        open_ = std::make_unique<OpenState>();
     }
     open_->sums.add(values);
     open_->quantiles.add(values);
@@ -219,7 +221,7 @@ void Distribution::add(const Distribution& other) {
     if (other.count_ == 0) return;
     if (!other.open_ || (!open_ && count_ > 0))
         throw std::logic_error("a sealed distribution cannot be added to another one, nor can one be added to it");
-    if (!open_) open_ = std::make_unique<Open>();
+    if (!open_) open_ = std::make_unique<OpenState>();
     open_->sums.add(other.open_->sums);
     open_->quantiles.add(other.open_->quantiles);
     count_ = open_->sums.count();
@@ -233,10 +235,10 @@ double Distribution::mean() const {
 double Distribution::quantile(double q) const {
     if (count_ == 0) return truth::missing;
     if (open_) return open_->quantiles.at(q, open_->sums);
-    const auto kept = std::ranges::find(quantiles, q, &Statistic::q);
-    if (kept == quantiles.end())
+    const auto found = std::ranges::find(quantiles, q, &Statistic::q);
+    if (found == quantiles.end())
         throw std::logic_error("a sealed distribution has only the quantiles that tables show");
-    return sealed_[static_cast<std::size_t>(kept - quantiles.begin())];
+    return sealed_[static_cast<std::size_t>(found - quantiles.begin())];
 }
 
 Bounds Distribution::p99_bounds() const {

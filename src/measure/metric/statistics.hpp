@@ -1,5 +1,5 @@
-// Counts, moments and quantiles of a stream, in memory that does not grow with it. Also the number of hits that they
-// stand for, and the spread of a number when its random rays are drawn again.
+// Counts, means and quantiles of a stream of numbers, in memory that does not grow with the stream. Also the agreement
+// between a form and the truth, and the spread of a number over several draws of random rays.
 #pragma once
 
 #include <algorithm>
@@ -29,30 +29,30 @@ public:
     /// Adds x, which must be finite.
     void add(double x);
     void add(const ExactTotal& other);
-    /// Total divided by n, rounded to a double: off by at most an ulp where it is normal. The total must not be
+    /// Total divided by n, rounded to a double: off by at most an ulp if it is normal. The total must not be
     /// negative.
     [[nodiscard]] double over(std::uint64_t n) const;
 
     template <class Bits>
     void fields(Bits& bits) {
-        settle();
+        normalise();
         bits(limbs_);
     }
 
 private:
-    void settle();
+    void normalise();
 
     static constexpr int limb_bits = 32;
-    static constexpr std::uint32_t most_unsettled = std::uint32_t{1} << 29;  // each moves a limb by less than 2^32
+    static constexpr std::uint32_t most_pending_terms = std::uint32_t{1} << 29;  // each moves a limb by less than 2^32
 
     std::array<std::int64_t, 68> limbs_{};
-    std::uint32_t unsettled_ = 0;  // terms since all limbs were from 0 to 2^32 − 1
+    std::uint32_t pending_terms_ = 0;  // terms added since all limbs were from 0 to 2^32 − 1
 };
 
-/// Mean of absolute values, finite or not. Each list that is added is summed in two doubles a lane, to n·2^-104 of
-/// itself; the sums of lists are added without error. So the mean is off by at most an ulp and n·2^-104 of itself. It
-/// depends neither on the order of the lists nor on how they were divided between shards, and no sample costs a
-/// division.
+/// Mean of absolute values, finite or not. Each added list is summed in two doubles a lane, with a relative error of at
+/// most n·2^-104; the sums of lists are added without error. So the mean is off by at most an ulp and n·2^-104 of
+/// itself. It depends neither on the order of the lists nor on how they were divided between shards, and no sample
+/// costs a division.
 class Sums {
 public:
     /// Adds samples; NaN is skipped.
@@ -72,7 +72,7 @@ public:
     }
 
 private:
-    columns::RawSizes sizes_{};  ///< its sums are those of one list
+    columns::RawSizes sizes_{};  ///< its sums are of one list and empty after `add`
     ExactTotal total_;           ///< sum of the finite absolute values
 };
 
@@ -90,23 +90,23 @@ public:
 
     template <class Bits>
     void fields(Bits& bits) {
-        std::vector<std::uint32_t> places;
+        std::vector<std::uint32_t> indices;
         std::vector<std::uint64_t> counts;
-        filled(places, counts);
-        bits(places, counts);
-        fill(places, counts);
+        list_buckets(indices, counts);
+        bits(indices, counts);
+        set_buckets(indices, counts);
     }
 
 private:
     static constexpr std::uint32_t buckets_per_binade = 1024;
-    /// Low 32 bits of the counts: a histogram of many values stays in the second-level cache.
+    /// Low 32 bits of the counts: a histogram of many values still fits into the second-level cache.
     using Binade = std::array<std::uint32_t, buckets_per_binade>;
 
-    [[nodiscard]] std::uint64_t in_bucket(std::uint32_t place) const;
-    void set_bucket(std::uint32_t place, std::uint64_t samples);
-    /// Lists the index of each bucket that is not empty, rising, and how many samples it has.
-    void filled(std::vector<std::uint32_t>& places, std::vector<std::uint64_t>& counts) const;
-    void fill(const std::vector<std::uint32_t>& places, const std::vector<std::uint64_t>& counts);
+    [[nodiscard]] std::uint64_t bucket_count(std::uint32_t index) const;
+    void set_bucket(std::uint32_t index, std::uint64_t samples);
+    /// Lists the index of each bucket that is not empty, in rising order, and its number of samples.
+    void list_buckets(std::vector<std::uint32_t>& indices, std::vector<std::uint64_t>& counts) const;
+    void set_buckets(const std::vector<std::uint32_t>& indices, const std::vector<std::uint64_t>& counts);
 
     /// Zeros are in the first bucket of the first binade, so no sample is a special case.
     std::array<std::unique_ptr<Binade>, 2048> binades_;
@@ -114,7 +114,7 @@ private:
     std::map<std::uint32_t, std::uint32_t> carries_;
 };
 
-/// Statistics that tables show of many numbers: one column each.
+/// Statistic of many numbers that tables show in a column.
 struct Statistic {
     std::string_view name, meaning;
     double q;  ///< 0 for the mean
@@ -131,8 +131,8 @@ inline constexpr std::span<const Statistic, 3> quantiles(statistics.begin() + 1,
 
 /// Confidence interval of the q-quantile by ranks. The quantile of the distribution from which n independent samples
 /// were drawn lies between the samples of these two ranks (from 1) with a probability of at least 95 %, whatever the
-/// distribution. Of the n samples, the number K at or below the quantile is binomial, so P(K < low) <= 2.5 % and P(K >=
-/// high) <= 2.5 %. Rank 0 or rank n + 1 means that no sample is low or high enough.
+/// distribution. The number K of samples at or below the quantile is binomial, so P(K < low) <= 2.5 % and P(K >= high)
+/// <= 2.5 %. Rank 0 or rank n + 1 means that no sample is low or high enough.
 struct Ranks {
     std::uint64_t low, high;
 };
@@ -143,7 +143,7 @@ struct Bounds {
     friend bool operator==(const Bounds&, const Bounds&) = default;
 };
 
-/// Summary of one metric: statistics of |x|, over the samples where it exists.
+/// Summary of one metric: statistics of |x|, over the samples that have a value.
 class Distribution {
 public:
     /// Adds samples; NaN is skipped.
@@ -158,50 +158,50 @@ public:
     /// Quantile q: one of the `statistics`, or, before `seal`, any other.
     [[nodiscard]] double quantile(double q) const;
     /// Bounds of the 99th percentile of the distribution that the samples were drawn from, with 95 % confidence, if
-    /// they are independent (`ranks_around`). The lower bound is 0 where no sample is low enough, the upper one
-    /// infinity where none is high enough; with fewer than 368 samples none is. NaN when there is no sample.
+    /// they are independent (`ranks_around`). The lower bound is 0 if no sample is low enough; the upper bound is
+    /// infinity if no sample is high enough, as with fewer than 368 samples. Both are NaN without samples.
     [[nodiscard]] Bounds p99_bounds() const;
-    /// Keeps the quantiles of the `statistics` and these bounds, and frees the buckets: a sweep holds thousands of
-    /// distributions.
+    /// Keeps only the quantiles of the `statistics`, the mean and the bounds of the 99th percentile, and frees the
+    /// buckets: a sweep holds thousands of distributions.
     void seal();
 
-    /// Reads or writes everything it knows, sealed or not, for `output::shard`.
+    /// Reads or writes the whole state, sealed or not, for `output::shard`.
     template <class Bits>
     void fields(Bits& bits) {
         bits(count_, sealed_, sealed_mean_, sealed_bounds_.low, sealed_bounds_.high, open_);
     }
 
 private:
-    struct Open {
+    struct OpenState {
         Sums sums;
         Quantiles quantiles;
 
         template <class Bits>
-        friend void fields(Bits& bits, Open& open) {
+        friend void fields(Bits& bits, OpenState& open) {
             open.sums.fields(bits);
             open.quantiles.fields(bits);
         }
     };
 
     std::uint64_t count_ = 0;
-    std::unique_ptr<Open> open_;
+    std::unique_ptr<OpenState> open_;
     std::array<double, quantiles.size()> sealed_{};
     double sealed_mean_ = 0;
     Bounds sealed_bounds_{};
 };
 
 /// Least share of the true hits on which form and truth must agree. A form that misses nearly everything may be exact
-/// on the few hits that are left to it. Below this share, pictures, plots, tables on the terminal and the page withhold
-/// quantiles over agreed hits, and say so. CSV files have them all the same, beside the counts.
+/// on the few hits that it finds. Below this share, pictures, plots, tables on the terminal and the page withhold
+/// quantiles over agreed hits, and say so. CSV files contain the quantiles in any case, beside the counts.
 inline constexpr double least_agreement = 0.1;
 
 struct Agreement {
     std::uint64_t agreed;     ///< rays whose error is measured: form and truth agree on the hit
     std::uint64_t true_hits;  ///< rays that truly hit
 
-    /// NaN where no ray truly hits.
+    /// Share of the true hits that agree; NaN if no ray truly hits.
     [[nodiscard]] double share() const { return truth::fraction(agreed, true_hits); }
-    /// True where a quantile over the agreed hits may stand for the form.
+    /// True if a quantile over the agreed hits may stand for the form.
     [[nodiscard]] bool is_enough() const {
         return agreed > 0 && static_cast<double>(agreed) >= least_agreement * static_cast<double>(true_hits);
     }
@@ -221,17 +221,17 @@ struct Spread {
     int draws;  ///< number of draws on which the number exists
 };
 
-/// Spread over a file's own draw and further ones. NaN marks a draw on which the number does not exist; all results are
-/// NaN where it exists on none.
-inline Spread spread_of(double own, const std::vector<double>& further) {
-    std::vector<double> all;
+/// Spread over a file's own draw and other ones. NaN marks a draw on which the number does not exist; all results are
+/// NaN if it exists on none.
+inline Spread spread_of(double own, const std::vector<double>& other_draws) {
+    std::vector<double> values;
     const auto exists = [](double x) { return !std::isnan(x); };
-    if (exists(own)) all.push_back(own);
-    std::ranges::copy_if(further, std::back_inserter(all), exists);
-    constexpr double none = std::numeric_limits<double>::quiet_NaN();
-    if (all.empty()) return {none, none, none, 0};
-    std::ranges::sort(all);
-    return {all.front(), all[(all.size() - 1) / 2], all.back(), static_cast<int>(all.size())};
+    if (exists(own)) values.push_back(own);
+    std::ranges::copy_if(other_draws, std::back_inserter(values), exists);
+    constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
+    if (values.empty()) return {no_value, no_value, no_value, 0};
+    std::ranges::sort(values);
+    return {values.front(), values[(values.size() - 1) / 2], values.back(), static_cast<int>(values.size())};
 }
 
 }  // namespace lostbits::measure::metric

@@ -14,13 +14,13 @@ inline double in_roundoffs(double x, const Sample& s) { return std::ldexp(x, s.f
 
 // Metrics that compare t with t* (errors_of_t.cpp).
 double ulp_error(const Sample& s);
-double lost(const Sample& s);
-double correct(const Sample& s);
+double lost_bits(const Sample& s);
+double correct_bits(const Sample& s);
 double herbie(const Sample& s);
-double absolute(const Sample& s);
-double relative(const Sample& s);
-/// |t − t*| |d|, to a relative error of 2^-50. If the form asks for directions of length one, d is the direction that
-/// it got, whose length is one up to the rounding of the format.
+double absolute_error(const Sample& s);
+double relative_error(const Sample& s);
+/// |t − t*| |d|, to a relative error of 2^-50. If the form requires directions of length one, d is the direction that
+/// the form received, whose length is one up to the rounding of the format.
 double distance_error(const Sample& s);
 double input_error(const Sample& s);
 double model_error(const Sample& s);
@@ -36,7 +36,7 @@ double point_error(const Sample& s);
 /// Largest relative error of a component of the hit point after projection onto its sphere, in u; missing for boxes.
 double projected_error(const Sample& s);
 /// Number of u by which a far plane's t must grow so that the slabs of a box that is truly hit overlap; missing for
-/// other primitives. For a form behind a box it is that of the bounding box, whatever the primitive.
+/// other primitives. For a form behind a box, it is the padding of the bounding box, whatever the primitive.
 double padding(const Sample& s);
 /// Same padding for the slabs of one box, in binary32, whether or not the ray hits it.
 double padding(const Ray<float>& ray, const BoundingBox<float>& box);

@@ -17,10 +17,10 @@ namespace {
 
 constexpr int timed_pixels = 2048;
 constexpr std::size_t max_timed_primitives = 4;
-constexpr std::size_t numbers_a_ray = 9;  // origin, direction; t, near, far
+constexpr std::size_t numbers_a_ray = 9;  // numbers of one ray: origin, direction; t, near, far
 
-/// Counts the rays of the band that truly hit each primitive first. Hits of equal primitives are counted together: Hits
-/// of primitive k count for primitive `same_as[k]`. If `same_as` is empty, they count for k itself.
+/// Counts, for each primitive, the rays of the band that truly hit it first. Equal primitives count as one: a hit of
+/// primitive k counts for primitive `same_as[k]`, or for k itself if `same_as` is empty.
 std::map<int, std::size_t> hits_of(const truth::Band& band, const std::vector<int>& same_as) {
     std::map<int, std::size_t> hits;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
@@ -30,18 +30,18 @@ std::map<int, std::size_t> hits_of(const truth::Band& band, const std::vector<in
     return hits;
 }
 
-/// Index of the first primitive with the same numbers, for each primitive.
+/// For each primitive, the index of the first primitive with the same numbers.
 std::vector<int> first_same(const std::vector<Primitive<double>>& primitives) {
     using Matrix = std::optional<std::pair<bool, decltype(Placement<double>::matrix)>>;
-    std::map<std::tuple<Shape, decltype(Primitive<double>::numbers), Matrix>, int> places;
-    std::vector<int> first;
+    std::map<std::tuple<Shape, decltype(Primitive<double>::numbers), Matrix>, int> first_by_key;
+    std::vector<int> first_indices;
     for (const Primitive<double>& primitive : primitives) {
         Matrix matrix;
         if (primitive.placed) matrix.emplace(primitive.placed->is_inverse, primitive.placed->matrix);
-        const std::tuple same(primitive.shape, primitive.numbers, matrix);
-        first.push_back(places.emplace(same, static_cast<int>(first.size())).first->second);
+        const std::tuple key(primitive.shape, primitive.numbers, matrix);
+        first_indices.push_back(first_by_key.emplace(key, static_cast<int>(first_indices.size())).first->second);
     }
-    return first;
+    return first_indices;
 }
 
 std::vector<std::size_t> primitives_to_time(const std::map<int, std::size_t>& hits, std::size_t primitives) {
@@ -74,12 +74,12 @@ struct SceneWork::Store {
 };
 
 Scene with_smaller_picture(const Scene& scene, int pixels) {
-    Scene thin = scene;
+    Scene small_scene = scene;
     const double factor = std::min(1.0, std::sqrt(static_cast<double>(pixels) / static_cast<double>(scene.pixels())));
-    const auto shrunk = [factor](int side) { return std::max(1, static_cast<int>(std::lround(side * factor))); };
-    thin.width = shrunk(scene.width);
-    thin.height = shrunk(scene.height);
-    return thin;
+    const auto shrink = [factor](int side) { return std::max(1, static_cast<int>(std::lround(side * factor))); };
+    small_scene.width = shrink(scene.width);
+    small_scene.height = shrink(scene.height);
+    return small_scene;
 }
 
 SceneWork::SceneWork(const Scene& scene, truth::TruthLimit limit)
@@ -97,9 +97,9 @@ SceneWork::SceneWork(const scene::rays::RayGroup& sample, truth::TruthLimit limi
 
 void SceneWork::choose_primitives(const std::vector<int>& same_as, std::size_t primitives) {
     const auto hits = hits_of(band_, same_as);
-    std::size_t all = 0;
-    for (const auto& [primitive, count] : hits) all += count;
-    hit_rate_ = static_cast<double>(all) / static_cast<double>(rays_);
+    std::size_t hit_count = 0;
+    for (const auto& [primitive, count] : hits) hit_count += count;
+    hit_rate_ = static_cast<double>(hit_count) / static_cast<double>(rays_);
     primitives_ = primitives_to_time(hits, primitives);
 }
 
@@ -115,21 +115,22 @@ std::shared_ptr<SceneWork::Store<S>> SceneWork::store(const evaluate::TestedForm
         else return f64_;
     }
     ();
-    const bool unit = row.form->info->direction == intersect::Direction::unit;
-    auto& made = stores[unit ? 1 : 0];
-    if (!made) {
+    const bool is_unit = row.form->info->direction == intersect::Direction::unit;
+    auto& row_store = stores[is_unit ? 1 : 0];
+    if (!row_store) {
         const truth::FormatInputs inputs = band_.inputs_for(row.format, *row.form->info);
-        made = std::make_shared<Store<S>>(Store<S>{answer::KernelBuffers<S>(inputs.rays_for(*row.form->info))});
-        for (const std::size_t s : primitives_) made->primitives.push_back(lift_primitive<S>(inputs.primitives[s]));
+        row_store = std::make_shared<Store<S>>(Store<S>{answer::KernelBuffers<S>(inputs.rays_for(*row.form->info))});
+        for (const std::size_t s : primitives_)
+            row_store->primitives.push_back(lift_primitive<S>(inputs.primitives[s]));
     }
-    return made;
+    return row_store;
 }
 
 TimedWork SceneWork::on(const evaluate::TestedForm& row, const intersect::simd::PackedRow& kernels) {
     const std::size_t items = rays() * primitives();
     if (row.format.engine == Format::Engine::native32)
-        return {[to = store<float>(row), kernel = kernels.f32] { to->run(kernel); }, items, true};
-    return {[to = store<double>(row), kernel = kernels.f64] { to->run(kernel); }, items, true};
+        return {[row_store = store<float>(row), kernel = kernels.f32] { row_store->run(kernel); }, items, true};
+    return {[row_store = store<double>(row), kernel = kernels.f64] { row_store->run(kernel); }, items, true};
 }
 
 }  // namespace lostbits::measure::speed

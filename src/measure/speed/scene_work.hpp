@@ -1,4 +1,4 @@
-// Rays of a scene, or of files, that kernels are timed on, so that no other rays stand in for them.
+// Rays of a scene, or of files, on which kernels are timed.
 #pragma once
 
 #include <array>
@@ -15,11 +15,11 @@ namespace lostbits::measure::speed {
 scene::file::Scene with_smaller_picture(const scene::file::Scene& scene, int pixels);
 
 /// About two thousand rays of a scene, taken evenly over its picture, against the primitives that most of them truly
-/// hit. There are at most four primitives; where nothing is hit, they are the first ones of the scene.
+/// hit. There are at most four primitives; if nothing is hit, they are the first ones of the scene.
 class SceneWork {
 public:
     explicit SceneWork(const scene::file::Scene& scene, truth::TruthLimit limit = {});
-    /// Uses all rays of a given sample. Where each ray has its own primitive, those with the same numbers are merged.
+    /// Uses all rays of a given sample. If each ray has its own primitive, primitives with the same numbers are merged.
     explicit SceneWork(const scene::rays::RayGroup& sample, truth::TruthLimit limit = {});
     SceneWork(const SceneWork&) = delete;
     SceneWork& operator=(const SceneWork&) = delete;
@@ -45,12 +45,12 @@ private:
     std::shared_ptr<Store<S>> store(const evaluate::TestedForm& row);
 
     scene::file::Scene scene_ = {};
-    std::unique_ptr<culling::Culler> culler_ = {};  ///< of the scene; null for a sample of a file
+    std::unique_ptr<culling::Culler> culler_ = {};  ///< culler of the scene; null for a sample of a file
     truth::Band band_;
     std::size_t rays_;
     double hit_rate_ = 0;
     std::vector<std::size_t> primitives_;
-    std::array<std::shared_ptr<Store<float>>, 2> f32_;  ///< with directions as they are, and of unit length
+    std::array<std::shared_ptr<Store<float>>, 2> f32_;  ///< [0]: directions as they are; [1]: directions of unit length
     std::array<std::shared_ptr<Store<double>>, 2> f64_;
 };
 

@@ -18,7 +18,7 @@ namespace lostbits::measure::speed {
 namespace {
 
 /// Keeps the compiler from moving, dropping or joining memory accesses across this point.
-void settle_memory() { asm volatile("" ::: "memory"); }
+void compiler_barrier() { asm volatile("" ::: "memory"); }
 
 using Clock = std::chrono::steady_clock;
 
@@ -26,42 +26,43 @@ double seconds_of(const TimedWork& work, std::uint64_t passes) {
     const auto begin = Clock::now();
     for (std::uint64_t i = 0; i < passes; ++i) {
         work.pass();
-        settle_memory();
+        compiler_barrier();
     }
     return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// Number of passes that last `least` seconds, found by doubling.
-std::uint64_t passes_for(const TimedWork& work, double least) {
+/// Number of passes that last `least_seconds` seconds, found by doubling.
+std::uint64_t passes_for(const TimedWork& work, double least_seconds) {
     work.pass();
     for (std::uint64_t passes = 1;; passes *= 2) {
         const double seconds = seconds_of(work, passes);
-        if (seconds < least / 4) continue;
+        if (seconds < least_seconds / 4) continue;
         return std::max<std::uint64_t>(
-            1, static_cast<std::uint64_t>(std::ceil(static_cast<double>(passes) * least / seconds)));
+            1, static_cast<std::uint64_t>(std::ceil(static_cast<double>(passes) * least_seconds / seconds)));
     }
 }
 
-std::size_t from_system([[maybe_unused]] int name, std::size_t otherwise) {
+std::size_t system_size([[maybe_unused]] int name, std::size_t fallback) {
     const long size = sysconf(name);
-    return size > 0 ? static_cast<std::size_t>(size) : otherwise;
+    return size > 0 ? static_cast<std::size_t>(size) : fallback;
 }
 
-/// Processors that the calling thread may use; empty where the system does not report them.
+/// Processors that the calling thread may use; empty if the system does not report them.
 std::vector<int> processors_of_thread() {
-    std::vector<int> all;
+    std::vector<int> processors;
 #if defined(__linux__)
     cpu_set_t set;
     if (sched_getaffinity(0, sizeof set, &set) == 0) {
         for (int i = 0; i < CPU_SETSIZE; ++i)
-            if (CPU_ISSET(static_cast<std::size_t>(i), &set)) all.push_back(i);
+            if (CPU_ISSET(static_cast<std::size_t>(i), &set)) processors.push_back(i);
     }
 #endif
-    return all;
+    return processors;
 }
 
-/// Pins the calling thread to these processors. False where the system refuses: the thread then stays where it is.
-bool keep_on([[maybe_unused]] const std::vector<int>& processors) {
+/// Pins the calling thread to these processors. Returns false if the system refuses: the thread then keeps its
+/// processors.
+bool pin_to([[maybe_unused]] const std::vector<int>& processors) {
 #if defined(__linux__)
     cpu_set_t set;
     CPU_ZERO(&set);
@@ -83,31 +84,31 @@ int own_processor() {
 /// Passes a second, measured for `seconds`. The clock is read after each batch of passes; batches double until a
 /// sixteenth of the time has passed.
 double rate_of(const std::function<void()>& pass, double seconds) {
-    const auto since = [](Clock::time_point start) {
+    const auto seconds_since = [](Clock::time_point start) {
         return std::chrono::duration<double>(Clock::now() - start).count();
     };
     const auto start = Clock::now();
-    double passes = 0, took = 0;
-    for (std::size_t batch = 1; took < seconds; batch *= took < seconds / 16 ? 2 : 1) {
+    double passes = 0, elapsed = 0;
+    for (std::size_t batch = 1; elapsed < seconds; batch *= elapsed < seconds / 16 ? 2 : 1) {
         for (std::size_t i = 0; i < batch; ++i) {
             pass();
-            settle_memory();
+            compiler_barrier();
         }
         passes += static_cast<double>(batch);
-        took = since(start);
+        elapsed = seconds_since(start);
     }
-    return passes / took;
+    return passes / elapsed;
 }
 
 /// Sum of the rates of all threads, which start together, one on each of these processors.
-double rate_together(const std::vector<std::function<void()>>& passes, const std::vector<int>& processors,
-                     double seconds) {
+double total_rate(const std::vector<std::function<void()>>& passes, const std::vector<int>& processors,
+                  double seconds) {
     std::vector<double> rates(passes.size());
     std::barrier ready(static_cast<std::ptrdiff_t>(passes.size()));
     std::vector<std::jthread> threads;
     for (std::size_t i = 0; i < passes.size(); ++i) {
         threads.emplace_back([&, i] {
-            keep_on({processors[i]});
+            pin_to({processors[i]});
             passes[i]();
             ready.arrive_and_wait();
             rates[i] = rate_of(passes[i], seconds);
@@ -119,21 +120,21 @@ double rate_together(const std::vector<std::function<void()>>& passes, const std
 
 }  // namespace
 
-PinnedThread::PinnedThread() : before_(processors_of_thread()) {
-    const int here = own_processor();
-    if (here >= 0 && !before_.empty() && keep_on({here})) processor_ = here;
+PinnedThread::PinnedThread() : allowed_before_(processors_of_thread()) {
+    const int current = own_processor();
+    if (current >= 0 && !allowed_before_.empty() && pin_to({current})) processor_ = current;
 }
 
 PinnedThread::~PinnedThread() {
-    if (processor_ >= 0) keep_on(before_);
+    if (processor_ >= 0) pin_to(allowed_before_);
 }
 
 CacheSizes cache_sizes() {
     CacheSizes sizes{std::size_t{32} << 10, std::size_t{1} << 20, std::size_t{8} << 20};
 #if defined(_SC_LEVEL1_DCACHE_SIZE)
-    sizes.l1 = from_system(_SC_LEVEL1_DCACHE_SIZE, sizes.l1);
-    sizes.l2 = from_system(_SC_LEVEL2_CACHE_SIZE, sizes.l2);
-    sizes.last = from_system(_SC_LEVEL3_CACHE_SIZE, sizes.last);
+    sizes.l1 = system_size(_SC_LEVEL1_DCACHE_SIZE, sizes.l1);
+    sizes.l2 = system_size(_SC_LEVEL2_CACHE_SIZE, sizes.l2);
+    sizes.last = system_size(_SC_LEVEL3_CACHE_SIZE, sizes.last);
 #endif
     return sizes;
 }
@@ -149,12 +150,12 @@ std::string processor_name() {
 
 Timing timing_of(std::vector<double> samples) {
     std::ranges::sort(samples);
-    const auto at = [&](double share) {
+    const auto quantile = [&](double share) {
         const double rank = share * static_cast<double>(samples.size() - 1);
         const auto below = static_cast<std::size_t>(rank), above = std::min(below + 1, samples.size() - 1);
         return std::lerp(samples[below], samples[above], rank - static_cast<double>(below));
     };
-    return {at(0.5), at(0.25), at(0.75)};
+    return {quantile(0.5), quantile(0.25), quantile(0.75)};
 }
 
 Timing ratio_of(std::span<const double> a, std::span<const double> b) {
@@ -193,8 +194,8 @@ std::vector<Timing> time_interleaved(std::span<const TimedWork> work, const Timi
 }
 
 std::vector<int> allowed_processors() {
-    auto all = processors_of_thread();
-    return all.empty() ? std::vector{0} : all;
+    auto processors = processors_of_thread();
+    return processors.empty() ? std::vector{0} : processors;
 }
 
 std::vector<double> thread_speedups(const WorkOfThread& work, const ThreadPlan& plan) {
@@ -209,9 +210,9 @@ std::vector<double> thread_speedups(const WorkOfThread& work, const ThreadPlan& 
     std::vector<double> quotients;
     for (int round = 0; round < plan.repetitions; ++round) {
         plan.stop.check();
-        const std::size_t one = static_cast<std::size_t>(round) % count;
-        const double alone = rate_together({passes[one]}, {processors[one]}, plan.least_seconds);
-        quotients.push_back(rate_together(passes, processors, plan.least_seconds) / alone);
+        const std::size_t single = static_cast<std::size_t>(round) % count;
+        const double single_rate = total_rate({passes[single]}, {processors[single]}, plan.least_seconds);
+        quotients.push_back(total_rate(passes, processors, plan.least_seconds) / single_rate);
     }
     return quotients;
 }

@@ -1,5 +1,5 @@
-// Interleaved timing, so that a disturbance hits all alike: every piece of work runs once a round, over many rounds.
-// Also the throughput of all processors together, compared with that of one alone.
+// Interleaved timing: every piece of work runs once a round, over many rounds, so that a disturbance affects all of
+// them alike. Also the throughput of all processors together, compared with that of one processor.
 #pragma once
 
 #include <cstddef>
@@ -14,36 +14,36 @@
 namespace lostbits::measure::speed {
 
 /// Pins the calling thread to the processor that it runs on, and restores its old processors at the end. Does nothing
-/// where the system refuses.
+/// if the system refuses.
 class PinnedThread {
 public:
     PinnedThread();
     ~PinnedThread();
     PinnedThread(const PinnedThread&) = delete;
     PinnedThread& operator=(const PinnedThread&) = delete;
-    /// The processor, or −1 where the system refused.
+    /// The processor, or −1 if the system refused.
     [[nodiscard]] int processor() const { return processor_; }
 
 private:
     int processor_ = -1;
-    std::vector<int> before_;  ///< the processors that were allowed before
+    std::vector<int> allowed_before_;  ///< processors that the thread was allowed to use before
 };
 
 /// Bytes of the first- and second-level data cache of a core and of the last level, as the system reports them; 32 KiB,
-/// 1 MiB and 8 MiB where it does not.
+/// 1 MiB and 8 MiB if it does not.
 struct CacheSizes {
     std::size_t l1, l2, last;
 };
 CacheSizes cache_sizes();
 
-/// Name of the processor by the system: `AMD EPYC 7763 64-Core Processor`; empty where it reports none.
+/// Name of the processor by the system: `AMD EPYC 7763 64-Core Processor`; empty if it reports none.
 std::string processor_name();
 
 /// Work to be timed. `pass` leaves its results in memory.
 struct TimedWork {
     std::function<void()> pass;
     std::size_t items;  ///< items in one pass
-    bool warm;          ///< run an untimed pass first, so that the data lie where they did the last time
+    bool warm;          ///< run an untimed pass first, so that the data are in the same cache as the last time
 };
 
 struct TimingPlan {
@@ -66,13 +66,13 @@ std::vector<std::vector<double>> sample_interleaved(std::span<const TimedWork> w
 /// Times the work the same way and summarises the repetitions.
 std::vector<Timing> time_interleaved(std::span<const TimedWork> work, const TimingPlan& plan);
 
-/// Median and quartiles, interpolated between two samples where the rank falls there. Needs at least one sample.
+/// Median and quartiles, interpolated between two samples if the rank falls between them. Needs at least one sample.
 Timing timing_of(std::vector<double> samples);
 
-/// Timing of the quotients a[i]/b[i] within a round: what slows a round down slows both. Equal sizes, at least one.
+/// Timing of the quotients a[i]/b[i] within a round: a disturbance of a round slows both. Equal sizes, at least one.
 Timing ratio_of(std::span<const double> a, std::span<const double> b);
 
-/// Processors that the calling thread may use; {0} where the system does not report them.
+/// Processors that the calling thread may use; {0} if the system does not report them.
 std::vector<int> allowed_processors();
 
 struct ThreadPlan {
@@ -85,9 +85,9 @@ struct ThreadPlan {
 /// Makes the work of a thread: the returned function is called repeatedly on that thread, on memory of its own.
 using WorkOfThread = std::function<std::function<void()>(std::size_t thread)>;
 
-/// Passes a second of all threads together, each on a processor of its own, over those of one alone: one quotient a
-/// repetition. The single thread takes turns on the processors. Perfect scaling is the number of threads. Uses
-/// steady_clock.
+/// Passes a second of all threads together, each on a processor of its own, divided by the passes a second of a single
+/// thread: one quotient per repetition. The single thread runs on each processor in turn. Perfect scaling is the number
+/// of threads. Uses steady_clock.
 std::vector<double> thread_speedups(const WorkOfThread& work, const ThreadPlan& plan);
 
 }  // namespace lostbits::measure::speed

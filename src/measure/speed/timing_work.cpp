@@ -37,12 +37,12 @@ const Row* row_of(std::span<const Row> rows, std::string_view form) {
 }
 
 template <class S>
-TimedWork by_packs(const std::shared_ptr<BoxField<S>>& field, intersect::simd::ManyKernel<S> kernel, bool warm) {
+TimedWork packed_work(const std::shared_ptr<BoxField<S>>& field, intersect::simd::ManyKernel<S> kernel, bool warm) {
     return {[field, kernel] { kernel(field->ray, field->arrays(), field->t); }, field->t.size(), warm};
 }
 
 template <class S, class Kernel>
-TimedWork by_packs(const std::shared_ptr<RayStore<S>>& store, Kernel kernel, bool warm) {
+TimedWork packed_work(const std::shared_ptr<RayStore<S>>& store, Kernel kernel, bool warm) {
     return {[store, kernel] { store->run(kernel); }, store->slice(), warm};
 }
 
@@ -60,14 +60,14 @@ RayPool ray_pool(Shape shape) {
 template <class S>
 RayStore<S>::RayStore(const RayPool& pool, std::size_t bytes, double hit_rate, std::size_t slice, std::uint64_t seed)
     : primitive_(lift_primitive<S>(pool.primitive)),
-      rays_(std::max(bytes / bytes_per_ray / whole, std::size_t{1}) * whole),
-      slice_(slice == 0 ? rays_ : std::min(rays_, (slice + whole - 1) / whole * whole)) {
-    constexpr std::size_t line = 64, stagger = 5 * line;
-    const std::size_t column = (rays_ * sizeof(S) + stagger + line - 1) / line * line;
-    memory_.resize(numbers * column + rays_ + line);
+      rays_(std::max(bytes / bytes_per_ray / ray_granularity, std::size_t{1}) * ray_granularity),
+      slice_(slice == 0 ? rays_ : std::min(rays_, (slice + ray_granularity - 1) / ray_granularity * ray_granularity)) {
+    constexpr std::size_t cache_line = 64, stagger = 5 * cache_line;
+    const std::size_t column = (rays_ * sizeof(S) + stagger + cache_line - 1) / cache_line * cache_line;
+    memory_.resize(numbers * column + rays_ + cache_line);
     void* start = memory_.data();
     std::size_t space = memory_.size();
-    std::align(line, memory_.size() - line, start, space);
+    std::align(cache_line, memory_.size() - cache_line, start, space);
     auto* const first = static_cast<std::byte*>(start);
     for (std::size_t c = 0; c < numbers; ++c) columns_[c] = reinterpret_cast<S*>(first + c * column);
     hit_ = reinterpret_cast<std::uint8_t*>(first + numbers * column);
@@ -99,23 +99,23 @@ template class RayStore<double>;
 
 template <class S>
 BoxField<S>::BoxField(std::size_t bytes) : ray{{S(-3), S(0.1F), S(0.2F)}, {S(1), S(-0.25), S(0.125)}} {
-    constexpr std::size_t line = 64, stagger = 5 * line, numbers = 7;
+    constexpr std::size_t cache_line = 64, stagger = 5 * cache_line, numbers = 7;
     const std::size_t boxes = std::max<std::size_t>(1, bytes / (numbers * sizeof(S)) / 64) * 64,
                       column = boxes * sizeof(S) + stagger;
-    memory_.resize(numbers * column + line);
+    memory_.resize(numbers * column + cache_line);
     void* start = memory_.data();
     std::size_t space = memory_.size();
-    std::align(line, numbers * column, start, space);
+    std::align(cache_line, numbers * column, start, space);
     const auto span_of = [&](std::size_t c) {
         return std::span<S>(reinterpret_cast<S*>(static_cast<std::byte*>(start) + c * column), boxes);
     };
     std::mt19937 engine(2);
-    std::uniform_real_distribution<float> place(-2, 2), side(0.1F, 1);
+    std::uniform_real_distribution<float> position(-2, 2), side(0.1F, 1);
     for (std::size_t axis = 0; axis < 3; ++axis) {
         columns[axis] = span_of(axis);
         columns[axis + 3] = span_of(axis + 3);
         for (std::size_t i = 0; i < boxes; ++i) {
-            columns[axis][i] = place(engine);
+            columns[axis][i] = position(engine);
             columns[axis + 3][i] = columns[axis][i] + S(side(engine));
         }
     }
@@ -170,8 +170,8 @@ std::optional<TimedWork> BoxWork::on(const TimedKernel& k) {
                          f32()->t.size(), warm};
     const auto isa = intersect::simd::isa_named(k.kernel);
     const intersect::simd::ManyRow* const row = isa ? row_of(intersect::simd::many_rows(*isa), k.form) : nullptr;
-    if (row && row->takes_tmax && row->f32 && k.format == "f32") return by_packs(f32(), row->f32, warm);
-    if (row && row->takes_tmax && row->f64 && k.format == "f64") return by_packs(f64(), row->f64, warm);
+    if (row && row->takes_tmax && row->f32 && k.format == "f32") return packed_work(f32(), row->f32, warm);
+    if (row && row->takes_tmax && row->f64 && k.format == "f64") return packed_work(f64(), row->f64, warm);
     return std::nullopt;
 }
 
@@ -182,8 +182,8 @@ std::optional<TimedWork> RayWork::on(const TimedKernel& k) {
     const bool warm = stay_in_cache(bytes_);
     const Shape shape =
         intersect::table::catalogue()[static_cast<std::size_t>(row - intersect::simd::packed_rows(*isa).data())].shape;
-    if (row->f32 && k.format == "f32") return by_packs(f32(shape), row->f32, warm);
-    if (row->f64 && k.format == "f64") return by_packs(f64(shape), row->f64, warm);
+    if (row->f32 && k.format == "f32") return packed_work(f32(shape), row->f32, warm);
+    if (row->f64 && k.format == "f64") return packed_work(f64(shape), row->f64, warm);
     return std::nullopt;
 }
 

@@ -23,8 +23,8 @@ using scene::rays::RaySet;
 /// Ray sets of a shape, the easy one first. The seeds are fixed: the rays are always the same.
 std::span<const RaySet> ray_sets(Shape shape);
 
-/// One primitive, with rays that hit it and rays that miss it. All are of the easy kind, and their directions have unit
-/// length in binary32, so that every form accepts them.
+/// One primitive, with rays that hit it and rays that miss it. All rays are easy, and their directions have unit length
+/// in binary32, so that every form accepts them.
 struct RayPool {
     Primitive<double> primitive;
     std::vector<Ray<double>> hits, misses;
@@ -32,7 +32,7 @@ struct RayPool {
 RayPool ray_pool(Shape shape);
 
 /// Rays of a pool and a buffer for their answers, as many as fit into `bytes` bytes, in one block of memory. Columns
-/// start at cache lines, each at another offset in its page, so that reads and writes do not collide there.
+/// start at cache lines, each at another offset in its page, so that reads and writes do not collide.
 template <class S>
 class RayStore {
 public:
@@ -46,28 +46,28 @@ public:
     [[nodiscard]] std::size_t slice() const { return slice_; }
     [[nodiscard]] std::size_t bytes() const { return rays_ * bytes_per_ray; }
 
-    /// Runs the kernel on the next slice, round and round.
+    /// Runs the kernel on the next slice; after the last one, starts again at the first.
     template <class Kernel>
     void run(const Kernel& kernel) {
-        const auto in = [this](std::size_t c) { return std::span<const S>(columns_[c] + at_, slice_); };
-        const auto out = [this](std::size_t c) { return std::span<S>(columns_[c] + at_, slice_); };
-        kernel(intersect::table::RayBatch<S>{in(0), in(1), in(2), in(3), in(4), in(5)}, primitive_,
-               intersect::table::HitBatch<S>{out(6), out(7), out(8), {hit_ + at_, slice_}});
-        at_ += slice_;
-        if (at_ + slice_ > rays_) at_ = 0;
+        const auto input = [this](std::size_t c) { return std::span<const S>(columns_[c] + next_ray_, slice_); };
+        const auto output = [this](std::size_t c) { return std::span<S>(columns_[c] + next_ray_, slice_); };
+        kernel(intersect::table::RayBatch<S>{input(0), input(1), input(2), input(3), input(4), input(5)}, primitive_,
+               intersect::table::HitBatch<S>{output(6), output(7), output(8), {hit_ + next_ray_, slice_}});
+        next_ray_ += slice_;
+        if (next_ray_ + slice_ > rays_) next_ray_ = 0;
     }
-    /// Share of hits that the last pass over everything found.
+    /// Share of the rays that the last pass over all of them found to hit.
     [[nodiscard]] double found() const;
 
 private:
-    static constexpr std::size_t numbers = 9;  ///< of one ray: origin, direction; t, near, far
+    static constexpr std::size_t numbers = 9;  ///< numbers of one ray: origin, direction; t, near, far
     static constexpr std::size_t bytes_per_ray = numbers * sizeof(S) + 1;
-    static constexpr std::size_t whole = 64;  ///< rays: a multiple of what any register holds
+    static constexpr std::size_t ray_granularity = 64;  ///< a multiple of the number of rays that any register holds
 
     void fill(const RayPool& pool, double hit_rate, std::uint64_t seed);
 
     Primitive<S> primitive_;
-    std::size_t rays_, slice_, at_ = 0;
+    std::size_t rays_, slice_, next_ray_ = 0;
     std::vector<std::byte> memory_;
     std::array<S*, numbers> columns_{};
     std::uint8_t* hit_ = nullptr;
@@ -78,7 +78,7 @@ extern template class RayStore<double>;
 
 /// Boxes scattered along a ray, a column per number, and the t of each box: infinite at first; once the box was hit,
 /// the t where the ray enters. Columns start at cache lines, each at another offset in its page, so that reads and
-/// writes do not collide there.
+/// writes do not collide.
 template <class S>
 class BoxField {
 public:
@@ -104,8 +104,8 @@ private:
 extern template class BoxField<float>;
 extern template class BoxField<double>;
 
-/// Size of a working set. `l1` is half of the first cache, `l2` half of the second, `memory` twice the last (between 64
-/// MiB and 1 GiB). Zero for another name.
+/// Size of a working set in bytes. `l1` is half of the first cache, `l2` half of the second, `memory` twice the last
+/// (between 64 MiB and 1 GiB). Zero for another name.
 std::size_t working_set_bytes(std::string_view name, const CacheSizes& caches);
 
 /// A form in a kernel. `scalar`, `128`, `256`, `512` are those of `Isa`. `plain-256` and `plain-structs-256` are the
@@ -114,18 +114,18 @@ struct TimedKernel {
     std::string_view form, kernel, format;
 };
 
-/// Object that is made at its first use.
+/// Object that is created at its first use.
 template <class T>
 class Lazy {
 public:
-    template <class... A>
-    const std::shared_ptr<T>& operator()(A&&... a) {
-        if (!made_) made_ = std::make_shared<T>(std::forward<A>(a)...);
-        return made_;
+    template <class... Args>
+    const std::shared_ptr<T>& operator()(Args&&... args) {
+        if (!object_) object_ = std::make_shared<T>(std::forward<Args>(args)...);
+        return object_;
     }
 
 private:
-    std::shared_ptr<T> made_;
+    std::shared_ptr<T> object_;
 };
 
 /// One ray against as many boxes as fit into a number of bytes. All kernels of a format work on the same boxes, one at
@@ -134,7 +134,7 @@ class BoxWork {
 public:
     explicit BoxWork(std::size_t bytes) : bytes_(bytes) {}
 
-    /// Work of a kernel; nothing where this build or this processor does not have it.
+    /// Work of a kernel; nothing if this build or this processor does not have it.
     std::optional<TimedWork> on(const TimedKernel& kernel);
     const std::shared_ptr<BoxField<float>>& f32() { return f32_(bytes_); }
     const std::shared_ptr<BoxField<double>>& f64() { return f64_(bytes_); }
@@ -148,7 +148,7 @@ private:
     Lazy<std::vector<intersect::simd::PlainBox>> structs_;
 };
 
-/// Many rays against the one primitive of `ray_pool`, half of them hitting it; otherwise like `BoxWork`.
+/// Many rays against the primitive of `ray_pool`, half of which hit it; otherwise like `BoxWork`.
 class RayWork {
 public:
     explicit RayWork(std::size_t bytes) : bytes_(bytes) {}

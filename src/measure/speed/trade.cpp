@@ -32,29 +32,30 @@ TimedWork work_on(RayStore<S>& store, Kernel kernel, bool warm) {
 
 /// Fills `times`: every kernel on rays of the scene, interleaved.
 void time_on_scene(const TradeRequest& request, TradeResult& result) {
-    SceneWork on_scene(*request.scene, request.limit);
+    SceneWork scene_work(*request.scene, request.limit);
     std::vector<TimedWork> work;
     for (const TradeKernel& k : request.kernels)
-        work.push_back(on_scene.on(k.measured, {k.measured.form->info, k.f32, k.f64}));
+        work.push_back(scene_work.on(k.measured, {k.measured.form->info, k.f32, k.f64}));
     const auto timings = time_interleaved(work, request.plan);
     for (std::size_t k = 0; k < timings.size(); ++k)
-        result.times.push_back({{timings[k], on_scene.bytes(request.kernels[k].measured.format), on_scene.rays(),
-                                 on_scene.hit_rate(), on_scene.primitives()}});
+        result.times.push_back({{timings[k], scene_work.bytes(request.kernels[k].measured.format), scene_work.rays(),
+                                 scene_work.hit_rate(), scene_work.primitives()}});
 }
 
 /// Fills `times`: every kernel on every load, interleaved.
 void time_on_loads(const TradeRequest& request, TradeResult& result) {
     const RayPool pool = ray_pool(request.shape);
-    const bool any32 = std::ranges::any_of(request.kernels, [](const TradeKernel& k) { return k.f32 != nullptr; });
-    const bool any64 = std::ranges::any_of(request.kernels, [](const TradeKernel& k) { return k.f64 != nullptr; });
+    const bool has_f32 = std::ranges::any_of(request.kernels, [](const TradeKernel& k) { return k.f32 != nullptr; });
+    const bool has_f64 = std::ranges::any_of(request.kernels, [](const TradeKernel& k) { return k.f64 != nullptr; });
     std::vector<Stores> stores;
     for (const TradeLoad& load : request.loads) {
         const std::size_t slice = load.working_set == "memory" ? slice_in_memory : 0;
-        Stores s;
-        if (any32) s.f32 = std::make_unique<RayStore<float>>(pool, load.bytes, load.hit_rate, slice, request.plan.seed);
-        if (any64)
-            s.f64 = std::make_unique<RayStore<double>>(pool, load.bytes, load.hit_rate, slice, request.plan.seed);
-        stores.push_back(std::move(s));
+        Stores store;
+        if (has_f32)
+            store.f32 = std::make_unique<RayStore<float>>(pool, load.bytes, load.hit_rate, slice, request.plan.seed);
+        if (has_f64)
+            store.f64 = std::make_unique<RayStore<double>>(pool, load.bytes, load.hit_rate, slice, request.plan.seed);
+        stores.push_back(std::move(store));
     }
     std::vector<TimedWork> work;
     result.times.resize(request.kernels.size());
@@ -78,15 +79,15 @@ void time_on_loads(const TradeRequest& request, TradeResult& result) {
 void measure_all(const TradeRequest& request, TradeResult& result) {
     std::vector<TestedForm> rows;
     for (const TradeKernel& k : request.kernels) {
-        const auto same = std::ranges::find_if(
+        const auto found = std::ranges::find_if(
             rows, [&k](const TestedForm& r) { return r.form == k.measured.form && r.format == k.measured.format; });
-        result.row_of.push_back(static_cast<std::size_t>(same - rows.begin()));
-        if (same == rows.end()) rows.push_back(k.measured);
+        result.row_of.push_back(static_cast<std::size_t>(found - rows.begin()));
+        if (found == rows.end()) rows.push_back(k.measured);
     }
     if (request.scene) {
-        const evaluate::MapStudy asked{
+        const evaluate::MapStudy study{
             .scene = request.scene, .rows = rows, .metrics = request.metrics, .limit = request.limit};
-        result.rows.push_back(evaluate::run_map(asked));
+        result.rows.push_back(evaluate::run_map(study));
         return;
     }
     for (const RaySet& set : ray_sets(request.shape))
@@ -96,11 +97,11 @@ void measure_all(const TradeRequest& request, TradeResult& result) {
 void count_all(const TradeRequest& request, TradeResult& result) {
     const RayPool pool = ray_pool(request.shape);
     const Ray<double>& hit = pool.hits.front();
-    const auto narrow = [](const Vec<double>& v) {
+    const auto to_float = [](const Vec<double>& v) {
         return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z));
     };
     const Primitive<float> primitive = lift_primitive<float>(pool.primitive);
-    const Ray<float> ray{narrow(hit.origin), narrow(hit.direction)};
+    const Ray<float> ray{to_float(hit.origin), to_float(hit.direction)};
     for (const TradeKernel& k : request.kernels) {
         const auto& count = k.measured.form->count;
         result.operations.push_back(
@@ -109,7 +110,7 @@ void count_all(const TradeRequest& request, TradeResult& result) {
     }
 }
 
-bool at_least_as_accurate(const ParetoPoint& a, const ParetoPoint& b) {
+bool is_at_least_as_accurate(const ParetoPoint& a, const ParetoPoint& b) {
     if (a.wrong_fraction != b.wrong_fraction) return a.wrong_fraction < b.wrong_fraction;
     return std::isnan(b.kept_bits) || a.kept_bits >= b.kept_bits;
 }
@@ -181,29 +182,30 @@ TradeResult run_trade(const TradeRequest& request) {
 
 ParetoPoint pareto_point(const Timing& timing, const TestedForm& row, const evaluate::FormSummary& accuracy,
                          const std::vector<const metric::Metric*>& metrics) {
-    const std::size_t lost = metric::index_of(metrics, "lost_bits");
+    const std::size_t lost_bits_index = metric::index_of(metrics, "lost_bits");
     const auto wrong = accuracy.wrong_count();
     const auto known = accuracy.rays - accuracy.count(Outcome::unresolved);
     return {timing.median * 1e9, known == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(known),
-            row.format.parameters.precision - accuracy.metrics[lost].quantile(0.99)};
+            row.format.parameters.precision - accuracy.metrics[lost_bits_index].quantile(0.99)};
 }
 
-std::vector<bool> dominated(const std::vector<ParetoPoint>& all) {
-    const auto beats = [](const ParetoPoint& a, const ParetoPoint& b) {
-        if (a.time_ns > b.time_ns || !at_least_as_accurate(a, b)) return false;
-        return a.time_ns < b.time_ns || !at_least_as_accurate(b, a);
+std::vector<bool> dominated(const std::vector<ParetoPoint>& points) {
+    const auto dominates = [](const ParetoPoint& a, const ParetoPoint& b) {
+        if (a.time_ns > b.time_ns || !is_at_least_as_accurate(a, b)) return false;
+        return a.time_ns < b.time_ns || !is_at_least_as_accurate(b, a);
     };
-    std::vector<bool> out;
-    for (const ParetoPoint& s : all)
-        out.push_back(std::ranges::any_of(all, [&](const ParetoPoint& other) { return beats(other, s); }));
-    return out;
+    std::vector<bool> is_dominated;
+    for (const ParetoPoint& point : points)
+        is_dominated.push_back(
+            std::ranges::any_of(points, [&](const ParetoPoint& other) { return dominates(other, point); }));
+    return is_dominated;
 }
 
-std::optional<std::size_t> cheapest(const std::vector<ParetoPoint>& all, double kept_bits) {
+std::optional<std::size_t> cheapest(const std::vector<ParetoPoint>& points, double kept_bits) {
     std::optional<std::size_t> best;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        if (!all[i].never_wrong() || !(all[i].kept_bits >= kept_bits)) continue;
-        if (!best || all[i].time_ns < all[*best].time_ns) best = i;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (!points[i].never_wrong() || !(points[i].kept_bits >= kept_bits)) continue;
+        if (!best || points[i].time_ns < points[*best].time_ns) best = i;
     }
     return best;
 }

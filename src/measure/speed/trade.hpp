@@ -10,8 +10,8 @@
 
 namespace lostbits::measure::speed {
 
-/// Function that can be called: a form in a native format over registers of a width. Kernels of one form and format
-/// with the same `measured` give the same bits.
+/// Callable kernel: a form in a native format over registers of one width. Kernels of one form and format with the same
+/// `measured` give the same bits.
 struct TradeKernel {
     evaluate::TestedForm measured;                                    ///< the row that has its accuracy
     std::string_view isa;                                             ///< `scalar`, `128`, ...
@@ -26,12 +26,12 @@ std::vector<TradeKernel> trade_kernels(const std::vector<evaluate::TestedForm>& 
 /// Rays that a kernel is timed on: the size of the rays with their answers, and the share that hits.
 struct TradeLoad {
     std::string_view working_set;  ///< `l1`, `l2`, `memory`; `scene`: rays of a scene (see `SceneWork`)
-    std::size_t bytes;             ///< about; half of the cache, or in `memory` everything that is read in turn
-    double hit_rate;               ///< for `scene` 0: its rays have their own rate
+    std::size_t bytes;             ///< approximate size: half of the cache, or for `memory` all that is read in turn
+    double hit_rate;               ///< 0 for `scene`, whose rays have their own rate
 };
 
-/// Each working set with each hit rate. `memory` is sized so that all arrays together are twice the last cache, within
-/// 32 and 96 MiB each.
+/// Each working set with each hit rate. The size of `memory` makes all arrays together twice as large as the last
+/// cache, within 32 and 96 MiB for each array.
 std::vector<TradeLoad> trade_loads(const CacheSizes& caches);
 /// The only load of a trade-off on a scene.
 std::vector<TradeLoad> scene_load();
@@ -90,11 +90,11 @@ struct ParetoPoint {
 ParetoPoint pareto_point(const Timing& timing, const evaluate::TestedForm& row, const evaluate::FormSummary& accuracy,
                          const std::vector<const metric::Metric*>& metrics);
 
-/// Marks each point to which another is at least equal in speed and accuracy, and better in one of the two.
-std::vector<bool> dominated(const std::vector<ParetoPoint>& all);
+/// Marks each point for which another one is at least as fast and as accurate, and better in one of the two.
+std::vector<bool> dominated(const std::vector<ParetoPoint>& points);
 
-/// Fastest point that is never wrong and keeps at least `kept_bits` bits; nothing where there is none.
-std::optional<std::size_t> cheapest(const std::vector<ParetoPoint>& all, double kept_bits);
+/// Fastest point that is never wrong and keeps at least `kept_bits` bits; nothing if there is none.
+std::optional<std::size_t> cheapest(const std::vector<ParetoPoint>& points, double kept_bits);
 
 /// Numbers of bits for which the summary names the fastest kernel.
 inline constexpr std::array<int, 6> asked_bits{8, 12, 16, 20, 22, 40};

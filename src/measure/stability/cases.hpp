@@ -1,4 +1,4 @@
-// All cases of a formula over enclosures: one run for each answer to the comparisons that the enclosures leave open.
+// Runs a formula over enclosures once for each answer to the comparisons that the enclosures leave open.
 #pragma once
 
 #include <optional>
@@ -8,52 +8,53 @@
 
 namespace lostbits::measure::stability {
 
-/// Runs a formula over all problems near one. Where Kleene's logic does not decide its result, the first comparison
-/// that is open is answered with yes and with no, and the formula runs again for each. Every problem is in one of the
-/// cases, so a result that they share holds for all problems. A sign that decides nothing, such as that of v·d for a
-/// ray across a cylinder, then limits nothing.
+/// Numbers of runs, of proofs tried and of exact decisions.
 inline long all_runs = 0, all_holds = 0, all_exact = 0;
+/// Runs a formula over all problems near one. If Kleene's logic does not decide its result, the formula runs again
+/// twice: with yes and with no as the answer to the first open comparison. Every problem is in one of the cases, so a
+/// result that all cases share holds for all problems. A sign that does not affect the decision, such as that of v·d
+/// for a ray across a cylinder, then does not limit the result.
 class Cases : Near::Open {
 public:
     /// A number and the sign that it has in a case: −1 for at most 0, +1 for at least 0, 0 for either.
     struct Sign {
-        Near of;
+        Near number;
         int sign;
     };
 
-    /// True if `run()`, a pair of (result is known, result is the expected one), is known and expected in every case;
-    /// after `most_runs` no more is split.
+    /// True if `run()` returns (known, expected) with both true in every case. After `most_runs` runs, no case is
+    /// split.
     template <class Run>
     bool all(const Run& run, int most_runs) {
         most_runs_ = most_runs;
         answers_.clear(), contradiction_.clear();
         runs_ = 0;
-        Near::Open* const outer = Near::open;
+        Near::Open* const outer_open = Near::open;
         Near::open = this;
-        const bool same = all_from_here(run);
-        Near::open = outer;
-        return same;
+        const bool is_same = all_from_here(run);
+        Near::open = outer_open;
+        return is_same;
     }
-    /// Numbers whose signs lead to another result, after `all` has returned false: those of the last case that it ran.
+    /// Numbers whose signs lead to another result, after `all` has returned false: those of the last case that ran.
     [[nodiscard]] const std::vector<Sign>& contradiction() const { return contradiction_; }
-    /// A number that would change the result at 0, of a formula that decides without a comparison.
+    /// Adds a number that would change the result if it were 0, for a formula that decides without a comparison.
     void watch(const Near& x) { watched_.push_back({x, 0}); }
 
     Tri is_below(const Near& x, bool or_equal) override {
-        const unsigned yes = or_equal ? below | zero : below;
+        const unsigned yes_signs = or_equal ? below | zero : below;
         unsigned possible = below | zero | above;
-        for (const Known& known : known_)
+        for (const KnownSign& known : known_)
             if (const int k = known.x.is_multiple_of(x); k != 0)
                 possible &= k > 0 ? known.signs : mirrored(known.signs);
-        if ((possible & ~yes) == 0) return Tri::yes;
-        if ((possible & yes) == 0) return Tri::no;
+        if ((possible & ~yes_signs) == 0) return Tri::yes;
+        if ((possible & yes_signs) == 0) return Tri::no;
         if (used_ == answers_.size()) {
-            if (!is_open_) next_ = x;
+            if (!is_open_) open_number_ = x;
             is_open_ = true;
             return Tri::unknown;
         }
         const bool answer = answers_[used_++];
-        known_.push_back({x, possible & (answer ? yes : ~yes)});
+        known_.push_back({x, possible & (answer ? yes_signs : ~yes_signs)});
         return answer ? Tri::yes : Tri::no;
     }
 
@@ -62,7 +63,7 @@ private:
     static unsigned mirrored(unsigned signs) {
         return (signs & zero) | ((signs & below) != 0 ? above : 0U) | ((signs & above) != 0 ? below : 0U);
     }
-    struct Known {
+    struct KnownSign {
         Near x;
         unsigned signs;
     };
@@ -71,35 +72,35 @@ private:
     bool all_from_here(const Run& run) {
         used_ = 0, is_open_ = false;
         known_.clear(), watched_.clear();
-        const bool spent = ++runs_ > most_runs_;
+        const bool is_last_run = ++runs_ > most_runs_;
         ++all_runs;
         const auto [known, expected] = run();
         if (known && expected) return true;
-        if (known || !is_open_ || spent) {
-            contradict(known);
+        if (known || !is_open_ || is_last_run) {
+            record_contradiction(known);
             return false;
         }
         for (const bool answer : {true, false}) {
             answers_.push_back(answer);
-            const bool same = all_from_here(run);
+            const bool is_same = all_from_here(run);
             answers_.pop_back();
-            if (!same) return false;
+            if (!is_same) return false;
         }
         return true;
     }
-    void contradict(bool known) {
+    void record_contradiction(bool known) {
         contradiction_ = watched_;
-        for (const Known& k : known_)
+        for (const KnownSign& k : known_)
             contradiction_.push_back({k.x, (k.signs & above) == 0 ? -1 : (k.signs & below) == 0 ? 1 : 0});
-        if (!known && is_open_) contradiction_.push_back({next_, 0});
+        if (!known && is_open_) contradiction_.push_back({open_number_, 0});
     }
 
-    std::vector<bool> answers_;  ///< to the first comparisons that are open
+    std::vector<bool> answers_;  ///< answers to the first open comparisons
     std::size_t used_ = 0;
     int runs_ = 0, most_runs_ = 0;
-    bool is_open_ = false;  ///< a comparison behind those is open: that of `next_` with 0
-    Near next_;
-    std::vector<Known> known_;
+    bool is_open_ = false;  ///< a later comparison is open: that of `open_number_` with 0
+    Near open_number_;
+    std::vector<KnownSign> known_;
     std::vector<Sign> watched_, contradiction_;
 };
 

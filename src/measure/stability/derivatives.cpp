@@ -13,14 +13,14 @@ namespace {
 /// Derivatives of all nodes by one input, each rounded to the format of its node.
 class Tangents {
 public:
-    Tangents(const Tape& tape, NodeId input) : tape_(tape), of_(tape.nodes.size()) {
-        of_[static_cast<std::size_t>(input)] = 1;
-        for (NodeId i = input + 1; i < tape.size(); ++i) of_[static_cast<std::size_t>(i)] = of(i);
+    Tangents(const Tape& tape, NodeId input) : tape_(tape), derivatives_(tape.nodes.size()) {
+        derivatives_[static_cast<std::size_t>(input)] = 1;
+        for (NodeId i = input + 1; i < tape.size(); ++i) derivatives_[static_cast<std::size_t>(i)] = derivative_of(i);
     }
-    [[nodiscard]] double at(NodeId i) const { return of_[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] double at(NodeId i) const { return derivatives_[static_cast<std::size_t>(i)]; }
 
 private:
-    [[nodiscard]] double of(NodeId i) const {
+    [[nodiscard]] double derivative_of(NodeId i) const {
         const TapeNode& n = tape_[i];
         const FloatFormat& f = tape_.format_of(i);
         const auto x = [&](std::size_t k) { return tape_[n.operands[k]].value; };
@@ -47,25 +47,27 @@ private:
             case TapeOp::next_down: return dx(0);
             case TapeOp::convert: return rounding::to_format(dx(0), 0, f);
             case TapeOp::call: return std::numeric_limits<double>::quiet_NaN();
-            default: return 0;  // decisions have none
+            default: return 0;  // decisions have no derivative
         }
     }
 
     const Tape& tape_;
-    std::vector<double> of_;
+    std::vector<double> derivatives_;
 };
 
-/// Calls `see(t)` for the first three crossings within a range, in order, until it returns true. True if it did.
-template <class See>
-bool any_crossing(const Ray<double>& ray, const Primitive<double>& primitive, Range<double> range, const See& see) {
-    intersect::Convention every;
-    every.inside = intersect::Inside::exit;
+/// Calls `is_match(t)` for the first three crossings within a range, in order, until it returns true. Returns true if
+/// it did.
+template <class IsMatch>
+bool any_crossing(const Ray<double>& ray, const Primitive<double>& primitive, Range<double> range,
+                  const IsMatch& is_match) {
+    intersect::Convention convention;
+    convention.inside = intersect::Inside::exit;
     for (int k = 0; k < 3 && range.holds_any(); ++k) {
-        const truth::Truth found = truth::find_truth(ray, primitive, {}, every, range);
+        const truth::Truth found = truth::find_truth(ray, primitive, {}, convention, range);
         if (!found.is_hit()) return false;
-        const double at = truth::round_certified(found.t, binary64).value_or(found.t.hi);
-        if (see(at)) return true;
-        range = {.tmin = std::nextafter(at, HUGE_VAL)};
+        const double t = truth::round_certified(found.t, binary64).value_or(found.t.hi);
+        if (is_match(t)) return true;
+        range = {.tmin = std::nextafter(t, HUGE_VAL)};
     }
     return false;
 }
@@ -73,21 +75,21 @@ bool any_crossing(const Ray<double>& ray, const Primitive<double>& primitive, Ra
 }  // namespace
 
 std::vector<double> forward_derivatives(const Tape& tape) {
-    std::vector<double> all;
+    std::vector<double> derivatives;
     for (NodeId i = 0; i < tape.size(); ++i)
-        if (tape[i].op == TapeOp::input) all.push_back(Tangents(tape, i).at(tape.outputs.t));
-    return all;
+        if (tape[i].op == TapeOp::input) derivatives.push_back(Tangents(tape, i).at(tape.outputs.t));
+    return derivatives;
 }
 
 bool is_wrong_root(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Certified& truth,
                    double t) {
-    const double meant = std::ldexp(truth.hi, static_cast<int>(truth.exponent));
-    const auto is_at = [&](double other) { return std::fabs(t - other) <= std::fabs(other - meant) / 4; };
+    const double true_t = std::ldexp(truth.hi, static_cast<int>(truth.exponent));
+    const auto is_near = [&](double other) { return std::fabs(t - other) <= std::fabs(other - true_t) / 4; };
     // Just beyond the true t, by more than the rounding of a truth to double can move it.
-    const double beyond = meant * (1 + 0x1p-50);
-    if (any_crossing(ray, primitive, {.tmin = beyond, .open = {.tmin = true}}, is_at)) return true;
-    const Ray<double> back{ray.origin, -ray.direction};
-    return any_crossing(back, primitive, {}, [&](double other) { return other != meant && is_at(-other); });
+    const double after_true_t = true_t * (1 + 0x1p-50);
+    if (any_crossing(ray, primitive, {.tmin = after_true_t, .open = {.tmin = true}}, is_near)) return true;
+    const Ray<double> backward_ray{ray.origin, -ray.direction};
+    return any_crossing(backward_ray, primitive, {}, [&](double other) { return other != true_t && is_near(-other); });
 }
 
 }  // namespace lostbits::measure::stability

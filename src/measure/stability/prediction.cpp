@@ -40,7 +40,7 @@ std::uint64_t seed_of(const Tape& tape) {
     return seed;
 }
 
-/// Operands of a node, by the values on a tape.
+/// Operands of a node, with the values of a tape.
 struct Values {
     const Tape& tape;
     const TapeNode& n;
@@ -66,8 +66,7 @@ double value_of(const Tape& tape, NodeId i) {
     return result_of(n.op, x, tape.format_of(i));
 }
 
-/// True for operations that round. `next_up` and `next_down` are none of them: the step that they make is part of the
-/// formula.
+/// True for operations that round. `next_up` and `next_down` do not count: their step is part of the formula.
 bool rounds(TapeOp op) { return kind_of(op) == OperationKind::rounded || op == TapeOp::call || op == TapeOp::convert; }
 
 void run_at_random(Tape& tape, SplitMix64& coins) {
@@ -75,9 +74,9 @@ void run_at_random(Tape& tape, SplitMix64& coins) {
         double& value = tape[i].value;
         value = value_of(tape, i);
         if (!rounds(tape[i].op)) continue;
-        const double off = rounding_of(tape, i);
-        if (off == 0 || !std::isfinite(off) || !coins.coin()) continue;
-        value = result_of(off > 0 ? TapeOp::next_down : TapeOp::next_up, {value}, tape.format_of(i));
+        const double error = rounding_of(tape, i);
+        if (error == 0 || !std::isfinite(error) || !coins.coin()) continue;
+        value = result_of(error > 0 ? TapeOp::next_down : TapeOp::next_up, {value}, tape.format_of(i));
     }
 }
 
@@ -106,8 +105,8 @@ double statistical_bound(const Tape& tape, const Attribution& attribution) {
     for (NodeId i = 0; i < tape.size(); ++i) {
         const OperationError& e = attribution.errors[static_cast<std::size_t>(i)];
         if (!e.live || !rounds(tape[i].op)) continue;
-        const double most = e.adjoint * ulp_at(tape[i].value, tape.format_of(i)) / 2;
-        squares += most * most;
+        const double largest_error = e.adjoint * ulp_at(tape[i].value, tape.format_of(i)) / 2;
+        squares += largest_error * largest_error;
     }
     return std::sqrt(squares);
 }

@@ -1,4 +1,4 @@
-// The decision of a torus for all problems near one, without its roots.
+// Decides for all problems near one whether the ray hits a torus, without the roots of the quartic.
 #pragma once
 
 #include <algorithm>
@@ -8,35 +8,36 @@
 
 namespace lostbits::measure::stability {
 
-/// Part of a torus that a ray meets, where its quartic f has two minima and a maximum between them: before the maximum
-/// or behind it. `either` where f has one minimum.
+/// Part of a torus that a ray hits if its quartic f has two minima and a maximum between them: before the maximum or
+/// behind it. `either` if f has one minimum.
 enum class TorusPass : std::uint8_t { either, first, second };
 
-/// The meeting of a ray and a primitive.
+/// Whether and where a ray hits a primitive.
 struct SpanDecision {
     Tri hit = Tri::unknown;
     Crossing at = Crossing::begin;
     TorusPass pass = TorusPass::either;
 
-    [[nodiscard]] bool is_same(const SpanDecision& other, CountedChange turned) const {
+    [[nodiscard]] bool is_same(const SpanDecision& other, CountedChange counted) const {
         if (!(hit == other.hit)) return false;
-        const bool other_pass = pass != TorusPass::either && other.pass != TorusPass::either && pass != other.pass;
-        return turned == CountedChange::decision || (at == other.at && !other_pass);
+        const bool has_other_pass = pass != TorusPass::either && other.pass != TorusPass::either && pass != other.pass;
+        return counted == CountedChange::decision || (at == other.at && !has_other_pass);
     }
 };
 
-/// Critical points of a quartic, approximated from its middle: minima at the ends and, of three, the maximum.
-struct Turns {
-    NearRoots<double> at;
+/// Critical points of a quartic, approximated from the middle of its enclosure. The first and the last are minima; of
+/// three points, the second is the maximum.
+struct CriticalPoints {
+    NearRoots<double> points;
 
     template <class E>
-    explicit Turns(const QuarticSpan<E>& s) {
+    explicit CriticalPoints(const QuarticSpan<E>& s) {
         Polynomial<double> f{{}, 4};
         for (int i = 0; i <= 4; ++i) f.of(i) = value_of(s.f.of(i));
-        at = near_roots(f.slope(), value_of(s.bound));
+        points = near_roots(f.slope(), value_of(s.bound));
     }
     [[nodiscard]] std::optional<double> maximum() const {
-        return at.count == 3 ? std::optional(at.x[1]) : std::nullopt;
+        return points.count == 3 ? std::optional(points.x[1]) : std::nullopt;
     }
 
 private:
@@ -46,98 +47,99 @@ private:
 };
 
 /// Proves where f has no root and where it has one. For x within H of m, f = Σ cₖ hᵏ. If 2 c₂′ is a lower bound of f″,
-/// f ≥ c₀ + c₁ h + c₂′ h², which is positive if 4 c₀ c₂′ > c₁². With m at the minimum, c₁ is about 0, and the bound is
+/// f ≥ c₀ + c₁ h + c₂′ h², which is positive if 4 c₀ c₂′ > c₁². If m is the minimum, c₁ is about 0, and the bound is
 /// exact to first order.
 class QuarticCases {
 public:
-    QuarticCases(const QuarticSpan<Near>& s, const RangeOfSpan<Near>* range, intersect::Convention asked,
-                 CountedChange turned, Cases& cases)
+    QuarticCases(const QuarticSpan<Near>& s, const RangeOfSpan<Near>* range, intersect::Convention convention,
+                 CountedChange counted, Cases& cases)
         : span_(s),
           range_(range),
-          asked_(asked),
-          turned_(turned),
+          convention_(convention),
+          counted_(counted),
           cases_(cases),
-          turns_(s),
+          critical_points_(s),
           begin_(range ? s.place(range->begin) : s.b) {
         if (range && (range->end.m > Near(0)).is_yes()) end_ = s.place(range->end.n);
     }
 
     [[nodiscard]] SpanDecision find() {
-        const Near at_begin = span_.f.at(begin_), nothing(0);
-        const Tri outside = at_begin > nothing, inside = at_begin < nothing;
+        const Near at_begin = span_.f.at(begin_), zero(0);
+        const Tri outside = at_begin > zero, inside = at_begin < zero;
         Near::Open* const outer = Near::open;
         Near::open = nullptr;
-        const SpanDecision met = outside.is_yes()                    ? from_outside()
-                                 : inside.is_yes()                   ? from_inside()
-                                 : outside.is_no() && inside.is_no() ? from_surface()
-                                                                     : SpanDecision{};
+        const SpanDecision decision = outside.is_yes()                    ? from_outside()
+                                      : inside.is_yes()                   ? from_inside()
+                                      : outside.is_no() && inside.is_no() ? from_surface()
+                                                                          : SpanDecision{};
         Near::open = outer;
-        return met;
+        return decision;
     }
 
 private:
     [[nodiscard]] SpanDecision from_surface() const {
-        const bool counts = asked_.at_origin == intersect::AtOrigin::hit && asked_.touching == intersect::Touching::hit;
-        return counts ? SpanDecision{Tri::yes} : SpanDecision{};
+        const bool counts_as_hit =
+            convention_.at_origin == intersect::AtOrigin::hit && convention_.touching == intersect::Touching::hit;
+        return counts_as_hit ? SpanDecision{Tri::yes} : SpanDecision{};
     }
     [[nodiscard]] bool is_ahead(double x) const { return Near(Near(x) - begin_).lowest() > 0; }
     [[nodiscard]] bool is_before_end(double x) const { return !end_ || Near(*end_ - Near(x)).lowest() > 0; }
-    [[nodiscard]] double last() const {
+    [[nodiscard]] double last_position() const {
         return std::min(end_ ? end_->highest() : HUGE_VAL, span_.bound.highest() * (1 + 0x1p-40));
     }
 
     [[nodiscard]] SpanDecision from_outside() {
-        const auto maximum = turns_.maximum();
-        for (int i = 0; i < turns_.at.count; i += 2) {
-            const double x = turns_.at.x[static_cast<std::size_t>(i)];
+        const auto maximum = critical_points_.maximum();
+        for (int i = 0; i < critical_points_.points.count; i += 2) {
+            const double x = critical_points_.points.x[static_cast<std::size_t>(i)];
             if (!is_ahead(x) || !is_before_end(x)) continue;
-            const Near least = span_.f.at(Near(x));
-            if (!(least.highest() < 0)) {
-                if (!(least.lowest() > 0)) cases_.watch(least);
+            const Near at_minimum = span_.f.at(Near(x));
+            if (!(at_minimum.highest() < 0)) {
+                if (!(at_minimum.lowest() > 0)) cases_.watch(at_minimum);
                 continue;
             }
             if (!maximum) return {Tri::yes, Crossing::near};
             if (x < *maximum) return {Tri::yes, Crossing::near, TorusPass::first};
-            if (turned_ == CountedChange::decision) return {Tri::yes, Crossing::near};
+            if (counted_ == CountedChange::decision) return {Tri::yes, Crossing::near};
             if (!is_positive_from(begin_.lowest(), *maximum, 1)) return {};
             return {Tri::yes, Crossing::near, TorusPass::second};
         }
         if (end_) {
             const Near at_end = span_.f.at(*end_);
             if (at_end.highest() < 0)
-                return turned_ == CountedChange::decision || !maximum || end_->highest() < *maximum
+                return counted_ == CountedChange::decision || !maximum || end_->highest() < *maximum
                            ? SpanDecision{Tri::yes, Crossing::near, maximum ? TorusPass::first : TorusPass::either}
                        : is_positive_from(begin_.lowest(), *maximum, 1)
                            ? SpanDecision{Tri::yes, Crossing::near, TorusPass::second}
                            : SpanDecision{};
             if (!(at_end.lowest() > 0)) cases_.watch(at_end);
         }
-        return is_positive_from(begin_.lowest(), last(), 1) ? SpanDecision{Tri::no} : SpanDecision{};
+        return is_positive_from(begin_.lowest(), last_position(), 1) ? SpanDecision{Tri::no} : SpanDecision{};
     }
 
     [[nodiscard]] SpanDecision from_inside() {
         using intersect::Inside;
-        if (asked_.inside == Inside::miss) return {Tri::no};
-        if (asked_.inside == Inside::zero) return {Tri::yes};
-        const auto maximum = turns_.maximum();
+        if (convention_.inside == Inside::miss) return {Tri::no};
+        if (convention_.inside == Inside::zero) return {Tri::yes};
+        const auto maximum = critical_points_.maximum();
         if (end_) {
             const Near at_end = span_.f.at(*end_);
-            const bool leaves = at_end.lowest() > 0 || (maximum && is_ahead(*maximum) && is_before_end(*maximum) &&
-                                                        span_.f.at(Near(*maximum)).lowest() > 0);
-            if (!leaves) {
+            const bool does_leave = at_end.lowest() > 0 || (maximum && is_ahead(*maximum) && is_before_end(*maximum) &&
+                                                            span_.f.at(Near(*maximum)).lowest() > 0);
+            if (!does_leave) {
                 cases_.watch(at_end);
                 return is_positive_from(begin_.lowest(), end_->highest(), -1) ? SpanDecision{Tri::no} : SpanDecision{};
             }
         }
-        if (turned_ == CountedChange::decision || !maximum) return {Tri::yes, Crossing::far};
-        const Near most = span_.f.at(Near(*maximum));
+        if (counted_ == CountedChange::decision || !maximum) return {Tri::yes, Crossing::far};
+        const Near at_maximum = span_.f.at(Near(*maximum));
         if (is_ahead(*maximum)) {
-            if (most.lowest() > 0) return {Tri::yes, Crossing::far, TorusPass::first};
-            if (!(most.highest() < 0)) cases_.watch(most);
+            if (at_maximum.lowest() > 0) return {Tri::yes, Crossing::far, TorusPass::first};
+            if (!(at_maximum.highest() < 0)) cases_.watch(at_maximum);
         }
-        const double second = turns_.at.x[2];
-        const bool stays = !is_ahead(second) || is_positive_from(begin_.lowest(), second, -1);
-        return stays ? SpanDecision{Tri::yes, Crossing::far, TorusPass::second} : SpanDecision{};
+        const double second_minimum = critical_points_.points.x[2];
+        const bool stays_inside = !is_ahead(second_minimum) || is_positive_from(begin_.lowest(), second_minimum, -1);
+        return stays_inside ? SpanDecision{Tri::yes, Crossing::far, TorusPass::second} : SpanDecision{};
     }
 
     /// True if `sign` times f is proved positive from `low` to `high`, for all problems.
@@ -145,23 +147,25 @@ private:
         pieces_ = 0;
         const double bound = span_.bound.highest() * (1 + 0x1p-40);
         if (sign > 0) low = std::max(low, -bound);
-        double from = low;
-        for (int i = sign > 0 ? 0 : 1; i < turns_.at.count; i += 2) {
-            const double x = turns_.at.x[static_cast<std::size_t>(i)];
-            if (!(x > from && x < high)) continue;
-            // About a minimum the piece is as wide as the quadratic term is known not to vanish.
-            const Taylor at(span_.f, x, sign);
-            const double c2 = at.c[2].lowest(), c3 = size(at.c[3]);
+        double proved_to = low;
+        for (int i = sign > 0 ? 0 : 1; i < critical_points_.points.count; i += 2) {
+            const double x = critical_points_.points.x[static_cast<std::size_t>(i)];
+            if (!(x > proved_to && x < high)) continue;
+            // Around a minimum, the piece is as wide as the quadratic term is known not to vanish.
+            const Taylor expansion(span_.f, x, sign);
+            const double c2 = expansion.c[2].lowest(), c3 = magnitude(expansion.c[3]);
             if (!(c2 > 0)) continue;
-            double half = std::min(high - x, x - from);
-            if (half * c3 * 4 > c2) half = c2 / (4 * c3);
-            if (half == 0 || !is_positive(x - half, x + half, sign) || !is_positive(from, x - half, sign)) return false;
-            from = x + half;
+            double half_width = std::min(high - x, x - proved_to);
+            if (half_width * c3 * 4 > c2) half_width = c2 / (4 * c3);
+            if (half_width == 0 || !is_positive(x - half_width, x + half_width, sign) ||
+                !is_positive(proved_to, x - half_width, sign))
+                return false;
+            proved_to = x + half_width;
         }
-        return from >= high || is_positive(from, high, sign);
+        return proved_to >= high || is_positive(proved_to, high, sign);
     }
 
-    static double size(const Near& x) { return std::max(std::fabs(x.lowest()), std::fabs(x.highest())); }
+    static double magnitude(const Near& x) { return std::max(std::fabs(x.lowest()), std::fabs(x.highest())); }
 
     struct Taylor {
         std::array<Near, 5> c;
@@ -176,12 +180,14 @@ private:
     [[nodiscard]] bool is_positive(double low, double high, int sign) {
         if (!(low < high)) return true;
         if (++pieces_ > most_pieces) return false;
-        const double middle = low + (high - low) / 2, half = std::max(high - middle, middle - low) * (1 + 0x1p-50);
+        const double middle = low + (high - low) / 2,
+                     half_width = std::max(high - middle, middle - low) * (1 + 0x1p-50);
         const auto [c] = Taylor(span_.f, middle, sign);
-        const double less = half * size(c[3]) + std::max(0.0, -c[4].lowest()) * half * half;
-        const double bend = c[2].lowest() - less - (std::fabs(c[2].lowest()) + less) * 0x1p-48;
-        if (c[0].lowest() > (size(c[1]) + std::max(0.0, -bend) * half) * half * (1 + 0x1p-48)) return true;
-        if (bend > 0 && Near(Near(4 * bend) * c[0] - c[1] * c[1]).lowest() > 0) return true;
+        const double slack = half_width * magnitude(c[3]) + std::max(0.0, -c[4].lowest()) * half_width * half_width;
+        const double curvature = c[2].lowest() - slack - (std::fabs(c[2].lowest()) + slack) * 0x1p-48;
+        if (c[0].lowest() > (magnitude(c[1]) + std::max(0.0, -curvature) * half_width) * half_width * (1 + 0x1p-48))
+            return true;
+        if (curvature > 0 && Near(Near(4 * curvature) * c[0] - c[1] * c[1]).lowest() > 0) return true;
         if (c[0].highest() < 0 || !(middle > low && middle < high)) return false;
         return is_positive(low, middle, sign) && is_positive(middle, high, sign);
     }
@@ -189,10 +195,10 @@ private:
     static constexpr int most_pieces = 48;
     const QuarticSpan<Near>& span_;
     const RangeOfSpan<Near>* range_;
-    intersect::Convention asked_;
-    CountedChange turned_;
+    intersect::Convention convention_;
+    CountedChange counted_;
     Cases& cases_;
-    Turns turns_;
+    CriticalPoints critical_points_;
     Near begin_;
     std::optional<Near> end_;
     int pieces_ = 0;

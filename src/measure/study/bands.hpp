@@ -1,4 +1,4 @@
-// The division of a picture into bands, blocks of scanlines that are measured at once.
+// Divides a picture into bands: blocks of scanlines that are measured together.
 #pragma once
 
 #include <algorithm>
@@ -11,17 +11,17 @@
 
 namespace lostbits::measure::study {
 
-/// About how many pixels a band of a map has.
+/// Approximate number of pixels of a band of a map.
 inline constexpr int pixels_of_band = 32768;
 
-/// Scanlines of a band: as many blocks of 16 lines, which EXR files consist of, as have this number of pixels; at least
-/// one.
+/// Number of scanlines of a band: enough blocks of 16 lines, as EXR files have, for about this number of pixels; at
+/// least one block.
 inline int lines_of_band(int width, int pixels = pixels_of_band) {
     constexpr int block = 16;
     return std::max(block, (pixels / width + block - 1) / block * block);
 }
 
-/// The bands of a share of a scene's picture, from top to bottom. The picture alone decides where they begin, not the
+/// Bands of a share of a scene's picture, from top to bottom. Where bands begin depends only on the picture, not on the
 /// share or the number of threads.
 class Bands {
 public:

@@ -13,7 +13,7 @@
 //
 // A study may also have
 //
-// - `scenes()`: the scenes of its rows, where rows differ in the rays that a scene makes;
+// - `scenes()`: the scenes of its rows, if rows differ in the rays that a scene makes;
 // - `prepare(band, rows)`, in place of `prepare(band)`: the rows are those whose rays are of this band;
 // - `measure(shared, row, summary, show)`: calls `show` with what sinks show, in memory that it uses again;
 // - `stages`: receives the number of truths that each stage settled; may be null.
@@ -45,7 +45,7 @@ struct RowsOfScene {
     std::vector<std::size_t> rows;  ///< indices in the study
 };
 
-/// A pointer to a scene that outlives it.
+/// Pointer to a scene that outlives the pointer.
 inline std::shared_ptr<const scene::file::Scene> not_owned(const scene::file::Scene& scene) {
     return {std::shared_ptr<void>(), &scene};
 }
@@ -56,9 +56,9 @@ std::vector<RowsOfScene> scenes_of(const S& study) {
     if constexpr (requires { study.scenes(); }) {
         return study.scenes();
     } else {
-        RowsOfScene all{not_owned(study.scene), std::vector<std::size_t>(study.rows.size())};
-        std::iota(all.rows.begin(), all.rows.end(), std::size_t{0});
-        return {std::move(all)};
+        RowsOfScene all_rows{not_owned(study.scene), std::vector<std::size_t>(study.rows.size())};
+        std::iota(all_rows.rows.begin(), all_rows.rows.end(), std::size_t{0});
+        return {std::move(all_rows)};
     }
 }
 
@@ -69,16 +69,16 @@ decltype(auto) prepared(const S& study, truth::Band& band, const std::vector<std
     else return study.prepare(band);
 }
 
-/// Measures a row on a band, adds to its summary, and shows what it found.
+/// Measures a row on a band, adds to its summary, and shows the results of the band.
 template <class S, class Shared>
 void measure_row(const S& study, const Shared& shared, std::size_t row, typename S::Summary& summary,
                  const ShowBand<S>& show) {
-    const auto show_it = [&](const typename S::Band& found) {
-        if (show) show(row, found);
+    const auto show_band = [&](const typename S::Band& band) {
+        if (show) show(row, band);
     };
-    if constexpr (requires { study.measure(shared, row, summary, show_it); })
-        study.measure(shared, row, summary, show_it);
-    else show_it(study.measure(shared, row, summary));
+    if constexpr (requires { study.measure(shared, row, summary, show_band); })
+        study.measure(shared, row, summary, show_band);
+    else show_band(study.measure(shared, row, summary));
 }
 
 template <class S>
@@ -93,7 +93,7 @@ concept Study = requires(const S& study, truth::Band& band, std::size_t row, typ
     study.rows.size();
 };
 
-/// Limit of the truth of a band, for a study whose own limit may be another.
+/// Limit of the truth of a band, for a study whose own limit may have another type.
 template <class Limit>
 truth::TruthLimit truth_limit(const Limit& limit) {
     if constexpr (std::same_as<Limit, truth::TruthLimit>) return limit;
@@ -103,9 +103,9 @@ truth::TruthLimit truth_limit(const Limit& limit) {
 /// Summaries of no pixels; one for each row.
 template <Study S>
 std::vector<typename S::Summary> begin_all(const S& study) {
-    std::vector<typename S::Summary> all;
-    for (std::size_t row = 0; row < study.rows.size(); ++row) all.push_back(study.begin(row));
-    return all;
+    std::vector<typename S::Summary> summaries;
+    for (std::size_t row = 0; row < study.rows.size(); ++row) summaries.push_back(study.begin(row));
+    return summaries;
 }
 
 /// Measures all rows on the study's share of the bands; one summary for each. Results do not depend on the number of
@@ -113,29 +113,29 @@ std::vector<typename S::Summary> begin_all(const S& study) {
 template <Study S>
 std::vector<typename S::Summary> run_share(const S& study, const ShowBand<S>& show = {}) {
     study.require();
-    auto all = begin_all(study);
-    for (const RowsOfScene& some : scenes_of(study)) {
-        const Bands bands(*some.scene, study.share, S::pixels_together);
+    auto summaries = begin_all(study);
+    for (const RowsOfScene& scene_rows : scenes_of(study)) {
+        const Bands bands(*scene_rows.scene, study.share, S::pixels_together);
         bands.each(truth_limit(study.limit), [&](truth::Band& band) {
             if constexpr (requires { *study.stages += band.stages(); })
                 if (study.stages) *study.stages += band.stages();
-            const auto& shared = prepared(study, band, some.rows);
-            intersect::process::in_parallel(std::size_t{0}, some.rows.size(), [&](std::size_t k) {
-                const std::size_t row = some.rows[k];
-                measure_row(study, shared, row, all[row], show);
+            const auto& shared = prepared(study, band, scene_rows.rows);
+            intersect::process::in_parallel(std::size_t{0}, scene_rows.rows.size(), [&](std::size_t k) {
+                const std::size_t row = scene_rows.rows[k];
+                measure_row(study, shared, row, summaries[row], show);
                 study.progress(band.pixels());
             });
         });
     }
-    return all;
+    return summaries;
 }
 
-/// The same for a whole study. The summaries are sealed.
+/// Measures all rows on all bands. The summaries are sealed.
 template <Study S>
 std::vector<typename S::Summary> run_study(const S& study, const ShowBand<S>& show = {}) {
-    auto all = run_share(study, show);
-    seal_all(all);
-    return all;
+    auto summaries = run_share(study, show);
+    seal_all(summaries);
+    return summaries;
 }
 
 }  // namespace lostbits::measure::study

@@ -1,4 +1,4 @@
-// Adds up and seals results, from the list of their fields. The same list writes them as bits of a shard.
+// Adds up and seals results, by the list of their fields. The same list writes the fields as bits of a shard.
 #pragma once
 
 #include <concepts>
@@ -34,32 +34,32 @@ inline constexpr bool is_optional = false;
 template <class T>
 inline constexpr bool is_optional<std::optional<T>> = true;
 
-/// Adds a part of the work to `all`, which holds the parts before it. A result with a function `append` is asked for
-/// it. Counts and distributions add up; lists add up item by item; of an optional, which is the first of something, the
-/// first stays. Nothing is rounded, so the sum does not depend on where parts begin. Throws std::out_of_range for lists
-/// of different sizes.
+/// Adds a part of the work to `total`, which holds the parts before it. A result with a function `append` adds the part
+/// itself. Counts and distributions add up; lists add up item by item; an optional is the first of something, so the
+/// first one stays. Nothing is rounded, so the sum does not depend on where parts begin. Throws std::out_of_range for
+/// lists of different sizes.
 template <class T>
-void add_up(T& all, T&& part) {
-    if constexpr (requires { all.append(std::move(part)); }) {
-        all.append(std::move(part));
+void add_up(T& total, T&& part) {
+    if constexpr (requires { total.append(std::move(part)); }) {
+        total.append(std::move(part));
     } else if constexpr (std::unsigned_integral<T> && !std::same_as<T, bool>) {
-        all += part;
+        total += part;
     } else if constexpr (is_optional<T>) {
-        if (!all) all = std::move(part);
+        if (!total) total = std::move(part);
     } else if constexpr (std::ranges::range<T>) {
-        if (all.size() != part.size()) throw std::out_of_range("two parts of a result have lists of different sizes");
-        for (std::size_t i = 0; i < all.size(); ++i) add_up(all[i], std::move(part[i]));
+        if (total.size() != part.size()) throw std::out_of_range("two parts of a result have lists of different sizes");
+        for (std::size_t i = 0; i < total.size(); ++i) add_up(total[i], std::move(part[i]));
     } else if constexpr (HasFields<T>) {
-        auto with_all = [&part](auto&... sums) {
-            auto with_part = [&](auto&... more) { (add_up(sums, std::move(more)), ...); };
-            fields(with_part, part);
+        auto add_part = [&part](auto&... sums) {
+            auto add_fields = [&](auto&... addends) { (add_up(sums, std::move(addends)), ...); };
+            fields(add_fields, part);
         };
-        fields(with_all, all);
-    } else if constexpr (requires { all.add(part); }) {
-        all.add(part);
+        fields(add_part, total);
+    } else if constexpr (requires { total.add(part); }) {
+        total.add(part);
     } else {
         static_assert(!std::is_arithmetic_v<T>, "sums of rounded numbers depend on their order");
-        all += part;
+        total += part;
     }
 }
 
@@ -71,8 +71,8 @@ void seal_all(T& result) {
     } else if constexpr (std::ranges::range<T>) {
         for (auto& item : result) seal_all(item);
     } else if constexpr (HasFields<T>) {
-        auto each = [](auto&... parts) { (seal_all(parts), ...); };
-        fields(each, result);
+        auto seal_fields = [](auto&... parts) { (seal_all(parts), ...); };
+        fields(seal_fields, result);
     }
 }
 

@@ -32,53 +32,57 @@ bool has_row(const Part& part, const Claim& c) {
 }
 
 /// Position on the page of what a claim was measured on: the anchor of an element for readers without scripts, and the
-/// view for the others.
-struct Place {
+/// view for other readers.
+struct PagePosition {
     std::string anchor, view;
-    bool drawn = true;  ///< the view shows the quantity itself
+    bool is_drawn = true;  ///< the view shows the quantity that the claim is about
 };
 
-std::optional<Place> place_in(const SceneSubject& on, const Claim& c, const ClaimResult& r, const Report& report) {
-    const auto part = std::ranges::find(report.maps, on.name, &MapPart::id);
+std::optional<PagePosition> position_in(const SceneSubject& subject, const Claim& c, const ClaimResult& r,
+                                        const Report& report) {
+    const auto part = std::ranges::find(report.maps, subject.name, &MapPart::id);
     if (part == report.maps.end() || !has_row(*part, c)) return {};
-    std::string view = fmt::format("scene={}&form={}&format={}", on.name, c.form, c.format);
-    const measure::metric::Metric* const m = claim::metric_of_column(c.metric);
-    const bool drawn = m == nullptr ? !measure::claim::asks_for_attribution(c)
-                                    : std::ranges::find(part->metrics, m->name) != part->metrics.end();
-    if (m != nullptr && drawn) view += fmt::format("&metric={}", m->name);
-    if (part->own_size && on.pixel) view += fmt::format("&x={}&y={}", on.pixel->first, on.pixel->second);
-    else if (part->own_size && on.step) view += "&x=0&y=0";  // such a claim follows the march of that pixel
+    std::string view = fmt::format("scene={}&form={}&format={}", subject.name, c.form, c.format);
+    const measure::metric::Metric* const metric = claim::metric_of_column(c.metric);
+    const bool is_drawn = metric == nullptr ? !measure::claim::asks_for_attribution(c)
+                                            : std::ranges::find(part->metrics, metric->name) != part->metrics.end();
+    if (metric != nullptr && is_drawn) view += fmt::format("&metric={}", metric->name);
+    if (part->own_size && subject.pixel) view += fmt::format("&x={}&y={}", subject.pixel->first, subject.pixel->second);
+    else if (part->own_size && subject.step) view += "&x=0&y=0";  // such a claim follows the march of that pixel
     else if (part->own_size && r.witness.x >= 0) view += fmt::format("&x={}&y={}", r.witness.x, r.witness.y);
-    return Place{"scene-" + on.name, view, drawn};
+    return PagePosition{"scene-" + subject.name, view, is_drawn};
 }
 
-/// `&u=…` and `&v=…`: the cell that a claim names, as the page numbers it: by rising values, or by the order of the
-/// cases. Empty if the claim names no cell, or a value between two cells. Steps of a power of two are rounded to 12
-/// bits and claims are not, so |step − at| ≤ 2^-12 |at| counts as the same step.
-std::string cell_of(const Claim& c, const SweepSubject& on, const SweepPart& part) {
-    if (const auto* const one = on.part_if<SweepSubject::Case>(); one && part.kind == SweepPart::Kind::cases) {
-        const auto named = [one](const std::string& name) { return fnmatch(one->name.c_str(), name.c_str(), 0) == 0; };
-        const auto found = std::ranges::find_if(part.cases, named);
+/// `&u=…` and `&v=…`: the cell that a claim names, by the page's index: in the order of rising values, or of the cases.
+/// Empty if the claim names no cell, or a value between two cells. Steps of a power of two are rounded to 12 bits and
+/// claims are not, so |step − value| ≤ 2^-12 |value| counts as the same step.
+std::string cell_of(const Claim& c, const SweepSubject& subject, const SweepPart& part) {
+    if (const auto* const case_subject = subject.part_if<SweepSubject::Case>();
+        case_subject && part.kind == SweepPart::Kind::cases) {
+        const auto matches = [case_subject](const std::string& name) {
+            return fnmatch(case_subject->name.c_str(), name.c_str(), 0) == 0;
+        };
+        const auto found = std::ranges::find_if(part.cases, matches);
         return found == part.cases.end() ? ""
                                          : fmt::format("&judged={}&v={}", intersect::convention_name(c.convention),
                                                        found - part.cases.begin());
     }
     std::string text;
-    const auto* const at = on.part_if<SweepSubject::At>();
-    for (std::size_t a = 0; at && a < at->values.size(); ++a) {
+    const auto* const point = subject.part_if<SweepSubject::At>();
+    for (std::size_t a = 0; point && a < point->values.size(); ++a) {
         if (a >= part.axes.size()) return "";
         auto values = part.axes[a];
         std::ranges::sort(values);
         const auto found = std::ranges::find_if(
-            values, [x = at->values[a]](double value) { return std::fabs(value - x) <= 0x1p-12 * std::fabs(x); });
+            values, [x = point->values[a]](double value) { return std::fabs(value - x) <= 0x1p-12 * std::fabs(x); });
         if (found == values.end()) return "";
         text += fmt::format("&{}={}", a == 0 ? "u" : "v", found - values.begin());
     }
     return text;
 }
 
-std::optional<Place> place_in(const SweepSubject& on, const Claim& c, const Report& report) {
-    const std::string id = std::filesystem::path(on.name).stem().string();
+std::optional<PagePosition> position_in(const SweepSubject& subject, const Claim& c, const Report& report) {
+    const std::string id = std::filesystem::path(subject.name).stem().string();
     const auto part = std::ranges::find(report.sweeps, id, &SweepPart::id);
     if (part == report.sweeps.end() || !has_row(*part, c)) return {};
     std::string view = fmt::format("sweep={}&form={}&format={}", id, c.form, c.format);
@@ -86,36 +90,36 @@ std::optional<Place> place_in(const SweepSubject& on, const Claim& c, const Repo
                                : c.onset.empty()      ? c.metric
                                                       : c.onset + "_fraction";
     if (std::ranges::find(sweep_statistics, column) != sweep_statistics.end()) view += "&statistic=" + column;
-    return Place{"sweep-" + id, view + cell_of(c, on, *part)};
+    return PagePosition{"sweep-" + id, view + cell_of(c, subject, *part)};
 }
 
-std::optional<Place> place_of(const Claim& c, const ClaimResult& r, const Report& report) {
-    if (const auto* const scene = c.on<SceneSubject>()) return place_in(*scene, c, r, report);
-    if (const auto* const sweep = c.on<SweepSubject>()) return place_in(*sweep, c, report);
+std::optional<PagePosition> position_of(const Claim& c, const ClaimResult& r, const Report& report) {
+    if (const auto* const scene = c.on<SceneSubject>()) return position_in(*scene, c, r, report);
+    if (const auto* const sweep = c.on<SweepSubject>()) return position_in(*sweep, c, report);
     return {};
 }
 
-/// Subject of a claim: a link to its place on the page, or the command that shows it.
-std::string measured_on(const Claim& c, const ClaimResult& r, const Report& report) {
-    const claim::SubjectTexts words = claim::words_of(c);
-    const std::string text = html(words.where),
+/// Subject of a claim: a link to its position on the page, or the command that shows it.
+std::string subject_cell(const Claim& c, const ClaimResult& r, const Report& report) {
+    const claim::SubjectTexts texts = claim::words_of(c);
+    const std::string text = html(texts.where),
                       row = fmt::format("<br><small>{} {}</small>", html(c.tested()), html(c.format));
-    const auto place = place_of(c, r, report);
-    if (!place)
-        return fmt::format("{}{}<br><small>not on this page: <code>{}</code></small>", text, row, html(words.command));
+    const auto position = position_of(c, r, report);
+    if (!position)
+        return fmt::format("{}{}<br><small>not on this page: <code>{}</code></small>", text, row, html(texts.command));
     const std::string link =
-        fmt::format("<a class=\"jump\" href=\"#{}\"{}>{}</a>", html(place->anchor),
-                    place->view.empty() ? "" : fmt::format(" data-view=\"{}\"", html(place->view)), text);
-    return place->drawn ? link + row
-                        : fmt::format("{}{}<br><small>to draw its picture: <code>{}</code></small>", link, row,
-                                      html(words.command));
+        fmt::format("<a class=\"jump\" href=\"#{}\"{}>{}</a>", html(position->anchor),
+                    position->view.empty() ? "" : fmt::format(" data-view=\"{}\"", html(position->view)), text);
+    return position->is_drawn ? link + row
+                              : fmt::format("{}{}<br><small>to draw its picture: <code>{}</code></small>", link, row,
+                                            html(texts.command));
 }
 
-struct Word {
+struct VerdictLabel {
     std::string text;
     std::string_view style;
 };
-Word word_of(const Claim& c, const ClaimResult& r) {
+VerdictLabel verdict_label(const Claim& c, const ClaimResult& r) {
     switch (r.state) {
         case State::agrees: return {std::string(name_of(c.verdict)), name_of(c.verdict)};
         case State::disagrees: return {claim::changed_text(c, r), "differs"};
@@ -125,26 +129,27 @@ Word word_of(const Claim& c, const ClaimResult& r) {
     return {"skipped", "skipped"};
 }
 
-/// Adds places to break a long line: `<wbr>` after each underscore.
-std::string breakable(std::string text) {
-    for (std::size_t at = 0; (at = text.find('_', at)) != std::string::npos; at += 6) text.insert(at + 1, "<wbr>");
+/// Adds positions at which a long line may break: `<wbr>` after each underscore.
+std::string with_line_breaks(std::string text) {
+    for (std::size_t position = 0; (position = text.find('_', position)) != std::string::npos; position += 6)
+        text.insert(position + 1, "<wbr>");
     return text;
 }
 
-/// The measured number, and its range over the draws.
+/// Measured number, and its range over the draws.
 std::string measured_cell(const ClaimResult& r) {
     if (r.state != State::agrees && r.state != State::disagrees) return html(r.trouble);
     if (!r.is_drawn()) return shown(r.measured);
-    const auto s = r.spread();
-    const std::string draws = r.further.empty() ? ""
-                              : s.low == s.high
-                                  ? fmt::format("in each of {} draws ", s.draws)
-                                  : fmt::format("{} to {} over {} draws ", shown(s.low), shown(s.high), s.draws);
+    const auto spread = r.spread();
+    const std::string draws = r.further.empty()           ? ""
+                              : spread.low == spread.high ? fmt::format("in each of {} draws ", spread.draws)
+                                                          : fmt::format("{} to {} over {} draws ", shown(spread.low),
+                                                                        shown(spread.high), spread.draws);
     return fmt::format("{}<br><small>{}of {} random samples</small>", shown(r.measured), draws, r.samples);
 }
 
-std::string tile(std::size_t n, const char* words, const char* style) {
-    return fmt::format("<li class=\"{}\"><b>{}</b> {}</li>", style, n, words);
+std::string tile(std::size_t n, const char* text, const char* style) {
+    return fmt::format("<li class=\"{}\"><b>{}</b> {}</li>", style, n, text);
 }
 
 }  // namespace
@@ -162,21 +167,21 @@ std::string verdict_tiles(const claim::VerdictCounts& n) {
 
 namespace {
 
-/// Keys that the browser sorts a row by: the gravest verdict first, then the number as measured.
-std::string sort_keys(const Word& word, const ClaimResult& r) {
+/// Keys by which the browser sorts a row: the gravest verdict first, then the number as measured.
+std::string sort_keys(const VerdictLabel& label, const ClaimResult& r) {
     static constexpr std::array<std::string_view, 5> gravest{"differs", "refuted", "qualified", "holds", "skipped"};
-    const auto grave = std::ranges::find(gravest, word.style) - gravest.begin();
-    const bool measured = r.state == State::agrees || r.state == State::disagrees;
-    return fmt::format("data-grave=\"{}\" data-measured=\"{}\"", grave, measured ? file::decimal(r.measured) : "");
+    const auto gravity = std::ranges::find(gravest, label.style) - gravest.begin();
+    const bool is_measured = r.state == State::agrees || r.state == State::disagrees;
+    return fmt::format("data-grave=\"{}\" data-measured=\"{}\"", gravity, is_measured ? file::decimal(r.measured) : "");
 }
 
-/// `holds: a sample was measured`: the verdict and what it rests on. Empty if nothing says what it rests on.
-std::string rests_on(const Claim& c, const ClaimResult& r, const Word& word) {
+/// `holds: a sample was measured`: the verdict and its evidence. Empty if no evidence is recorded.
+std::string evidence_cell(const Claim& c, const ClaimResult& r, const VerdictLabel& label) {
     const std::string text = claim::floats_text(r) + (r.state == State::agrees ? claim::evidence_text(c, r) : "");
-    return text.empty() ? "" : fmt::format("<br><small class=\"evidence\">{}: {}</small>", word.text, html(text));
+    return text.empty() ? "" : fmt::format("<br><small class=\"evidence\">{}: {}</small>", label.text, html(text));
 }
 
-/// `Shirley, section 9.3: <q>ignore hits</q> &middot; `: the source and its words. Empty if the claim is our own.
+/// `Shirley, section 9.3: <q>ignore hits</q> &middot; `: the source and its quotation. Empty if the claim is our own.
 std::string source_text(const Claim& c) {
     if (!c.is_sourced()) return "";
     const std::string quoted = c.quotation.empty() ? "" : fmt::format(": <q>{}</q>", prose(c.quotation));
@@ -184,17 +189,18 @@ std::string source_text(const Claim& c) {
 }
 
 std::string claim_row(const Claim& c, const ClaimResult& r, const Report& report) {
-    const Word word = word_of(c, r);
+    const VerdictLabel label = verdict_label(c, r);
     std::string text = fmt::format(
         "<tr id=\"claim-{}\" class=\"{}\" {} data-command=\"{}\"><td class=\"verdict\">{}</td><td>{}", html(c.id),
-        word.style, sort_keys(word, r), html(claim::words_of(c).command), word.text, prose(c.statement));
+        label.style, sort_keys(label, r), html(claim::words_of(c).command), label.text, prose(c.statement));
     if (!c.note.empty()) text += fmt::format("<br><em>{}</em>", prose(c.note));
-    text += rests_on(c, r, word);
+    text += evidence_cell(c, r, label);
     text += fmt::format("<br><small>{}<code>{}</code></small></td>", source_text(c), html(c.id));
     return text + fmt::format(
                       "<td>{}</td><td data-name=\"quantity\">{}</td><td class=\"n\" data-name=\"measured\">{}</td><td "
                       "class=\"n\" data-name=\"expected\">{} to {}</td></tr>\n",
-                      measured_on(c, r, report), breakable(html(claim::quantity(c))), measured_cell(r), shown(c.low),
+                      subject_cell(c, r, report), with_line_breaks(html(claim::quantity(c))), measured_cell(r),
+                      shown(c.low),
                       shown(c.high) + (c.draws == 0 ? "" : fmt::format("<br><small>from {} draws</small>", c.draws)) +
                           (c.criterion ? fmt::format("<br><small>{}</small>", html(claim::says_text(c))) : ""));
 }
@@ -202,9 +208,9 @@ std::string claim_row(const Claim& c, const ClaimResult& r, const Report& report
 /// `12 claims: 1 failed, 9 hold, 2 refuted`
 std::string counts_text(std::size_t claims, const claim::VerdictCounts& n) {
     std::string text;
-    const auto add = [&text](std::size_t count, const char* words, const char* style) {
+    const auto add = [&text](std::size_t count, const char* label, const char* style) {
         if (count == 0) return;
-        text += fmt::format("{}<span class=\"{}\">{} {}</span>", text.empty() ? "" : ", ", style, count, words);
+        text += fmt::format("{}<span class=\"{}\">{} {}</span>", text.empty() ? "" : ", ", style, count, label);
     };
     add(n.differing, "failed", "differs");
     add(n.broken, "could not be measured", "differs");

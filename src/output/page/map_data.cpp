@@ -22,13 +22,14 @@ using measure::metric::Metric;
 
 namespace {
 
-/// Functions of t and t* alone. src/output/page/script/numbers.js computes them too, and the browser test compares
-/// every pixel of a map with its CSV.
+/// Metrics that are functions of t and t* alone. src/output/page/script/numbers.js computes them too, and the browser
+/// test compares every pixel of a map with its CSV.
 constexpr std::array<std::string_view, 5> derived_metrics{"lost_bits", "correct_bits", "ulp_error", "relative_error",
                                                           "absolute_error"};
 
 bool is_derived(const Metric& m) { return std::ranges::find(derived_metrics, m.name) != derived_metrics.end(); }
-/// Stored for every true hit, whatever the form answers: values of neighbours lie nearly on a line.
+/// True for the metric that is stored for every true hit, whatever the form answers: values of neighbours lie nearly on
+/// a line.
 bool is_inherent(const Metric& m) { return m.name == "inherent_bits"; }
 bool is_condition(const Metric& m) { return m.name == "condition"; }
 
@@ -44,27 +45,34 @@ std::int16_t bound_exponent(const measure::truth::Certified& x) {
 
 }  // namespace
 
-/// Data that rows with the same truth share. The first of these rows fills it.
+/// Data that all rows with the same truth share. The first of these rows fills it.
 struct MapData::Group {
     map::TruthKind kind;
-    Layer hit, object, truth, rest, bound, condition;
+    Layer hit, object, truth, remainder, bound, condition;
 
     Group(const TestedForm& row, std::size_t n)
-        : kind(map::truth_kind(row)), hit(1, n), object(4, n), truth(8, n), rest(4, n), bound(2, n), condition(4, n) {}
+        : kind(map::truth_kind(row)),
+          hit(1, n),
+          object(4, n),
+          truth(8, n),
+          remainder(4, n),
+          bound(2, n),
+          condition(4, n) {}
 
-    void take(std::size_t at, std::size_t i, const BandResult& result, bool with_condition) {
+    void set_pixel(std::size_t pixel, std::size_t i, const BandResult& result, bool stores_condition) {
         const auto& [direction, convention, generator] = kind;
-        const measure::truth::Truth& t = result.truth(i);
-        hit.set(at, static_cast<std::uint64_t>(t.decision));
-        object.set(at, static_cast<std::uint64_t>(t.object + 1));
+        const measure::truth::Truth& ray_truth = result.truth(i);
+        hit.set(pixel, static_cast<std::uint64_t>(ray_truth.decision));
+        object.set(pixel, static_cast<std::uint64_t>(ray_truth.object + 1));
         if (i % static_cast<std::size_t>(result.width) == 0) truths_.begin_row();
-        if (!t.is_hit()) return;
-        const measure::truth::Certified& exact = direction == Direction::unit ? t.distance : t.t;
+        if (!ray_truth.is_hit()) return;
+        const measure::truth::Certified& exact = direction == Direction::unit ? ray_truth.distance : ray_truth.t;
         const double rounded = result.band->rounded_truth(i, binary64, direction, convention);
-        truth.set(at, truths_.take(std::bit_cast<std::uint64_t>(rounded), 8));
-        rest.set(at, static_cast<float>(measure::truth::scaled_difference(exact, measure::truth::exactly(rounded), 0)));
-        bound.set(at, std::uint64_t{static_cast<std::uint16_t>(bound_exponent(exact))});
-        if (with_condition) condition.set(at, static_cast<float>(result.band->condition(i, convention)));
+        truth.set(pixel, truths_.code(std::bit_cast<std::uint64_t>(rounded), 8));
+        remainder.set(
+            pixel, static_cast<float>(measure::truth::scaled_difference(exact, measure::truth::exactly(rounded), 0)));
+        bound.set(pixel, std::uint64_t{static_cast<std::uint16_t>(bound_exponent(exact))});
+        if (stores_condition) condition.set(pixel, static_cast<float>(result.band->condition(i, convention)));
     }
 
 private:
@@ -73,94 +81,95 @@ private:
 
 class MapData::Row {
 public:
-    Row(const MapStudy& request, const TestedForm& row, std::size_t n, std::size_t group, Group* filled)
+    Row(const MapStudy& request, const TestedForm& row, std::size_t n, std::size_t group, Group* group_to_fill)
         : row_(row),
           group_(group),
-          filled_(filled),
+          group_to_fill_(group_to_fill),
           outcome_(1, n),
           object_(4, n),
           t_(row.format.engine == Format::Engine::native32 ? 4 : 8, n),
           sizes_(n, std::numeric_limits<float>::quiet_NaN()) {
         for (std::size_t m = 0; m < request.metrics.size(); ++m) {
-            with_condition_ |=
+            stores_condition_ |=
                 (measure::evaluate::needs_of({request.metrics[m]}) & measure::metric::needs_condition) != 0;
             const Metric& metric = *request.metrics[m];
             if (is_inherent(metric)) inherent_ = m;
             if (metric.name == "ulp_error") ulps_ = m;
-            if (!is_derived(metric) && !is_condition(metric)) stored_.push_back({m, Layer(4, n)});
+            if (!is_derived(metric) && !is_condition(metric)) stored_metrics_.push_back({m, Layer(4, n)});
         }
     }
 
     void band(const BandResult& result) {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
-            const std::size_t at = static_cast<std::size_t>(result.y0) * static_cast<std::size_t>(result.width) + i;
-            if (filled_) filled_->take(at, i, result, with_condition_);
-            outcome_.set(at, static_cast<std::uint64_t>(result.outcomes[i]));
-            if (measure::evaluate::is_wrong(result.outcomes[i])) sizes_[at] = std::numeric_limits<float>::infinity();
-            else if (ulps_) sizes_[at] = std::fabs(static_cast<float>(result.metrics[*ulps_][i]));
-            for (auto& [m, layer] : stored_) {
-                if (m == inherent_) set_inherent(layer, at, i, result);
-                else layer.set(at, static_cast<float>(result.metrics[m][i]));
+            const std::size_t pixel = static_cast<std::size_t>(result.y0) * static_cast<std::size_t>(result.width) + i;
+            if (group_to_fill_) group_to_fill_->set_pixel(pixel, i, result, stores_condition_);
+            outcome_.set(pixel, static_cast<std::uint64_t>(result.outcomes[i]));
+            if (measure::evaluate::is_wrong(result.outcomes[i])) sizes_[pixel] = std::numeric_limits<float>::infinity();
+            else if (ulps_) sizes_[pixel] = std::fabs(static_cast<float>(result.metrics[*ulps_][i]));
+            for (auto& [m, layer] : stored_metrics_) {
+                if (m == inherent_) set_inherent(layer, pixel, i, result);
+                else layer.set(pixel, static_cast<float>(result.metrics[m][i]));
             }
             if (!result.answers->hit[i]) continue;
-            object_.set(at, static_cast<std::uint64_t>(result.answers->object[i] + 1));
-            t_.set(at, difference(result.answers->t[i], result, i));
+            object_.set(pixel, static_cast<std::uint64_t>(result.answers->object[i] + 1));
+            t_.set(pixel, difference(result.answers->t[i], result, i));
         }
     }
 
-    /// `outcome`, `object`, `t`, then the stored metrics.
+    /// Bytes of `outcome`, `object` and `t`, then of the stored metrics.
     [[nodiscard]] std::string bytes() const {
-        std::string all(outcome_.planes());
-        all += object_.planes();
-        all += t_.planes();
-        for (const auto& [m, layer] : stored_) all += layer.planes();
-        return all;
+        std::string result(outcome_.planes());
+        result += object_.planes();
+        result += t_.planes();
+        for (const auto& [m, layer] : stored_metrics_) result += layer.planes();
+        return result;
     }
     [[nodiscard]] std::size_t group() const { return group_; }
-    /// See `choose_rays`.
+    /// Sizes of the errors for `choose_rays`.
     [[nodiscard]] std::span<const float> sizes() const { return sizes_; }
 
 private:
-    /// For formats other than the native two: the bits of t in binary64, whose low bits are zero anyway.
+    /// Difference of the bits of t from those of the truth. For formats other than the native two, the bits of t in
+    /// binary64, whose low bits are zero anyway.
     [[nodiscard]] std::uint64_t difference(double t, const BandResult& result, std::size_t i) const {
-        const double near = result.truth(i).is_hit()
-                                ? result.band->rounded_truth(i, binary64, row_.form->info->direction, result.convention)
-                                : 0;
+        const double true_t = result.truth(i).is_hit() ? result.band->rounded_truth(
+                                                             i, binary64, row_.form->info->direction, result.convention)
+                                                       : 0;
         switch (row_.format.engine) {
-            case Format::Engine::native32: return folded_difference(image::float_word(t), image::float_word(near), 4);
+            case Format::Engine::native32: return folded_difference(image::float_word(t), image::float_word(true_t), 4);
             case Format::Engine::native64:
-                return folded_difference(std::bit_cast<std::uint64_t>(t), std::bit_cast<std::uint64_t>(near), 8);
+                return folded_difference(std::bit_cast<std::uint64_t>(t), std::bit_cast<std::uint64_t>(true_t), 8);
             case Format::Engine::rounded: break;
         }
         return std::bit_cast<std::uint64_t>(t);
     }
 
-    /// Called for every pixel; only true hits have a value.
-    void set_inherent(Layer& layer, std::size_t at, std::size_t i, const BandResult& result) {
+    /// Stores the inherent bits of a pixel. Called for every pixel; only true hits have a value.
+    void set_inherent(Layer& layer, std::size_t pixel, std::size_t i, const BandResult& result) {
         if (i % static_cast<std::size_t>(result.width) == 0) inherent_bits_.begin_row();
         const measure::truth::Truth truth = result.truth(i);
         if (!truth.is_hit()) return;
         const Direction direction = row_.form->info->direction;
         const double reach = result.band->reach(i, result.convention, direction, *result.inputs);
-        const double costs = measure::truth::inherent_bits(
+        const double bits = measure::truth::inherent_bits(
             reach, direction == Direction::unit ? truth.distance : truth.t, row_.format.parameters);
-        layer.set(at, inherent_bits_.take(image::float_word(costs), 4));
+        layer.set(pixel, inherent_bits_.code(image::float_word(bits), 4));
     }
 
-    struct Stored {
+    struct StoredMetric {
         std::size_t metric;
         Layer layer;
     };
     const TestedForm& row_;
     std::size_t group_;
-    Group* filled_;
-    bool with_condition_ = false;
+    Group* group_to_fill_;
+    bool stores_condition_ = false;
     std::optional<std::size_t> inherent_ = {};  ///< index of `inherent_bits`
     LineOfHits inherent_bits_ = {};
     std::optional<std::size_t> ulps_ = {};  ///< index of `ulp_error`
     Layer outcome_, object_, t_;
     std::vector<float> sizes_;
-    std::vector<Stored> stored_;
+    std::vector<StoredMetric> stored_metrics_;
 };
 
 MapData::MapData(const MapStudy& request) : request_(request) {
@@ -169,9 +178,9 @@ MapData::MapData(const MapStudy& request) : request_(request) {
         const auto found =
             std::ranges::find_if(groups_, [&row](const auto& g) { return g->kind == map::truth_kind(row); });
         const auto g = static_cast<std::size_t>(found - groups_.begin());
-        const bool first = found == groups_.end();
-        if (first) groups_.push_back(std::make_unique<Group>(row, n));
-        rows_.push_back(std::make_unique<Row>(request, row, n, g, first ? groups_[g].get() : nullptr));
+        const bool is_first = found == groups_.end();
+        if (is_first) groups_.push_back(std::make_unique<Group>(row, n));
+        rows_.push_back(std::make_unique<Row>(request, row, n, g, is_first ? groups_[g].get() : nullptr));
     }
 }
 
@@ -195,7 +204,7 @@ Json metric_json(const Metric& m, std::span<const TestedForm> rows) {
                        : is_derived(m)   ? "derived"
                        : is_condition(m) ? "shared"
                                          : "stored"}};
-    if (paint.scale()) {  // one per format, as in the pictures
+    if (paint.scale()) {  // one scale for each format, as in the pictures
         Json& scales = json["scales"] = Json::object();
         for (const TestedForm& row : rows)
             scales[row.format.name] = scale_json(map::metric_scale(m, row.format.parameters));
@@ -219,7 +228,7 @@ const char* coding_name(const Format& format) {
 }
 
 Json summary_json(const MapStudy& request, const TestedForm& row, const FormSummary& s, std::size_t group,
-                  const std::string& named) {
+                  const std::string& scene_with_size) {
     Json statistics = Json::object();
     for (std::size_t m = 0; m < request.metrics.size(); ++m) {
         if (!request.metrics[m]->categories.empty()) continue;
@@ -242,23 +251,25 @@ Json summary_json(const MapStudy& request, const TestedForm& row, const FormSumm
             {"outcomes", s.outcomes},
             {"true_hits", s.true_hits},
             {"statistics", std::move(statistics)},
-            {"worst_explain", worst ? attribution::explain_command(
-                                          attribution::name_of_pixel(named, static_cast<int>(worst->x), worst->y), row)
-                                    : ""},
+            {"worst_explain",
+             worst ? attribution::explain_command(
+                         attribution::name_of_pixel(scene_with_size, static_cast<int>(worst->x), worst->y), row)
+                   : ""},
             {"worst", worst ? Json{{"x", worst->x}, {"y", worst->y}} : Json()}};
 }
 
 }  // namespace
 
-Json MapData::index(const std::vector<FormSummary>& summaries, bool own_size, const std::string& named) const {
+Json MapData::index(const std::vector<FormSummary>& summaries, bool own_size,
+                    const std::string& scene_with_size) const {
     const scene::file::Scene& scene = *request_.scene;
     Json rows = Json::array();
     for (std::size_t r = 0; r < rows_.size(); ++r)
-        rows.push_back(summary_json(request_, request_.rows[r], summaries[r], rows_[r]->group(), named));
+        rows.push_back(summary_json(request_, request_.rows[r], summaries[r], rows_[r]->group(), scene_with_size));
     return {{"id", scene.id},
             {"title", scene.title},
             {"note", scene.note},
-            {"named", named},
+            {"named", scene_with_size},
             {"width", scene.width},
             {"height", scene.height},
             {"own_size", own_size},
@@ -267,25 +278,25 @@ Json MapData::index(const std::vector<FormSummary>& summaries, bool own_size, co
 }
 
 std::vector<Blob> MapData::blobs(const std::vector<FormSummary>& summaries) const {
-    std::vector<Blob> all;
+    std::vector<Blob> result;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
         std::string bytes;
         const Group& group = *groups_[g];
         for (const Layer* layer :
-             {&group.hit, &group.object, &group.truth, &group.rest, &group.bound, &group.condition})
+             {&group.hit, &group.object, &group.truth, &group.remainder, &group.bound, &group.condition})
             bytes += layer->planes();
-        all.push_back({fmt::format("truth:{}:{}", request_.scene->id, g), pack(bytes)});
+        result.push_back({fmt::format("truth:{}:{}", request_.scene->id, g), pack(bytes)});
     }
     for (std::size_t r = 0; r < rows_.size(); ++r) {
         const TestedForm& row = request_.rows[r];
         const std::string name = fmt::format("{}:{}", request_.scene->id, map::row_name(row));
         if (row.form->is_template()) {
             const auto rays = choose_rays(summaries[r], rows_[r]->sizes(), request_.scene->width);
-            all.push_back({"rays:" + name, pack(text_of(rays_json(request_, row, rays)))});
+            result.push_back({"rays:" + name, pack(text_of(rays_json(request_, row, rays)))});
         }
-        all.push_back({"row:" + name, pack(rows_[r]->bytes())});
+        result.push_back({"row:" + name, pack(rows_[r]->bytes())});
     }
-    return all;
+    return result;
 }
 
 }  // namespace lostbits::output::page

@@ -1,4 +1,4 @@
-// The pixels of a map as the page holds them: the CSV's data of every ray in a few bytes each. Also the rays whose
+// Pixels of a map as the page holds them: the CSV's data of every ray in a few bytes each. Also the rays whose
 // operations the page holds, as `lostbits explain` lists them.
 #pragma once
 
@@ -17,8 +17,8 @@ using measure::evaluate::FormSummary;
 using measure::evaluate::MapStudy;
 using measure::evaluate::TestedForm;
 
-/// A pixel whose operations the page holds. `why` holds the reasons, which the page spells as it spells names of
-/// outcomes.
+/// A pixel whose operations the page holds. `why` holds the reasons for the choice; the page writes them as it writes
+/// names of outcomes.
 struct ChosenRay {
     int x, y;
     std::vector<std::string> why;
@@ -27,9 +27,9 @@ struct ChosenRay {
 /// A picture is cut into this many parts in each direction, and the worst ray of each part is chosen.
 inline constexpr std::size_t parts_each_way = 4;
 
-/// Chooses, each once: the worst ray, the first of each kind of wrong decision, the largest and the median error, and
-/// the worst of each part of the picture. `sizes` has one value per pixel: |ulp_error| of a correct hit, infinity for a
-/// wrong decision, NaN without an error.
+/// Chooses rays, each at most once: the worst ray, the first of each kind of wrong decision, the largest and the median
+/// error, and the worst of each part of the picture. `sizes` has one value per pixel: |ulp_error| of a correct hit,
+/// infinity for a wrong decision, NaN without an error.
 [[nodiscard]] std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const float> sizes, int width);
 
 /// The output of `explain` for each ray: its sentences, and its table with a row per operation. A compiled form has no
@@ -43,9 +43,9 @@ struct Blob {
 
 /// Takes the results of a map row by row and keeps, exactly,
 /// - once for all rows that share a truth (by direction and convention): the true decision, RN64(t*) as its difference
-/// from the line through the two hits to the left, the remainder t* − RN64(t*) as a float, the bound as a power of
-/// two, and κ as a float;
-/// - for each row: the outcome, the primitive, and the bits of t less those of the truth, both in the row's format.
+/// from the line through the two hits to the left, the remainder t* − RN64(t*) as a float, the bound as a power of two,
+/// and κ as a float;
+/// - for each row: the outcome, the primitive, and the bits of t minus those of the truth, both in the row's format.
 /// Most answers are a few ulps away, so most differences are small;
 /// - every other metric as a float;
 /// - the output of `lostbits explain` for the rays of `choose_rays`.
@@ -57,13 +57,14 @@ public:
     MapData(const MapData&) = delete;
     MapData& operator=(const MapData&) = delete;
 
-    /// Returns the function that takes the bands of the request's rows.
+    /// Returns a function that receives the bands of the request's rows.
     [[nodiscard]] measure::evaluate::ShowRows show();
 
-    /// Everything but the pixels; call it after the map. `own_size`: the map has the scene's own size, so that claims
-    /// are about the same rays. `named`: the scene with its size, as a command names it.
-    [[nodiscard]] Json index(const std::vector<FormSummary>& summaries, bool own_size, const std::string& named) const;
-    /// The pixels and the operations of the chosen rays; call it after the map.
+    /// All data except the pixels; call this after the map. `own_size`: the map has the scene's own size, so that
+    /// claims are about the same rays. `scene_with_size`: the scene with its size, as a command names it.
+    [[nodiscard]] Json index(const std::vector<FormSummary>& summaries, bool own_size,
+                             const std::string& scene_with_size) const;
+    /// The pixels and the operations of the chosen rays; call this after the map.
     [[nodiscard]] std::vector<Blob> blobs(const std::vector<FormSummary>& summaries) const;
 
 private:

@@ -1,4 +1,4 @@
-// Packs bytes for a page that must open from a file: shuffled into planes, deflated, in base64.
+// Packs bytes for a page that must open from a file: bytes are sorted into planes, deflated, and written in base64.
 #pragma once
 
 #include <bit>
@@ -9,14 +9,14 @@
 
 namespace lostbits::output::page {
 
-/// Numbers of one width, one per pixel, gathered before they are packed.
+/// Numbers of one width, one per pixel, collected before they are packed.
 class Layer {
 public:
     /// `width` is the number of bytes per number: 1, 2, 4 or 8.
     Layer(std::size_t width, std::size_t count) : width_(width), count_(count), planes_(width * count) {}
 
-    /// Plane k holds byte k of every number, the lowest byte first. High bytes of neighbours are alike, and deflate
-    /// then sees them side by side.
+    /// Plane k holds byte k of every number, the lowest byte first. High bytes of neighbours are alike, and this order
+    /// puts them side by side for deflate.
     void set(std::size_t i, std::uint64_t bits) {
         for (std::size_t k = 0; k < width_; ++k) planes_[k * count_ + i] = static_cast<char>(bits >> (8 * k));
     }
@@ -38,27 +38,28 @@ private:
 /// `a` − `b` of two bit patterns of `width` bytes, folded so that small differences of either sign become small
 /// numbers: 0, −1, 1, −2, … become 0, 1, 2, 3, ….
 [[nodiscard]] constexpr std::uint64_t folded_difference(std::uint64_t a, std::uint64_t b, int width) {
-    const std::uint64_t all = width == 8 ? ~std::uint64_t{0} : (std::uint64_t{1} << (8 * width)) - 1;
-    const std::uint64_t d = (a - b) & all;
-    const bool negative = (d >> (8 * width - 1)) & 1;
-    return ((d << 1) & all) ^ (negative ? all : 0);
+    const std::uint64_t mask = width == 8 ? ~std::uint64_t{0} : (std::uint64_t{1} << (8 * width)) - 1;
+    const std::uint64_t difference = (a - b) & mask;
+    const bool is_negative = (difference >> (8 * width - 1)) & 1;
+    return ((difference << 1) & mask) ^ (is_negative ? mask : 0);
 }
 
-/// Codes true hits by their neighbours, which lie nearly on a line: keeps the difference of each number's bits from the
-/// line through the two before it in its row of the picture. A band holds whole rows, so no neighbour is missing within
-/// a band.
+/// Codes true hits by their neighbours, which lie nearly on a line: each number becomes the difference of its bits from
+/// the line through the two numbers before it in its row of the picture. A band holds whole rows, so no neighbour is
+/// missing within a band.
 class LineOfHits {
 public:
-    void begin_row() { last_ = before_ = 0; }
-    [[nodiscard]] std::uint64_t take(std::uint64_t bits, int width) {
-        const std::uint64_t off = folded_difference(bits, before_ == 0 ? last_ : 2 * last_ - before_, width);
-        before_ = last_;
+    void begin_row() { last_ = second_last_ = 0; }
+    [[nodiscard]] std::uint64_t code(std::uint64_t bits, int width) {
+        const std::uint64_t difference =
+            folded_difference(bits, second_last_ == 0 ? last_ : 2 * last_ - second_last_, width);
+        second_last_ = last_;
         last_ = bits;
-        return off;
+        return difference;
     }
 
 private:
-    std::uint64_t last_ = 0, before_ = 0;  ///< bits of the last two numbers; 0: none
+    std::uint64_t last_ = 0, second_last_ = 0;  ///< bits of the last two numbers; 0: none
 };
 
 }  // namespace lostbits::output::page

@@ -31,8 +31,8 @@ std::string hash_source(const Asset& asset) {
     return fmt::format("'sha256-{}'", file::base64(bytes));
 }
 
-/// Nothing may be fetched, and only the scripts and styles built into the program may run.
-std::string policy() {
+/// Policy that lets the page fetch nothing, and run only the scripts and styles built into the program.
+std::string content_policy() {
     return fmt::format(
         "default-src 'none'; script-src {}; style-src {}; img-src data:; base-uri 'none'; form-action 'none'",
         hash_source(page_script), hash_source(page_style));
@@ -44,9 +44,9 @@ std::string image(const Picture& p) {
                : fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", html(p.alt), file::base64(p.png));
 }
 
-std::string without_scripts(const Picture& picture) { return fmt::format("<noscript>{}</noscript>\n", image(picture)); }
+std::string noscript_image(const Picture& picture) { return fmt::format("<noscript>{}</noscript>\n", image(picture)); }
 
-/// Every reader sees the chart; the script finds it by its name.
+/// Chart that every reader sees; the script finds it by its name.
 std::string figure(const Chart& c) {
     return c.svg.empty() ? std::string()
                          : fmt::format(
@@ -70,14 +70,14 @@ Json colours_json() {
     Json outcomes = Json::array();
     for (std::size_t o = 0; o < image::outcome_colours.size(); ++o)
         outcomes.push_back(Json::array({measure::answer::outcome_names[o], colour_json(image::outcome_colours[o])}));
-    const image::ColourScale any("viridis", image::image_backend().ramp("viridis", 2), 0, 1);
+    const image::ColourScale any_scale("viridis", image::image_backend().ramp("viridis", 2), 0, 1);
     return {{"ramp", ramp},
             {"outcomes", std::move(outcomes)},
             {"no_value",
-             colour_json(map::pixel_colour(any, Outcome::agree_hit, std::numeric_limits<double>::quiet_NaN()))}};
+             colour_json(map::pixel_colour(any_scale, Outcome::agree_hit, std::numeric_limits<double>::quiet_NaN()))}};
 }
 
-constexpr std::array kind_names{"line", "plane", "cases"};  // of `SweepPart::Kind`
+constexpr std::array kind_names{"line", "plane", "cases"};  // names of `SweepPart::Kind`
 
 Json index_json(const Report& report) {
     Json json = colours_json();
@@ -101,31 +101,31 @@ std::string blob(const std::string& name, const std::string& packed) {
     return fmt::format("<script type=\"text/plain\" id=\"{}\">{}</script>\n", html(name), packed);
 }
 
-std::string about(const std::string& note, const std::string& source) {
+std::string note_and_source(const std::string& note, const std::string& source) {
     std::string text;
     if (!note.empty()) text += fmt::format("<p>{}</p>\n", prose(note));
     if (!source.empty() && source != "-") text += fmt::format("<p class=\"source\">Source: {}</p>\n", html(source));
     return text;
 }
 
-/// An element that the reader can open and close: a summary, and a body below it. Links lead to `id`, if it has one.
-std::string part(const std::string& id, const std::string& summary, const std::string& body) {
+/// Element that the reader can open and close: a summary, and a body below it. Links lead to `id`, if it is not empty.
+std::string details(const std::string& id, const std::string& summary, const std::string& body) {
     return fmt::format("<details open class=\"part\"{}><summary>{}</summary>\n{}</details>\n",
                        id.empty() ? "" : fmt::format(" id=\"{}\"", html(id)), summary, body);
 }
 
-std::string named(const std::string& title, const std::string& name) {
+std::string title_with_name(const std::string& title, const std::string& name) {
     return fmt::format("{} <code>{}</code>", html(title), html(name));
 }
 
-std::string preformatted(const std::string& words) { return fmt::format("<pre class=\"words\">{}</pre>\n", words); }
+std::string preformatted(const std::string& content) { return fmt::format("<pre class=\"words\">{}</pre>\n", content); }
 
 std::string maps_body(const std::vector<MapPart>& maps) {
     if (maps.empty()) return "";
     std::string text = "<div id=\"map-view\" hidden></div>\n";
     for (const MapPart& m : maps)
-        text +=
-            part("scene-" + m.id, named(m.title, m.id), about(m.note, m.source) + m.table + without_scripts(m.sheet));
+        text += details("scene-" + m.id, title_with_name(m.title, m.id),
+                        note_and_source(m.note, m.source) + m.table + noscript_image(m.sheet));
     return text;
 }
 
@@ -133,11 +133,12 @@ std::string sweeps_body(const std::vector<SweepPart>& sweeps) {
     if (sweeps.empty()) return "";
     std::string text = "<div id=\"sweep-view\" hidden></div>\n";
     for (const SweepPart& s : sweeps)
-        text += part("sweep-" + s.id, named(s.title, s.id), about(s.note, s.source) + s.table + figures(s.charts));
+        text += details("sweep-" + s.id, title_with_name(s.title, s.id),
+                        note_and_source(s.note, s.source) + s.table + figures(s.charts));
     return text;
 }
 
-std::string machine_of(const Report& report) {
+std::string timing_note(const Report& report) {
     return fmt::format(
         "Times were measured briefly by the run that made this page, on its machine{}. Another run "
         "measures other times.",
@@ -146,10 +147,10 @@ std::string machine_of(const Report& report) {
 
 std::string trades_body(const Report& report) {
     if (report.trades.empty()) return "";
-    std::string text = fmt::format("<p>{}</p>\n<div id=\"trade-view\" hidden></div>\n", machine_of(report));
+    std::string text = fmt::format("<p>{}</p>\n<div id=\"trade-view\" hidden></div>\n", timing_note(report));
     for (const TradePart& t : report.trades)
         text +=
-            part("trade-" + t.shape, html(t.shape), fmt::format("<pre>{}</pre>", html(t.words)) + figures(t.charts));
+            details("trade-" + t.shape, html(t.shape), fmt::format("<pre>{}</pre>", html(t.words)) + figures(t.charts));
     return text;
 }
 
@@ -164,17 +165,17 @@ std::string second_line(const std::string& text) {
 std::string choices_body(const Report& report) {
     if (report.choices.empty()) return "";
     std::string text =
-        fmt::format("<p>Every form and format, measured on the scene's own rays. {}</p>\n", machine_of(report));
+        fmt::format("<p>Every form and format, measured on the scene's own rays. {}</p>\n", timing_note(report));
     for (const ChoicePart& c : report.choices)
-        text += part("", named(c.requirement, c.scene) + "<br>" + html(second_line(c.words)),
-                     preformatted(html(c.words)) + figure(c.front) + c.table);
+        text += details("", title_with_name(c.requirement, c.scene) + "<br>" + html(second_line(c.words)),
+                        preformatted(html(c.words)) + figure(c.front) + c.table);
     return text;
 }
 
 /// Text in which the lines of a diff are marked.
-std::string with_diffs(const std::string& words) {
+std::string with_diffs(const std::string& diff) {
     std::string text;
-    std::istringstream lines(words);
+    std::istringstream lines(diff);
     for (std::string line; std::getline(lines, line);) {
         const char* const tag = line.starts_with("    - ") ? "del" : line.starts_with("    + ") ? "ins" : nullptr;
         text += tag ? fmt::format("<{0}>{1}</{0}>\n", tag, html(line)) : html(line) + "\n";
@@ -182,11 +183,11 @@ std::string with_diffs(const std::string& words) {
     return text;
 }
 
-/// Keeps each sentence once: different changes may have the same one.
-std::vector<std::string> distinct(const std::vector<std::string>& sentences) {
-    std::vector<std::string> once;
-    for (const std::string& sentence : sentences) static_cast<void>(map::find_or_add(once, sentence));
-    return once;
+/// Removes repeated sentences, because different changes may have the same one.
+std::vector<std::string> distinct_sentences(const std::vector<std::string>& sentences) {
+    std::vector<std::string> result;
+    for (const std::string& sentence : sentences) static_cast<void>(map::find_or_add(result, sentence));
+    return result;
 }
 
 std::string mends_body(const Report& report) {
@@ -195,13 +196,14 @@ std::string mends_body(const Report& report) {
         "<p>The fewest operations that must be done in wider arithmetic so that a form meets a requirement on every "
         "ray, and "
         "other ways to write it that give the same result without rounding.";
-    if (std::ranges::any_of(report.mends, &MendPart::timed)) text += " " + machine_of(report);
+    if (std::ranges::any_of(report.mends, &MendPart::timed)) text += " " + timing_note(report);
     text += "</p>\n";
     for (const MendPart& m : report.mends) {
         std::string changes;
-        for (const std::string& change : distinct(m.changes)) changes += fmt::format("<li>{}</li>\n", html(change));
-        text += part(
-            "", named(m.form + ": " + m.requirement, m.scene),
+        for (const std::string& change : distinct_sentences(m.changes))
+            changes += fmt::format("<li>{}</li>\n", html(change));
+        text += details(
+            "", title_with_name(m.form + ": " + m.requirement, m.scene),
             fmt::format("<ul>\n{}</ul>\n", changes) + m.table + figure(m.front) + preformatted(with_diffs(m.words)));
     }
     return text;
@@ -220,9 +222,9 @@ std::string offsets_body(const std::vector<OffsetPart>& offsets) {
         measure::offset::usual_forms()[0], measure::offset::usual_format, measure::offset::usual_forms()[1],
         offset_overview(offsets));
     for (const OffsetPart& o : offsets) {
-        std::string words = about(o.note, o.source);
-        for (const std::string& line : o.words) words += fmt::format("<p>{}</p>\n", html(line));
-        text += part("offsets-" + o.id, named(o.title, o.id), words + o.table + image(o.sheet));
+        std::string paragraphs = note_and_source(o.note, o.source);
+        for (const std::string& line : o.words) paragraphs += fmt::format("<p>{}</p>\n", html(line));
+        text += details("offsets-" + o.id, title_with_name(o.title, o.id), paragraphs + o.table + image(o.sheet));
     }
     return text;
 }
@@ -230,17 +232,18 @@ std::string offsets_body(const std::vector<OffsetPart>& offsets) {
 std::string studies_body(const std::vector<StudyPart>& studies) {
     std::string text;
     for (const StudyPart& s : studies)
-        text += part(fmt::format("study-{}-{}", s.study, s.id), named(fmt::format("{}: {}", s.study, s.title), s.id),
-                     fmt::format("<p>{}.</p>\n", html(s.what)) + about(s.note, "") + s.table + image(s.sheet));
+        text += details(
+            fmt::format("study-{}-{}", s.study, s.id), title_with_name(fmt::format("{}: {}", s.study, s.title), s.id),
+            fmt::format("<p>{}.</p>\n", html(s.what)) + note_and_source(s.note, "") + s.table + image(s.sheet));
     return text;
 }
 
-/// Opening sentences: what the page is.
-constexpr const char* what_it_is =
+/// First sentences of the page, which say what the page shows.
+constexpr const char* opening_sentence =
     "This page shows where ray intersectors lose significand bits, and which of their operations lose them. Every form "
     "answered the same rays in each format, and each answer is compared with the proved true answer.";
 
-/// The findings of all maps: a row for each scene.
+/// Table of the findings of all maps: a row for each scene.
 std::string results_table(const std::vector<MapPart>& maps) {
     if (maps.empty()) return "";
     std::string text = begin_table({"scene", "result", "forms and formats with wrong decisions"}, " id=\"results\"");
@@ -252,8 +255,8 @@ std::string results_table(const std::vector<MapPart>& maps) {
     return text + end_table;
 }
 
-/// Hints on what to do first.
-std::string what_to_do(const Report& report) {
+/// Sentence that says what to do first.
+std::string first_step(const Report& report) {
     if (!report.maps.empty())
         return "<b>First</b>, choose a scene and a form under <a href=\"#maps\">Maps</a> and point at the picture. The "
                "numbers of that ray appear beside it. A click keeps them. The list below the picture leads to rays "
@@ -270,7 +273,7 @@ std::string what_to_do(const Report& report) {
     return "";
 }
 
-/// Results of the claims, the meaning of the words, and the claims.
+/// Results of the claims, the meanings of the verdicts, and the claims.
 std::string claims_body(const Report& report) {
     if (report.claims.empty()) return "";
     const claim::CountsBySource by_source = claim::count_verdicts(report.claims, report.results);
@@ -287,8 +290,8 @@ std::string claims_body(const Report& report) {
         counted(report.claims.size(), "claim"), verdict_tiles(n), meaning, claims_table(report));
 }
 
-/// The command that was typed.
-std::string made_body(const Report& report) {
+/// Command that made the page.
+std::string command_body(const Report& report) {
     std::vector<std::string> parts;
     if (!report.maps.empty()) parts.push_back(counted(report.maps.size(), "map"));
     if (!report.sweeps.empty()) parts.push_back(counted(report.sweeps.size(), "sweep"));
@@ -303,7 +306,7 @@ struct Section {
 
 /// Sections that have something to show. The result comes first, because readers look for it first.
 std::vector<Section> sections_of(const Report& report) {
-    std::vector<Section> all{
+    std::vector<Section> sections{
         {"maps", "Maps", "Maps", maps_body(report.maps)},
         {"sweeps", "Sweeps", "Sweeps", sweeps_body(report.sweeps)},
         {"trade", "Speed", "Speed against accuracy", trades_body(report)},
@@ -312,13 +315,13 @@ std::vector<Section> sections_of(const Report& report) {
         {"offsets", "Offsets", "Origins of the next ray", offsets_body(report.offsets)},
         {"studies", "Studies", "Studies", studies_body(report.studies)},
         {"claims", "Claims", "Claims", claims_body(report)},
-        {"made", "Command", "The command", made_body(report)},
+        {"made", "Command", "The command", command_body(report)},
     };
-    std::erase_if(all, [](const Section& s) { return s.body.empty(); });
-    return all;
+    std::erase_if(sections, [](const Section& s) { return s.body.empty(); });
+    return sections;
 }
 
-/// The elements of the page's body.
+/// Elements of the page's body.
 std::string body_of(const Report& report) {
     std::string links, text;
     for (const Section& s : sections_of(report)) {
@@ -329,7 +332,7 @@ std::string body_of(const Report& report) {
         "<header><h1>lostbits report</h1>\n<p id=\"opening\">{} {}</p>\n{}<nav>{}</nav>\n<noscript><p>Without scripts "
         "this page shows tables and contact sheets. With scripts it shows every pixel.</p></noscript></header>\n"
         "<main>\n{}</main>\n",
-        what_it_is, what_to_do(report), results_table(report.maps), links, text);
+        opening_sentence, first_step(report), results_table(report.maps), links, text);
 }
 
 }  // namespace
@@ -341,7 +344,7 @@ std::string page(const Report& report) {
         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><meta name=\"referrer\" "
         "content=\"no-referrer\">\n<title>lostbits report</title>\n"
         "<link rel=\"icon\" href=\"data:,\">\n",
-        policy());
+        content_policy());
     if (!report.program.empty())
         text += fmt::format("<meta name=\"generator\" content=\"{}\">\n", html(report.program));
     text += fmt::format("<style>{}</style>\n", page_style.text);

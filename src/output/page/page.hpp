@@ -20,7 +20,7 @@ namespace lostbits::output::page {
 /// A PNG and a text that describes it.
 struct Picture {
     std::string alt;
-    std::string png;  ///< its bytes
+    std::string png;  ///< bytes of the PNG file
 };
 
 /// An SVG, a text that describes it, and a name for the page's script: `lost_bits_p99.f32`.
@@ -28,20 +28,20 @@ struct Chart {
     std::string alt;
     std::string svg;
     std::string name = {};
-    bool is_plot = true;  ///< lines or points on paper, whose colours only distinguish them
+    bool is_plot = true;  ///< lines or points, whose colours only distinguish them
 };
 
-/// Lets `draw` write a picture and reads it back. EnvironmentError if it cannot be read back.
+/// Lets `draw` write a picture to a file and reads the file back. Throws EnvironmentError if it cannot be read.
 [[nodiscard]] Picture picture(std::string alt, const std::function<void(const std::filesystem::path&)>& draw);
 
 struct MapPart {
     std::string id, title, note, source;
-    std::vector<std::string> rows;  ///< `map::row_name` of each
+    std::vector<std::string> rows;  ///< `map::row_name` of each row
     Json index;                     ///< from `MapData::index`
     std::vector<Blob> blobs;
     std::string table;  ///< HTML, see `summary_table`
     Picture sheet;
-    bool own_size = true;                   ///< the scene's own size, so claims are measured on the same rays
+    bool own_size = true;  ///< the map has the scene's own size, so claims are measured on the same rays
     std::vector<std::string> metrics = {};  ///< names of the metrics
     std::string finding = {};               ///< from `map::finding_text`
     std::size_t faulty = 0;                 ///< number of rows that decide a ray wrongly
@@ -52,7 +52,7 @@ struct SweepPart {
     enum class Kind { line, plane, cases };
     Kind kind = Kind::line;
     std::string id, title, note, source;
-    std::vector<std::string> rows;               ///< `map::row_name` of each
+    std::vector<std::string> rows;               ///< `map::row_name` of each row
     std::vector<std::vector<double>> axes = {};  ///< values of each axis in the order of the page; empty for cases
     std::vector<std::string> cases = {};
     Json json = {};  ///< from `sweep_json`, `plane_json` or `case_json`
@@ -64,10 +64,10 @@ struct TradePart {
     std::string shape;
     Json json;  ///< from `trade_json`
     std::string words;
-    std::vector<Chart> charts;  ///< named by their sets of rays
+    std::vector<Chart> charts;  ///< charts, named by their sets of rays
 };
 
-/// The form chosen for a scene by a requirement. Its times differ from run to run.
+/// The form chosen for a scene by a requirement. The times differ from run to run.
 struct ChoicePart {
     std::string scene, requirement;  ///< id of the scene; `18 correct bits of every hit, no wrong decision`
     std::string words;               ///< the second line is the answer
@@ -82,7 +82,7 @@ struct MendPart {
     std::string words;                     ///< from `repair::in_words`
     std::string table;                     ///< HTML, see `mend_table`
     Chart front;
-    bool timed = false;  ///< its times differ from run to run
+    bool timed = false;  ///< the part has times, which differ from run to run
 };
 
 /// Outcomes of rays that leave the points of a scene, for every strategy.
@@ -97,8 +97,8 @@ struct OffsetPart {
 
 /// A study of a scene, such as consistency.
 struct StudyPart {
-    std::string study, what;      ///< its name, and what it measures
-    std::string id, title, note;  ///< of the scene
+    std::string study, what;      ///< name of the study, and what it measures
+    std::string id, title, note;  ///< texts of the scene
     std::string table = {};       ///< HTML, see `study_table`
     Picture sheet = {};
 };
@@ -131,21 +131,21 @@ struct Report {
 /// own decimal.
 [[nodiscard]] std::string mend_table(const repair::RepairSummary& result);
 
-/// One table per side: the share of rays that each strategy gets wrong, in which way, and by how much the offset is too
-/// large.
+/// One table per side: the share of rays that each strategy gets wrong, the kinds of errors, and the factor by which
+/// the offset is too large.
 [[nodiscard]] std::string offset_table(const measure::offset::OffsetStudy& study,
                                        const measure::offset::OffsetSummary& summary);
 
-/// One table per side: strategies down, scenes across, and the share of rays that go wrong.
+/// One table per side with a row per strategy and a column per scene: the share of rays that go wrong.
 [[nodiscard]] std::string offset_overview(const std::vector<OffsetPart>& parts);
 
-/// The summary of a study: its columns across, without those that are empty in every row and those of commands.
+/// Table of a study's summary: its columns, except those that are empty in every row and those of commands.
 [[nodiscard]] std::string study_table(const std::vector<file::Column>& columns,
                                       const std::vector<std::vector<file::Cell>>& rows);
 
-/// The counts as tiles, the gravest first.
+/// Tiles of the counts, the gravest first.
 [[nodiscard]] std::string verdict_tiles(const claim::VerdictCounts& counts);
-/// One table per subject, with a row per claim. If the page shows what the claim was measured on, the row links to it.
+/// One table per subject, with a row per claim. If the page shows what the claim was measured on, the row links there.
 [[nodiscard]] std::string claims_table(const Report& report);
 
 /// Makes the page; the same report gives the same bytes.

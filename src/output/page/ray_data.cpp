@@ -17,41 +17,42 @@ namespace lostbits::output::page {
 using measure::attribution::Explanation;
 namespace {
 
-/// Pixel of the median of the finite errors; ties go to the first pixel. None if no error is finite.
+/// Pixel of the median of the finite errors; ties go to the first pixel. Nothing if no error is finite.
 std::optional<std::size_t> median_of(std::span<const float> sizes) {
-    std::vector<std::size_t> all;
+    std::vector<std::size_t> finite_pixels;
     for (std::size_t i = 0; i < sizes.size(); ++i) {
-        if (std::isfinite(sizes[i])) all.push_back(i);
+        if (std::isfinite(sizes[i])) finite_pixels.push_back(i);
     }
-    if (all.empty()) return {};
-    const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-    std::ranges::nth_element(all, middle, {}, [&](std::size_t i) { return std::pair{sizes[i], i}; });
+    if (finite_pixels.empty()) return {};
+    const auto middle = finite_pixels.begin() + static_cast<std::ptrdiff_t>(finite_pixels.size() / 2);
+    std::ranges::nth_element(finite_pixels, middle, {}, [&](std::size_t i) { return std::pair{sizes[i], i}; });
     return *middle;
 }
 
-/// A range of indices from `first` to before `last`.
-struct Stretch {
+/// Indices from `first` to before `last`.
+struct IndexRange {
     std::size_t first, last;
-    [[nodiscard]] double from_middle(std::size_t i) const {
+    [[nodiscard]] double offset_from_middle(std::size_t i) const {
         return static_cast<double>(i) + 0.5 - static_cast<double>(first + last) / 2;
     }
 };
 
-/// Part k of `n` pixels side by side.
-Stretch part_of(std::size_t n, std::size_t k) { return {k * n / parts_each_way, (k + 1) * n / parts_each_way}; }
+/// Range of part k of `n` adjacent pixels.
+IndexRange part_of(std::size_t n, std::size_t k) { return {k * n / parts_each_way, (k + 1) * n / parts_each_way}; }
 
-/// The worst pixel of a part of a picture, or nothing if none has an error. Among equally bad pixels, the nearest to
-/// the middle of the part.
-std::optional<std::size_t> worst_of(std::span<const float> sizes, std::size_t width, Stretch across, Stretch down) {
+/// Worst pixel of a part of a picture, or nothing if no pixel has an error. Among equally bad pixels, the one nearest
+/// to the middle of the part.
+std::optional<std::size_t> worst_of(std::span<const float> sizes, std::size_t width, IndexRange columns,
+                                    IndexRange rows) {
     std::optional<std::size_t> found;
     std::pair<float, double> worst{-1, 0};  // the error, and minus the distance from the middle
-    for (std::size_t y = down.first; y < down.last; ++y) {
-        for (std::size_t x = across.first; x < across.last; ++x) {
+    for (std::size_t y = rows.first; y < rows.last; ++y) {
+        for (std::size_t x = columns.first; x < columns.last; ++x) {
             const std::size_t i = y * width + x;
-            const std::pair seen{sizes[i], -std::hypot(across.from_middle(x), down.from_middle(y))};
-            if (std::isnan(sizes[i]) || seen <= worst) continue;
+            const std::pair candidate{sizes[i], -std::hypot(columns.offset_from_middle(x), rows.offset_from_middle(y))};
+            if (std::isnan(sizes[i]) || candidate <= worst) continue;
             found = i;
-            worst = seen;
+            worst = candidate;
         }
     }
     return found;
@@ -71,28 +72,29 @@ Json lines_json(const std::string& text) {
 }
 
 /// Sentences above and below the table of `explain`, and the table.
-Json ray_json(const ChosenRay& at, const Explanation& x, const std::optional<attribution::MarchEnd>& march) {
-    const attribution::OperationView words(x);
-    const attribution::OperationTable table = attribution::operation_table(x, words, false);
-    Json json{{"x", at.x},
-              {"y", at.y},
-              {"why", at.why},
-              {"says", lines_json(attribution::verdict_of(x, march).text())},
-              {"sums", lines_json(attribution::sums_text(x, words))},
-              {"subject", words.subject()},
+Json ray_json(const ChosenRay& chosen, const Explanation& explanation,
+              const std::optional<attribution::MarchEnd>& march) {
+    const attribution::OperationView view(explanation);
+    const attribution::OperationTable table = attribution::operation_table(explanation, view, false);
+    Json json{{"x", chosen.x},
+              {"y", chosen.y},
+              {"why", chosen.why},
+              {"says", lines_json(attribution::verdict_of(explanation, march).text())},
+              {"sums", lines_json(attribution::sums_text(explanation, view))},
+              {"subject", view.subject()},
               {"earlier", table.first},
               {"rows", array_of(table.rows, operation_json)}};
-    if (x.primitives > 1 && is_primitive(x.form->shape)) json["primitive"] = x.primitive;
+    if (explanation.primitives > 1 && is_primitive(explanation.form->shape)) json["primitive"] = explanation.primitive;
     return json;
 }
 
 }  // namespace
 
 std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const float> sizes, int width) {
-    std::vector<ChosenRay> all;
-    const auto add = [&all](std::int64_t x, int y, std::string why) {
-        const auto found = std::ranges::find_if(all, [&](const ChosenRay& r) { return r.x == x && r.y == y; });
-        if (found == all.end()) all.push_back({static_cast<int>(x), y, {std::move(why)}});
+    std::vector<ChosenRay> chosen;
+    const auto add = [&chosen](std::int64_t x, int y, std::string why) {
+        const auto found = std::ranges::find_if(chosen, [&](const ChosenRay& r) { return r.x == x && r.y == y; });
+        if (found == chosen.end()) chosen.push_back({static_cast<int>(x), y, {std::move(why)}});
         else found->why.push_back(std::move(why));
     };
     const auto w = static_cast<std::size_t>(width);
@@ -108,11 +110,11 @@ std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const f
     if (summary.worst.x >= 0) add(summary.worst.x, summary.worst.y, "largest error");
     if (const auto i = median_of(sizes)) add_pixel(*i, "median error");
     for (std::size_t part = 0; part < parts_each_way * parts_each_way; ++part) {
-        const Stretch across = part_of(w, part % parts_each_way),
-                      down = part_of(sizes.size() / w, part / parts_each_way);
-        if (const auto i = worst_of(sizes, w, across, down)) add_pixel(*i, "worst in its part of the picture");
+        const IndexRange columns = part_of(w, part % parts_each_way),
+                         rows = part_of(sizes.size() / w, part / parts_each_way);
+        if (const auto i = worst_of(sizes, w, columns, rows)) add_pixel(*i, "worst in its part of the picture");
     }
-    return all;
+    return chosen;
 }
 
 Json rays_json(const MapStudy& request, const TestedForm& row, const std::vector<ChosenRay>& rays) {
@@ -122,8 +124,8 @@ Json rays_json(const MapStudy& request, const TestedForm& row, const std::vector
     intersect::process::in_parallel(0, rays.size(), [&](std::size_t i) {
         measure::answer::OneRay ray(scene, rays[i].x, rays[i].y, request.limit);
         ray.judge_by(row.judged);
-        const Explanation x = measure::attribution::explain_alone(*row.form, row.format, ray);
-        explained[i] = ray_json(rays[i], x, attribution::end_of_march(*row.form, row.format, ray));
+        const Explanation explanation = measure::attribution::explain_alone(*row.form, row.format, ray);
+        explained[i] = ray_json(rays[i], explanation, attribution::end_of_march(*row.form, row.format, ray));
     });
     return array_of(explained, [](const Json& json) { return json; });
 }

@@ -20,20 +20,20 @@ using measure::metric::Metric;
 namespace {
 
 /// `{"form":…,"format":…,"values":[statistic][cell],"outcomes":[cell][outcome],"true_hits":[cell]}`: the numbers of a
-/// row at every step, cell or case.
+/// row at every step, cell or case. `summary_at(cell)` is the result of the row there.
 Json row_json(const measure::evaluate::TestedForm& row, const std::vector<const Metric*>& metrics, std::size_t cells,
-              const auto& at) {
+              const auto& summary_at) {
     const auto columns = measure::evaluate::summary_columns(metrics);
     Json values = Json::array(), outcomes = Json::array(), true_hits = Json::array();
     for (const std::string_view name : sweep_statistics) {
         const measure::evaluate::SummaryColumn* const column = measure::evaluate::find_column(columns, name);
-        Json& all = values.emplace_back(Json::array());
+        Json& column_values = values.emplace_back(Json::array());
         for (std::size_t c = 0; c < cells; ++c)
-            all.push_back(number_json(column ? column->value(at(c)) : measure::truth::missing));
+            column_values.push_back(number_json(column ? column->value(summary_at(c)) : measure::truth::missing));
     }
     for (std::size_t c = 0; c < cells; ++c) {
-        outcomes.push_back(at(c).outcomes);
-        true_hits.push_back(at(c).true_hits);
+        outcomes.push_back(summary_at(c).outcomes);
+        true_hits.push_back(summary_at(c).true_hits);
     }
     return {{"form", row.form->info->name},
             {"format", row.format.name},
@@ -44,14 +44,14 @@ Json row_json(const measure::evaluate::TestedForm& row, const std::vector<const 
             {"true_hits", std::move(true_hits)}};
 }
 
-/// Adds the statistics and the rows of a sweep. `at(r, cell)` is a result of row r, and `add(json, r)` adds what else
-/// the page shows of the row.
-Json with_rows(Json json, const auto& request, std::size_t cells, const auto& at, const auto& add) {
+/// Adds the statistics and the rows of a sweep. `summary_at(r, cell)` is a result of row r, and `add_details(json, r)`
+/// adds what else the page shows of the row.
+Json with_rows(Json json, const auto& request, std::size_t cells, const auto& summary_at, const auto& add_details) {
     json["statistics"] = sweep_statistics;
     Json& rows = json["rows"] = Json::array();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const auto at_cell = [&](std::size_t cell) -> const FormSummary& { return at(r, cell); };
-        add(rows.emplace_back(row_json(request.rows[r], request.metrics, cells, at_cell)), r);
+        const auto row_summary_at = [&](std::size_t cell) -> const FormSummary& { return summary_at(r, cell); };
+        add_details(rows.emplace_back(row_json(request.rows[r], request.metrics, cells, row_summary_at)), r);
     }
     return json;
 }
@@ -74,13 +74,13 @@ Json sweep_json(const SweepRequest& request, const std::vector<measure::sweep::S
          {"is_drawn", request.sweep.has_random_rays()}},
         request, steps.size(), [&](std::size_t r, std::size_t k) -> const FormSummary& { return steps[k].rows[r]; },
         [&](Json& row, std::size_t r) {
-            Json& found = row["onsets"] = Json::array();
+            Json& row_onsets = row["onsets"] = Json::array();
             for (const Onset& o : onsets) {
                 if (o.row != r || !o.found) continue;
-                const auto s = o.spread();
-                found.push_back(Json::array({o.event, o.statistic, number_json(o.threshold),
-                                             o.from_start ? Json() : number_json(o.last_good), number_json(o.first_bad),
-                                             number_json(s.low), number_json(s.high)}));
+                const auto spread = o.spread();
+                row_onsets.push_back(Json::array(
+                    {o.event, o.statistic, number_json(o.threshold), o.from_start ? Json() : number_json(o.last_good),
+                     number_json(o.first_bad), number_json(spread.low), number_json(spread.high)}));
             }
         });
 }
@@ -114,14 +114,14 @@ Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std
          {"conventions", array_of(file.conventions, intersect::convention_name)}},
         request, cases.size(), [&](std::size_t r, std::size_t i) -> const FormSummary& { return cases[i][r]; },
         [&](Json& row, std::size_t r) {
-            row["inherent"] = array_of(cases, [&](const std::vector<FormSummary>& each) {
-                return number_json(inherent < request.metrics.size() ? each[r].metrics[inherent].quantile(1)
+            row["inherent"] = array_of(cases, [&](const std::vector<FormSummary>& case_summaries) {
+                return number_json(inherent < request.metrics.size() ? case_summaries[r].metrics[inherent].quantile(1)
                                                                      : measure::truth::missing);
             });
             row["judged"] = intersect::convention_name(request.rows[r].judged);
-            row["verdicts"] = array_of(cases, [&](const std::vector<FormSummary>& each) {
+            row["verdicts"] = array_of(cases, [&](const std::vector<FormSummary>& case_summaries) {
                 return measure::sweep::verdict_names[static_cast<std::size_t>(
-                    measure::sweep::verdict_of(each[r], request.metrics, file.right_within_bits))];
+                    measure::sweep::verdict_of(case_summaries[r], request.metrics, file.right_within_bits))];
             });
         });
 }
@@ -130,52 +130,57 @@ namespace {
 
 /// `427 (400 to 510)`: the onset in the file's own draw, and its range over all draws.
 std::string onset_text(const Onset& o) {
-    const auto s = o.spread();
-    return s.low == s.high ? shown(o.first_bad)
-                           : fmt::format("{} ({} to {})", shown(o.first_bad), shown(s.low), shown(s.high));
+    const auto spread = o.spread();
+    return spread.low == spread.high
+               ? shown(o.first_bad)
+               : fmt::format("{} ({} to {})", shown(o.first_bad), shown(spread.low), shown(spread.high));
 }
 
 /// Number of rays among which a first failure was found, and number of draws.
 std::string draws_text(const std::vector<Onset>& onsets) {
     if (onsets.empty()) return "";
-    const Onset& any = onsets.front();
-    return fmt::format(", among {}{}", scene::toml::counted(any.rays, "ray"),
-                       any.further.empty() ? "" : fmt::format(" ({} draws)", 1 + any.further.size()));
+    const Onset& first_onset = onsets.front();
+    return fmt::format(", among {}{}", scene::toml::counted(first_onset.rays, "ray"),
+                       first_onset.further.empty() ? "" : fmt::format(" ({} draws)", 1 + first_onset.further.size()));
 }
 
 }  // namespace
 
 std::string onset_table(const SweepRequest& request, const std::vector<Onset>& onsets) {
-    struct Wanted {
+    struct EventColumn {
         const char *title, *event, *statistic;
-        double share;  ///< of the significand; 0: the threshold is 1
+        double share;  ///< share of the significand, or 4: 4 bits; 0: the threshold is 1
     };
-    std::vector<Wanted> wanted{
+    std::vector<EventColumn> columns{
         {"p99 loses 4 bits", "lost_bits", "p99", 4},    {"p99 loses half", "lost_bits", "p99", 0.5},
         {"p99 loses all", "lost_bits", "p99", 1},       {"first false hit", "false_hit", "count", 0},
         {"first false miss", "false_miss", "count", 0}, {"first wrong primitive", "wrong_primitive", "count", 0},
         {"first NaN", "not_a_number", "count", 0}};
     // Most sweeps have one primitive, and most forms give no NaN, so avoid columns of dashes.
-    std::erase_if(wanted, [&onsets](const Wanted& w) {
-        return (std::string_view(w.event) == "wrong_primitive" || std::string_view(w.event) == "not_a_number") &&
-               std::ranges::none_of(onsets, [&w](const Onset& o) { return o.found && o.event == w.event; });
+    std::erase_if(columns, [&onsets](const EventColumn& column) {
+        return (std::string_view(column.event) == "wrong_primitive" ||
+                std::string_view(column.event) == "not_a_number") &&
+               std::ranges::none_of(onsets, [&column](const Onset& o) { return o.found && o.event == column.event; });
     });
     std::vector<std::string> names{"form", "format"};
-    for (const Wanted& w : wanted) names.emplace_back(w.title);
+    for (const EventColumn& column : columns) names.emplace_back(column.title);
     std::string text = begin_table(names, "",
                                    fmt::format("First value of {} at which each event happens{}",
                                                html(request.sweep.axes.front().name), draws_text(onsets)));
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const measure::evaluate::TestedForm& row = request.rows[r];
         text += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>", html(row.form->info->name), row.format.name);
-        for (const Wanted& w : wanted) {
-            const double threshold = w.share == 0 ? 1 : w.share == 4 ? 4 : w.share * row.format.parameters.precision;
+        for (const EventColumn& column : columns) {
+            const double threshold = column.share == 0   ? 1
+                                     : column.share == 4 ? 4
+                                                         : column.share * row.format.parameters.precision;
             const auto found = std::ranges::find_if(onsets, [&](const Onset& o) {
-                return o.row == r && o.event == w.event && o.statistic == w.statistic && o.threshold == threshold;
+                return o.row == r && o.event == column.event && o.statistic == column.statistic &&
+                       o.threshold == threshold;
             });
-            const bool is = found != onsets.end() && found->found;
-            text += fmt::format("<td class=\"n\">{}{}</td>", is ? onset_text(*found) : "&ndash;",
-                                is && found->from_start ? " (from the start)" : "");
+            const bool is_found = found != onsets.end() && found->found;
+            text += fmt::format("<td class=\"n\">{}{}</td>", is_found ? onset_text(*found) : "&ndash;",
+                                is_found && found->from_start ? " (from the start)" : "");
         }
         text += "</tr>\n";
     }
@@ -186,16 +191,16 @@ Json trade_json(const measure::speed::TradeRequest& request, const measure::spee
     const auto sets = measure::speed::ray_sets(request.shape);
     Json parts = Json::array();
     for (std::size_t s = 0; s < sets.size(); ++s) {
-        const auto all = speed::pareto_points_of(request, result, s);
+        const auto set_points = speed::pareto_points_of(request, result, s);
         Json points = Json::array();
-        for (std::size_t k = 0; k < all.size(); ++k) {
+        for (std::size_t k = 0; k < set_points.size(); ++k) {
             const measure::speed::TradeKernel& kernel = request.kernels[k];
             points.push_back({{"form", kernel.measured.form->info->name},
                               {"format", kernel.measured.format.name},
                               {"registers", speed::registers_of(kernel)},
-                              {"time_ns", number_json(all[k].time_ns)},
-                              {"kept_bits", number_json(all[k].kept_bits)},
-                              {"wrong_fraction", number_json(all[k].wrong_fraction)}});
+                              {"time_ns", number_json(set_points[k].time_ns)},
+                              {"kept_bits", number_json(set_points[k].kept_bits)},
+                              {"wrong_fraction", number_json(set_points[k].wrong_fraction)}});
         }
         parts.push_back({{"name", sets[s].name}, {"title", sets[s].title}, {"points", std::move(points)}});
     }

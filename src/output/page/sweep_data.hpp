@@ -29,8 +29,8 @@ inline constexpr std::array<std::string_view, 7> sweep_statistics{
 /// `sweep_statistics` of each cell. The line of the lowest second value comes first.
 [[nodiscard]] Json plane_json(const SweepRequest& request, const std::vector<measure::sweep::SweepStep>& steps);
 
-/// Named cases: their names, and for every row (under each convention) verdict, outcomes and `sweep_statistics` of
-/// each.
+/// Named cases: their names, and for every row (under each convention) the verdict, the outcomes and `sweep_statistics`
+/// of each case.
 [[nodiscard]] Json case_json(const measure::sweep::CaseRequest& request,
                              const std::vector<std::vector<FormSummary>>& cases);
 

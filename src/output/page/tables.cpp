@@ -29,7 +29,7 @@ std::string share_cell(double share) {
 /// A column of the table of strategies.
 struct StrategyColumn {
     const char *name, *column;
-    bool share;
+    bool is_share;
 };
 constexpr StrategyColumn strategy_columns[] = {{"rays wrong", "bad_fraction", true},
                                                {"self-hits", "self_hit_fraction", true},
@@ -47,19 +47,19 @@ std::string summary_table(const MapStudy& request, const std::vector<FormSummary
     const auto value = [&](std::string_view name, const FormSummary& s) {
         return measure::evaluate::find_column(columns, name)->value(s);
     };
-    struct Counted {
+    struct CountColumn {
         const char *title, *column;
     };
-    std::vector<Counted> counts{{"false hits", "false_hit"},
-                                {"false misses", "false_miss"},
-                                {"NaN", "not_a_number"},
-                                {"wrong primitives", "wrong_primitive"}};
+    std::vector<CountColumn> counts{{"false hits", "false_hit"},
+                                    {"false misses", "false_miss"},
+                                    {"NaN", "not_a_number"},
+                                    {"wrong primitives", "wrong_primitive"}};
     if (request.scene->mesh)
         counts.insert(counts.end(),
                       {{"cracks", "crack"}, {"double hits", "double_hit"}, {"out of order", "out_of_order"}});
     counts.push_back({"unresolved", "unresolved"});
     std::vector<std::string> names{"form", "format"};
-    for (const Counted& count : counts) names.emplace_back(count.title);
+    for (const CountColumn& count_column : counts) names.emplace_back(count_column.title);
     names.insert(names.end(), {"agreed hits", "lost bits p50", "p99", "max", "excess p99", "worst pixel"});
     std::string text = begin_table(names);
     for (std::size_t r = 0; r < summaries.size(); ++r) {
@@ -67,8 +67,8 @@ std::string summary_table(const MapStudy& request, const std::vector<FormSummary
         const TestedForm& row = request.rows[r];
         text += fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(row)),
                             html(row.form->info->name), row.format.name);
-        for (const Counted& count : counts)
-            text += fmt::format("<td class=\"n\">{}</td>", static_cast<std::uint64_t>(value(count.column, s)));
+        for (const CountColumn& count_column : counts)
+            text += fmt::format("<td class=\"n\">{}</td>", static_cast<std::uint64_t>(value(count_column.column, s)));
         text += fmt::format("<td class=\"n\">{}</td>", s.count(measure::answer::Outcome::agree_hit));
         if (s.true_hits > 0 && !s.agreement().is_enough()) {
             text += fmt::format("<td class=\"few\" colspan=\"4\">{}</td>", s.agreement().too_few());
@@ -116,23 +116,23 @@ std::string mend_table(const repair::RepairSummary& r) {
         "rays wrong", "meets the requirement"};
     if (!r.prices.empty()) names.insert(names.end(), {"ns per ray and primitive in packs", "ns alone", "front"});
     std::string text = begin_table(names);
-    const auto add = [&text](double value) { text += fmt::format("<td class=\"n\">{}</td>", shown(value)); };
+    const auto add_cell = [&text](double value) { text += fmt::format("<td class=\"n\">{}</td>", shown(value)); };
     for (const repair::FormRow& row : rows_of(r)) {
         if (!row.is_shown) continue;
         const bool is_best = best && best->quality == row.quality, is_known = row.operations > 0;
         text += fmt::format("<tr{}><th scope=\"row\">{}</th>", is_best ? " class=\"chosen\"" : "", html(row.name));
-        add(is_known ? static_cast<double>(row.operations) : NAN);
-        add(is_known ? static_cast<double>(row.wide) : NAN);
+        add_cell(is_known ? static_cast<double>(row.operations) : NAN);
+        add_cell(is_known ? static_cast<double>(row.wide) : NAN);
         for (const auto* const quality : {row.quality, row.held_out}) {
-            add(quality ? quality->kept_bits : NAN);
-            add(quality ? static_cast<double>(quality->wrong) : NAN);
+            add_cell(quality ? quality->kept_bits : NAN);
+            add_cell(quality ? static_cast<double>(quality->wrong) : NAN);
         }
         text += fmt::format("<td>{}</td>", is_best                           ? "yes, recommended"
                                            : row.quality->meets(requirement) ? "yes"
                                                                              : "no");
         if (!r.prices.empty()) {
-            add(row.price ? row.price->packed.median * 1e9 : NAN);
-            add(row.price ? row.price->single.median * 1e9 : NAN);
+            add_cell(row.price ? row.price->packed.median * 1e9 : NAN);
+            add_cell(row.price ? row.price->single.median * 1e9 : NAN);
             text += fmt::format("<td>{}</td>", row.front ? "yes" : row.price ? "no" : "");
         }
         text += "</tr>\n";
@@ -151,7 +151,7 @@ std::string offset_table(const measure::offset::OffsetStudy& study, const measur
             for (const StrategyColumn& column : strategy_columns) {
                 const double value =
                     column_named(measure::offset::offset_columns(), column.column, "the page").value(summary, side, k);
-                text += column.share ? share_cell(value) : fmt::format("<td class=\"n\">{}</td>", shown(value));
+                text += column.is_share ? share_cell(value) : fmt::format("<td class=\"n\">{}</td>", shown(value));
             }
             text += "</tr>\n";
         }
@@ -163,20 +163,20 @@ std::string offset_table(const measure::offset::OffsetStudy& study, const measur
 std::string study_table(const std::vector<file::Column>& columns, const std::vector<std::vector<file::Cell>>& rows) {
     const auto is_used = [](const file::Cell& cell) { return !cell.is_missing() && !cell.text().empty(); };
     const auto is_command = [](const file::Cell& cell) { return cell.text().starts_with("lostbits "); };
-    std::vector<std::size_t> used;
+    std::vector<std::size_t> shown_columns;
     for (std::size_t c = 0; c < columns.size(); ++c) {
-        const auto any = [&](const auto& of) {
-            return std::ranges::any_of(rows, [&](const auto& r) { return of(r[c]); });
+        const auto any_row = [&](const auto& predicate) {
+            return std::ranges::any_of(rows, [&](const auto& r) { return predicate(r[c]); });
         };
-        if (any(is_used) && !any(is_command)) used.push_back(c);
+        if (any_row(is_used) && !any_row(is_command)) shown_columns.push_back(c);
     }
     std::vector<std::string> names;
-    for (const std::size_t c : used)
+    for (const std::size_t c : shown_columns)
         names.push_back(columns[c].name + (columns[c].unit.empty() ? "" : " [" + columns[c].unit + "]"));
     std::string text = begin_table(names);
     for (const auto& row : rows) {
         text += "<tr>";
-        for (const std::size_t c : used)
+        for (const std::size_t c : shown_columns)
             text += columns[c].type == "string" ? fmt::format("<td>{}</td>", html(row[c].text()))
                                                 : fmt::format("<td class=\"n\">{}</td>", shown(row[c].number()));
         text += "</tr>\n";

@@ -9,12 +9,12 @@
 namespace lostbits::output::page {
 
 std::string prose(std::string_view text) {
-    std::string out;
+    std::string result;
     for (;;) {
         const auto open = text.find('`');
         const auto close = open == std::string_view::npos ? open : text.find('`', open + 1);
-        if (close == std::string_view::npos) return out + html(text);
-        out +=
+        if (close == std::string_view::npos) return result + html(text);
+        result +=
             fmt::format("{}<code>{}</code>", html(text.substr(0, open)), html(text.substr(open + 1, close - open - 1)));
         text.remove_prefix(close + 1);
     }
@@ -30,22 +30,22 @@ std::string begin_table(const std::vector<std::string>& names, std::string_view 
 
 std::string shown(double value) {
     if (std::isnan(value)) return "&ndash;";
-    const std::string look = value != 0 && (std::fabs(value) < 1e-3 || std::fabs(value) >= 1e7)
-                                 ? fmt::format("{:.2e}", value)
-                                 : fmt::format("{:.4g}", value);
+    const std::string rounded = value != 0 && (std::fabs(value) < 1e-3 || std::fabs(value) >= 1e7)
+                                    ? fmt::format("{:.2e}", value)
+                                    : fmt::format("{:.4g}", value);
     return fmt::format("<data value=\"{}\">{}</data>", file::decimal(value),
-                       value == std::floor(value) && std::fabs(value) < 1e7 ? file::decimal(value) : look);
+                       value == std::floor(value) && std::fabs(value) < 1e7 ? file::decimal(value) : rounded);
 }
 
 namespace {
 
 std::string quoted(const std::string& text) {
-    std::string out;
+    std::string result;
     for (const char c : Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)) {
-        if (c == '<') out += "\\u003c";
-        else out += c;
+        if (c == '<') result += "\\u003c";
+        else result += c;
     }
-    return out;
+    return result;
 }
 
 }  // namespace

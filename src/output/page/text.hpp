@@ -13,15 +13,15 @@ namespace lostbits::output::page {
 
 using file::html;
 
-/// Prose of users as HTML: what stands between backquotes is code.
+/// Converts prose of users to HTML: text between backquotes becomes code.
 [[nodiscard]] std::string prose(std::string_view text);
 
 /// A rounded number for display that carries the exact one: `<data value="12.818665731680333">12.82</data>`. NaN is a
 /// dash.
 [[nodiscard]] std::string shown(double value);
 
-/// A table up to its first row, in a box of its own, which scrolls sideways where the window is narrower. `attributes`
-/// begin with a blank, and `caption` is HTML.
+/// Beginning of a table, up to its first row. The table is in a box of its own, which scrolls sideways if the window is
+/// narrower. `attributes` begin with a blank, and `caption` is HTML.
 [[nodiscard]] std::string begin_table(const std::vector<std::string>& names, std::string_view attributes = "",
                                       const std::string& caption = "");
 inline constexpr const char* end_table = "</tbody></table></div>\n";
@@ -29,7 +29,7 @@ inline constexpr const char* end_table = "</tbody></table></div>\n";
 /// JSON object whose members keep the order in which they are added.
 using Json = nlohmann::ordered_json;
 
-/// The number; null for NaN, and "inf" or "-inf" as strings, because JSON has no such numbers.
+/// Converts a number; null for NaN, and "inf" or "-inf" as strings, because JSON has no such numbers.
 [[nodiscard]] Json number_json(double value);
 
 /// `[r,g,b]`
@@ -38,17 +38,17 @@ using Json = nlohmann::ordered_json;
 /// `{"lo":…,"hi":…,"log2":…,"ticks":[[position,label],…]}`
 [[nodiscard]] Json scale_json(const image::ColourScale& scale);
 
-/// Array of `of(item)` for every item.
-template <class Items, class Of>
-[[nodiscard]] Json array_of(const Items& items, const Of& of) {
+/// Array of `convert(item)` for every item.
+template <class Items, class Convert>
+[[nodiscard]] Json array_of(const Items& items, const Convert& convert) {
     Json array = Json::array();
-    for (const auto& item : items) array.push_back(of(item));
+    for (const auto& item : items) array.push_back(convert(item));
     return array;
 }
 
-/// JSON text without spaces. A double is the shortest decimal that reads back to it, as in the CSV (dump() is not
-/// always the shortest and writes 1 as 1.0). `<` is written as \u003c, so that the text may stand inside a script
-/// element.
+/// JSON text without spaces. A double is written as the shortest decimal that reads back to it, as in the CSV (dump()
+/// is not always the shortest and writes 1 as 1.0). `<` is written as \u003c, so that the text may stand inside a
+/// script element.
 [[nodiscard]] std::string text_of(const Json& json);
 
 }  // namespace lostbits::output::page

@@ -19,27 +19,27 @@ constexpr int least_cell_width = 26, cell_padding = 6, cell_height = 22, group_g
 
 /// Black or white ink by luminance. At a relative luminance of 0.18 both have the same contrast.
 Rgb8 ink_on(Rgb8 c) {
-    const double light =
+    const double luminance =
         (0.2126 * image::linear_light(c.r) + 0.7152 * image::linear_light(c.g) + 0.0722 * image::linear_light(c.b)) /
         65535;
-    return light > 0.18 ? image::style::ink : Rgb8{255, 255, 255};
+    return luminance > 0.18 ? image::style::ink : Rgb8{255, 255, 255};
 }
 
 std::size_t column_count(const MatrixPlotSpec& spec) {
-    std::size_t n = 0;
-    for (const auto& g : spec.groups) n += g.columns.size();
-    return n;
+    std::size_t count = 0;
+    for (const auto& group : spec.groups) count += group.columns.size();
+    return count;
 }
 
 /// Left edge of each column, measured from the left edge of the first.
-std::vector<int> column_places(const MatrixPlotSpec& spec, int cell_width) {
-    std::vector<int> places;
+std::vector<int> column_offsets(const MatrixPlotSpec& spec, int cell_width) {
+    std::vector<int> offsets;
     int x = 0;
     for (const auto& g : spec.groups) {
-        for (std::size_t i = 0; i < g.columns.size(); ++i, x += cell_width) places.push_back(x);
+        for (std::size_t i = 0; i < g.columns.size(); ++i, x += cell_width) offsets.push_back(x);
         x += group_gap;
     }
-    return places;
+    return offsets;
 }
 
 /// Width of all cells, which is that of the widest text.
@@ -68,7 +68,7 @@ Canvas matrix_plot(const MatrixPlotSpec& spec) {
     if (columns == 0 || spec.rows.empty() || spec.cells.size() != columns * spec.rows.size())
         throw std::invalid_argument("matrix plot: the number of cells is not rows x columns");
     std::vector<TextBitmap> row_labels, column_labels, group_labels;
-    int left = 0, head_room = 0;
+    int left = 0, label_height = 0;
     for (const auto& r : spec.rows) {
         row_labels.push_back(image::image_backend().render_text(r, image::style::text_size));
         left = std::max(left, row_labels.back().width);
@@ -77,35 +77,36 @@ Canvas matrix_plot(const MatrixPlotSpec& spec) {
         group_labels.push_back(image::image_backend().render_text(g.label, image::style::text_size, true));
         for (const auto& c : g.columns) {
             column_labels.push_back(turned(image::image_backend().render_text(c, image::style::text_size)));
-            head_room = std::max(head_room, column_labels.back().height);
+            label_height = std::max(label_height, column_labels.back().height);
         }
     }
     const int cell_width = width_of_cells(spec);
-    const auto places = column_places(spec, cell_width);
-    const int field_width = places.back() + cell_width, field_height = static_cast<int>(spec.rows.size()) * cell_height;
+    const auto offsets = column_offsets(spec, cell_width);
+    const int field_width = offsets.back() + cell_width,
+              field_height = static_cast<int>(spec.rows.size()) * cell_height;
     const Canvas bar =
         spec.scale ? image::colour_bar(*spec.scale, spec.unit, std::max(field_height, 160)) : Canvas(0, 0);
-    const int content = left + beside_label + field_width + (bar.width() > 0 ? block_gap + bar.width() : 0);
-    const Canvas head = image::heading(spec.title, spec.subtitle, content);
-    const image::Legend legend(spec.legend, content);
+    const int content_width = left + beside_label + field_width + (bar.width() > 0 ? block_gap + bar.width() : 0);
+    const Canvas head = image::heading(spec.title, spec.subtitle, content_width);
+    const image::Legend legend(spec.legend, content_width);
     const int x0 = image::style::margin + left + beside_label;
     const int group_y = image::style::margin + head.height() + block_gap;
-    const int y0 = group_y + group_labels.front().height + head_room + 2 * beside_label;
+    const int y0 = group_y + group_labels.front().height + label_height + 2 * beside_label;
     const int below = y0 + std::max(field_height, bar.height()) + block_gap;
-    Canvas page(content + 2 * image::style::margin, below + legend.height() + image::style::margin);
+    Canvas page(content_width + 2 * image::style::margin, below + legend.height() + image::style::margin);
     page.picture(image::style::margin, image::style::margin, head);
 
     std::size_t c = 0;
     for (std::size_t g = 0; g < spec.groups.size(); ++g) {
-        page.text(x0 + places[c], group_y, group_labels[g], image::style::ink);
+        page.text(x0 + offsets[c], group_y, group_labels[g], image::style::ink);
         for (std::size_t k = 0; k < spec.groups[g].columns.size(); ++k, ++c) {
             const TextBitmap& label = column_labels[c];
-            page.text(x0 + places[c] + (cell_width - 1 - label.width) / 2, y0 - beside_label / 2 - label.height, label,
+            page.text(x0 + offsets[c] + (cell_width - 1 - label.width) / 2, y0 - beside_label / 2 - label.height, label,
                       image::style::ink);
         }
     }
     image::MarkData cells{spec.keys, {}};
-    for (const int place : places) cells.x.insert(cells.x.end(), {x0 + place + 0.0, x0 + place + cell_width - 1.0});
+    for (const int offset : offsets) cells.x.insert(cells.x.end(), {x0 + offset + 0.0, x0 + offset + cell_width - 1.0});
     for (std::size_t r = 0; r <= spec.rows.size(); ++r) cells.y.push_back(y0 + static_cast<double>(r) * cell_height);
     page.set_mark_data(std::move(cells));
     for (std::size_t r = 0; r < spec.rows.size(); ++r) {
@@ -113,7 +114,7 @@ Canvas matrix_plot(const MatrixPlotSpec& spec) {
         page.text(x0 - beside_label - row_labels[r].width, y + (cell_height - row_labels[r].height) / 2, row_labels[r],
                   image::style::ink);
         for (std::size_t k = 0; k < columns; ++k)
-            draw_cell(page, x0 + places[k], y, cell_width, spec.cells[r * columns + k]);
+            draw_cell(page, x0 + offsets[k], y, cell_width, spec.cells[r * columns + k]);
     }
     page.clear_mark_data();
     page.picture(x0 + field_width + block_gap, y0, bar);
@@ -127,35 +128,36 @@ constexpr int least_width = 560, least_height = 420;  // of the field, in pixels
 constexpr image::Rgb8 hatch_paper{240, 240, 238}, hatch_ink{200, 200, 202};
 constexpr int hatch_pitch = 6;
 
-double on_scale(AxisSpec::Scale scale, double value) {
+double to_scale(AxisSpec::Scale scale, double value) {
     return scale == AxisSpec::Scale::linear ? value
            : scale == AxisSpec::Scale::log2 ? std::log2(value)
                                             : std::log10(value);
 }
 
-double off_scale(AxisSpec::Scale scale, double value) {
+double from_scale(AxisSpec::Scale scale, double value) {
     return scale == AxisSpec::Scale::linear ? value
            : scale == AxisSpec::Scale::log2 ? std::exp2(value)
                                             : std::pow(10.0, value);
 }
 
-/// Edges of the cells: half-way between the parameters, and as far beyond the outer ones.
+/// Edges of the cells: half-way between the parameters, and at the same distance outside the first and last ones.
 std::vector<double> edges_of(const AxisSpec& axis, const std::vector<double>& values) {
-    std::vector<double> s;
+    std::vector<double> scaled;
     for (const double value : values) {
         if (!std::isfinite(value) || (axis.scale != AxisSpec::Scale::linear && !(value > 0)) ||
-            (!s.empty() && !(on_scale(axis.scale, value) > s.back()))) {
+            (!scaled.empty() && !(to_scale(axis.scale, value) > scaled.back()))) {
             throw std::invalid_argument("plane plot: " + axis.title + " does not rise, or is not on its axis");
         }
-        s.push_back(on_scale(axis.scale, value));
+        scaled.push_back(to_scale(axis.scale, value));
     }
     // A single cell gets some space around its value: a tenth of it, or an octave or a decade.
-    const double lone = axis.scale == AxisSpec::Scale::linear && s[0] != 0 ? std::fabs(s[0]) / 5 : 1;
-    std::vector<double> out{s.size() > 1 ? s[0] - (s[1] - s[0]) / 2 : s[0] - lone / 2};
-    for (std::size_t i = 1; i < s.size(); ++i) out.push_back(s[i - 1] + (s[i] - s[i - 1]) / 2);
-    out.push_back(s.size() > 1 ? s.back() + (s.back() - s[s.size() - 2]) / 2 : s[0] + lone / 2);
-    for (double& edge : out) edge = off_scale(axis.scale, edge);
-    return out;
+    const double lone_width = axis.scale == AxisSpec::Scale::linear && scaled[0] != 0 ? std::fabs(scaled[0]) / 5 : 1;
+    std::vector<double> edges{scaled.size() > 1 ? scaled[0] - (scaled[1] - scaled[0]) / 2 : scaled[0] - lone_width / 2};
+    for (std::size_t i = 1; i < scaled.size(); ++i) edges.push_back(scaled[i - 1] + (scaled[i] - scaled[i - 1]) / 2);
+    edges.push_back(scaled.size() > 1 ? scaled.back() + (scaled.back() - scaled[scaled.size() - 2]) / 2
+                                      : scaled[0] + lone_width / 2);
+    for (double& edge : edges) edge = from_scale(axis.scale, edge);
+    return edges;
 }
 
 /// Extent of the field in pixels: a whole number of pixels per cell if cells are few.
@@ -164,36 +166,37 @@ int extent(std::size_t cells, int least) {
     return n >= least ? n : (least + n - 1) / n * n;
 }
 
-/// `phase` is the sum of the field's coordinates on the page.
+/// Hatches a box of the field. `phase` is the sum of the field's coordinates on the page.
 void hatch(Canvas& field, const image::PixelBox& box, int phase) {
     std::vector<Rgb8> samples;
-    for (int j = box.y; j < box.y + box.height; ++j)
-        for (int i = box.x; i < box.x + box.width; ++i)
-            samples.push_back((i + j + phase) % hatch_pitch == 0 ? hatch_ink : hatch_paper);
+    for (int y = box.y; y < box.y + box.height; ++y)
+        for (int x = box.x; x < box.x + box.width; ++x)
+            samples.push_back((x + y + phase) % hatch_pitch == 0 ? hatch_ink : hatch_paper);
     field.field(box, box.width, std::move(samples));
 }
 
 /// Draws lines two pixels wide along the inner side of the border of the outlined cells, and a light line outside, so
-/// that they are visible on every colour. `column` and `row` give the pixel at which a cell begins.
+/// that the lines are visible on every colour. `column` and `row` give the pixel at which a cell begins.
 template <class Column, class Row>
 void outline(Canvas& page, const PlanePlotSpec& spec, Column column, Row row) {
     const std::size_t columns = spec.x.size(), rows = spec.y.size();
-    const auto inside = [&](std::size_t i, std::size_t j) {  // one before 0 wraps to beyond the last
+    const auto is_outlined = [&](std::size_t i, std::size_t j) {  // the index before 0 wraps to one after the last
         return i < columns && j < rows && spec.cells[j * columns + i].outlined;
     };
-    struct Coat {
+    struct LinePass {
         image::Rgb8 colour;
         int thickness, outwards;
     };
-    for (const auto& [colour, thick, out] : {Coat{{255, 255, 255}, 1, 1}, Coat{image::style::ink, 2, 0}}) {
+    for (const auto& [colour, line_width, outset] :
+         {LinePass{{255, 255, 255}, 1, 1}, LinePass{image::style::ink, 2, 0}}) {
         for (std::size_t j = 0; j < rows; ++j) {
             for (std::size_t i = 0; i < columns; ++i) {
-                if (!inside(i, j)) continue;
+                if (!is_outlined(i, j)) continue;
                 const int x0 = column(i), x1 = column(i + 1), y0 = row(j + 1), y1 = row(j);
-                if (!inside(i - 1, j)) page.fill(x0 - out, y0, thick, y1 - y0, colour);
-                if (!inside(i + 1, j)) page.fill(x1 + out - thick, y0, thick, y1 - y0, colour);
-                if (!inside(i, j + 1)) page.fill(x0, y0 - out, x1 - x0, thick, colour);
-                if (!inside(i, j - 1)) page.fill(x0, y1 + out - thick, x1 - x0, thick, colour);
+                if (!is_outlined(i - 1, j)) page.fill(x0 - outset, y0, line_width, y1 - y0, colour);
+                if (!is_outlined(i + 1, j)) page.fill(x1 + outset - line_width, y0, line_width, y1 - y0, colour);
+                if (!is_outlined(i, j + 1)) page.fill(x0, y0 - outset, x1 - x0, line_width, colour);
+                if (!is_outlined(i, j - 1)) page.fill(x0, y1 + outset - line_width, x1 - x0, line_width, colour);
             }
         }
     }
@@ -209,9 +212,9 @@ Canvas plane_plot(const PlanePlotSpec& spec) {
     if (spec.x.empty() || spec.y.empty() || spec.cells.size() != spec.x.size() * spec.y.size()) {
         throw std::invalid_argument("plane plot: the number of cells is not x values times y values");
     }
-    bool hatched = false;
+    bool has_hatched_cell = false;
     for (const auto& cell : spec.cells) {
-        hatched |= !cell.colour && std::isnan(cell.value);
+        has_hatched_cell |= !cell.colour && std::isnan(cell.value);
         if (!cell.colour && !std::isnan(cell.value) && !spec.scale) {
             throw std::invalid_argument("plane plot: a cell has a value, but there is no colour scale");
         }
@@ -221,20 +224,20 @@ Canvas plane_plot(const PlanePlotSpec& spec) {
     PlotFrame frame{0, 0, extent(spec.x.size(), least_width), extent(spec.y.size(), least_height)};
     const PlotAxes axes(x, y, frame.width, frame.height);
     const Canvas bar = spec.scale ? image::colour_bar(*spec.scale, spec.unit, frame.height + 2) : Canvas(0, 0);
-    const int beside = std::max(axes.right(), bar.width() > 0 ? image::style::gap + bar.width() : 0);
-    const int content = axes.left() + frame.width + 1 + beside;
-    const Canvas head = image::heading(spec.title, spec.subtitle, content);
+    const int right_space = std::max(axes.right(), bar.width() > 0 ? image::style::gap + bar.width() : 0);
+    const int content_width = axes.left() + frame.width + 1 + right_space;
+    const Canvas head = image::heading(spec.title, spec.subtitle, content_width);
     std::vector<image::LegendEntry> entries = spec.legend;
-    if (hatched) entries.push_back({spec.none_means, hatch_paper, {}});
-    const image::Legend legend(entries, content);
+    if (has_hatched_cell) entries.push_back({spec.none_means, hatch_paper, {}});
+    const image::Legend legend(entries, content_width);
     frame.x = image::style::margin + axes.left();
     frame.y = image::style::margin + head.height() + (head.height() > 0 ? image::style::gap : 0) + axes.above();
     const int foot =
         1 + axes.below() + (legend.height() > 0 ? image::style::gap + legend.height() : 0) + image::style::margin;
-    Canvas page(content + 2 * image::style::margin, frame.y + frame.height + foot);
+    Canvas page(content_width + 2 * image::style::margin, frame.y + frame.height + foot);
     page.picture(image::style::margin, image::style::margin, head);
 
-    const auto pixel = [](double place) { return static_cast<int>(std::lround(place)); };
+    const auto pixel = [](double position) { return static_cast<int>(std::lround(position)); };
     const auto column = [&](std::size_t i) { return pixel(frame.across(x.position(x_edges[i]))); };
     const auto row = [&](std::size_t j) { return pixel(frame.up(y.position(y_edges[j]))); };
     // One picture of all cells, because there may be more of them than pixels.

@@ -20,22 +20,22 @@ struct MatrixPlotSpec {
     std::string title;
     std::vector<std::string> subtitle;
     struct Group {
-        std::string label;                 ///< above its columns, `f32`
-        std::vector<std::string> columns;  ///< written upwards below it
+        std::string label;                 ///< text above its columns, `f32`
+        std::vector<std::string> columns;  ///< names of its columns, written upwards
     };
-    std::vector<Group> groups = {};  ///< side by side
+    std::vector<Group> groups = {};  ///< groups of columns, side by side
     std::vector<std::string> rows = {};
     std::string keys = {};               ///< for a script: what each column shows; see `MarkData`
     std::vector<MatrixCell> cells = {};  ///< row by row, over all groups
     std::vector<image::LegendEntry> legend;
     std::optional<image::ColourScale> scale = {};  ///< drawn as a bar to the right
-    std::string unit = {};                         ///< above the bar
+    std::string unit = {};                         ///< text above the bar
 };
 
-/// Throws std::invalid_argument for no cells or a wrong number of them.
+/// Throws std::invalid_argument if there are no cells or not rows × columns of them.
 [[nodiscard]] image::Canvas matrix_plot(const MatrixPlotSpec& spec);
 
-/// One pair of parameters: an outcome's colour, or else a value. A NaN without a colour is hatched.
+/// Cell of one pair of parameters: an outcome's colour, or else a value. A NaN without a colour is hatched.
 struct PlaneCell {
     double value = std::numeric_limits<double>::quiet_NaN();
     std::optional<image::Rgb8> colour = {};
@@ -49,14 +49,14 @@ struct PlanePlotSpec {
     std::vector<double> x, y;                 ///< the rising parameters of columns (to the right) and rows (upwards)
     std::vector<PlaneCell> cells;             ///< row by row, the row of y[0] first
     std::optional<image::ColourScale> scale;  ///< required if a cell shows its value
-    std::string unit;                         ///< over the colour bar: `lost bits`
+    std::string unit;                         ///< text above the colour bar: `lost bits`
     std::vector<image::LegendEntry> legend;   ///< the outcomes that occur
     std::string none_means = "no value";      ///< meaning of hatched cells
 };
 
-/// A cell has one flat colour and reaches half-way to its neighbours on the scale of the axis, at least one pixel. A
-/// legend entry is added for hatched cells. Throws std::invalid_argument for parameters that do not rise or are not on
-/// their axis, a wrong number of cells, or a value without a colour scale.
+/// Draws each cell in one flat colour. A cell reaches half-way to its neighbours on the scale of the axis, at least one
+/// pixel. A legend entry is added for hatched cells. Throws std::invalid_argument for parameters that do not rise or
+/// are not on their axis, a wrong number of cells, or a value without a colour scale.
 [[nodiscard]] image::Canvas plane_plot(const PlanePlotSpec& spec);
 
 }  // namespace lostbits::output::plot

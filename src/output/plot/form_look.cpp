@@ -14,7 +14,7 @@ namespace lostbits::output::plot {
 
 namespace {
 
-// Marches stand beside the forms for one shape. Forms for two shapes never stand beside each other.
+// Marches appear beside the forms for one shape. Forms for two shapes never appear beside each other.
 constexpr std::size_t first_march = std::ranges::max(std::span(intersect::form_counts).first<shape_rows.size()>());
 constexpr std::size_t first_free = first_march + intersect::SdfForms::size;
 static_assert(first_free < look_count, "more colours and markers are needed: forms from outside need some too");
@@ -28,21 +28,22 @@ std::uint64_t hash_of(std::string_view name) {
 }  // namespace
 
 std::size_t form_look(const intersect::table::Intersector& form) {
-    const auto all = intersect::table::intersectors(), own = intersect::table::catalogue();
-    std::size_t place = is_primitive(form.shape) ? 0 : first_march;
-    for (const auto& row : own) {
-        if (row.info == form.info) return place;
-        place += row.shape == form.shape;
+    const auto forms = intersect::table::intersectors(), catalogue_forms = intersect::table::catalogue();
+    std::size_t look = is_primitive(form.shape) ? 0 : first_march;
+    for (const auto& row : catalogue_forms) {
+        if (row.info == form.info) return look;
+        look += row.shape == form.shape;
     }
-    constexpr std::size_t left = look_count - first_free;
-    std::set<std::size_t> taken;
-    for (const auto& row : all.subspan(own.size())) {
-        std::size_t look = hash_of(row.info->name) % left;
-        while (taken.contains(look) && taken.size() < left) look = (look + 1) % left;
-        taken.insert(look);
-        if (row.info == form.info) return first_free + look;
+    constexpr std::size_t free_looks = look_count - first_free;
+    std::set<std::size_t> taken_looks;
+    for (const auto& row : forms.subspan(catalogue_forms.size())) {
+        std::size_t free_look = hash_of(row.info->name) % free_looks;
+        while (taken_looks.contains(free_look) && taken_looks.size() < free_looks)
+            free_look = (free_look + 1) % free_looks;
+        taken_looks.insert(free_look);
+        if (row.info == form.info) return first_free + free_look;
     }
-    return first_free + hash_of(form.info->name) % left;
+    return first_free + hash_of(form.info->name) % free_looks;
 }
 
 }  // namespace lostbits::output::plot

@@ -12,16 +12,17 @@ using image::Point;
 namespace {
 
 constexpr std::array<double, 10> distances{6, 11, 18, 27, 40, 56, 76, 100, 130, 170};  // pixels from the point
-// Directions in steps of 15 degrees: right, left, above and below before the corners. Cosines and sines are written
-// out, so that they are the same on every machine.
+// Directions in steps of 15 degrees: right, left, up and down before the others. Cosines and sines are written out, so
+// that they are the same on every machine.
 constexpr std::array<std::pair<double, double>, 24> directions{
     {{1, 0},          {-1, 0},          {0, -1},         {0, 1},           {0.866, -0.5},   {-0.866, -0.5},
      {0.866, 0.5},    {-0.866, 0.5},    {0.5, -0.866},   {-0.5, -0.866},   {0.5, 0.866},    {-0.5, 0.866},
      {0.707, -0.707}, {-0.707, -0.707}, {0.707, 0.707},  {-0.707, 0.707},  {0.966, -0.259}, {-0.966, -0.259},
      {0.966, 0.259},  {-0.966, 0.259},  {0.259, -0.966}, {-0.259, -0.966}, {0.259, 0.966},  {-0.259, 0.966}}};
 // Prices in pixels of distance. Covering a box or crossing a line costs more than the largest distance, so it happens
-// only if every position does. A line over boxes costs twice the length that lies on them.
-constexpr double between_labels = 3, from_lines = 1, price_of_cover = 400, price_of_crossing = 500, price_on_boxes = 2;
+// only if every position covers or crosses something. A leader over boxes costs twice its length on them.
+constexpr double least_label_distance = 3, least_line_distance = 1, price_of_cover = 400, price_of_crossing = 500,
+                 price_on_boxes = 2;
 
 /// The line from a point to its label.
 struct Leader {
@@ -33,17 +34,17 @@ double length_of(const Leader& line) { return std::hypot(line.to.x - line.from.x
 /// Length of the part of a line that lies inside of a box, by the method of Liang and Barsky.
 double length_in(const Leader& line, const Box2& box) {
     double first = 0, last = 1;
-    const auto cut = [&](double from, double to, double low, double high) {
+    const auto clip = [&](double from, double to, double low, double high) {
         if (from == to) {
             if (from <= low || from >= high) last = 0;
             return;
         }
-        const double a = (low - from) / (to - from), b = (high - from) / (to - from);
-        first = std::max(first, std::min(a, b));
-        last = std::min(last, std::max(a, b));
+        const double t_low = (low - from) / (to - from), t_high = (high - from) / (to - from);
+        first = std::max(first, std::min(t_low, t_high));
+        last = std::min(last, std::max(t_low, t_high));
     };
-    cut(line.from.x, line.to.x, box.x, box.x + box.width);
-    cut(line.from.y, line.to.y, box.y, box.y + box.height);
+    clip(line.from.x, line.to.x, box.x, box.x + box.width);
+    clip(line.from.y, line.to.y, box.y, box.y + box.height);
     return std::max(last - first, 0.0) * length_of(line);
 }
 
@@ -54,15 +55,17 @@ bool do_cross(const Leader& a, const Leader& b) {
     return side(a, b.from) * side(a, b.to) < 0 && side(b, a.from) * side(b, a.to) < 0;
 }
 
-Box2 grown(const Box2& b, double by) { return {b.x - by, b.y - by, b.width + 2 * by, b.height + 2 * by}; }
+Box2 grown(const Box2& b, double margin) {
+    return {b.x - margin, b.y - margin, b.width + 2 * margin, b.height + 2 * margin};
+}
 
-class Placement {
+class Placer {
 public:
-    explicit Placement(const LabelLimits& places) : places_(places) {}
+    explicit Placer(const LabelLimits& limits) : limits_(limits) {}
 
     std::optional<Box2> add(const LabelRequest& request) {
         std::optional<Box2> best;
-        double least = 0;
+        double least_price = 0;
         for (const double distance : distances) {
             for (const auto& [x, y] : directions) {
                 const double cx = request.at.x + x * (distance + request.width / 2),
@@ -70,9 +73,9 @@ public:
                 const Box2 box{cx - request.width / 2, cy - request.height / 2, request.width, request.height};
                 if (!is_free(box, request.at)) continue;
                 const double price = distance + price_of(box, request.at);
-                if (best && price >= least) continue;
+                if (best && price >= least_price) continue;
                 best = box;
-                least = price;
+                least_price = price;
             }
         }
         if (best) {
@@ -83,31 +86,32 @@ public:
     }
 
 private:
-    /// Price of what the label covers and of what its line crosses.
-    double price_of(const Box2& box, Point at) const {
-        const Leader line{at, box.nearest(at)};
+    /// Price of the boxes that the label covers and of the lines that its leader crosses.
+    double price_of(const Box2& box, Point point) const {
+        const Leader line{point, box.nearest(point)};
         double price = std::ranges::any_of(leaders_, [&](const Leader& other) { return do_cross(line, other); })
                            ? price_of_crossing
                            : 0;
-        for (const Box2& avoided : places_.avoided)
+        for (const Box2& avoided : limits_.avoided)
             price += (avoided.overlaps(box) ? price_of_cover : 0) + price_on_boxes * length_in(line, avoided);
         return price;
     }
 
-    bool is_free(const Box2& box, Point at) const {
-        const auto on = [](std::span<const Box2> boxes, const Box2& b) {
+    bool is_free(const Box2& box, Point point) const {
+        const auto overlaps_any = [](std::span<const Box2> boxes, const Box2& b) {
             return std::ranges::any_of(boxes, [&b](const Box2& o) { return o.overlaps(b); });
         };
-        const auto lie_apart = [](const Leader& line, const Box2& label) {
-            return length_in(line, grown(label, from_lines)) == 0;
+        const auto are_apart = [](const Leader& line, const Box2& label) {
+            return length_in(line, grown(label, least_line_distance)) == 0;
         };
-        const Leader own{at, box.nearest(at)};
-        return places_.limits.contains(box) && !on(places_.taken, box) && !on(labels_, grown(box, between_labels)) &&
-               std::ranges::all_of(leaders_, [&](const Leader& line) { return lie_apart(line, box); }) &&
-               std::ranges::all_of(labels_, [&](const Box2& label) { return lie_apart(own, label); });
+        const Leader leader{point, box.nearest(point)};
+        return limits_.limits.contains(box) && !overlaps_any(limits_.taken, box) &&
+               !overlaps_any(labels_, grown(box, least_label_distance)) &&
+               std::ranges::all_of(leaders_, [&](const Leader& line) { return are_apart(line, box); }) &&
+               std::ranges::all_of(labels_, [&](const Box2& label) { return are_apart(leader, label); });
     }
 
-    const LabelLimits& places_;
+    const LabelLimits& limits_;
     std::vector<Box2> labels_;
     std::vector<Leader> leaders_;
 };
@@ -116,11 +120,11 @@ private:
 
 Point Box2::nearest(Point to) const { return {std::clamp(to.x, x, x + width), std::clamp(to.y, y, y + height)}; }
 
-std::vector<std::optional<Box2>> place_labels(std::span<const LabelRequest> requests, const LabelLimits& places) {
-    Placement placement(places);
-    std::vector<std::optional<Box2>> out;
-    for (const LabelRequest& request : requests) out.push_back(placement.add(request));
-    return out;
+std::vector<std::optional<Box2>> place_labels(std::span<const LabelRequest> requests, const LabelLimits& limits) {
+    Placer placer(limits);
+    std::vector<std::optional<Box2>> boxes;
+    for (const LabelRequest& request : requests) boxes.push_back(placer.add(request));
+    return boxes;
 }
 
 }  // namespace lostbits::output::plot

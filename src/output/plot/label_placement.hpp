@@ -1,4 +1,4 @@
-// Placement of the names of points, so that no name lies on another.
+// Places the names of points, so that no name lies on another.
 #pragma once
 
 #include <optional>
@@ -19,7 +19,7 @@ struct Box2 {
     [[nodiscard]] bool contains(const Box2& o) const {
         return x <= o.x && y <= o.y && o.x + o.width <= x + width && o.y + o.height <= y + height;
     }
-    /// The point inside that is nearest to `to`.
+    /// Point inside that is nearest to `to`.
     [[nodiscard]] image::Point nearest(image::Point to) const;
 };
 
@@ -30,14 +30,15 @@ struct LabelRequest {
 };
 
 struct LabelLimits {
-    Box2 limits;                    ///< labels stay inside it
+    Box2 limits;                    ///< labels stay inside this box
     std::span<const Box2> taken;    ///< labels never cover these
     std::span<const Box2> avoided;  ///< labels cover these only if they must
 };
 
-/// Places each label near its point; nothing if there is no space for it. The method is greedy, in the given order. Of
-/// the free positions around the point it takes the one that covers the fewest `avoided` boxes and whose straight line
-/// to the point crosses the fewest, and of those the nearest. Neither a label nor its line lies on another label.
-std::vector<std::optional<Box2>> place_labels(std::span<const LabelRequest> requests, const LabelLimits& places);
+/// Places each label near its point; nothing if there is no space for the label. The method is greedy, in the given
+/// order. Of the free positions around the point it takes the one that covers the fewest `avoided` boxes and whose
+/// straight line to the point crosses the fewest boxes, and among equals the nearest. Neither a label nor its line lies
+/// on another label.
+std::vector<std::optional<Box2>> place_labels(std::span<const LabelRequest> requests, const LabelLimits& limits);
 
 }  // namespace lostbits::output::plot

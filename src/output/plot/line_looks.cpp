@@ -1,4 +1,4 @@
-// Looks of the lines of a plot, and series that share a line.
+// Assigns looks to the lines of a plot, and finds series that share a line.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,7 +29,7 @@ constexpr std::array<double, 2> dash{7, 4}, dots{2, 3};
 constexpr std::array<double, 4> dash_dot{11, 3, 2, 3};
 constexpr std::array<double, 6> dash_dot_dot{11, 3, 2, 3, 2, 3};
 
-bool same(const std::vector<double>& a, const std::vector<double>& b) {
+bool are_drawn_alike(const std::vector<double>& a, const std::vector<double>& b) {
     // Two NaNs are the same, and 0 and -0 are drawn alike.
     return std::ranges::equal(a, b, [](double p, double q) { return p == q || (std::isnan(p) && std::isnan(q)); });
 }
@@ -44,10 +44,10 @@ std::span<const double> dashes_of(int pattern) {
     }
 }
 
-void check(const Series& series) {
-    const bool band = !series.low.empty() || !series.high.empty();
+void require_equal_lengths(const Series& series) {
+    const bool has_band = !series.low.empty() || !series.high.empty();
     if (series.x.size() != series.y.size() ||
-        (band && (series.low.size() != series.x.size() || series.high.size() != series.x.size()))) {
+        (has_band && (series.low.size() != series.x.size() || series.high.size() != series.x.size()))) {
         throw std::invalid_argument("line plot: series " + series.label + " has columns of different lengths");
     }
 }
@@ -58,26 +58,26 @@ image::Rgb8 look_colour(std::size_t look) { return palette[look % palette.size()
 
 namespace {
 
-/// Assigns looks and dashes. No two are alike while any are left.
+/// Assigns looks and dashes. No two lines are alike while different ones are left.
 class Looks {
 public:
-    /// Takes all series, so that one that shares its line here looks as it does in a plot where it has its own.
-    explicit Looks(std::span<const Series> all) {
-        for (const Series& series : all) {
-            if (series.look) asked_.insert(*series.look % look_count);
+    /// Needs all series, so that a series that shares its line here looks as in a plot where it has its own line.
+    explicit Looks(std::span<const Series> series_list) {
+        for (const Series& series : series_list) {
+            if (series.look) requested_.insert(*series.look % look_count);
         }
-        part_colours(all);
+        separate_colours(series_list);
         skip_taken();
     }
 
-    void give(PlotLine& line) {
+    void assign_look(PlotLine& line) {
         const Series& series = *line.series;
-        std::size_t look = series.look ? drawn_.at(*series.look % look_count) : next_;
+        std::size_t look = series.look ? drawn_look_.at(*series.look % look_count) : next_;
         if (!series.look && !series.family.empty()) look = families_.try_emplace(series.family, next_).first->second;
         int pattern = series.dashed ? 1 : 0;
-        for (std::size_t tried = 0; !find_free(look, pattern) && tried < look_count; ++tried)
+        for (std::size_t attempts = 0; !find_free(look, pattern) && attempts < look_count; ++attempts)
             look = (look + 1) % look_count;
-        taken_[look].insert(pattern);
+        taken_patterns_[look].insert(pattern);
         line.colour = look_colour(look);
         line.marker = static_cast<int>(look / line_colours);
         line.dashes = dashes_of(pattern);
@@ -85,45 +85,45 @@ public:
     }
 
 private:
-    /// Gives every look a colour of its own while there are no more looks than colours. Of two looks with the same
-    /// colour the later one gets a free colour and keeps its marker.
-    void part_colours(std::span<const Series> all) {
-        for (const std::size_t look : asked_) drawn_.emplace(look, look);
-        if (asked_.size() > line_colours) return;
-        std::set<std::size_t> wanted, given;
-        for (const std::size_t look : asked_) wanted.insert(look % line_colours);
-        std::set<std::size_t> seen;
-        for (const Series& series : all) {
-            if (!series.look || !seen.insert(*series.look % look_count).second) continue;
+    /// Gives every look a colour of its own while there are no more looks than colours. If two looks have the same
+    /// colour, the later one gets a free colour and keeps its marker.
+    void separate_colours(std::span<const Series> series_list) {
+        for (const std::size_t look : requested_) drawn_look_.emplace(look, look);
+        if (requested_.size() > line_colours) return;
+        std::set<std::size_t> requested_colours, given_colours;
+        for (const std::size_t look : requested_) requested_colours.insert(look % line_colours);
+        std::set<std::size_t> seen_looks;
+        for (const Series& series : series_list) {
+            if (!series.look || !seen_looks.insert(*series.look % look_count).second) continue;
             const std::size_t look = *series.look % look_count;
             std::size_t colour = look % line_colours;
-            if (given.contains(colour))
-                for (colour = 0; wanted.contains(colour) || given.contains(colour);) ++colour;
-            given.insert(colour);
-            drawn_[look] = look - look % line_colours + colour;
+            if (given_colours.contains(colour))
+                for (colour = 0; requested_colours.contains(colour) || given_colours.contains(colour);) ++colour;
+            given_colours.insert(colour);
+            drawn_look_[look] = look - look % line_colours + colour;
         }
-        asked_.clear();
-        for (const auto& [look, drawn] : drawn_) asked_.insert(drawn);
+        requested_.clear();
+        for (const auto& [look, drawn_look] : drawn_look_) requested_.insert(drawn_look);
     }
 
     void skip_taken() {
-        while (next_ < look_count - 1 && (asked_.contains(next_) || taken_.contains(next_))) ++next_;
+        while (next_ < look_count - 1 && (requested_.contains(next_) || taken_patterns_.contains(next_))) ++next_;
     }
 
     /// Finds the first pattern, from `pattern` on, that no line of the look has.
     bool find_free(std::size_t look, int& pattern) {
         for (int k = pattern; k < dash_patterns; ++k) {
-            if (taken_[look].contains(k)) continue;
+            if (taken_patterns_[look].contains(k)) continue;
             pattern = k;
             return true;
         }
         return false;
     }
 
-    std::set<std::size_t> asked_;
-    std::map<std::size_t, std::size_t> drawn_;  ///< drawn look of each requested look
+    std::set<std::size_t> requested_;
+    std::map<std::size_t, std::size_t> drawn_look_;  ///< drawn look of each requested look
     std::map<std::string, std::size_t> families_;
-    std::map<std::size_t, std::set<int>> taken_;
+    std::map<std::size_t, std::set<int>> taken_patterns_;
     std::size_t next_ = 0;
 };
 
@@ -131,29 +131,29 @@ private:
 
 std::vector<PlotLine> plot_lines(std::span<const Series> series) {
     std::vector<PlotLine> lines;
-    std::vector<int> alike;  // number of series of each line
-    for (const auto& one : series) {
-        check(one);
-        const auto twin = std::ranges::find_if(lines, [&](const PlotLine& line) {
+    std::vector<int> series_counts;  // number of series of each line
+    for (const auto& current : series) {
+        require_equal_lengths(current);
+        const auto equal_line = std::ranges::find_if(lines, [&](const PlotLine& line) {
             const Series& other = *line.series;
-            return same(one.x, other.x) && same(one.y, other.y) && same(one.low, other.low) &&
-                   same(one.high, other.high);
+            return are_drawn_alike(current.x, other.x) && are_drawn_alike(current.y, other.y) &&
+                   are_drawn_alike(current.low, other.low) && are_drawn_alike(current.high, other.high);
         });
-        if (twin == lines.end()) {
-            lines.push_back({&one, one.label, {}, 0, {}, one.key});
-            alike.push_back(1);
+        if (equal_line == lines.end()) {
+            lines.push_back({&current, current.label, {}, 0, {}, current.key});
+            series_counts.push_back(1);
         } else {
-            twin->label += ", " + one.label;
-            twin->keys += " " + one.key;
-            ++alike[static_cast<std::size_t>(twin - lines.begin())];
-            if (!one.dashed && twin->series->dashed) twin->series = &one;
+            equal_line->label += ", " + current.label;
+            equal_line->keys += " " + current.key;
+            ++series_counts[static_cast<std::size_t>(equal_line - lines.begin())];
+            if (!current.dashed && equal_line->series->dashed) equal_line->series = &current;
         }
     }
     for (std::size_t k = 0; k < lines.size(); ++k) {
-        if (alike[k] > 1) lines[k].label = std::to_string(alike[k]) + " alike: " + lines[k].label;
+        if (series_counts[k] > 1) lines[k].label = std::to_string(series_counts[k]) + " alike: " + lines[k].label;
     }
     Looks looks(series);
-    for (PlotLine& line : lines) looks.give(line);
+    for (PlotLine& line : lines) looks.assign_look(line);
     return lines;
 }
 

@@ -38,11 +38,11 @@ struct UndrawnCounts {
     int off_scale_x = 0, off_scale_y = 0, infinite_x = 0, infinite_y = 0, marks = 0;
 
     [[nodiscard]] std::vector<std::string> notes() const {
-        std::vector<std::string> out;
-        const auto add = [&](int count, const char* one, const char* many) {
-            if (count > 0) out.push_back(scene::toml::counted(count, one, many));
+        std::vector<std::string> sentences;
+        const auto add = [&](int count, const char* singular, const char* plural) {
+            if (count > 0) sentences.push_back(scene::toml::counted(count, singular, plural));
         };
-        if (infinite_y > 0) out.emplace_back("A triangle at the edge marks an infinite value.");
+        if (infinite_y > 0) sentences.emplace_back("A triangle at the edge marks an infinite value.");
         add(off_scale_y, "value is not positive and is not drawn, because the axis is logarithmic.",
             "values are not positive and are not drawn, because the axis is logarithmic.");
         add(off_scale_x,
@@ -51,58 +51,59 @@ struct UndrawnCounts {
         add(infinite_x, "point with an infinite parameter is not drawn.",
             "points with an infinite parameter are not drawn.");
         add(marks, "mark lies outside the axis.", "marks lie outside the axis.");
-        return out;
+        return sentences;
     }
 };
 
 std::vector<double> values_of(const LinePlotSpec& spec, bool x_axis) {
-    std::vector<double> out;
+    std::vector<double> values;
     const auto add = [&](const Series& series) {
         for (std::size_t i = 0; i < series.x.size(); ++i) {
             if (!std::isfinite(series.x[i]) || std::isnan(series.y[i])) continue;
-            out.push_back(x_axis ? series.x[i] : series.y[i]);
+            values.push_back(x_axis ? series.x[i] : series.y[i]);
             if (x_axis || series.low.empty()) continue;
-            out.push_back(series.low[i]);
-            out.push_back(series.high[i]);
+            values.push_back(series.low[i]);
+            values.push_back(series.high[i]);
         }
     };
     for (const auto& series : spec.series) add(series);
     if (spec.envelope) add(*spec.envelope);
     for (const auto& mark : spec.marks) {
-        if (x_axis) out.push_back(mark.x);
+        if (x_axis) values.push_back(mark.x);
     }
-    return out;
+    return values;
 }
 
 constexpr double least_end_position = 0.999;
 
-bool has_place(const AxisRange& x, double value) { return std::isfinite(value) && x.has_place(value); }
+bool is_on_axis(const AxisRange& x, double value) { return std::isfinite(value) && x.can_show(value); }
 
-/// The last point of a line that is drawn.
-std::optional<std::size_t> last_drawn(const Series& series, const AxisRange& x, const AxisRange& y) {
+/// Index of the last point of a line that is drawn.
+std::optional<std::size_t> last_drawn_point(const Series& series, const AxisRange& x, const AxisRange& y) {
     for (std::size_t i = series.x.size(); i-- > 0;) {
-        if (has_place(x, series.x[i]) && y.has_place(series.y[i])) return i;
+        if (is_on_axis(x, series.x[i]) && y.can_show(series.y[i])) return i;
     }
     return {};
 }
 
-/// End of a line on the page, from the left and from the foot, each from 0 to 1; nothing if none of it is drawn.
+/// End of a drawn line, from the left and from the foot of the frame, each from 0 to 1; nothing if no point of the line
+/// is drawn.
 std::optional<std::pair<double, double>> end_of(const PlotLine& line, const AxisRange& x, const AxisRange& y) {
-    const auto i = last_drawn(*line.series, x, y);
+    const auto i = last_drawn_point(*line.series, x, y);
     if (!i) return {};
     return std::pair{x.position(line.series->x[*i]), std::clamp(y.position(line.series->y[*i]), 0.0, 1.0)};
 }
 
 /// ` (no values)`, ` (ends at 2^20.3)`; empty for a line with a value at its last parameter.
-std::string ending(const PlotLine& line, const LinePlotSpec& spec, const AxisRange& x, const AxisRange& y) {
+std::string ending_note(const PlotLine& line, const LinePlotSpec& spec, const AxisRange& x, const AxisRange& y) {
     const Series& series = *line.series;
-    const auto last = last_drawn(series, x, y);
+    const auto last = last_drawn_point(series, x, y);
     if (!last) return " (no values)";
-    const auto rest = std::span(series.x).subspan(*last + 1);
-    if (std::ranges::none_of(rest, [&](double value) { return has_place(x, value); })) return {};
-    const double at = series.x[*last];
-    return spec.x.scale == AxisSpec::Scale::log2 ? fmt::format(" (ends at 2^{:.3g})", std::log2(at))
-                                                 : fmt::format(" (ends at {})", file::short_decimal(at, 3));
+    const auto undrawn_x = std::span(series.x).subspan(*last + 1);
+    if (std::ranges::none_of(undrawn_x, [&](double value) { return is_on_axis(x, value); })) return {};
+    const double last_x = series.x[*last];
+    return spec.x.scale == AxisSpec::Scale::log2 ? fmt::format(" (ends at 2^{:.3g})", std::log2(last_x))
+                                                 : fmt::format(" (ends at {})", file::short_decimal(last_x, 3));
 }
 
 std::vector<PlotArea> areas_of(const LinePlotSpec& spec) {
@@ -112,44 +113,44 @@ std::vector<PlotArea> areas_of(const LinePlotSpec& spec) {
     return areas;
 }
 
-/// The plot with its axes; draws one layer at a time.
+/// The plot with its axes; draws one layer per function.
 class Plot {
 public:
     Plot(const LinePlotSpec& spec, const AxisRange& x, const AxisRange& y, const PlotFrame& frame)
         : spec_(spec), x_(x), y_(y), frame_(frame), stroke_({frame.x, frame.y, frame.width, frame.height}) {}
 
-    void shades(Canvas& canvas) const {
+    void draw_shades(Canvas& canvas) const {
         for (const PlotShade& shade : spec_.shades) {
             const auto edge = [&](double value) {
                 return static_cast<int>(std::lround(frame_.across(std::clamp(x_.position(value), 0.0, 1.0))));
             };
-            if (!x_.has_place(shade.from) || !x_.has_place(shade.to)) continue;
+            if (!x_.can_show(shade.from) || !x_.can_show(shade.to)) continue;
             // A shade that reaches the end of the axis is drawn up to the frame.
-            const int from = x_.position(shade.from) <= 0 ? frame_.x : edge(shade.from),
-                      to = x_.position(shade.to) >= 1 ? frame_.x + frame_.width : edge(shade.to);
-            canvas.fill(from, frame_.y, to - from, frame_.height, shade_fill);
+            const int left = x_.position(shade.from) <= 0 ? frame_.x : edge(shade.from),
+                      right = x_.position(shade.to) >= 1 ? frame_.x + frame_.width : edge(shade.to);
+            canvas.fill(left, frame_.y, right - left, frame_.height, shade_fill);
         }
     }
 
-    /// Draws lines from the ends of the plotted lines to their names in the legend, whose left edge is at `legend_x`. A
-    /// plotted line that ends before the right edge of the plot gets no such line, because it would cross other plotted
-    /// lines. Its name in the legend says where the plotted line ends.
-    void leaders(Canvas& canvas, std::span<const PlotLine> lines, const PlotLegend& legend, int legend_x) {
+    /// Draws leaders: lines from the ends of the plotted lines to their names in the legend, whose left edge is at
+    /// `legend_x`. A plotted line that ends before the right edge of the plot gets no leader, because the leader would
+    /// cross other plotted lines. Its name in the legend says where the plotted line ends.
+    void draw_leaders(Canvas& canvas, std::span<const PlotLine> lines, const PlotLegend& legend, int legend_x) {
         image::Stroke stroke({frame_.x, frame_.y - 20, legend_x - frame_.x, frame_.height + 40});
         for (std::size_t k = 0; k < lines.size(); ++k) {
             const auto end = end_of(lines[k], x_, y_);
-            const auto sample = legend.sample_of(k);
-            if (!end || !sample || end->first < least_end_position) continue;
+            const auto sample_y = legend.sample_of(k);
+            if (!end || !sample_y || end->first < least_end_position) continue;
             const double y = frame_.up(end->second), right = frame_.x + frame_.width + 2.0;
-            const std::array<Point, 3> way{
-                {{right, y}, {legend_x - 6.0, frame_.y + *sample}, {legend_x - 1.0, frame_.y + *sample}}};
-            stroke.polyline(way, 0.9);
+            const std::array<Point, 3> path{
+                {{right, y}, {legend_x - 6.0, frame_.y + *sample_y}, {legend_x - 1.0, frame_.y + *sample_y}}};
+            stroke.polyline(path, 0.9);
             stroke.paint(canvas, lines[k].colour, 0.5);
         }
     }
 
     /// Draws a dashed line at the largest possible value.
-    void limit(Canvas& canvas) {
+    void draw_limit(Canvas& canvas) {
         const auto position = y_.limit_position();
         if (!position) return;
         const double y = frame_.up(*position);
@@ -158,7 +159,7 @@ public:
         stroke_.paint(canvas, image::style::soft_ink);
     }
 
-    void envelope(Canvas& canvas) {
+    void draw_envelope(Canvas& canvas) {
         const Series& series = *spec_.envelope;
         each_run(series, [&](std::size_t begin, std::size_t end) {
             const auto above = points(series, begin, end, series.y);
@@ -169,7 +170,7 @@ public:
         stroke_.paint(canvas, envelope_fill);
     }
 
-    void envelope_line(Canvas& canvas) {
+    void draw_envelope_line(Canvas& canvas) {
         const Series& series = *spec_.envelope;
         each_run(series, [&](std::size_t begin, std::size_t end) {
             stroke_.polyline(points(series, begin, end, series.y), 1.2);
@@ -177,65 +178,69 @@ public:
         stroke_.paint(canvas, envelope_edge);
     }
 
-    void band(Canvas& canvas, const PlotLine& line) {
+    void draw_band(Canvas& canvas, const PlotLine& line) {
         const Series& series = *line.series;
         if (series.low.empty()) return;
         each_run(series, [&](std::size_t begin, std::size_t end) {
             // A NaN in the band ends the band, but not the line.
-            for (std::size_t from = begin; from < end; ++from) {
-                std::size_t to = from;
-                while (to < end && !std::isnan(series.low[to]) && !std::isnan(series.high[to])) ++to;
-                stroke_.area(points(series, from, to, series.high), points(series, from, to, series.low));
-                from = to;
+            for (std::size_t valid_begin = begin; valid_begin < end; ++valid_begin) {
+                std::size_t valid_end = valid_begin;
+                while (valid_end < end && !std::isnan(series.low[valid_end]) && !std::isnan(series.high[valid_end]))
+                    ++valid_end;
+                stroke_.area(points(series, valid_begin, valid_end, series.high),
+                             points(series, valid_begin, valid_end, series.low));
+                valid_begin = valid_end;
             }
         });
         stroke_.paint(canvas, line.colour, band_opacity);
     }
 
-    /// The positions of all steps, for a script.
-    [[nodiscard]] image::MarkData steps() const {
+    /// Positions of all steps, for a script.
+    [[nodiscard]] image::MarkData step_positions() const {
         image::MarkData data{{}, {}};
         if (spec_.series.empty()) return data;
         for (const double x : spec_.series.front().x)
-            data.x.push_back(has_place(x_, x) ? frame_.across(x_.position(x))
-                                              : std::numeric_limits<double>::quiet_NaN());
+            data.x.push_back(is_on_axis(x_, x) ? frame_.across(x_.position(x))
+                                               : std::numeric_limits<double>::quiet_NaN());
         data.y = {static_cast<double>(frame_.y), static_cast<double>(frame_.y + frame_.height)};
         return data;
     }
 
-    void line(Canvas& canvas, const PlotLine& line, bool markers, std::size_t index) {
+    void draw_line(Canvas& canvas, const PlotLine& line, bool has_markers, std::size_t index) {
         const Series& series = *line.series;
         // Markers of different lines start at different positions, so that they do not pile up where lines meet.
-        double next = frame_.x + std::fmod(static_cast<double>(index) * 17, marker_pitch), triangle = -1e9;
+        double next_marker_x = frame_.x + std::fmod(static_cast<double>(index) * 17, marker_pitch),
+               next_triangle_x = -1e9;
         each_run(series, [&](std::size_t begin, std::size_t end) {
             const auto run = points(series, begin, end, series.y);
             stroke_.polyline(run, line_thickness, line.dashes);
             for (std::size_t i = 0; i < run.size(); ++i) {
                 if (std::isinf(series.y[begin + i])) {
-                    if (run[i].x < triangle) continue;
-                    const bool up = series.y[begin + i] > 0;
-                    draw_edge_triangle(stroke_, {run[i].x, up ? frame_.y + 1.0 : frame_.y + frame_.height - 1.0}, up);
-                    triangle = run[i].x + triangle_pitch;
-                } else if (markers || run.size() == 1 || (line.marker > 0 && run[i].x >= next)) {
+                    if (run[i].x < next_triangle_x) continue;
+                    const bool points_up = series.y[begin + i] > 0;
+                    draw_edge_triangle(stroke_, {run[i].x, points_up ? frame_.y + 1.0 : frame_.y + frame_.height - 1.0},
+                                       points_up);
+                    next_triangle_x = run[i].x + triangle_pitch;
+                } else if (has_markers || run.size() == 1 || (line.marker > 0 && run[i].x >= next_marker_x)) {
                     draw_marker(stroke_, run[i], line.marker);
-                    next = run[i].x + marker_pitch;
+                    next_marker_x = run[i].x + marker_pitch;
                 }
             }
         });
         stroke_.paint(canvas, line.colour);
     }
 
-    [[nodiscard]] bool drawable(const Series& series, std::size_t i) const {
-        return std::isfinite(series.x[i]) && x_.has_place(series.x[i]) && y_.has_place(series.y[i]);
+    [[nodiscard]] bool is_drawable(const Series& series, std::size_t i) const {
+        return std::isfinite(series.x[i]) && x_.can_show(series.x[i]) && y_.can_show(series.y[i]);
     }
 
-    void count(const Series& series, UndrawnCounts& undrawn) const {
+    void count_undrawn(const Series& series, UndrawnCounts& undrawn) const {
         for (std::size_t i = 0; i < series.x.size(); ++i) {
             if (std::isnan(series.x[i]) || std::isnan(series.y[i])) continue;
             undrawn.infinite_x += std::isinf(series.x[i]);
-            undrawn.off_scale_x += std::isfinite(series.x[i]) && !x_.has_place(series.x[i]);
-            undrawn.off_scale_y += !y_.has_place(series.y[i]);
-            undrawn.infinite_y += drawable(series, i) && std::isinf(series.y[i]);
+            undrawn.off_scale_x += std::isfinite(series.x[i]) && !x_.can_show(series.x[i]);
+            undrawn.off_scale_y += !y_.can_show(series.y[i]);
+            undrawn.infinite_y += is_drawable(series, i) && std::isinf(series.y[i]);
         }
     }
 
@@ -245,7 +250,7 @@ private:
     void each_run(const Series& series, F f) {
         for (std::size_t begin = 0; begin < series.x.size(); ++begin) {
             std::size_t end = begin;
-            while (end < series.x.size() && drawable(series, end)) ++end;
+            while (end < series.x.size() && is_drawable(series, end)) ++end;
             if (end > begin) f(begin, end);
             begin = end;
         }
@@ -253,13 +258,13 @@ private:
 
     [[nodiscard]] std::vector<Point> points(const Series& series, std::size_t begin, std::size_t end,
                                             const std::vector<double>& y) const {
-        std::vector<Point> out;
+        std::vector<Point> result;
         for (std::size_t i = begin; i < end; ++i) {
             // The lower end of a band may be below a log axis.
-            const double position = y_.has_place(y[i]) ? y_.position(y[i]) : 0;
-            out.push_back({frame_.across(x_.position(series.x[i])), frame_.up(position)});
+            const double position = y_.can_show(y[i]) ? y_.position(y[i]) : 0;
+            result.push_back({frame_.across(x_.position(series.x[i])), frame_.up(position)});
         }
-        return out;
+        return result;
     }
 
     const LinePlotSpec& spec_;
@@ -268,8 +273,8 @@ private:
     image::Stroke stroke_;
 };
 
-/// Title and subtitle, and a sentence that says why there is no plot.
-Canvas without_plot(const LinePlotSpec& spec) {
+/// Page with the title, the subtitle, and a sentence that says why there is no plot.
+Canvas page_without_plot(const LinePlotSpec& spec) {
     const int content = spec.width - 2 * image::style::margin;
     const Canvas head = image::heading(spec.title, spec.subtitle, content),
                  sentence = image::heading({}, std::span(&spec.empty_text, 1), content);
@@ -284,35 +289,36 @@ Canvas without_plot(const LinePlotSpec& spec) {
 Canvas line_plot(const LinePlotSpec& spec) {
     if (spec.width < 400 || spec.height < 200)
         throw std::invalid_argument("line plot: it needs at least 400 x 200 pixels");
-    if (spec.series.empty() && !spec.envelope) return without_plot(spec);
+    if (spec.series.empty() && !spec.envelope) return page_without_plot(spec);
     auto lines = plot_lines(spec.series);
     if (spec.envelope)
         static_cast<void>(plot_lines({&*spec.envelope, 1}));  // checks its columns like those of any series
     const AxisRange x(spec.x, values_of(spec, true)), y(spec.y, values_of(spec, false));
-    for (auto& line : lines) line.label += ending(line, spec, x, y);
+    for (auto& line : lines) line.label += ending_note(line, spec, x, y);
     std::vector<std::size_t> order(lines.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::vector<PlotLine> sorted = lines;
     const auto height = [&](const PlotLine& line) { return end_of(line, x, y).value_or(std::pair{0.0, -1.0}).second; };
     std::ranges::stable_sort(sorted, std::ranges::greater{}, height);
-    const bool markers = std::ranges::all_of(lines, [](const PlotLine& l) { return l.series->x.size() <= few_points; });
+    const bool has_markers =
+        std::ranges::all_of(lines, [](const PlotLine& l) { return l.series->x.size() <= few_points; });
 
     const int content = spec.width - 2 * image::style::margin;
     const Canvas head = image::heading(spec.title, spec.subtitle, content);
     const int top = image::style::margin + head.height() + (head.height() > 0 ? image::style::gap : 0);
-    const int nominal = std::max(spec.height - top - image::style::margin - 60, 100);
+    const int nominal_height = std::max(spec.height - top - image::style::margin - 60, 100);
     const auto areas = areas_of(spec);
-    PlotLegend legend(sorted, areas, markers, {content, nominal});
-    const int right =
+    PlotLegend legend(sorted, areas, has_markers, {content, nominal_height});
+    const int right_space =
         std::max(legend.width() > 0 ? legend_gap + legend.width() : 0, spec.marks.empty() ? 0 : least_right);
-    const PlotAxes axes(x, y, content - right - 60, nominal);
+    const PlotAxes axes(x, y, content - right_space - 60, nominal_height);
 
     PlotFrame frame{image::style::margin + axes.left(), 0, 1, 1, frame_pad};
-    frame.width = spec.width - image::style::margin - std::max(right, axes.right()) - 1 - frame.x;
+    frame.width = spec.width - image::style::margin - std::max(right_space, axes.right()) - 1 - frame.x;
     UndrawnCounts undrawn;
     std::vector<MarkLabels::Mark> marks;
     for (const auto& mark : spec.marks) {
-        const double position = x.has_place(mark.x) && std::isfinite(mark.x) ? x.position(mark.x) : -1;
+        const double position = x.can_show(mark.x) && std::isfinite(mark.x) ? x.position(mark.x) : -1;
         if (position >= 0 && position <= 1) {
             marks.push_back({frame.across(position), mark.label});
         } else {
@@ -321,9 +327,9 @@ Canvas line_plot(const LinePlotSpec& spec) {
     }
     const MarkLabels labels(marks, spec.width - image::style::margin);
     frame.y = top + std::max(labels.height(), axes.above());
-    Plot measured(spec, x, y, frame);
-    for (const auto& series : spec.series) measured.count(series, undrawn);
-    if (spec.envelope) measured.count(*spec.envelope, undrawn);
+    Plot counting_plot(spec, x, y, frame);
+    for (const auto& series : spec.series) counting_plot.count_undrawn(series, undrawn);
+    if (spec.envelope) counting_plot.count_undrawn(*spec.envelope, undrawn);
     std::vector<std::string> footnotes = undrawn.notes();
     if (lines.size() < spec.series.size())
         footnotes.push_back(fmt::format("{} for {} series: series with the same values share a line.",
@@ -332,25 +338,25 @@ Canvas line_plot(const LinePlotSpec& spec) {
     const Canvas notes = image::heading({}, footnotes, content);
     const int foot =
         1 + axes.below() + (notes.height() > 0 ? image::style::gap + notes.height() : 0) + image::style::margin;
-    frame.height = std::max({spec.height - frame.y - foot, nominal / 2, legend.height()});
+    frame.height = std::max({spec.height - frame.y - foot, nominal_height / 2, legend.height()});
 
     Canvas page(spec.width, frame.y + frame.height + foot);
     page.picture(image::style::margin, image::style::margin, head);
     Plot plot(spec, x, y, frame);
-    plot.shades(page);
-    if (spec.envelope) plot.envelope(page);
+    plot.draw_shades(page);
+    if (spec.envelope) plot.draw_envelope(page);
     axes.draw_grid(page, frame);
-    plot.limit(page);
-    if (spec.envelope) plot.envelope_line(page);
-    for (const auto& line : lines) plot.band(page, line);
+    plot.draw_limit(page);
+    if (spec.envelope) plot.draw_envelope_line(page);
+    for (const auto& line : lines) plot.draw_band(page, line);
     labels.draw(page, frame.y - 1, frame.y + frame.height);
     // Draw dashed lines over solid ones, so that both are visible where they agree.
     std::ranges::stable_sort(order, {}, [&](std::size_t i) { return !lines[i].dashes.empty(); });
     for (const auto i : order) {
         if (!lines[i].keys.empty()) page.set_mark_data({lines[i].keys, {}});
-        plot.line(page, lines[i], markers, i);
+        plot.draw_line(page, lines[i], has_markers, i);
     }
-    page.set_mark_data(plot.steps());
+    page.set_mark_data(plot.step_positions());
     axes.draw(page, frame);
     page.clear_mark_data();
     if (std::ranges::all_of(lines, [&](const PlotLine& line) { return !end_of(line, x, y); })) {
@@ -365,7 +371,7 @@ Canvas line_plot(const LinePlotSpec& spec) {
     }
     legend.align(ends, frame.height);
     const int legend_x = spec.width - image::style::margin - legend.width();
-    plot.leaders(page, sorted, legend, legend_x);
+    plot.draw_leaders(page, sorted, legend, legend_x);
     legend.draw(page, legend_x, frame.y);
     page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
     return page;

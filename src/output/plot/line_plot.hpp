@@ -10,7 +10,7 @@
 
 namespace lostbits::output::plot {
 
-/// One line. Its points are joined in their order, and x should not fall.
+/// One line of the plot. Its points are joined in their order, and x should not fall.
 struct Series {
     std::string label;
     std::vector<double> x = {}, y = {};       ///< a NaN breaks the line; an infinite y is a triangle at the edge
@@ -18,8 +18,8 @@ struct Series {
     bool dashed = false;
     std::string family = {};  ///< series of one family share colour and marker (a form in two formats); empty: none
     /// Look below `look_count`: the colour and marker of the series in every plot. Its colour differs only if an
-    /// earlier series has it and there are no more looks than colours. None: the first look that no other series asks
-    /// for.
+    /// earlier series has it and there are no more looks than colours. Without a value, the series gets the first look
+    /// that no other series requests.
     std::optional<std::size_t> look = {};
     std::string key = {};  ///< for a script: what the line shows; see `MarkData`
 };
@@ -41,20 +41,20 @@ struct LinePlotSpec {
     std::vector<std::string> subtitle;
     AxisSpec x, y;
     std::vector<Series> series = {};
-    std::optional<Series> envelope = {};  ///< lower bound for any form: grey below it
+    std::optional<Series> envelope = {};  ///< lower bound for any form; the area below it is grey
     std::vector<PlotMark> marks = {};
     std::vector<PlotShade> shades = {};
-    std::string empty_text = "no data";   ///< text in the middle if no line has a value, and without lines alone
+    std::string empty_text = "no data";   ///< text in the middle if no line has a value; the only text without lines
     std::vector<std::string> notes = {};  ///< sentences below the plot
     int width = 1100, height = 620;       ///< the height grows if legend or marks need it
 };
 
 /// Draws the plot. Without lines and envelope it is only a heading and a sentence.
 /// Many forms agree bit for bit. Series with the same points (and band) are drawn once and share one line of the
-/// legend, which says how many they are. Each entry of the legend stands as near to the end of its line as the others
-/// allow, and a thin line leads there. If the legend needs two columns, it is only sorted in the order in which the
-/// lines end. Series without a look of their own get colours in their order. If there are more than eight, markers tell
-/// them apart. A footnote counts what cannot be drawn.
+/// legend, which says how many they are. Each entry of the legend stands as near to the end of its line as the other
+/// entries allow, and a thin line leads there. If the legend needs two columns, its entries are only sorted in the
+/// order in which the lines end. Series without a look of their own get colours in their order. If there are more than
+/// eight, markers distinguish them. A footnote counts what cannot be drawn.
 /// Throws std::invalid_argument for x, y and bands of different lengths, for ends of axes that AxisRange refuses, and
 /// for a picture of less than 400 by 200 pixels.
 [[nodiscard]] image::Canvas line_plot(const LinePlotSpec& spec);

@@ -12,7 +12,7 @@
 namespace lostbits::output::plot {
 
 inline constexpr std::size_t line_colours = 8;
-/// Number of looks: colours times markers. Dashes tell more series apart.
+/// Number of looks: colours times markers. Dashes distinguish more series.
 inline constexpr std::size_t look_count = 6 * line_colours;
 [[nodiscard]] image::Rgb8 look_colour(std::size_t look);
 
@@ -23,7 +23,7 @@ struct PlotLine {
     image::Rgb8 colour;
     int marker;  ///< 0 for the first eight families, which need no marker
     std::span<const double> dashes;
-    std::string keys = {};  ///< those of its series
+    std::string keys = {};  ///< keys of its series
 };
 
 /// One line for each group of series with the same points, in the order of the series. No two lines have the same
@@ -33,23 +33,23 @@ struct PlotLine {
 /// Draws a filled marker of the given kind, about 7 pixels across.
 void draw_marker(image::Stroke& stroke, image::Point centre, int kind);
 
-/// Draws a triangle that points to the edge above or below its point.
-void draw_edge_triangle(image::Stroke& stroke, image::Point tip, bool up);
+/// Draws a triangle at the upper or lower edge, whose tip points to that edge.
+void draw_edge_triangle(image::Stroke& stroke, image::Point tip, bool points_up);
 
 inline constexpr double line_thickness = 1.8;
 inline constexpr image::Rgb8 envelope_fill{222, 222, 220};
 inline constexpr image::Rgb8 envelope_edge{150, 150, 150};
 inline constexpr image::Rgb8 shade_fill{236, 230, 216};
 
-/// An area that the legend names, with its colour and that of its upper edge.
+/// An area that the legend names, with its colour and the colour of its upper edge.
 struct PlotArea {
     std::string label;
     image::Rgb8 fill, edge;
 };
 
 /// Positions from `low` on for things that stay in order and do not overlap. Thing k has height `heights[k]` and lies
-/// as near to `wishes[k]` as the others allow, by least squares. The last one ends at or before `high` if there is
-/// space for all.
+/// as near to `requests[k]` as the other things allow, by least squares. The last one ends at or before `high` if there
+/// is space for all.
 [[nodiscard]] std::vector<double> places_near(std::span<const double> requests, std::span<const double> heights,
                                               double low, double high);
 
@@ -59,11 +59,11 @@ public:
     struct Limits {
         int width, height;
     };
-    /// Uses smaller letters and then a second column rather than exceed the height of the room. Takes at most two
-    /// fifths of its width.
-    PlotLegend(std::span<const PlotLine> lines, std::span<const PlotArea> areas, bool markers, Limits space);
+    /// Uses smaller letters and then a second column rather than exceed the height of `space`. Takes at most two fifths
+    /// of its width.
+    PlotLegend(std::span<const PlotLine> lines, std::span<const PlotArea> areas, bool has_markers, Limits space);
 
-    /// Moves each line's entry to the end of its line, in pixels below the top of the legend and at most `room`. NaN
+    /// Moves each line's entry to the end of its line, in pixels below the top of the legend and at most `space`. NaN
     /// means no position. Does nothing if there are two columns.
     void align(std::span<const double> ends, int space);
     /// Position of the sample of line k below the top of the legend; nothing if entries are not aligned.
@@ -87,7 +87,7 @@ private:
     [[nodiscard]] int height_of(const Entry& entry) const;
 
     std::vector<Entry> entries_;
-    bool markers_, aligned_ = false;
+    bool has_markers_, is_aligned_ = false;
     std::vector<int> column_x_;
     int size_ = 0, width_ = 0, height_ = 0;
 };
@@ -109,13 +109,13 @@ public:
     void draw(image::Canvas& canvas, int top, int foot) const;
 
 private:
-    struct Placed {
+    struct PlacedLabel {
         double x;
         std::vector<image::TextBitmap> text;
         int width = 0, height = 0;
         int rise = 0;  // height of the label's foot above the frame
     };
-    std::vector<Placed> placed_;
+    std::vector<PlacedLabel> labels_;
     int height_ = 0;
 };
 

@@ -21,7 +21,7 @@ constexpr double least_size = 1e-300;
 constexpr double below_low_end = 0.08;
 /// An axis shows at least this share of all possible values, so that differences of a hundredth of them look small.
 constexpr double least_share = 1.0 / 12;
-/// From this share on it shows all of them.
+/// From this share on, the axis shows all possible values.
 constexpr double near_limit = 0.75;
 
 /// Multiples of 1, 2 or 5 times 10^k from `lo` to `hi`, at most `most` + 1 of them.
@@ -37,10 +37,11 @@ std::vector<std::string> labels_of(const std::vector<double>& values) {
         if (i == 1) step = values[1] - values[0];
     }
     const double digits = step > 0 && std::isfinite(step) ? std::ceil(std::log10(largest / step)) + 1 : 0;
-    std::vector<std::string> out;
+    std::vector<std::string> labels;
     for (const double value : values)
-        out.push_back(file::short_decimal(value, static_cast<int>(std::clamp<double>(digits, image::tick_digits, 16))));
-    return out;
+        labels.push_back(
+            file::short_decimal(value, static_cast<int>(std::clamp<double>(digits, image::tick_digits, 16))));
+    return labels;
 }
 
 }  // namespace
@@ -48,8 +49,8 @@ std::vector<std::string> labels_of(const std::vector<double>& values) {
 AxisRange::AxisRange(const AxisSpec& axis, const std::vector<double>& values)
     : title_(axis.title),
       scale_(axis.scale),
-      zero_(axis.zero && is_log()),
-      decimals_(axis.decimals),
+      shows_zero_(axis.zero && is_log()),
+      writes_decimals_(axis.decimals),
       limit_(is_log() ? std::nullopt : axis.limit) {
     for (const auto& end : {axis.low, axis.high}) {
         if (end && (!std::isfinite(*end) || (is_log() && !(*end > 0)))) {
@@ -62,7 +63,7 @@ AxisRange::AxisRange(const AxisSpec& axis, const std::vector<double>& values)
     }
     double lo = std::numeric_limits<double>::infinity(), hi = -lo;
     for (const double value : values) {
-        if (!std::isfinite(value) || !has_place(value) || (zero_ && value == 0)) continue;
+        if (!std::isfinite(value) || !can_show(value) || (shows_zero_ && value == 0)) continue;
         lo = std::min(lo, scaled(value));
         hi = std::max(hi, scaled(value));
     }
@@ -74,8 +75,8 @@ AxisRange::AxisRange(const AxisSpec& axis, const std::vector<double>& values)
 }
 
 double AxisRange::fitted_high(double highest) const noexcept {
-    const double all = *limit_ - lo_, shown = std::max(highest - lo_, all * least_share);
-    return shown >= all * near_limit ? *limit_ : lo_ + shown;
+    const double extent = *limit_ - lo_, shown_extent = std::max(highest - lo_, extent * least_share);
+    return shown_extent >= extent * near_limit ? *limit_ : lo_ + shown_extent;
 }
 
 std::optional<double> AxisRange::limit_position() const noexcept {
@@ -83,23 +84,23 @@ std::optional<double> AxisRange::limit_position() const noexcept {
     return position(*limit_);
 }
 
-void AxisRange::widen(bool low_fixed, bool high_fixed) {
+void AxisRange::widen(bool is_low_fixed, bool is_high_fixed) {
     const double size = std::max(std::fabs(lo_), std::fabs(hi_));
     if (size > least_size && hi_ / 2 - lo_ / 2 > size * least_extent) return;
-    const double by = is_log() || size <= least_size ? 1 : size / 10;
-    constexpr double most = std::numeric_limits<double>::max();
-    if (high_fixed && !low_fixed) {
-        lo_ = std::max(hi_ - by, -most);
-    } else if (low_fixed && !high_fixed) {
-        hi_ = std::min(lo_ + by, most);
+    const double widening = is_log() || size <= least_size ? 1 : size / 10;
+    constexpr double largest_double = std::numeric_limits<double>::max();
+    if (is_high_fixed && !is_low_fixed) {
+        lo_ = std::max(hi_ - widening, -largest_double);
+    } else if (is_low_fixed && !is_high_fixed) {
+        hi_ = std::min(lo_ + widening, largest_double);
     } else {
-        lo_ = std::max(lo_ - by, -most);
-        hi_ = std::min(hi_ + by, most);
+        lo_ = std::max(lo_ - widening, -largest_double);
+        hi_ = std::min(hi_ + widening, largest_double);
     }
 }
 
-bool AxisRange::has_place(double value) const noexcept {
-    return is_log() ? value > 0 || (zero_ && value == 0) : !std::isnan(value);
+bool AxisRange::can_show(double value) const noexcept {
+    return is_log() ? value > 0 || (shows_zero_ && value == 0) : !std::isnan(value);
 }
 
 double AxisRange::scaled(double value) const noexcept {
@@ -108,93 +109,95 @@ double AxisRange::scaled(double value) const noexcept {
                                              : std::log10(value);
 }
 
-double AxisRange::place(double s) const noexcept {
+double AxisRange::position_of_scaled(double s) const noexcept {
     // Halve first, because hi - lo may overflow.
     const double share = std::clamp((s / 2 - lo_ / 2) / (hi_ / 2 - lo_ / 2), -1e3, 1e3);
-    return zero_ ? below_low_end + (1 - below_low_end) * share : share;
+    return shows_zero_ ? below_low_end + (1 - below_low_end) * share : share;
 }
 
 double AxisRange::position(double value) const noexcept {
     if (std::isinf(value)) return value > 0 ? 1 : 0;
-    if (zero_ && value == 0) return 0;
-    return place(scaled(value));
+    if (shows_zero_ && value == 0) return 0;
+    return position_of_scaled(scaled(value));
 }
 
-std::vector<AxisRange::Tick> AxisRange::ticks_within_a_step(int most) const {
-    const bool two = scale_ == AxisSpec::Scale::log2;
-    std::vector<Tick> out;
-    // Plain numbers: 2.4, not 2^1.26. A label has space for about six digits, and equal steps crowd at the upper end of
-    // a wider range.
-    const double low = two ? std::exp2(lo_) : std::pow(10, lo_), high = two ? std::exp2(hi_) : std::pow(10, hi_);
+std::vector<AxisRange::Tick> AxisRange::ticks_of_short_range(int most) const {
+    const bool is_log2 = scale_ == AxisSpec::Scale::log2;
+    std::vector<Tick> ticks;
+    // Plain numbers: 2.4, not 2^1.26. A label has space for about six digits, and in a wider range equal steps would
+    // crowd at the upper end.
+    const double low = is_log2 ? std::exp2(lo_) : std::pow(10, lo_),
+                 high = is_log2 ? std::exp2(hi_) : std::pow(10, hi_);
     if (low >= 1e-3 && high <= 1e5 && high <= 5 * low && high - low > high * least_extent) {
         const auto values = round_values(low, high, most);
         const auto labels = labels_of(values);
-        for (std::size_t i = 0; i < values.size(); ++i) out.push_back({position(values[i]), labels[i]});
-        if (out.size() >= 2) return out;
-        out.clear();
+        for (std::size_t i = 0; i < values.size(); ++i) ticks.push_back({position(values[i]), labels[i]});
+        if (ticks.size() >= 2) return ticks;
+        ticks.clear();
     }
     const auto exponents = round_values(lo_, hi_, most);
     const auto labels = labels_of(exponents);
     for (std::size_t i = 0; i < labels.size(); ++i)
-        out.push_back({place(exponents[i]), power_label(exponents[i], labels[i])});
-    return out;
+        ticks.push_back({position_of_scaled(exponents[i]), power_label(exponents[i], labels[i])});
+    return ticks;
 }
 
 std::string AxisRange::power_label(double exponent, const std::string& text) const {
-    const bool two = scale_ == AxisSpec::Scale::log2;
+    const bool is_log2 = scale_ == AxisSpec::Scale::log2;
     // Six digits: 2^-4 is 0.0625, 2^16 is 65536.
-    if (decimals_) return file::short_decimal(two ? std::exp2(exponent) : std::pow(10, exponent), image::tick_digits);
-    return (two ? "2^" : "10^") + text;
+    if (writes_decimals_)
+        return file::short_decimal(is_log2 ? std::exp2(exponent) : std::pow(10, exponent), image::tick_digits);
+    return (is_log2 ? "2^" : "10^") + text;
 }
 
 std::vector<AxisRange::Tick> AxisRange::exponent_ticks(int most) const {
-    const bool two = scale_ == AxisSpec::Scale::log2;
+    const bool is_log2 = scale_ == AxisSpec::Scale::log2;
     double step = 1;
-    const std::vector<double> steps = two ? std::vector<double>{1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024}
-                                          : std::vector<double>{1, 2, 5, 10, 20, 50, 100, 200, 500};
+    const std::vector<double> steps = is_log2 ? std::vector<double>{1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024}
+                                              : std::vector<double>{1, 2, 5, 10, 20, 50, 100, 200, 500};
     for (const double s : steps) {
         step = s;
         if (std::floor(hi_ / s + 1e-9) - std::ceil(lo_ / s - 1e-9) + 1 <= most) break;
     }
     std::vector<double> exponents;
     for (double k = std::ceil(lo_ / step - 1e-9); k * step <= hi_ + 1e-9; k += 1) exponents.push_back(k * step);
-    if (exponents.size() < 2) return ticks_within_a_step(most);
-    std::vector<Tick> out;
+    if (exponents.size() < 2) return ticks_of_short_range(most);
+    std::vector<Tick> ticks;
     const auto labels = labels_of(exponents);
     for (std::size_t i = 0; i < labels.size(); ++i) {
-        out.push_back({place(exponents[i]), power_label(exponents[i], labels[i])});
+        ticks.push_back({position_of_scaled(exponents[i]), power_label(exponents[i], labels[i])});
     }
-    if (two || step != 1 || hi_ - lo_ > 12) return out;
+    if (is_log2 || step != 1 || hi_ - lo_ > 12) return ticks;
     for (double decade = std::floor(lo_); decade <= hi_; decade += 1) {
         for (int m = 2; m < 10; ++m) {
             const double s = decade + std::log10(m);
-            if (s > lo_ && s < hi_) out.push_back({place(s), {}});
+            if (s > lo_ && s < hi_) ticks.push_back({position_of_scaled(s), {}});
         }
     }
-    return out;
+    return ticks;
 }
 
 std::vector<AxisRange::Tick> AxisRange::ticks(int most) const {
     most = std::max(most, 2);
     if (is_log()) {
-        auto out = exponent_ticks(most);
-        if (zero_) out.insert(out.begin(), {0, "0"});
-        return out;
+        auto ticks = exponent_ticks(most);
+        if (shows_zero_) ticks.insert(ticks.begin(), {0, "0"});
+        return ticks;
     }
     const auto values = round_values(lo_, hi_, most);
     const auto labels = labels_of(values);
-    std::vector<Tick> out;
-    for (std::size_t i = 0; i < values.size(); ++i) out.push_back({place(values[i]), labels[i]});
-    mark_limit(out, most);
-    return out;
+    std::vector<Tick> ticks;
+    for (std::size_t i = 0; i < values.size(); ++i) ticks.push_back({position_of_scaled(values[i]), labels[i]});
+    label_limit(ticks, most);
+    return ticks;
 }
 
-/// Labels the limit itself; a round value so near that the labels would touch gives way.
-void AxisRange::mark_limit(std::vector<Tick>& ticks, int most) const {
-    const auto at = limit_position();
-    if (!at) return;
-    std::erase_if(ticks, [&](const Tick& tick) { return std::fabs(tick.position - *at) < 0.4 / most; });
-    ticks.push_back({*at, file::short_decimal(*limit_, image::tick_digits)});
+/// Labels the limit itself; removes a round value that is so near that the labels would touch.
+void AxisRange::label_limit(std::vector<Tick>& ticks, int most) const {
+    const auto limit_at = limit_position();
+    if (!limit_at) return;
+    std::erase_if(ticks, [&](const Tick& tick) { return std::fabs(tick.position - *limit_at) < 0.4 / most; });
+    ticks.push_back({*limit_at, file::short_decimal(*limit_, image::tick_digits)});
 }
 
 namespace {
@@ -206,15 +209,15 @@ constexpr int tick_pitch_x = 76, tick_pitch_y = 44;  // pixels per labelled tick
 }  // namespace
 
 TextBitmap turned(const TextBitmap& text) {
-    TextBitmap out{text.height, text.width, text.width, {}, text.runs, text.bold, true};
-    out.coverage.resize(text.coverage.size());
+    TextBitmap result{text.height, text.width, text.width, {}, text.runs, text.bold, true};
+    result.coverage.resize(text.coverage.size());
     for (int y = 0; y < text.height; ++y) {
         for (int x = 0; x < text.width; ++x) {
-            out.coverage[static_cast<std::size_t>((text.width - 1 - x) * text.height + y)] =
+            result.coverage[static_cast<std::size_t>((text.width - 1 - x) * text.height + y)] =
                 text.coverage[static_cast<std::size_t>(y * text.width + x)];
         }
     }
-    return out;
+    return result;
 }
 
 double PlotFrame::across(double position) const noexcept {
@@ -226,12 +229,12 @@ double PlotFrame::up(double position) const noexcept {
 }
 
 std::vector<PlotAxes::Tick> PlotAxes::render(const AxisRange& range, int most) {
-    std::vector<Tick> out;
+    std::vector<Tick> ticks;
     for (const auto& [position, label] : range.ticks(most)) {
-        out.push_back({position, label.empty() ? TextBitmap{}
-                                               : image::image_backend().render_text(label, image::style::text_size)});
+        ticks.push_back({position, label.empty() ? TextBitmap{}
+                                                 : image::image_backend().render_text(label, image::style::text_size)});
     }
-    return out;
+    return ticks;
 }
 
 PlotAxes::PlotAxes(const AxisRange& x, const AxisRange& y, int width, int height)

@@ -15,31 +15,31 @@ struct AxisSpec {
     enum class Scale { linear, log2, log10 };
     std::string title;
     Scale scale = Scale::linear;
-    std::optional<double> low, high;  ///< the ends; the data gives a missing one
+    std::optional<double> low, high;  ///< the ends; a missing end follows from the data
     bool zero = false;                ///< log axis only: 0 is drawn below the low end
     bool decimals = false;            ///< log axis only: ticks are `0.5` and `64`, not `2^-1` and `2^6`
-    /// Linear axis only: largest possible value, such as all bits of a format. The axis fits the data below it, and
-    /// reaches it, with a line there, if the data come near.
+    /// Linear axis only: largest possible value, such as all bits of a format. The axis fits the data below the limit,
+    /// and reaches the limit, with a line there, if the data come near.
     std::optional<double> limit = {};
 };
 
 /// An axis with known ends.
 class AxisRange {
 public:
-    /// The ends are those of `axis`, or else the least and greatest of `values` that are on the axis. A range without
+    /// The ends are those of `axis`, or else the least and greatest of `values` that the axis can show. A range without
     /// extent is widened about its value, and a linear range that comes near 0 starts there. Throws
     /// std::invalid_argument for ends that are not finite, not in order, or not positive on a log scale.
     AxisRange(const AxisSpec& axis, const std::vector<double>& values);
 
     /// True if `value` can be drawn. Infinities can. NaN cannot, and on a log scale neither can values that are not
-    /// positive, except 0 if the axis shows it.
-    [[nodiscard]] bool has_place(double value) const noexcept;
+    /// positive, except 0 if the axis shows 0.
+    [[nodiscard]] bool can_show(double value) const noexcept;
 
     /// Position of a value: 0 at the low end, 1 at the high end, and outside [0, 1] beyond them (at most 10^3, so that
     /// pixels stay countable). An infinite value lies at its end. Undefined for a value that cannot be drawn.
     [[nodiscard]] double position(double value) const noexcept;
 
-    /// A tick; one without a label is a minor tick.
+    /// A tick; a tick without a label is minor.
     struct Tick {
         double position;
         std::string label;  ///< `4`, `0.25`, `2^-10`, `10^3`
@@ -56,23 +56,23 @@ public:
 
 private:
     [[nodiscard]] double scaled(double value) const noexcept;
-    [[nodiscard]] double place(double s) const noexcept;
+    [[nodiscard]] double position_of_scaled(double s) const noexcept;
     [[nodiscard]] std::string power_label(double exponent, const std::string& text) const;
-    void widen(bool low_fixed, bool high_fixed);
+    void widen(bool is_low_fixed, bool is_high_fixed);
     [[nodiscard]] double fitted_high(double highest) const noexcept;
-    void mark_limit(std::vector<Tick>& ticks, int most) const;
+    void label_limit(std::vector<Tick>& ticks, int most) const;
     [[nodiscard]] std::vector<Tick> exponent_ticks(int most) const;
     /// Ticks for less than two powers between the ends.
-    [[nodiscard]] std::vector<Tick> ticks_within_a_step(int most) const;
+    [[nodiscard]] std::vector<Tick> ticks_of_short_range(int most) const;
 
     std::string title_;
     AxisSpec::Scale scale_;
-    bool zero_, decimals_;
+    bool shows_zero_, writes_decimals_;
     std::optional<double> limit_;
     double lo_ = 0, hi_ = 1;  // exponents on a log scale
 };
 
-/// The text turned by 90 degrees counterclockwise, to be read from the right.
+/// Turns a text by 90 degrees counterclockwise, to be read from the right.
 [[nodiscard]] image::TextBitmap turned(const image::TextBitmap& text);
 
 /// Frame of a plot: positions of values in pixels.
@@ -89,7 +89,7 @@ struct PlotFrame {
 /// Ticks and titles of two axes, rendered once, because the frame's position depends on their sizes.
 class PlotAxes {
 public:
-    /// For a frame of about `width` by `height` pixels.
+    /// Renders the ticks for a frame of about `width` by `height` pixels.
     PlotAxes(const AxisRange& x, const AxisRange& y, int width, int height);
 
     /// Pixels outside the frame for ticks, labels and title.

@@ -20,7 +20,7 @@ using image::TextBitmap;
 namespace {
 
 constexpr int point_margin = 14;
-constexpr double marker_half = 5, hole = 1.7, front_thickness = 1.6, leader_from = 13;
+constexpr double marker_half = 5, hole_radius = 1.7, front_thickness = 1.6, least_leader_length = 13;
 constexpr std::array<Rgb8, ink_colour + 1> point_colours{
     {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {136, 34, 85}, image::style::ink}};
 constexpr Rgb8 faint_colour{186, 186, 188}, front_colour{120, 120, 126};
@@ -36,34 +36,34 @@ struct Marker {
     bool hollow;
 };
 
-void paint_marker(Canvas& canvas, Stroke& stroke, Point at, const Marker& marker) {
-    draw_marker(stroke, at, marker.kind);
+void paint_marker(Canvas& canvas, Stroke& stroke, Point centre, const Marker& marker) {
+    draw_marker(stroke, centre, marker.kind);
     stroke.paint(canvas, marker.colour);
     if (!marker.hollow) return;
-    stroke.disc(at, hole);
+    stroke.disc(centre, hole_radius);
     stroke.paint(canvas, image::style::page);
 }
 
-Box2 around(Point p, double half) { return {p.x - half, p.y - half, 2 * half, 2 * half}; }
+Box2 box_around(Point p, double half) { return {p.x - half, p.y - half, 2 * half, 2 * half}; }
 
-Box2 around(Point a, Point b) {
+Box2 box_around(Point a, Point b) {
     return {std::min(a.x, b.x) - 1, std::min(a.y, b.y) - 1, std::fabs(a.x - b.x) + 2, std::fabs(a.y - b.y) + 2};
 }
 
-/// The keys side by side, in as many lines as needed.
-class Keys {
+/// Legend of the keys side by side, in as many lines as needed.
+class KeyLegend {
 public:
-    Keys(const std::vector<ScatterPlotSpec::Key>& keys, int width) {
+    KeyLegend(const std::vector<ScatterPlotSpec::Key>& keys, int width) {
         int x = 0, y = 0;
         for (const auto& key : keys) {
             TextBitmap text = image::image_backend().render_text(key.label, image::style::text_size);
-            const int wide = marker_width + text.width + key_gap;
-            if (x > 0 && x + wide > width) {
+            const int entry_width = marker_width + text.width + key_gap;
+            if (x > 0 && x + entry_width > width) {
                 x = 0;
                 y += line;
             }
-            placed_.push_back({&key, std::move(text), x, y});
-            x += wide;
+            entries_.push_back({&key, std::move(text), x, y});
+            x += entry_width;
         }
         if (!keys.empty()) height_ = y + line;
     }
@@ -71,26 +71,28 @@ public:
 
     void draw(Canvas& canvas, int x, int y) const {
         Stroke stroke({0, 0, canvas.width(), canvas.height()});
-        for (const auto& p : placed_) {
-            const Point at{x + p.x + marker_width / 2.0, y + p.y + line / 2.0};
-            paint_marker(canvas, stroke, at, {p.key->marker, colour_of(p.key->colour, p.key->faint), p.key->hollow});
-            canvas.text(x + p.x + marker_width, y + p.y + (line - p.text.height) / 2, p.text, image::style::ink);
+        for (const auto& entry : entries_) {
+            const Point centre{x + entry.x + marker_width / 2.0, y + entry.y + line / 2.0};
+            paint_marker(canvas, stroke, centre,
+                         {entry.key->marker, colour_of(entry.key->colour, entry.key->faint), entry.key->hollow});
+            canvas.text(x + entry.x + marker_width, y + entry.y + (line - entry.text.height) / 2, entry.text,
+                        image::style::ink);
         }
     }
 
 private:
     static constexpr int marker_width = 18, key_gap = 20, line = 20;
-    struct Placed {
+    struct Entry {
         const ScatterPlotSpec::Key* key;
         TextBitmap text;
         int x, y;
     };
-    std::vector<Placed> placed_;
+    std::vector<Entry> entries_;
     int height_ = 0;
 };
 
-bool has_place(const ScatterPoint& p, const AxisRange& x, const AxisRange& y) {
-    return !std::isnan(p.x) && !std::isnan(p.y) && x.has_place(p.x) && y.has_place(p.y);
+bool is_on_axes(const ScatterPoint& p, const AxisRange& x, const AxisRange& y) {
+    return !std::isnan(p.x) && !std::isnan(p.y) && x.can_show(p.x) && y.can_show(p.y);
 }
 
 /// Draws the inside of the frame.
@@ -99,72 +101,72 @@ public:
     Scatter(const ScatterPlotSpec& spec, const AxisRange& x, const AxisRange& y, const PlotFrame& frame)
         : spec_(spec), x_(x), y_(y), frame_(frame), stroke_({frame.x, frame.y, frame.width, frame.height}) {}
 
-    void front(Canvas& canvas) {
-        for (const bool firm : {true, false}) {
+    void draw_front(Canvas& canvas) {
+        for (const bool is_firm : {true, false}) {
             for (std::size_t i = 0; i + 1 < spec_.front.size(); ++i) {
-                if (spec_.front[i].firm != firm) continue;
-                const Point a = place(spec_.front[i].x, spec_.front[i].y),
-                            b = place(spec_.front[i + 1].x, spec_.front[i + 1].y);
-                const std::array<Point, 3> step{a, {b.x, a.y}, b};
-                stroke_.polyline(step, front_thickness, firm ? std::span<const double>() : dashes);
+                if (spec_.front[i].firm != is_firm) continue;
+                const Point a = point_at(spec_.front[i].x, spec_.front[i].y),
+                            b = point_at(spec_.front[i + 1].x, spec_.front[i + 1].y);
+                const std::array<Point, 3> corners{a, {b.x, a.y}, b};
+                stroke_.polyline(corners, front_thickness, is_firm ? std::span<const double>() : dashes);
             }
             stroke_.paint(canvas, front_colour);
         }
     }
 
-    void points(Canvas& canvas, bool faint) {
+    void draw_points(Canvas& canvas, bool faint) {
         for (const auto& p : spec_.points) {
-            if (p.faint != faint || !has_place(p, x_, y_)) continue;
+            if (p.faint != faint || !is_on_axes(p, x_, y_)) continue;
             const Rgb8 colour = colour_of(p.colour, p.faint);
-            const Point at = place(p.x, p.y);
-            if (!p.key.empty()) canvas.set_mark_data({p.key, {at.x}, {at.y}});
+            const Point centre = point_at(p.x, p.y);
+            if (!p.key.empty()) canvas.set_mark_data({p.key, {centre.x}, {centre.y}});
             if (!faint) {
-                const std::array<Point, 2> spread{place(p.x_low, p.y), place(p.x_high, p.y)};
+                const std::array<Point, 2> spread{point_at(p.x_low, p.y), point_at(p.x_high, p.y)};
                 stroke_.polyline(spread, 1);
                 stroke_.paint(canvas, colour);
             }
-            paint_marker(canvas, stroke_, at, {p.marker, colour, p.hollow});
+            paint_marker(canvas, stroke_, centre, {p.marker, colour, p.hollow});
             canvas.clear_mark_data();
         }
     }
 
-    void labels(Canvas& canvas) {
+    void draw_labels(Canvas& canvas) {
         std::vector<Box2> taken, avoided;
         std::vector<LabelRequest> requests;
         std::vector<TextBitmap> texts;
         std::vector<Rgb8> colours;
         for (const auto& p : spec_.points) {
-            if (!has_place(p, x_, y_)) continue;
-            (p.faint ? avoided : taken).push_back(around(place(p.x, p.y), marker_half));
-            if (!p.faint) avoided.push_back(around(place(p.x_low, p.y), place(p.x_high, p.y)));
+            if (!is_on_axes(p, x_, y_)) continue;
+            (p.faint ? avoided : taken).push_back(box_around(point_at(p.x, p.y), marker_half));
+            if (!p.faint) avoided.push_back(box_around(point_at(p.x_low, p.y), point_at(p.x_high, p.y)));
             if (p.faint || p.label.empty()) continue;
             texts.push_back(image::image_backend().render_text(p.label, image::style::text_size));
-            requests.push_back(
-                {place(p.x, p.y), static_cast<double>(texts.back().width), static_cast<double>(texts.back().height)});
+            requests.push_back({point_at(p.x, p.y), static_cast<double>(texts.back().width),
+                                static_cast<double>(texts.back().height)});
             colours.push_back(colour_of(p.colour, false));
         }
         for (std::size_t i = 0; i + 1 < spec_.front.size(); ++i) {
-            const Point a = place(spec_.front[i].x, spec_.front[i].y),
-                        b = place(spec_.front[i + 1].x, spec_.front[i + 1].y);
-            avoided.push_back(around(a, {b.x, a.y}));
-            avoided.push_back(around({b.x, a.y}, b));
+            const Point a = point_at(spec_.front[i].x, spec_.front[i].y),
+                        b = point_at(spec_.front[i + 1].x, spec_.front[i + 1].y);
+            avoided.push_back(box_around(a, {b.x, a.y}));
+            avoided.push_back(box_around({b.x, a.y}, b));
         }
         const Box2 area{frame_.x + 2.0, frame_.y + 2.0, frame_.width - 4.0, frame_.height - 4.0};
-        const auto placed = place_labels(requests, {area, taken, avoided});
-        for (std::size_t i = 0; i < placed.size(); ++i) {
-            if (placed[i]) draw_label(canvas, requests[i].at, *placed[i], texts[i], colours[i]);
+        const auto boxes = place_labels(requests, {area, taken, avoided});
+        for (std::size_t i = 0; i < boxes.size(); ++i) {
+            if (boxes[i]) draw_label(canvas, requests[i].at, *boxes[i], texts[i], colours[i]);
         }
     }
 
 private:
-    [[nodiscard]] Point place(double x, double y) const {
+    [[nodiscard]] Point point_at(double x, double y) const {
         return {frame_.across(x_.position(x)), frame_.up(y_.position(y))};
     }
 
-    void draw_label(Canvas& canvas, Point at, const Box2& box, const TextBitmap& text, Rgb8 colour) {
-        const Point near = box.nearest(at);
-        if (std::hypot(near.x - at.x, near.y - at.y) > leader_from) {
-            const std::array<Point, 2> ends{at, near};
+    void draw_label(Canvas& canvas, Point point, const Box2& box, const TextBitmap& text, Rgb8 colour) {
+        const Point anchor = box.nearest(point);
+        if (std::hypot(anchor.x - point.x, anchor.y - point.y) > least_leader_length) {
+            const std::array<Point, 2> ends{point, anchor};
             stroke_.polyline(ends, 0.8);
             stroke_.paint(canvas, colour, 0.5);
         }
@@ -192,15 +194,15 @@ Canvas scatter_plot(const ScatterPlotSpec& spec) {
     const AxisRange x = range_of(spec, spec.x, true), y = range_of(spec, spec.y, false);
     const int content = spec.width - 2 * image::style::margin;
     const Canvas head = image::heading(spec.title, spec.subtitle, content);
-    const Keys keys(spec.keys, content);
+    const KeyLegend keys(spec.keys, content);
     const PlotAxes axes(x, y, content - 60, spec.height - 200);
-    const auto undrawn = static_cast<int>(
-        std::ranges::count_if(spec.points, [&](const ScatterPoint& p) { return !has_place(p, x, y); }));
-    std::vector<std::string> lines;
-    if (undrawn > 0)
-        lines.push_back(scene::toml::counted(undrawn, "point has no value and is not drawn.",
-                                             "points have no value and are not drawn."));
-    const Canvas notes = image::heading({}, lines, content);
+    const auto undrawn_count = static_cast<int>(
+        std::ranges::count_if(spec.points, [&](const ScatterPoint& p) { return !is_on_axes(p, x, y); }));
+    std::vector<std::string> footnotes;
+    if (undrawn_count > 0)
+        footnotes.push_back(scene::toml::counted(undrawn_count, "point has no value and is not drawn.",
+                                                 "points have no value and are not drawn."));
+    const Canvas notes = image::heading({}, footnotes, content);
 
     PlotFrame frame{image::style::margin + axes.left(), 0, 1, 1, point_margin};
     frame.width = spec.width - image::style::margin - axes.right() - 1 - frame.x;
@@ -212,10 +214,10 @@ Canvas scatter_plot(const ScatterPlotSpec& spec) {
     page.picture(image::style::margin, image::style::margin, head);
     axes.draw_grid(page, frame);
     Scatter scatter(spec, x, y, frame);
-    scatter.points(page, true);
-    scatter.front(page);
-    scatter.points(page, false);
-    scatter.labels(page);
+    scatter.draw_points(page, true);
+    scatter.draw_front(page);
+    scatter.draw_points(page, false);
+    scatter.draw_labels(page);
     axes.draw(page, frame);
     keys.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.below() + image::style::gap);
     page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);

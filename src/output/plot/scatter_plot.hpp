@@ -32,7 +32,7 @@ struct ScatterPlotSpec {
         double x, y;
         bool firm = true;  ///< the line to the next step is solid; otherwise dashed
     };
-    std::vector<Step> front;  ///< x does not fall; each step leads right, then up or down
+    std::vector<Step> front;  ///< x does not fall; the line from a step goes right, then up or down
     struct Key {
         std::string label;
         int marker;

@@ -16,7 +16,7 @@ namespace lostbits::output::repair {
 
 namespace {
 
-/// Words that cannot be names: keywords of C++, and the functions and parameters of the code.
+/// Names that the code must not use: keywords of C++, and the functions and parameters of the code.
 std::set<std::string, std::less<>> reserved_names_of_cpp(const ShapeRow& shape) {
     std::istringstream words(R"(
         o d T W ray tmax wide narrow min max abs matrix sqrt fma near far select square named copysign next_up next_down
@@ -27,23 +27,24 @@ std::set<std::string, std::less<>> reserved_names_of_cpp(const ShapeRow& shape) 
         reinterpret_cast requires return short signed sizeof static static_assert static_cast struct switch template
         this thread_local throw true try typedef typeid typename union unsigned using virtual void volatile wchar_t
         while xor xor_eq)");
-    std::set<std::string, std::less<>> taken{std::istream_iterator<std::string>(words), {}};
-    taken.emplace(shape.name);
-    return taken;
+    std::set<std::string, std::less<>> reserved{std::istream_iterator<std::string>(words), {}};
+    reserved.emplace(shape.name);
+    return reserved;
 }
 
 class CppCode final : public TapeCode {
 public:
-    CppCode(const Tape& tape, const Intersector& form, const CppCode* like = nullptr)
+    CppCode(const Tape& tape, const Intersector& form, const CppCode* reference = nullptr)
         : TapeCode(tape, form, {tape.outputs.hit, tape.outputs.t, tape.outputs.near, tape.outputs.far},
-                   {fmt::format("{}.", row_of(form.shape).name), reserved_names_of_cpp(row_of(form.shape))}, like) {}
+                   {fmt::format("{}.", row_of(form.shape).name), reserved_names_of_cpp(row_of(form.shape))},
+                   reference) {}
 
     [[nodiscard]] std::vector<std::string> lines() const {
-        std::vector<std::string> all = statements();
+        std::vector<std::string> code_lines = statements();
         const auto [hit, t, near, far] = tape_.outputs;
-        all.push_back(fmt::format("return {{{}, {}, {}, {}}};", operand(hit, 0), operand(t, 0), operand(near, 0),
-                                  operand(far, 0)));
-        return all;
+        code_lines.push_back(fmt::format("return {{{}, {}, {}, {}}};", operand(hit, 0), operand(t, 0), operand(near, 0),
+                                         operand(far, 0)));
+        return code_lines;
     }
 
 private:
@@ -52,9 +53,9 @@ private:
     }
     [[nodiscard]] std::string statement(NodeId i) const override {
         const TapeNode& n = tape_[i];
-        const bool decides = is_decision(n.op);
-        const std::string type = decides ? "auto" : is_wide(i) ? "W" : "T";
-        const std::string value = n.label.empty() || decides
+        const bool is_boolean = is_decision(n.op);
+        const std::string type = is_boolean ? "auto" : is_wide(i) ? "W" : "T";
+        const std::string value = n.label.empty() || is_boolean
                                       ? expression(i)
                                       : fmt::format("named({}, {})", file::c_string(n.label), expression(i));
         return fmt::format("const {} {} = {};", type, name(i), value);
@@ -80,7 +81,7 @@ private:
     }
 };
 
-std::string words_of(intersect::Roots roots) {
+std::string name_of_roots(intersect::Roots roots) {
     switch (roots) {
         case intersect::Roots::both: return "both";
         case intersect::Roots::near_only: return "near_only";
@@ -90,48 +91,48 @@ std::string words_of(intersect::Roots roots) {
     return "";
 }
 
-std::string info_of(const intersect::Info& like, const FormTexts& words) {
+std::string info_members(const intersect::Info& info, const FormTexts& texts) {
     using namespace intersect;
     std::string text =
-        fmt::format("        .name = {},\n        .title = {},\n        .source = {},\n", file::c_string(words.name),
-                    file::c_string(words.title), file::c_string(words.source));
-    const auto add = [&](bool differs, const std::string& line) {
-        if (differs) text += "        " + line + ",\n";
+        fmt::format("        .name = {},\n        .title = {},\n        .source = {},\n", file::c_string(texts.name),
+                    file::c_string(texts.title), file::c_string(texts.source));
+    const auto add = [&](bool is_needed, const std::string& line) {
+        if (is_needed) text += "        " + line + ",\n";
     };
-    add(like.direction == Direction::unit, ".direction = Direction::unit");
-    add(like.roots != Roots::both, ".roots = Roots::" + words_of(like.roots));
-    add(like.touching == Touching::miss, ".touching = Touching::miss");
-    add(like.at_origin != AtOrigin::hit,
-        fmt::format(".at_origin = AtOrigin::{}", at_origin_names[static_cast<std::size_t>(like.at_origin)]));
-    add(words.binary32_only, ".formats = Formats::binary32_only");
-    add(like.inside != Inside::usual,
-        fmt::format(".inside = Inside::{}", inside_names[static_cast<std::size_t>(like.inside)]));
-    add(like.facing != Facing::both,
-        fmt::format(".facing = Facing::{}", facing_names[static_cast<std::size_t>(like.facing)]));
-    add(like.endless, ".endless = true");
+    add(info.direction == Direction::unit, ".direction = Direction::unit");
+    add(info.roots != Roots::both, ".roots = Roots::" + name_of_roots(info.roots));
+    add(info.touching == Touching::miss, ".touching = Touching::miss");
+    add(info.at_origin != AtOrigin::hit,
+        fmt::format(".at_origin = AtOrigin::{}", at_origin_names[static_cast<std::size_t>(info.at_origin)]));
+    add(texts.binary32_only, ".formats = Formats::binary32_only");
+    add(info.inside != Inside::usual,
+        fmt::format(".inside = Inside::{}", inside_names[static_cast<std::size_t>(info.inside)]));
+    add(info.facing != Facing::both,
+        fmt::format(".facing = Facing::{}", facing_names[static_cast<std::size_t>(info.facing)]));
+    add(info.endless, ".endless = true");
     return text;
 }
 
 }  // namespace
 
-std::vector<std::string> statements(const Tape& tape, const Intersector& form, const Tape* like) {
-    if (!like) return CppCode(tape, form).lines();
-    const CppCode other(*like, form);
-    return CppCode(tape, form, &other).lines();
+std::vector<std::string> statements(const Tape& tape, const Intersector& form, const Tape* reference) {
+    if (!reference) return CppCode(tape, form).lines();
+    const CppCode reference_code(*reference, form);
+    return CppCode(tape, form, &reference_code).lines();
 }
 
-std::string head_comment(const FormTexts& words) {
+std::string head_comment(const FormTexts& texts) {
     std::string text;
-    for (const std::string& line : words.head) text += "// " + file::line_comment(line) + "\n";
+    for (const std::string& line : texts.head) text += "// " + file::line_comment(line) + "\n";
     return text;
 }
 
 namespace {
 
-/// True for names that the struct cannot have: those of the types in its code, and of macros of the C library, many of
+/// True for names that the struct cannot have: names of the types in its code, and of macros of the C library, many of
 /// which are in capitals.
 bool is_taken(const std::string& type) {
-    static const std::set<std::string, std::less<>> used = [] {
+    static const std::set<std::string, std::less<>> taken_names = [] {
         std::set<std::string, std::less<>> names{"Ray",   "Vec",       "Hit",      "Info",      "Primitive", "Range",
                                                  "Wider", "Direction", "Touching", "AtOrigin",  "Inside",    "Facing",
                                                  "Roots", "Key",       "ShapeRow", "Convention"};
@@ -142,7 +143,7 @@ bool is_taken(const std::string& type) {
         }
         return names;
     }();
-    return used.contains(type) ||
+    return taken_names.contains(type) ||
            std::ranges::none_of(type, [](char c) { return std::islower(static_cast<unsigned char>(c)) != 0; });
 }
 
@@ -150,70 +151,70 @@ bool is_taken(const std::string& type) {
 
 std::string type_name(const std::string& form) {
     std::string name;
-    bool up = true;
+    bool starts_word = true;
     for (const char c : form) {
         if (std::isalnum(static_cast<unsigned char>(c)))
-            name += up ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
-        up = std::isalnum(static_cast<unsigned char>(c)) == 0;
+            name += starts_word ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
+        starts_word = std::isalnum(static_cast<unsigned char>(c)) == 0;
     }
     return is_taken(name) ? name + "_" : name;
 }
 
-std::string form_header(const Tape& tape, const Intersector& like, const FormTexts& words) {
-    const ShapeRow& shape = row_of(like.shape);
+std::string form_header(const Tape& tape, const Intersector& form_row, const FormTexts& texts) {
+    const ShapeRow& shape = row_of(form_row.shape);
     std::string primitive(shape.name);
     primitive.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(primitive.front())));
     std::string body;
-    for (const std::string& line : statements(tape, like)) body += "        " + line + "\n";
+    for (const std::string& line : statements(tape, form_row)) body += "        " + line + "\n";
     std::string matrix;
-    if (like.is_placed)
+    if (form_row.is_placed)
         matrix = "        const auto& [M00, M01, M02, M03, M10, M11, M12, M13, M20, M21, M22, M23] = matrix;\n";
     const auto uses = [&](const char* word) { return body.find(word) != std::string::npos; };
-    std::string ways;
+    std::string conversions;
     if (uses("W"))
-        ways += words.two_words ? "        using W = number::wide::TwoWords<T>;\n"
-                                : "        using W = typename Wider<T>::type;\n";
+        conversions += texts.two_words ? "        using W = number::wide::TwoWords<T>;\n"
+                                       : "        using W = typename Wider<T>::type;\n";
     if (uses("wide("))
-        ways += fmt::format("        const auto wide = [](const T& x) {{ return {}(x); }};\n",
-                            words.two_words ? "W" : "Wider<T>::widen");
+        conversions += fmt::format("        const auto wide = [](const T& x) {{ return {}(x); }};\n",
+                                   texts.two_words ? "W" : "Wider<T>::widen");
     if (uses("narrow("))
-        ways += fmt::format("        const auto narrow = [](const W& x) {{ return {}; }};\n",
-                            words.two_words ? "T(x.hi)" : "Wider<T>::narrow(x)");
+        conversions += fmt::format("        const auto narrow = [](const W& x) {{ return {}; }};\n",
+                                   texts.two_words ? "T(x.hi)" : "Wider<T>::narrow(x)");
     return fmt::format(
         "{}#pragma once\n\n{}#include \"intersect/info.hpp\"\n{}#include \"shapes/{}/{}.hpp\"\n\n"
         "namespace lostbits::intersect::{} {{\n\nstruct {} {{\n    static constexpr Info info{{\n{}    }};\n\n"
         "    template <Number T>\n    static Hit<T> intersect(const Ray<T>& ray, const {}<T>& {}{}{}) {{\n{}"
         "        const Vec<T>&o = ray.origin, &d = ray.direction;\n{}{}    }}\n}};\n\n}}  // namespace "
         "lostbits::intersect::{}\n",
-        head_comment(words), like.is_placed ? "#include <array>\n\n" : "",
-        words.two_words ? "#include \"number/wide/two_words.hpp\"\n" : "", shape.name, shape.name, shape.name,
-        type_name(words.name.substr(words.name.find('.') + 1)), info_of(*like.info, words), primitive, shape.name,
-        like.is_placed ? ", const std::array<T, 12>& matrix" : "", shape.takes_tmax ? ", const T& tmax" : "", ways,
-        matrix, body, shape.name);
+        head_comment(texts), form_row.is_placed ? "#include <array>\n\n" : "",
+        texts.two_words ? "#include \"number/wide/two_words.hpp\"\n" : "", shape.name, shape.name, shape.name,
+        type_name(texts.name.substr(texts.name.find('.') + 1)), info_members(*form_row.info, texts), primitive,
+        shape.name, form_row.is_placed ? ", const std::array<T, 12>& matrix" : "",
+        shape.takes_tmax ? ", const T& tmax" : "", conversions, matrix, body, shape.name);
 }
 
 std::vector<std::string> changed_lines(const std::vector<std::string>& before, const std::vector<std::string>& after) {
-    // common[i][j]: the most lines that before[i..] and after[j..] share, in order
+    // common[i][j]: the largest number of lines that before[i..] and after[j..] share, in order
     std::vector<std::vector<std::size_t>> common(before.size() + 1, std::vector<std::size_t>(after.size() + 1));
     for (std::size_t i = before.size(); i-- > 0;)
         for (std::size_t j = after.size(); j-- > 0;)
             common[i][j] =
                 before[i] == after[j] ? common[i + 1][j + 1] + 1 : std::max(common[i + 1][j], common[i][j + 1]);
-    std::vector<std::string> lines, old, now;
-    const auto write = [&] {
-        for (std::size_t k = 0; k < std::max(old.size(), now.size()); ++k) {
-            if (k < old.size()) lines.push_back("- " + old[k]);
-            if (k < now.size()) lines.push_back("+ " + now[k]);
+    std::vector<std::string> lines, removed, added;
+    const auto write_changes = [&] {
+        for (std::size_t k = 0; k < std::max(removed.size(), added.size()); ++k) {
+            if (k < removed.size()) lines.push_back("- " + removed[k]);
+            if (k < added.size()) lines.push_back("+ " + added[k]);
         }
-        old.clear(), now.clear();
+        removed.clear(), added.clear();
     };
     for (std::size_t i = 0, j = 0; i < before.size() || j < after.size();) {
-        const bool more_before = i < before.size(), more_after = j < after.size();
-        if (more_before && more_after && before[i] == after[j]) write(), ++i, ++j;
-        else if (more_before && (!more_after || common[i + 1][j] >= common[i][j + 1])) old.push_back(before[i++]);
-        else now.push_back(after[j++]);
+        const bool has_before = i < before.size(), has_after = j < after.size();
+        if (has_before && has_after && before[i] == after[j]) write_changes(), ++i, ++j;
+        else if (has_before && (!has_after || common[i + 1][j] >= common[i][j + 1])) removed.push_back(before[i++]);
+        else added.push_back(after[j++]);
     }
-    write();
+    write_changes();
     return lines;
 }
 

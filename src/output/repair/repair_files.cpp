@@ -23,7 +23,7 @@ using table::when;
 
 namespace {
 
-/// Point of a row in the plane of bits and time, or of bits and wider operations.
+/// Point of a row in the plane of bits and time, or of bits and number of wider operations.
 ParetoPoint point_of(const FormRow& row) {
     return {row.price ? row.price->packed.median * 1e9 : static_cast<double>(row.wide), row.quality->wrong_fraction(),
             row.quality->kept_bits};
@@ -40,59 +40,62 @@ int marker_of(const FormRow& row) {
 }  // namespace
 
 std::vector<FormRow> rows_of(const RepairSummary& r) {
-    const auto& m = r.repair;
-    const auto& own = r.request.row;
-    const std::string wider = name_of_wider(m.wider);
-    std::vector<FormRow> rows{
-        {"own", std::string(own.form->info->name), own, m.operations, 0, &m.own, &m.own_held_out, &m.own_probed}};
-    const auto add = [&](const Proposal& p) {
-        if (p.rewritten)
-            return rows.push_back({"rewritten", rules_of(*p.rewritten), own, p.rewritten->operations,
-                                   p.rewritten->set ? p.rewritten->set->operations.size() : 0, p.quality, p.held_out,
-                                   p.probed, rules_of(*p.rewritten)});
-        const std::string name = fmt::format("{} of {} in {}", p.wider->size(), m.operations, wider);
-        rows.push_back({p.symmetric ? "symmetric" : "wider", p.symmetric ? name + ", symmetric" : name, own,
-                        m.operations, p.wider->size(), p.quality, p.held_out, p.probed});
-        rows.back().set = p.wider;
+    const auto& repair = r.repair;
+    const auto& own_row = r.request.row;
+    const std::string wider = name_of_wider(repair.wider);
+    std::vector<FormRow> rows{{"own", std::string(own_row.form->info->name), own_row, repair.operations, 0, &repair.own,
+                               &repair.own_held_out, &repair.own_probed}};
+    const auto add_proposal = [&](const Proposal& proposal) {
+        if (proposal.rewritten)
+            return rows.push_back({"rewritten", rules_of(*proposal.rewritten), own_row, proposal.rewritten->operations,
+                                   proposal.rewritten->set ? proposal.rewritten->set->operations.size() : 0,
+                                   proposal.quality, proposal.held_out, proposal.probed,
+                                   rules_of(*proposal.rewritten)});
+        const std::string name = fmt::format("{} of {} in {}", proposal.wider->size(), repair.operations, wider);
+        rows.push_back({proposal.symmetric ? "symmetric" : "wider", proposal.symmetric ? name + ", symmetric" : name,
+                        own_row, repair.operations, proposal.wider->size(), proposal.quality, proposal.held_out,
+                        proposal.probed});
+        rows.back().set = proposal.wider;
     };
     const auto proposals = proposals_of(r);
     const auto rewritten = std::ranges::find_if(proposals, [](const Proposal& p) { return p.rewritten != nullptr; });
-    std::for_each(proposals.begin(), rewritten, add);
-    rows.push_back({"all_wider", fmt::format("all {} in {}", m.operations, wider), own, m.operations, m.operations,
-                    &m.all, m.set ? nullptr : &m.set_held_out, m.set ? nullptr : &m.set_probed});
-    std::for_each(rewritten, proposals.end(), add);
+    std::for_each(proposals.begin(), rewritten, add_proposal);
+    rows.push_back({"all_wider", fmt::format("all {} in {}", repair.operations, wider), own_row, repair.operations,
+                    repair.operations, &repair.all, repair.set ? nullptr : &repair.set_held_out,
+                    repair.set ? nullptr : &repair.set_probed});
+    std::for_each(rewritten, proposals.end(), add_proposal);
     for (FormRow& row : rows) row.wider = row.wide == 0 ? "" : wider;
-    const std::size_t first = rows.size();
+    const std::size_t first_of_catalogue = rows.size();
     for (std::size_t k = 0; k < r.catalogue.size(); ++k)
         rows.push_back({.kind = "catalogue",
                         .name = std::string(r.catalogue[k].form->info->name),
                         .row = r.catalogue[k],
                         .quality = &r.catalogue_quality[k]});
     for (FormRow& row : rows) row.meets = row.quality->meets(r.request.requirement);
-    std::vector<FormRow*> timed;
+    std::vector<FormRow*> timed_rows;
     std::vector<ParetoPoint> points;
     for (FormRow& row : rows) {
-        if (timed.size() == r.prices.size() || row.kind == "all_wider") continue;
-        row.price = &r.prices[timed.size()];
-        timed.push_back(&row);
+        if (timed_rows.size() == r.prices.size() || row.kind == "all_wider") continue;
+        row.price = &r.prices[timed_rows.size()];
+        timed_rows.push_back(&row);
         points.push_back(point_of(row));
     }
-    const auto beaten = dominated(points);
-    for (std::size_t k = 0; k < timed.size(); ++k) timed[k]->front = !beaten[k];
-    for (std::size_t k = first; k < rows.size(); ++k)
-        rows[k].is_shown = (rows[k].front || k == first) && rows[k].row.form != own.form;
+    const auto is_dominated = dominated(points);
+    for (std::size_t k = 0; k < timed_rows.size(); ++k) timed_rows[k]->front = !is_dominated[k];
+    for (std::size_t k = first_of_catalogue; k < rows.size(); ++k)
+        rows[k].is_shown = (rows[k].front || k == first_of_catalogue) && rows[k].row.form != own_row.form;
     return rows;
 }
 
 std::string change_text(const RepairSummary& r, const FormRow& row) {
-    const RowQuality &was = r.repair.own, &now = *row.quality;
+    const RowQuality &old_quality = r.repair.own, &new_quality = *row.quality;
     const auto& requirement = r.request.requirement;
-    std::string text =
-        fmt::format("{}: {} → {} bits, {}",
-                    row.set ? fmt::format("{} in {}", names_of(r, *row.set), name_of_wider(r.repair.wider)) : row.name,
-                    bits_of(was, requirement), bits_of(now, requirement),
-                    now.wrong == 0 ? "no wrong decision" : fmt::format("{} wrong decisions", now.wrong));
-    if (was.wrong != now.wrong) text += fmt::format(" instead of {}", was.wrong);
+    std::string text = fmt::format(
+        "{}: {} → {} bits, {}",
+        row.set ? fmt::format("{} in {}", names_of(r, *row.set), name_of_wider(r.repair.wider)) : row.name,
+        bits_of(old_quality, requirement), bits_of(new_quality, requirement),
+        new_quality.wrong == 0 ? "no wrong decision" : fmt::format("{} wrong decisions", new_quality.wrong));
+    if (old_quality.wrong != new_quality.wrong) text += fmt::format(" instead of {}", old_quality.wrong);
     if (row.price)
         text += fmt::format(", {:+.2g} ns a ray", (row.price->packed.median - r.prices.front().packed.median) * 1e9);
     return text;
@@ -100,25 +103,27 @@ std::string change_text(const RepairSummary& r, const FormRow& row) {
 
 image::Canvas front_plot(const RepairSummary& r) {
     const auto& requirement = r.request.requirement;
-    const bool timed = !r.prices.empty();
+    const bool is_timed = !r.prices.empty();
     plot::ScatterPlotSpec spec;
-    spec.title = fmt::format("{} against kept bits: {} on {}", timed ? "Time" : "Wider operations",
+    spec.title = fmt::format("{} against kept bits: {} on {}", is_timed ? "Time" : "Wider operations",
                              r.request.row.form->info->name, r.request.id());
     spec.subtitle = {
         fmt::format("Required: {}.", choice::in_words(requirement)),
         "Named: the form, its repairs, and the Pareto front, on which fewer wrong decisions count before more bits." +
-            (timed ? std::string() : " The catalogue: only forms in " + r.request.row.format.name + ".")};
-    if (timed) spec.x = {"time per ray and primitive in packs, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
+            (is_timed ? std::string() : " The catalogue: only forms in " + r.request.row.format.name + ".")};
+    if (is_timed)
+        spec.x = {"time per ray and primitive in packs, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
     else spec.x = {"operations in " + name_of_wider(r.repair.wider), plot::AxisSpec::Scale::linear, 0.0, {}};
     spec.y = {"bits kept", plot::AxisSpec::Scale::linear, {}, {}};
     const std::vector<FormRow> rows = rows_of(r);
     std::vector<speed::FrontPoint> points;
     for (const FormRow& row : rows) {
         const bool is_own = row.kind != "catalogue";
-        // The wider operations inside a form of the catalogue are not counted.
-        const bool has_place =
-            timed ? row.price != nullptr : is_own || measure::choice::computes_in(row.row).name == row.row.format.name;
-        if (!has_place || (!is_own && row.row.form == r.request.row.form)) continue;
+        // The operations inside a form of the catalogue that are already wider are not counted.
+        const bool can_be_drawn = is_timed
+                                      ? row.price != nullptr
+                                      : is_own || measure::choice::computes_in(row.row).name == row.row.format.name;
+        if (!can_be_drawn || (!is_own && row.row.form == r.request.row.form)) continue;
         points.push_back({.row = row.row,
                           .quality = point_of(row),
                           .time = row.price ? std::optional(row.price->packed) : std::nullopt,
@@ -187,19 +192,19 @@ Table<MinimalRow> minimal_table() {
 
 namespace {
 
-/// For each node, its index among the operations on values that are not constant.
+/// For each node, the number of operations up to it on values that are not constant.
 std::vector<int> steps_of(const Tape& tape) {
     std::vector<int> steps;
-    std::vector<bool> constant;
+    std::vector<bool> is_constant;
     int step = 0;
     for (NodeId i = 0; i < tape.size(); ++i) {
         const TapeOp op = tape[i].op;
         const auto operands = tape.operands_of(i);
-        constant.push_back(op == TapeOp::constant ||
-                           (!operands.empty() && std::ranges::all_of(operands, [&](NodeId operand) {
-                               return static_cast<bool>(constant[static_cast<std::size_t>(operand)]);
-                           })));
-        step += !is_given(op) && !constant.back();
+        is_constant.push_back(op == TapeOp::constant ||
+                              (!operands.empty() && std::ranges::all_of(operands, [&](NodeId operand) {
+                                  return static_cast<bool>(is_constant[static_cast<std::size_t>(operand)]);
+                              })));
+        step += !is_given(op) && !is_constant.back();
         steps.push_back(step);
     }
     return steps;
@@ -261,31 +266,32 @@ void RepairFiles::finish(const RepairSummary& r) {
 
 namespace {
 
-FormTexts words_of(const RepairSummary& r, const Proposal& proposal, const std::string& name,
+FormTexts texts_of(const RepairSummary& r, const Proposal& proposal, const std::string& name,
                    const std::string& command) {
-    const auto& m = r.repair;
-    const std::string own(r.request.row.form->info->name), how = method_text(r, proposal);
-    std::vector<std::string> head{fmt::format("{}, {}:", own, how),
-                                  fmt::format("{} on every {} of {}.", choice::in_words(r.request.requirement),
-                                              r.request.scene ? "pixel" : "ray kept", r.request.id()),
-                                  "Made by " + command};
+    const auto& repair = r.repair;
+    const std::string form_name(r.request.row.form->info->name), method = method_text(r, proposal);
+    std::vector<std::string> head_lines{fmt::format("{}, {}:", form_name, method),
+                                        fmt::format("{} on every {} of {}.", choice::in_words(r.request.requirement),
+                                                    r.request.scene ? "pixel" : "ray kept", r.request.id()),
+                                        "Made by " + command};
     if (r.request.row.form->is_placed)
-        head.emplace_back(are_inverses(r.request) ? "The matrix maps from the world to the primitive, row by row."
-                                                  : "The matrix maps from the primitive to the world, row by row.");
+        head_lines.emplace_back(are_inverses(r.request)
+                                    ? "The matrix maps from the world to the primitive, row by row."
+                                    : "The matrix maps from the primitive to the world, row by row.");
     return {.name = name,
-            .title = own + ", " + how,
+            .title = form_name + ", " + method,
             .source = command,
-            .head = std::move(head),
-            .two_words = m.wider != binary64,
-            .binary32_only = m.wider == binary64 && (!proposal.rewritten || proposal.rewritten->set)};
+            .head = std::move(head_lines),
+            .two_words = repair.wider != binary64,
+            .binary32_only = repair.wider == binary64 && (!proposal.rewritten || proposal.rewritten->set)};
 }
 
 }  // namespace
 
 measure::repair::RepairedSource written(const RepairSummary& r, const Proposal& proposal, const std::string& name,
                                         const std::string& command) {
-    const FormTexts words = words_of(r, proposal, "mended." + name, command);
-    return {&proposal.tape, form_header(proposal.tape, *r.request.row.form, words),
+    const FormTexts texts = texts_of(r, proposal, "mended." + name, command);
+    return {&proposal.tape, form_header(proposal.tape, *r.request.row.form, texts),
             fmt::format("lostbits::intersect::{}::{}", row_of(r.request.row.form->shape).name, type_name(name)),
             r.request.row};
 }
@@ -308,10 +314,10 @@ std::string emitted(const RepairSummary& r, const std::filesystem::path& file, c
                                          patch.file, patch.why_not));
         return patch.diff;
     }
-    const bool shader = file.extension() == ".glsl";
-    const FormTexts words = words_of(r, *best, (shader ? "" : "mended.") + file.stem().string(), command);
-    return shader ? shader_code(best->tape, *r.request.row.form, words)
-                  : form_header(best->tape, *r.request.row.form, words);
+    const bool is_shader = file.extension() == ".glsl";
+    const FormTexts texts = texts_of(r, *best, (is_shader ? "" : "mended.") + file.stem().string(), command);
+    return is_shader ? shader_code(best->tape, *r.request.row.form, texts)
+                     : form_header(best->tape, *r.request.row.form, texts);
 }
 
 }  // namespace lostbits::output::repair

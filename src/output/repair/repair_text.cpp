@@ -33,30 +33,31 @@ std::string in_words(const RowQuality& quality, const measure::choice::Requireme
     return fmt::format("{}, {} of {} decided wrongly", bits, quality.wrong, scene::toml::counted(quality.rays, "ray"));
 }
 
-/// `keep 22.1 bits and decide no ray wrongly`, after the subject of the sentence.
-std::string in_a_clause(const RowQuality& quality, const measure::choice::Requirement& requirement) {
-    const std::string kept = std::isnan(quality.kept_bits)
-                                 ? "agree with the truth on no hit"
-                                 : fmt::format("keep {} bits", choice::bits_text_near(quality.kept_bits, requirement));
-    if (quality.wrong == 0) return kept + " and decide no ray wrongly";
-    return fmt::format("{} and decide {} of {} wrongly", kept, quality.wrong,
+/// Predicate of a sentence: `keep 22.1 bits and decide no ray wrongly`.
+std::string as_clause(const RowQuality& quality, const measure::choice::Requirement& requirement) {
+    const std::string predicate =
+        std::isnan(quality.kept_bits)
+            ? "agree with the truth on no hit"
+            : fmt::format("keep {} bits", choice::bits_text_near(quality.kept_bits, requirement));
+    if (quality.wrong == 0) return predicate + " and decide no ray wrongly";
+    return fmt::format("{} and decide {} of {} wrongly", predicate, quality.wrong,
                        scene::toml::counted(quality.rays, "ray"));
 }
 
 std::string margin_text(const GrowthMargin& margin, const RepairSummary& r) {
-    const auto way = measure::choice::growth_names[static_cast<std::size_t>(margin.growth)];
+    const auto growth_name = measure::choice::growth_names[static_cast<std::size_t>(margin.growth)];
     const auto& requirement = r.request.requirement;
     if (margin.holds == 0)
-        return fmt::format("{}: fails already as it is, on a smaller picture: {}", way,
+        return fmt::format("{}: fails already as it is, on a smaller picture: {}", growth_name,
                            in_words(margin.broken, requirement));
-    return fmt::format("{}: holds up to a factor of {:.4g} ({:.6g} {})", way, margin.holds, margin.value,
+    return fmt::format("{}: holds up to a factor of {:.4g} ({:.6g} {})", growth_name, margin.holds, margin.value,
                        margin.growth == measure::choice::Growth::view ? "degrees" : "units of length") +
            choice::margin_end_text(margin, r.request.rays,
                                    fmt::format("; first broken at a factor of {:.4g}: {}", margin.beyond,
                                                in_words(margin.broken, requirement)));
 }
 
-std::string own_is_enough(const RepairSummary& r) {
+std::string unchanged_is_enough_text(const RepairSummary& r) {
     return fmt::format("It meets the requirement as it is: no operation has to be wider.\n{}",
                        r.repair.own_held_out.meets(r.request.requirement)
                            ? ""
@@ -65,8 +66,8 @@ std::string own_is_enough(const RepairSummary& r) {
                                          in_words(r.repair.own_held_out, r.request.requirement)));
 }
 
-/// The change of a proposal: a patch of the user's file if there is one, otherwise lines of the formula.
-std::string change_of(const RepairSummary& r, std::size_t k) {
+/// Text of the change of a proposal: a patch of the user's file if there is one, otherwise lines of the formula.
+std::string change_lines(const RepairSummary& r, std::size_t k) {
     const measure::repair::Patch* const patch = k < r.patches.size() ? &r.patches[k] : nullptr;
     std::string text;
     if (patch == nullptr || patch->diff.empty()) {
@@ -81,17 +82,17 @@ std::string change_of(const RepairSummary& r, std::size_t k) {
     return text;
 }
 
-/// `here`: accuracy on the rays of the search.
-std::string held_out_text(const RepairSummary& r, const RowQuality& here, const RowQuality& held_out) {
-    const auto& m = r.repair;
+/// Accuracy on the rays that the search did not use; `on_searched` is that on the rays of the search.
+std::string held_out_text(const RepairSummary& r, const RowQuality& on_searched, const RowQuality& held_out) {
+    const auto& repair = r.repair;
     const std::string where =
-        r.request.scene ? fmt::format("{}x{} other pixels, which the search did not use", m.held_out_scene.width,
-                                      m.held_out_scene.height)
+        r.request.scene ? fmt::format("{}x{} other pixels, which the search did not use", repair.held_out_scene.width,
+                                      repair.held_out_scene.height)
                         : fmt::format("all {} of the file", scene::toml::counted(r.request.rays->rays, "ray"));
     std::string text =
         fmt::format("  On {}: {}; without the change: {}.\n", where, in_words(held_out, r.request.requirement),
-                    in_words(m.own_held_out, r.request.requirement));
-    if (here.meets(r.request.requirement) && !held_out.meets(r.request.requirement))
+                    in_words(repair.own_held_out, r.request.requirement));
+    if (on_searched.meets(r.request.requirement) && !held_out.meets(r.request.requirement))
         text += fmt::format("  There it does not meet the requirement: it was found for the {} only.\n",
                             r.request.scene ? "pixels of this scene" : "rays that the search kept");
     return text;
@@ -99,49 +100,51 @@ std::string held_out_text(const RepairSummary& r, const RowQuality& here, const 
 
 std::string margins_text(const std::vector<GrowthMargin>& margins, const RepairSummary& r) {
     if (margins.empty()) return "";
-    const auto rays = r.request.scene
-                          ? measure::choice::with_smaller_picture(*r.request.scene, measure::repair::few_rays).pixels()
-                          : r.request.rays->sample.rays.size();
-    std::string text = fmt::format("  How far it holds on {} of the {} as {}:\n", scene::toml::counted(rays, "ray"),
-                                   r.request.scene ? "scene" : "file", r.request.scene ? "it is" : "they are");
+    const auto ray_count =
+        r.request.scene ? measure::choice::with_smaller_picture(*r.request.scene, measure::repair::few_rays).pixels()
+                        : r.request.rays->sample.rays.size();
+    std::string text =
+        fmt::format("  How far it holds on {} of the {} as {}:\n", scene::toml::counted(ray_count, "ray"),
+                    r.request.scene ? "scene" : "file", r.request.scene ? "it is" : "they are");
     for (const GrowthMargin& margin : margins) text += fmt::format("  {}.\n", margin_text(margin, r));
     return text;
 }
 
-/// Rays of a probe on which the form holds, and those on which it fails.
+/// Probes on whose rays the form holds, and those on whose rays it fails.
 std::string probes_text(const RepairSummary& r, const std::vector<RowQuality>& probed) {
     const auto& requirement = r.request.requirement;
     if (r.repair.probes.empty())
         return "  Exchanged axes were not tried: the scene has a sphereflake, a mesh from a file, or more than 1024 "
                "primitives.\n";
     std::vector<std::string> holds;
-    std::vector<std::pair<std::string, std::vector<std::string>>> fails;  // probes with the same worth together
+    std::vector<std::pair<std::string, std::vector<std::string>>> fails;  // by quality, the probes with that quality
     for (std::size_t k = 0; k < probed.size(); ++k) {
-        const std::string words(r.repair.probes[k]->words), quality = in_words(probed[k], requirement);
-        if (probed[k].meets(requirement)) holds.push_back(words);
-        else if (!fails.empty() && fails.back().first == quality) fails.back().second.push_back(words);
-        else fails.push_back({quality, {words}});
+        const std::string probe_text(r.repair.probes[k]->words), quality = in_words(probed[k], requirement);
+        if (probed[k].meets(requirement)) holds.push_back(probe_text);
+        else if (!fails.empty() && fails.back().first == quality) fails.back().second.push_back(probe_text);
+        else fails.push_back({quality, {probe_text}});
     }
     std::string text;
-    const std::string on =
+    const std::string where =
         fmt::format("on {} moved with the primitives", scene::toml::counted(r.repair.probed_rays, "ray"));
-    if (!holds.empty()) text += fmt::format("  It also holds {}: {}.\n", on, fmt::join(holds, "; "));
+    if (!holds.empty()) text += fmt::format("  It also holds {}: {}.\n", where, fmt::join(holds, "; "));
     for (const auto& [quality, probes] : fails)
-        text += fmt::format("  It fails {}: {}: {}.\n", on, fmt::join(probes, "; "), quality);
+        text += fmt::format("  It fails {}: {}: {}.\n", where, fmt::join(probes, "; "), quality);
     return text;
 }
 
 std::string symmetric_set_text(const RepairSummary& r) {
-    const auto& m = r.repair;
+    const auto& repair = r.repair;
     if (proposals_of(r).front().is_symmetric(r)) return "";
-    if (!m.symmetric) return "  It is not symmetric, and no set that treats x, y and z alike was found in its place.\n";
-    const auto& set = *m.symmetric;
+    if (!repair.symmetric)
+        return "  It is not symmetric, and no set that treats x, y and z alike was found in its place.\n";
+    const auto& set = *repair.symmetric;
     std::string text = fmt::format(
         "  It is not symmetric: it was found for the axes as they are.\nWith {} of its {} operations in {}, the same "
         "ones for x, y and z, it keeps {}.\n  They are in: {}.\n",
-        set.operations.size(), m.operations, name_of_wider(m.wider), in_words(set.quality, r.request.requirement),
-        names_of(r, set.operations));
-    text += change_of(r, r.has_set() ? 1 : 0);
+        set.operations.size(), repair.operations, name_of_wider(repair.wider),
+        in_words(set.quality, r.request.requirement), names_of(r, set.operations));
+    text += change_lines(r, r.has_set() ? 1 : 0);
     text += fmt::format("  These are {} of its {} groups of operations that are alike up to an exchange of axes; {}.\n",
                         set.groups, set.all_groups,
                         set.is_smallest ? "no groups with fewer operations are enough (all were tried)"
@@ -151,33 +154,33 @@ std::string symmetric_set_text(const RepairSummary& r) {
 }
 
 std::string wider_set_text(const RepairSummary& r) {
-    const auto& m = r.repair;
+    const auto& repair = r.repair;
     const auto& requirement = r.request.requirement;
-    const std::string wider = name_of_wider(m.wider);
-    const std::size_t n = m.set->operations.size();
+    const std::string wider = name_of_wider(repair.wider);
+    const std::size_t size = repair.set->operations.size();
     std::string text =
-        fmt::format("With {} of its {} operations in {} it keeps {} ({} with all of them).\n", n, m.operations, wider,
-                    in_words(m.set->quality, requirement), in_words(m.all, requirement));
-    text += fmt::format("  They are in: {}.\n", names_of(r, m.set->operations));
-    text += change_of(r, 0);
-    const auto best = std::ranges::min_element(m.set->without, measure::repair::is_more_accurate);
+        fmt::format("With {} of its {} operations in {} it keeps {} ({} with all of them).\n", size, repair.operations,
+                    wider, in_words(repair.set->quality, requirement), in_words(repair.all, requirement));
+    text += fmt::format("  They are in: {}.\n", names_of(r, repair.set->operations));
+    text += change_lines(r, 0);
+    const auto best = std::ranges::min_element(repair.set->without, measure::repair::is_more_accurate);
     text += fmt::format(
         "  No operation can be spared: if any one of the {} is not widened, the requirement fails; the best of these "
         "{} "
         "variants keeps {}.\n",
-        n, n, in_words(*best, requirement));
-    if (m.set->none_of > 0) {
+        size, size, in_words(*best, requirement));
+    if (repair.set->none_of > 0) {
         const std::string sets =
-            m.set->none_of == 1 ? "No operation alone" : fmt::format("No set of {} or fewer", m.set->none_of);
+            repair.set->none_of == 1 ? "No operation alone" : fmt::format("No set of {} or fewer", repair.set->none_of);
         text += fmt::format("  {} is enough (all were tried){}.\n", sets,
-                            m.set->none_of + 1 == n ? ", so this set is one of the smallest"
-                                                    : "; sets of sizes between were not all tried");
+                            repair.set->none_of + 1 == size ? ", so this set is one of the smallest"
+                                                            : "; sets of sizes between were not all tried");
     }
-    return text + held_out_text(r, m.set->quality, m.set_held_out) + probes_text(r, m.set_probed) +
+    return text + held_out_text(r, repair.set->quality, repair.set_held_out) + probes_text(r, repair.set_probed) +
            margins_text(r.margins, r) + symmetric_set_text(r);
 }
 
-/// The form's operations without any rounding, in a sentence or two.
+/// What remains wrong if the form's operations do not round, in a sentence or two.
 std::string obstruction_text(const RepairSummary& r) {
     const auto& requirement = r.request.requirement;
     const auto& [exact, with_unit, off_unit] = *r.repair.obstruction;
@@ -186,69 +189,71 @@ std::string obstruction_text(const RepairSummary& r) {
     if (requirement.bits > r.request.row.format.parameters.precision)
         return fmt::format("  In the way: {} has {} bits. Try a wider format.\n", r.request.row.format.name,
                            r.request.row.format.parameters.precision);
-    std::string without = "without any rounding, its operations " + in_a_clause(exact, requirement);
+    std::string exact_text = "without any rounding, its operations " + as_clause(exact, requirement);
     if (exact.wrong > 0)
-        without += fmt::format(" ({} of these are {})", exact.main_fault_count,
-                               exact.main_fault == measure::answer::Outcome::false_hit ? "false hits" : "missed hits");
+        exact_text +=
+            fmt::format(" ({} of these are {})", exact.main_fault_count,
+                        exact.main_fault == measure::answer::Outcome::false_hit ? "false hits" : "missed hits");
     if (with_unit && !exact.meets(requirement) && measure::repair::is_more_accurate(*with_unit, exact))
         return fmt::format(
             "  In the way: {} assumes directions of length one, but after rounding to {} their lengths differ from one "
             "by up to {:.2g}. "
             "On a sample, {}; with directions of length one to 53 bits, they {}.\n",
-            form.name, r.request.row.format.name, off_unit, without, in_a_clause(*with_unit, requirement));
+            form.name, r.request.row.format.name, off_unit, exact_text, as_clause(*with_unit, requirement));
     if (!exact.meets(requirement))
-        return fmt::format("  In the way: the formula itself, at any precision. On a sample, {}.\n", without);
+        return fmt::format("  In the way: the formula itself, at any precision. On a sample, {}.\n", exact_text);
     return fmt::format("  In the way: more rounding than {} removes. On a sample, {}; a wider format is needed.\n",
-                       name_of_wider(r.repair.wider), without);
+                       name_of_wider(r.repair.wider), exact_text);
 }
 
 std::string rewritten_text(const RepairSummary& r, std::size_t k) {
-    const auto& one = r.repair.rewriting.found[k];
-    const std::string how =
-        one.set ? fmt::format(", {} of it in {},", scene::toml::counted(one.set->operations.size(), "operation"),
-                              name_of_wider(r.repair.wider))
-                : "";
-    std::string text = fmt::format("Written another way{} it keeps {}; {} instead of {}.\n", how,
-                                   in_words(one.quality, r.request.requirement),
-                                   scene::toml::counted(one.operations, "operation"), r.repair.operations);
-    if (!one.quality.meets(r.request.requirement))
-        return text + fmt::format("  That does not meet the requirement. Rules: {}.\n", rules_of(one));
-    std::set<const measure::identity::Rule*> told;
-    for (const measure::identity::Rule* rule : one.rules) {
-        if (!told.insert(rule).second) continue;
+    const auto& rewritten = r.repair.rewriting.found[k];
+    const std::string wider_text =
+        rewritten.set
+            ? fmt::format(", {} of it in {},", scene::toml::counted(rewritten.set->operations.size(), "operation"),
+                          name_of_wider(r.repair.wider))
+            : "";
+    std::string text = fmt::format("Written another way{} it keeps {}; {} instead of {}.\n", wider_text,
+                                   in_words(rewritten.quality, r.request.requirement),
+                                   scene::toml::counted(rewritten.operations, "operation"), r.repair.operations);
+    if (!rewritten.quality.meets(r.request.requirement))
+        return text + fmt::format("  That does not meet the requirement. Rules: {}.\n", rules_of(rewritten));
+    std::set<const measure::identity::Rule*> listed;
+    for (const measure::identity::Rule* rule : rewritten.rules) {
+        if (!listed.insert(rule).second) continue;
         text += fmt::format("  {}: {}{}{}.\n", rule->name, rule->identity, rule->condition.empty() ? "" : "; where ",
                             rule->condition);
     }
-    text += change_of(r, proposals_of(r).size() - r.repair.rewriting.found.size() + k);
-    text += held_out_text(r, one.quality, one.held_out) + probes_text(r, one.probed);
+    text += change_lines(r, proposals_of(r).size() - r.repair.rewriting.found.size() + k);
+    text += held_out_text(r, rewritten.quality, rewritten.held_out) + probes_text(r, rewritten.probed);
     return k < r.rewritten_margins.size() ? text + margins_text(r.rewritten_margins[k], r) : text;
 }
 
-/// `1.2 ns a ray in packs of 512 bits (0.8 times the form's time), 4.1 ns alone (0.9 times)`.
-std::string price_text(const Price& price, const Price& own) {
+/// Times of a form: `1.2 ns a ray in packs of 512 bits (0.8 times the form's time), 4.1 ns alone (0.9 times)`.
+std::string price_text(const Price& price, const Price& form_price) {
     return fmt::format(
         "{:.3g} ns a ray in packs of {} bits ({:.2f} times the form's time), {:.3g} ns alone ({:.2f} times)",
-        price.packed.median * 1e9, price.isa, price.packed.median / own.packed.median, price.single.median * 1e9,
-        price.single.median / own.single.median);
+        price.packed.median * 1e9, price.isa, price.packed.median / form_price.packed.median, price.single.median * 1e9,
+        price.single.median / form_price.single.median);
 }
 
 std::string prices_text(const RepairSummary& r) {
     if (!r.no_price.empty()) return fmt::format("No price: {}\n", r.no_price);
     if (r.prices.empty()) return "";
-    const Price& own = r.prices.front();
+    const Price& form_price = r.prices.front();
     std::string text =
         "These forms were compiled, compared bit by bit with their recorded operations on all rays, and timed (*: no "
         "other "
         "is both as accurate and as fast):\n";
-    std::string rest;
+    std::string other_lines;
     for (const FormRow& row : rows_of(r)) {
         if (!row.price || !row.is_shown) continue;
-        (row.front ? text : rest) +=
+        (row.front ? text : other_lines) +=
             fmt::format("  {}{}: {}; {}.\n", row.front ? "* " : "",
                         row.kind == "wider" ? "in " + name_of_wider(r.repair.wider) : row.name,
-                        in_words(*row.quality, r.request.requirement), price_text(*row.price, own));
+                        in_words(*row.quality, r.request.requirement), price_text(*row.price, form_price));
     }
-    return text + rest;
+    return text + other_lines;
 }
 
 }  // namespace
@@ -262,9 +267,9 @@ std::string operation_text(const RepairSummary& result, NodeId operation) {
     return text_of(result).definition(operation);
 }
 
-std::vector<std::string> changed_lines(const RepairSummary& r, const Tape& now) {
+std::vector<std::string> changed_lines(const RepairSummary& r, const Tape& changed) {
     const auto& form = *r.request.row.form;
-    return changed_lines(statements(r.repair.tape, form), statements(now, form, &r.repair.tape));
+    return changed_lines(statements(r.repair.tape, form), statements(changed, form, &r.repair.tape));
 }
 
 RepairSummary result_of(const measure::repair::RepairRequest& request, const measure::repair::RepairResult& repair) {
@@ -289,18 +294,19 @@ RepairSummary result_of(const measure::repair::RepairRequest& request, const mea
 }
 
 std::vector<Proposal> proposals_of(const RepairSummary& r) {
-    std::vector<Proposal> all;
-    const auto& m = r.repair;
+    std::vector<Proposal> proposals;
+    const auto& repair = r.repair;
     if (r.has_set())
-        all.push_back({with_wider(m, m.set->operations), &m.set->quality, &m.set_held_out, &m.set_probed, nullptr,
-                       &m.set->operations});
-    if (const auto& set = m.symmetric)
-        all.push_back({with_wider(m, set->operations), &set->quality, &set->held_out, &set->probed, nullptr,
-                       &set->operations, true});
-    for (const auto& one : m.rewriting.found)
-        all.push_back({one.tape, &one.quality, &one.held_out, &one.probed, &one, nullptr});
-    for (std::size_t k = 0; k < all.size() && !r.prices.empty(); ++k) all[k].price = &r.prices[k + 1];
-    return all;
+        proposals.push_back({with_wider(repair, repair.set->operations), &repair.set->quality, &repair.set_held_out,
+                             &repair.set_probed, nullptr, &repair.set->operations});
+    if (const auto& set = repair.symmetric)
+        proposals.push_back({with_wider(repair, set->operations), &set->quality, &set->held_out, &set->probed, nullptr,
+                             &set->operations, true});
+    for (const auto& rewritten : repair.rewriting.found)
+        proposals.push_back(
+            {rewritten.tape, &rewritten.quality, &rewritten.held_out, &rewritten.probed, &rewritten, nullptr});
+    for (std::size_t k = 0; k < proposals.size() && !r.prices.empty(); ++k) proposals[k].price = &r.prices[k + 1];
+    return proposals;
 }
 
 bool Proposal::is_symmetric(const RepairSummary& result) const {
@@ -316,8 +322,9 @@ const Proposal* best_of(const std::vector<Proposal>& proposals, const RepairSumm
         return std::pair(!p.is_symmetric(result), p.price ? p.price->packed.median : operations);
     };
     const Proposal* best = nullptr;
-    for (const Proposal& one : proposals)
-        if (one.quality->meets(result.request.requirement) && (!best || rank(one) < rank(*best))) best = &one;
+    for (const Proposal& proposal : proposals)
+        if (proposal.quality->meets(result.request.requirement) && (!best || rank(proposal) < rank(*best)))
+            best = &proposal;
     return best;
 }
 
@@ -328,43 +335,44 @@ std::string rules_of(const measure::repair::Rewritten& rewritten) {
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
-// Each operation by the name of the statement that it belongs to, in order.
+// Names each operation by the statement that it belongs to, in order.
 std::string names_of(const RepairSummary& r, const std::vector<NodeId>& operations) {
     const Tape& tape = r.repair.tape;
     std::vector<std::string> names;
     std::set<std::string> seen;
     for (const NodeId i : operations) {
-        NodeId named = i;
-        // Finds the next named operation that is computed from it, as maps of culprits do.
-        for (NodeId k = i; k < tape.size() && tape[named].label.empty(); ++k) {
+        NodeId owner = i;
+        // Finds the next named operation that uses the result, as maps of culprits do.
+        for (NodeId k = i; k < tape.size() && tape[owner].label.empty(); ++k) {
             const auto& operands = tape[k].operands;
-            if (!is_given(tape[k].op) && std::ranges::find(operands, named) != operands.end()) named = k;
+            if (!is_given(tape[k].op) && std::ranges::find(operands, owner) != operands.end()) owner = k;
         }
-        const std::string name = std::string(tape[named].label.empty() ? "an unnamed operation" : tape[named].label);
+        const std::string name = std::string(tape[owner].label.empty() ? "an unnamed operation" : tape[owner].label);
         if (seen.insert(name).second) names.push_back(name);
     }
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
 std::string method_text(const RepairSummary& r, const Proposal& proposal) {
-    const auto& m = r.repair;
+    const auto& repair = r.repair;
     if (proposal.rewritten) return "written another way: " + rules_of(*proposal.rewritten);
-    return fmt::format("{} of its {} operations in {}{}", proposal.wider->size(), m.operations, name_of_wider(m.wider),
-                       proposal.symmetric ? ", the same ones for x, y and z" : "");
+    return fmt::format("{} of its {} operations in {}{}", proposal.wider->size(), repair.operations,
+                       name_of_wider(repair.wider), proposal.symmetric ? ", the same ones for x, y and z" : "");
 }
 
 std::string in_words(const RepairSummary& r) {
     const auto& requirement = r.request.requirement;
-    const auto& m = r.repair;
+    const auto& repair = r.repair;
     std::string text =
         fmt::format("{}: {}\n{} in {} keeps {}.\n", r.request.id(), choice::in_words(requirement),
-                    r.request.row.form->info->name, r.request.row.format.name, in_words(m.own, requirement));
-    if (!m.set)
+                    r.request.row.form->info->name, r.request.row.format.name, in_words(repair.own, requirement));
+    if (!repair.set)
         text += fmt::format("Even with all of its {} operations in {} it does not meet the requirement: {}.\n{}",
-                            m.operations, name_of_wider(m.wider), in_words(m.all, requirement), obstruction_text(r));
-    else text += m.set->operations.empty() ? own_is_enough(r) : wider_set_text(r);
-    if (m.set && m.set->operations.empty()) text += probes_text(r, m.own_probed);
-    for (std::size_t k = 0; k < m.rewriting.found.size(); ++k) text += rewritten_text(r, k);
+                            repair.operations, name_of_wider(repair.wider), in_words(repair.all, requirement),
+                            obstruction_text(r));
+    else text += repair.set->operations.empty() ? unchanged_is_enough_text(r) : wider_set_text(r);
+    if (repair.set && repair.set->operations.empty()) text += probes_text(r, repair.own_probed);
+    for (std::size_t k = 0; k < repair.rewriting.found.size(); ++k) text += rewritten_text(r, k);
     if (!r.catalogue.empty()) {
         const auto meet =
             std::ranges::count_if(r.catalogue_quality, [&](const RowQuality& w) { return w.meets(requirement); });
@@ -375,7 +383,7 @@ std::string in_words(const RepairSummary& r) {
     }
     text += prices_text(r);
     return text +
-           fmt::format("Tried {} on all {}.\n", scene::toml::counted(m.tried, "candidate"),
+           fmt::format("Tried {} on all {}.\n", scene::toml::counted(repair.tried, "candidate"),
                        scene::toml::counted(
                            r.request.scene ? r.request.scene->pixels() : r.request.rays->sample.rays.size(), "ray"));
 }

@@ -17,7 +17,7 @@ namespace lostbits::output::repair {
 
 namespace {
 
-/// A function that the text may call. The functions that it calls itself are defined before it.
+/// A function that the shader may call. The functions that a helper calls itself are defined before it.
 struct Helper {
     std::string_view name, text;
 };
@@ -130,23 +130,24 @@ constexpr std::array helpers{
 )"},
 };
 
-/// Words that cannot be names: keywords of GLSL that labels might be, parameters, and called functions.
+/// Names that the code must not use: keywords of GLSL that labels might be, parameters, and called functions.
 std::set<std::string, std::less<>> reserved_names_of_glsl(const ShapeRow& shape) {
-    std::set<std::string, std::less<>> taken{
+    std::set<std::string, std::less<>> reserved{
         "o",      "d",      "tmax",    "first",     "abs",      "sqrt",   "and",    "or",     "not",    "half",
         "input",  "output", "sample",  "fixed",     "filter",   "active", "common", "smooth", "flat",   "in",
         "out",    "inout",  "this",    "using",     "volatile", "int",    "uint",   "bool",   "true",   "false",
         "float",  "double", "precise", "invariant", "buffer",   "shared", "static", "extern", "return", "discard",
         "switch", "for",    "while",   "if",        "else",     "do",     "long",   "short",  "const",  "uniform"};
-    for (const Helper& helper : helpers) taken.emplace(helper.name);
-    for (const Key& key : shape.keys) taken.emplace(key.name);
-    return taken;
+    for (const Helper& helper : helpers) reserved.emplace(helper.name);
+    for (const Key& key : shape.keys) reserved.emplace(key.name);
+    return reserved;
 }
 
-/// Name of the function for the name of its file. Reserved are GLSL's own words and functions, names that begin with
-/// gl_, and names with two adjacent underscores; names with lb_ are reserved for the program around a shader.
+/// Name of the function for the name of its file. Names that GLSL reserves get an underscore or a prefix: its own words
+/// and functions, names that begin with gl_, and names with two adjacent underscores. Names with lb_ are reserved for
+/// the program around a shader.
 std::string function_name(const std::string& file, const ShapeRow& shape) {
-    static const std::set<std::string, std::less<>> own = [] {
+    static const std::set<std::string, std::less<>> glsl_words = [] {
         std::istringstream words(R"(
             main void attribute varying centroid patch layout break continue case default subroutine struct lowp
             mediump highp precision coherent readonly writeonly restrict atomic_uint asm class union enum typedef
@@ -164,21 +165,23 @@ std::string function_name(const std::string& file, const ShapeRow& shape) {
     for (const char c : file)
         if (c != '_' || !name.ends_with('_')) name += c;
     if (name.starts_with("gl_") || name.starts_with("lb_")) name.insert(0, "form_");
-    const bool is_taken = own.contains(name) || reserved_names_of_glsl(shape).contains(name);
+    const bool is_taken = glsl_words.contains(name) || reserved_names_of_glsl(shape).contains(name);
     return is_taken && !name.ends_with('_') ? name + "_" : name;
 }
 
 class ShaderCode final : public TapeCode {
 public:
-    ShaderCode(const Tape& tape, const Intersector& form, bool tells_t)
-        : TapeCode(tape, form, tells_t ? std::vector{tape.outputs.hit, tape.outputs.t} : std::vector{tape.outputs.hit},
+    ShaderCode(const Tape& tape, const Intersector& form, bool has_t)
+        : TapeCode(tape, form, has_t ? std::vector{tape.outputs.hit, tape.outputs.t} : std::vector{tape.outputs.hit},
                    {"", reserved_names_of_glsl(row_of(form.shape))}) {}
 
 private:
     [[nodiscard]] bool is_pair(NodeId i) const { return tape_.format_of(i).precision == 48; }
     [[nodiscard]] bool is_double(NodeId i) const { return tape_.format_of(i) == binary64; }
-    /// The operand whose format is that of the operation.
-    [[nodiscard]] NodeId number_of(NodeId i) const { return tape_[i].operands[tape_[i].op == TapeOp::select ? 1 : 0]; }
+    /// Operand whose format is that of the operation.
+    [[nodiscard]] NodeId typed_operand(NodeId i) const {
+        return tape_[i].operands[tape_[i].op == TapeOp::select ? 1 : 0];
+    }
 
     [[nodiscard]] std::string statement(NodeId i) const override {
         const char* const type = is_decision(tape_[i].op) ? "bool"
@@ -193,31 +196,32 @@ private:
     }
     [[nodiscard]] int binding(NodeId i) const override {
         const TapeNode& n = tape_[i];
-        const bool of_two = (n.op == TapeOp::min || n.op == TapeOp::max) && is_pair(i);
-        if (n.op == TapeOp::select || of_two) return -1;
+        const bool is_pair_choice = (n.op == TapeOp::min || n.op == TapeOp::max) && is_pair(i);
+        if (n.op == TapeOp::select || is_pair_choice) return -1;
         return n.op == TapeOp::convert ? 4 : measure::attribution::text_of(n.op).binds.level;
     }
     [[nodiscard]] std::string expression(NodeId i) const override {
         const TapeNode& n = tape_[i];
         if (n.op == TapeOp::any) return operand(n.operands[0], 0);
-        const bool logic = kind_of(n.op) == OperationKind::logic;
+        const bool is_logic = kind_of(n.op) == OperationKind::logic;
         return measure::attribution::filled(
-            logic ? measure::attribution::text_of(n.op).c.text : pattern(i),
-            [&](std::size_t k, int binds) { return operand(n.operands[k], logic || is_comparison(n.op) ? 1 : binds); });
+            is_logic ? measure::attribution::text_of(n.op).c.text : pattern(i), [&](std::size_t k, int binds) {
+                return operand(n.operands[k], is_logic || is_comparison(n.op) ? 1 : binds);
+            });
     }
     [[nodiscard]] std::string_view pattern(NodeId i) const {
         const TapeOp op = tape_[i].op;
         if (op == TapeOp::convert) return conversion(i);
-        const NodeId from = number_of(i);
+        const NodeId typed_node = typed_operand(i);
         if (op == TapeOp::select) return "$1:1 ? $2 : $3";
-        if (is_pair(from)) return of_pairs(op);
+        if (is_pair(typed_node)) return pair_pattern(op);
         switch (op) {
             case TapeOp::add: return "$1:1 + $2:2";
-            case TapeOp::min: return is_double(from) ? "least_of_doubles($1, $2)" : "least($1, $2)";
-            case TapeOp::max: return is_double(from) ? "most_of_doubles($1, $2)" : "most($1, $2)";
-            case TapeOp::fma: return is_double(from) ? missing("an fma of doubles") : "fused($1, $2, $3)";
+            case TapeOp::min: return is_double(typed_node) ? "least_of_doubles($1, $2)" : "least($1, $2)";
+            case TapeOp::max: return is_double(typed_node) ? "most_of_doubles($1, $2)" : "most($1, $2)";
+            case TapeOp::fma: return is_double(typed_node) ? missing("an fma of doubles") : "fused($1, $2, $3)";
             case TapeOp::copysign:
-                return is_double(from) ? missing("the sign of a double on another") : "with_sign($1, $2)";
+                return is_double(typed_node) ? missing("the sign of a double on another") : "with_sign($1, $2)";
             case TapeOp::next_up:
             case TapeOp::next_down: return missing("the number next to another");
             default: return measure::attribution::text_of(op).plain.text;
@@ -228,7 +232,7 @@ private:
         if (is_double(i)) return "double($1)";
         return is_pair(tape_[i].operands[0]) ? "$1:4.x" : "float($1)";
     }
-    static std::string_view of_pairs(TapeOp op) {
+    static std::string_view pair_pattern(TapeOp op) {
         switch (op) {
             case TapeOp::add: return "plus($1, $2)";
             case TapeOp::sub: return "plus($1, -$2:3)";
@@ -261,56 +265,57 @@ std::string parameters_of(const ShapeRow& shape) {
 }
 
 /// Properties of the function for the external intersector that reads the shader.
-std::string contract_of(const intersect::Info& like, const FormTexts& words) {
+std::string contract_of(const intersect::Info& info, const FormTexts& texts) {
     using namespace intersect;
     std::string text = fmt::format(
-        "direction={} touching={} at_origin={} inside={}", like.direction == Direction::unit ? "unit" : "any",
-        like.touching == Touching::miss ? "miss" : "hit", at_origin_names[static_cast<std::size_t>(like.at_origin)],
-        inside_names[static_cast<std::size_t>(like.inside)]);
-    if (like.roots != Roots::none) text += like.roots == Roots::near_only ? " roots=near" : " roots=first";
-    if (like.facing != Facing::both)
-        text += fmt::format(" facing={}", facing_names[static_cast<std::size_t>(like.facing)]);
-    if (like.endless) text += " flags=no_end";
-    std::string title = file::line_comment(words.title);
+        "direction={} touching={} at_origin={} inside={}", info.direction == Direction::unit ? "unit" : "any",
+        info.touching == Touching::miss ? "miss" : "hit", at_origin_names[static_cast<std::size_t>(info.at_origin)],
+        inside_names[static_cast<std::size_t>(info.inside)]);
+    if (info.roots != Roots::none) text += info.roots == Roots::near_only ? " roots=near" : " roots=first";
+    if (info.facing != Facing::both)
+        text += fmt::format(" facing={}", facing_names[static_cast<std::size_t>(info.facing)]);
+    if (info.endless) text += " flags=no_end";
+    std::string title = file::line_comment(texts.title);
     std::ranges::replace(title, '"',
                          '\'');  // quotation marks hold the words of a value together, and nothing escapes one
     return fmt::format("// lostbits: {}\n// lostbits: title=\"{}\"\n", text, title);
 }
 
-/// The comment at the top, without the mark after which `--shader` reads properties of the function.
-std::string head_without_mark(const FormTexts& words) {
-    std::string head = head_comment(words);
+/// Comment at the top, without the mark after which `--shader` reads properties of the function.
+std::string head_without_mark(const FormTexts& texts) {
+    std::string head = head_comment(texts);
     const std::string mark = "lostbits:";
-    for (std::size_t at = 0; (at = head.find(mark, at)) != std::string::npos; at += mark.size())
-        head.insert(at + mark.size() - 1, " ");
+    for (std::size_t position = 0; (position = head.find(mark, position)) != std::string::npos; position += mark.size())
+        head.insert(position + mark.size() - 1, " ");
     return head;
 }
 
 }  // namespace
 
-std::string shader_code(const Tape& tape, const Intersector& like, const FormTexts& words) {
+std::string shader_code(const Tape& tape, const Intersector& form, const FormTexts& texts) {
     if (tape.format_of(tape.outputs.t) != binary32)
         throw InputError("a shader computes in floats; repair the form in f32, or write it as C++ (--emit NAME.hpp)");
-    const bool tells_t = like.info->roots != intersect::Roots::none;
-    const ShaderCode code(tape, like, tells_t);
+    const bool has_t = form.info->roots != intersect::Roots::none;
+    const ShaderCode code(tape, form, has_t);
     std::string body;
     for (const std::string& line : code.statements()) body += "    " + line + "\n";
-    if (tells_t) body += fmt::format("    first = {};\n", code.operand(tape.outputs.t, 0));
+    if (has_t) body += fmt::format("    first = {};\n", code.operand(tape.outputs.t, 0));
     body += fmt::format("    return {};\n", code.operand(tape.outputs.hit, 0));
     std::string functions;
     for (auto helper = helpers.rbegin(); helper != helpers.rend(); ++helper) {
         const std::string call = fmt::format("{}(", helper->name);
-        const auto calls = [&call](const std::string& text) {
-            for (std::size_t at = text.find(call); at != std::string::npos; at = text.find(call, at + 1))
-                if (std::string_view(" (-!").find(text[at - 1]) != std::string_view::npos) return true;
+        const auto is_called_in = [&call](const std::string& text) {
+            for (std::size_t position = text.find(call); position != std::string::npos;
+                 position = text.find(call, position + 1))
+                if (std::string_view(" (-!").find(text[position - 1]) != std::string_view::npos) return true;
             return false;
         };
-        if (calls(body) || calls(functions)) functions = std::string(helper->text) + "\n" + functions;
+        if (is_called_in(body) || is_called_in(functions)) functions = std::string(helper->text) + "\n" + functions;
     }
-    const std::string name = function_name(words.name, row_of(like.shape));
-    return fmt::format("{}{}\n{}bool {}(vec3 o, vec3 d{}{}) {{\n{}}}\n", head_without_mark(words),
-                       contract_of(*like.info, words), functions, name, parameters_of(row_of(like.shape)),
-                       tells_t ? ", out float first" : "", body);
+    const std::string name = function_name(texts.name, row_of(form.shape));
+    return fmt::format("{}{}\n{}bool {}(vec3 o, vec3 d{}{}) {{\n{}}}\n", head_without_mark(texts),
+                       contract_of(*form.info, texts), functions, name, parameters_of(row_of(form.shape)),
+                       has_t ? ", out float first" : "", body);
 }
 
 }  // namespace lostbits::output::repair

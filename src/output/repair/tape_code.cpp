@@ -14,7 +14,7 @@ namespace lostbits::output::repair {
 namespace {
 
 /// Largest number of characters of an expression that is written inside another one.
-constexpr std::size_t short_enough = 56;
+constexpr std::size_t most_inlined_characters = 56;
 
 }  // namespace
 
@@ -24,24 +24,24 @@ std::vector<std::string> input_names_of(const Intersector& form) {
     return intersect::table::input_names(form, intersect::Target<double>(primitive));
 }
 
-TapeCode::TapeCode(const Tape& tape, const Intersector& form, std::vector<NodeId> wanted, LanguageNames language,
-                   const TapeCode* like)
+TapeCode::TapeCode(const Tape& tape, const Intersector& form, std::vector<NodeId> outputs, LanguageNames language,
+                   const TapeCode* reference)
     : tape_(tape),
-      wanted_(std::move(wanted)),
-      slice_(tape, wanted_),
+      outputs_(std::move(outputs)),
+      slice_(tape, outputs_),
       language_(std::move(language)),
-      own_(tape.format_of(tape.outputs.t)),
+      own_format_(tape.format_of(tape.outputs.t)),
       inputs_(input_names_of(form)),
       primitive_numbers_(row_of(form.shape).numbers) {
-    name_all(like);
+    assign_names(reference);
     choose_inlined();
 }
 
 std::vector<std::string> TapeCode::statements() const {
-    std::vector<std::string> all;
+    std::vector<std::string> lines;
     for (NodeId i = 0; i < tape_.size(); ++i)
-        if (slice_.needs(i) && !is_given(tape_[i].op) && !is_inlined(i)) all.push_back(statement(i));
-    return all;
+        if (slice_.needs(i) && !is_given(tape_[i].op) && !is_inlined(i)) lines.push_back(statement(i));
+    return lines;
 }
 
 std::string TapeCode::operand(NodeId i, int binds) const {
@@ -53,23 +53,23 @@ std::string TapeCode::operand(NodeId i, int binds) const {
 }
 
 std::string TapeCode::identifier(std::string_view label) const {
-    std::string id;
+    std::string result;
     for (const char c : label) {
-        if (c == '\'') id += "_prime";
+        if (c == '\'') result += "_prime";
         else if (c == '^') continue;
-        else if (std::isalnum(static_cast<unsigned char>(c))) id += c;
-        else if (!id.ends_with('_')) id += '_';  // GLSL reserves names that contain two in a row
+        else if (std::isalnum(static_cast<unsigned char>(c))) result += c;
+        else if (!result.ends_with('_')) result += '_';  // GLSL reserves names with two adjacent underscores
     }
-    if (id.empty() || std::isdigit(static_cast<unsigned char>(id.front()))) id.insert(0, "x");
-    return language_.reserved.contains(id) ? id + "_" : id;
+    if (result.empty() || std::isdigit(static_cast<unsigned char>(result.front()))) result.insert(0, "x");
+    return language_.reserved.contains(result) ? result + "_" : result;
 }
 
-// Conversions get no names, so the names of other operations do not depend on which of them are wider.
-void TapeCode::name_all(const TapeCode* like) {
+// Conversions get no names, so the names of other operations do not depend on which operations are wider.
+void TapeCode::assign_names(const TapeCode* reference) {
     const auto first_of_matrix = static_cast<NodeId>(6 + primitive_numbers_);
     std::set<std::string> used;
-    if (like)
-        for (const auto& [text, names] : like->known_) used.insert(names.begin(), names.end());
+    if (reference)
+        for (const auto& [key, names] : reference->names_by_key_) used.insert(names.begin(), names.end());
     for (NodeId i = 0; i < tape_.size(); ++i) {
         const TapeNode& n = tape_[i];
         std::string name;
@@ -78,87 +78,91 @@ void TapeCode::name_all(const TapeCode* like) {
             if (name == "ray.tmax") name = "tmax";
             else if (n.operands[0] >= 6 && n.operands[0] < first_of_matrix) name.insert(0, language_.primitive);
         } else if (n.op != TapeOp::constant && n.op != TapeOp::convert) {
-            name = new_name(n, like, used);
+            name = name_operation(n, reference, used);
         }
         names_.push_back(std::move(name));
         first_names_.resize(names_.size(), names_.back());
     }
 }
 
-std::string TapeCode::new_name(const TapeNode& n, const TapeCode* like, std::set<std::string>& used) {
-    const std::string given = !n.label.empty() ? identifier(n.label) : of_inputs(n), text = text_of(n);
-    std::string name = given;
-    if (std::vector<std::string>& alike = known_[text]; given.empty()) {
-        const auto there = like ? like->known_.find(text) : known_.end();
-        if (like && there != like->known_.end() && there->second.size() > alike.size())
-            name = there->second[alike.size()];
+std::string TapeCode::name_operation(const TapeNode& n, const TapeCode* reference, std::set<std::string>& used) {
+    const std::string own_name = !n.label.empty() ? identifier(n.label) : input_difference_name(n), key = key_of(n);
+    std::string name = own_name;
+    if (std::vector<std::string>& equal_names = names_by_key_[key]; own_name.empty()) {
+        const auto reference_names = reference ? reference->names_by_key_.find(key) : names_by_key_.end();
+        if (reference && reference_names != reference->names_by_key_.end() &&
+            reference_names->second.size() > equal_names.size())
+            name = reference_names->second[equal_names.size()];
         while (name.empty()) {
             name = fmt::format("{}{}", is_decision(n.op) ? "m" : "s", ++unnamed_);
             if (!used.insert(name).second) name.clear();
         }
-        alike.push_back(name);
+        equal_names.push_back(name);
     } else {
-        const char* const between = std::isdigit(static_cast<unsigned char>(given.back())) != 0 ? "_" : "";
-        for (int again = 2; !used.insert(name).second; ++again) name = fmt::format("{}{}{}", given, between, again);
+        const char* const separator = std::isdigit(static_cast<unsigned char>(own_name.back())) != 0 ? "_" : "";
+        for (int repetition = 2; !used.insert(name).second; ++repetition)
+            name = fmt::format("{}{}{}", own_name, separator, repetition);
     }
-    first_names_.push_back(given.empty() ? known_[text].front() : name);
+    first_names_.push_back(own_name.empty() ? names_by_key_[key].front() : name);
     return name;
 }
 
-std::string TapeCode::text_of(const TapeNode& n) const {
+std::string TapeCode::key_of(const TapeNode& n) const {
     std::string text(name_of(n.op));
     for (NodeId operand : n.operands) {
         if (operand == no_node) continue;
         if (tape_[operand].op == TapeOp::convert) operand = tape_[operand].operands[0];
-        const bool whole = tape_[operand].op == TapeOp::constant;
-        text += " " + (whole ? fmt::format("{}", tape_[operand].operands[0])
-                             : first_names_[static_cast<std::size_t>(operand)]);
+        const bool is_constant = tape_[operand].op == TapeOp::constant;
+        text += " " + (is_constant ? fmt::format("{}", tape_[operand].operands[0])
+                                   : first_names_[static_cast<std::size_t>(operand)]);
     }
     return text;
 }
 
-std::string TapeCode::of_inputs(const TapeNode& n) const {
+std::string TapeCode::input_difference_name(const TapeNode& n) const {
     if (n.op != TapeOp::sub) return "";
-    std::array<std::string, 2> of;
+    std::array<std::string, 2> names;
     for (std::size_t k = 0; k < 2; ++k) {
-        const TapeNode* from = &tape_[n.operands[k]];
-        if (from->op == TapeOp::convert) from = &tape_[from->operands[0]];
-        if (from->op != TapeOp::input) return "";
-        of[k] = inputs_.at(static_cast<std::size_t>(from->operands[0]));
+        const TapeNode* operand = &tape_[n.operands[k]];
+        if (operand->op == TapeOp::convert) operand = &tape_[operand->operands[0]];
+        if (operand->op != TapeOp::input) return "";
+        names[k] = inputs_.at(static_cast<std::size_t>(operand->operands[0]));
     }
-    const auto dot = of[0].find('.');
-    if (dot == std::string::npos || !of[1].ends_with(of[0].substr(dot))) return "";
-    return fmt::format("{}_minus_{}_{}", of[0].substr(0, dot), of[1].substr(0, of[1].find('.')), of[0].substr(dot + 1));
+    const auto dot = names[0].find('.');
+    if (dot == std::string::npos || !names[1].ends_with(names[0].substr(dot))) return "";
+    return fmt::format("{}_minus_{}_{}", names[0].substr(0, dot), names[1].substr(0, names[1].find('.')),
+                       names[0].substr(dot + 1));
 }
 
 int TapeCode::uses(NodeId i) const {
-    int all = 0;
+    int count = 0;
     for (NodeId k = i + 1; k < tape_.size(); ++k) {
         if (!slice_.needs(k) || is_given(tape_[k].op)) continue;
         for (const NodeId operand : tape_[k].operands) {
-            if (operand == i) all += tape_[k].op == TapeOp::convert ? uses(k) : 1;
+            if (operand == i) count += tape_[k].op == TapeOp::convert ? uses(k) : 1;
         }
     }
-    for (const NodeId out : wanted_)
-        if (out == i) ++all;
-    return all;
+    for (const NodeId output : outputs_)
+        if (output == i) ++count;
+    return count;
 }
 
-// Chooses the expressions that are written inside others. Lengths leave out types and conversions, so the choice does
-// not depend on which operations are wider.
+// Chooses the expressions that are written inside others. Lengths do not include types and conversions, so the choice
+// does not depend on which operations are wider.
 void TapeCode::choose_inlined() {
     std::vector<std::size_t> length;
     for (NodeId i = 0; i < tape_.size(); ++i) {
         const TapeNode& n = tape_[i];
-        std::size_t all = is_given(n.op) ? std::max(name(i).size(), std::size_t{4}) : 0;
+        std::size_t characters = is_given(n.op) ? std::max(name(i).size(), std::size_t{4}) : 0;
         for (const NodeId operand : n.operands) {
             if (is_given(n.op) || operand == no_node) continue;
-            all += length[static_cast<std::size_t>(operand)] + (n.op == TapeOp::convert ? 0 : 3);
+            characters += length[static_cast<std::size_t>(operand)] + (n.op == TapeOp::convert ? 0 : 3);
         }
-        const bool alone = is_given(n.op) || n.op == TapeOp::convert;
-        const bool within = n.label.empty() && all <= short_enough && uses(i) == 1 && of_inputs(n).empty();
-        inlined_.push_back(alone || within);
-        length.push_back(inlined_.back() ? all : name(i).size());
+        const bool needs_no_statement = is_given(n.op) || n.op == TapeOp::convert;
+        const bool fits_inside = n.label.empty() && characters <= most_inlined_characters && uses(i) == 1 &&
+                                 input_difference_name(n).empty();
+        inlined_.push_back(needs_no_statement || fits_inside);
+        length.push_back(inlined_.back() ? characters : name(i).size());
     }
 }
 

@@ -1,4 +1,4 @@
-// A tape as statements of any language: operations with statements of their own, and their names.
+// Writes a tape as statements of any language: decides which operations have statements of their own, and their names.
 #pragma once
 
 #include <map>
@@ -15,9 +15,9 @@ namespace lostbits::output::repair {
 
 using intersect::table::Intersector;
 
-/// Names of the numbers of the primitive in a language, and words that cannot be names there.
+/// Prefix of the numbers of the primitive in a language, and names that the code must not use there.
 struct LanguageNames {
-    std::string primitive;  ///< prefix of `centre.x`
+    std::string primitive;  ///< prefix of names such as `centre.x`
     std::set<std::string, std::less<>> reserved;
 };
 
@@ -32,14 +32,14 @@ public:
 
     /// Statements of the operations that are not written inside another expression, in order.
     [[nodiscard]] std::vector<std::string> statements() const;
-    /// Node i as an operand, in parentheses if it binds less tightly.
+    /// Node i as an operand, in parentheses if its expression binds less tightly than `binds`.
     [[nodiscard]] std::string operand(NodeId i, int binds) const;
 
 protected:
-    /// Code for whatever `wanted` is computed from. `like`: operations without a name of their own have the names that
-    /// they have there.
-    TapeCode(const Tape& tape, const Intersector& form, std::vector<NodeId> wanted, LanguageNames language,
-             const TapeCode* like = nullptr);
+    /// Code for everything that `outputs` are computed from. Operations without a name of their own have the names of
+    /// the equal operations in `reference`.
+    TapeCode(const Tape& tape, const Intersector& form, std::vector<NodeId> outputs, LanguageNames language,
+             const TapeCode* reference = nullptr);
 
     [[nodiscard]] virtual std::string statement(NodeId i) const = 0;
     [[nodiscard]] virtual std::string expression(NodeId i) const = 0;
@@ -47,32 +47,32 @@ protected:
     /// Precedence of the node's expression.
     [[nodiscard]] virtual int binding(NodeId i) const = 0;
 
-    [[nodiscard]] bool is_wide(NodeId i) const { return tape_.format_of(i) != own_; }
+    [[nodiscard]] bool is_wide(NodeId i) const { return tape_.format_of(i) != own_format_; }
     [[nodiscard]] const std::string& name(NodeId i) const { return names_[static_cast<std::size_t>(i)]; }
 
     const Tape& tape_;
 
 private:
-    void name_all(const TapeCode* like);
-    std::string new_name(const TapeNode& n, const TapeCode* like, std::set<std::string>& used);
-    /// The operation and the names of its operands, as a key.
-    [[nodiscard]] std::string text_of(const TapeNode& n) const;
-    /// `o_minus_centre_x` for `o.x - centre.x`.
-    [[nodiscard]] std::string of_inputs(const TapeNode& n) const;
+    void assign_names(const TapeCode* reference);
+    std::string name_operation(const TapeNode& n, const TapeCode* reference, std::set<std::string>& used);
+    /// Key of an operation: its name and the names of its operands.
+    [[nodiscard]] std::string key_of(const TapeNode& n) const;
+    /// Name of a difference of two inputs: `o_minus_centre_x` for `o.x - centre.x`; empty for other operations.
+    [[nodiscard]] std::string input_difference_name(const TapeNode& n) const;
     [[nodiscard]] std::string identifier(std::string_view label) const;
-    /// Number of operations that use a result. A conversion counts as the uses of what it converts.
+    /// Number of operations that use a result. A conversion counts as often as its own result is used.
     [[nodiscard]] int uses(NodeId i) const;
     [[nodiscard]] bool is_inlined(NodeId i) const { return inlined_[static_cast<std::size_t>(i)]; }
     void choose_inlined();
 
-    std::vector<NodeId> wanted_;
+    std::vector<NodeId> outputs_;
     attribution::TapeSlice slice_;
     LanguageNames language_;
-    FloatFormat own_;
+    FloatFormat own_format_;
     std::vector<std::string> inputs_, names_;
-    std::size_t primitive_numbers_;  ///< inputs after the ray; the matrix follows
-    /// Names of operations without a label, by their key; the first is that of equal operations.
-    std::map<std::string, std::vector<std::string>> known_;
+    std::size_t primitive_numbers_;  ///< number of inputs after the ray; those of the matrix follow
+    /// Names of operations without a label, by their key; equal operations are called by the first name.
+    std::map<std::string, std::vector<std::string>> names_by_key_;
     std::vector<std::string> first_names_;
     int unnamed_ = 0;
     std::vector<bool> inlined_;

@@ -368,11 +368,11 @@ TEST_CASE("a margin that is not known to a factor of two is left out", "[margin]
 }
 
 TEST_CASE("whether a change within u changes a decision is found or proved", "[margin]") {
-    using measure::stability::is_turned_within;
+    using measure::stability::changes_within;
     const Ray<double> ray{{0, 0, 0}, {0, 0, 1}};
     const Sphere<double> grazed{{1 - 0x1p-20, 0, 4}, 1};  // margin 2^-21
-    CHECK(is_turned_within(0x1p-24, ray, grazed, CountedChange::decision) == false);
-    CHECK(is_turned_within(0x1p-20, ray, grazed, CountedChange::decision) == true);
+    CHECK(changes_within(0x1p-24, ray, grazed, CountedChange::decision) == false);
+    CHECK(changes_within(0x1p-20, ray, grazed, CountedChange::decision) == true);
 }
 
 TEST_CASE("the margin of a ray that misses several primitives is the nearest one's", "[margin]") {

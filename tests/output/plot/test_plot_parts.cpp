@@ -55,23 +55,23 @@ TEST_CASE("ticks are round values at their positions", "[plot]") {
     CHECK(range.position(std::exp2(15)) == 0.5);
     CHECK(range.ticks(8)[1].position == Approx(4.0 / 30));
     CHECK(range.position(inf) == 1);
-    CHECK_FALSE(range.has_place(0));
-    CHECK_FALSE(range.has_place(no_value));
+    CHECK_FALSE(range.can_show(0));
+    CHECK_FALSE(range.can_show(no_value));
 }
 
 TEST_CASE("on a log axis 0 has a position below the low end, and times are decimals", "[plot]") {
     using Scale = AxisSpec::Scale;
     using Labels = std::vector<std::string>;
     const AxisRange shares({"", Scale::log10, 1e-3, 1.0, true}, {0, 0.5});
-    CHECK(shares.has_place(0));
-    CHECK_FALSE(shares.has_place(-1e-9));
-    CHECK_FALSE(shares.has_place(no_value));
+    CHECK(shares.can_show(0));
+    CHECK_FALSE(shares.can_show(-1e-9));
+    CHECK_FALSE(shares.can_show(no_value));
     CHECK(shares.position(0) == 0);
     // The first miss of a thousand rays is visible: well above zero.
     CHECK(shares.position(1e-3) > 0.05);
     CHECK(shares.position(1) == 1);
     CHECK(labels(shares, 8) == Labels{"0", "10^-3", "10^-2", "10^-1", "10^0"});
-    CHECK_FALSE(AxisRange({"", Scale::log10, 1e-3, 1.0}, {}).has_place(0));
+    CHECK_FALSE(AxisRange({"", Scale::log10, 1e-3, 1.0}, {}).can_show(0));
     // The ends follow from what is positive.
     CHECK(AxisRange({"", Scale::log10, {}, {}, true}, {0, 0.01, 1}).position(0.01) == Approx(shares.position(1e-3)));
 
