@@ -81,7 +81,7 @@ bool is_wrong(const std::string& name) {
 /// Number of a row in a column; NaN if there is none.
 double number_of(const CsvTable& table, std::size_t row, std::string_view name) {
     const CsvColumn* const column = table.find(name);
-    return column == nullptr ? std::nan("") : number_in(column->cells[row]);
+    return column == nullptr ? std::nan("") : cell_number(column->cells[row]);
 }
 
 /// Bounds on the number of true hits of a row. An answer that is not a number, or not proved, does not show if the ray
@@ -121,7 +121,7 @@ RowVerdict judge_rows(const std::vector<ColumnPair>& pairs, const RowPair& rows,
         const bool decisions = is_wrong(x->name), lost = x->name == "lost_bits_p99";
         if (!decisions && !lost) continue;
         (decisions ? verdict.by_decisions : verdict.by_bits) = true;
-        const double before = number_in(x->cells[rows.r]), after = number_in(y->cells[rows.q]);
+        const double before = cell_number(x->cells[rows.r]), after = cell_number(y->cells[rows.q]);
         if (decisions && before > 0) wrongly += before;
         const bool differs = judge_cells(x->cells[rows.r], y->cells[rows.q], tolerance, false).differs;
         if (!differs && (!shares || tolerance != nullptr)) continue;
@@ -213,7 +213,7 @@ RowChanges compare_rows(const CsvTable& a, const CsvTable& b, const std::string&
     for (const CsvColumn* key : key_columns(a)) keys.insert(key);
     for (const CsvColumn& column : a.columns) {
         found.names.push_back(column.name);
-        if (ignores(options, column.name) || keys.contains(&column)) continue;
+        if (is_ignored(options, column.name) || keys.contains(&column)) continue;
         const CsvColumn* const other = b.find(column.name);
         if (other != nullptr) pairs.push_back({&column, other, tolerance_of(column.name, options)});
         else found.columns.push_back(fmt::format("{}column {} is missing in the second", subject, column.name));
@@ -221,7 +221,7 @@ RowChanges compare_rows(const CsvTable& a, const CsvTable& b, const std::string&
     for (const CsvColumn& column : b.columns) {
         if (a.find(column.name) != nullptr) continue;
         found.names.push_back(column.name);
-        if (!ignores(options, column.name))
+        if (!is_ignored(options, column.name))
             found.columns.push_back(fmt::format("{}column {} is added in the second", subject, column.name));
     }
     const KeyedRows left = keyed(a, of_a), right = keyed(b, of_b);
