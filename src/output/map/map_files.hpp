@@ -34,13 +34,13 @@ struct MapFilesOptions {
     std::optional<BarRange> range = {};  ///< for every colour bar; absent: what fits each format
     pixel::KeepPiece keep = {};          ///< receives the pieces of a shard
     std::string by = {};                 ///< column whose values group the rays; empty: none
-    /// If set, the only file: the sheet of lost bits, and nothing else is drawn. Its legend leaves out correct hits
-    /// without a value.
+    /// If set, the path of the only file: the sheet of lost bits. Nothing else is drawn, and the legend leaves out
+    /// correct hits without a value.
     std::filesystem::path sheet_alone = {};
 };
 
-/// Opens every file of a map at once, before any work. Takes the bands of its rows, and gives all files their final
-/// names in `finish`. If it is destroyed without `finish`, nothing has a final name.
+/// Opens every file of a map at once, before any work. Receives the bands of all series, and gives all files their
+/// final names in `finish`. If the object is destroyed without `finish`, no file gets its final name.
 class MapFiles {
 public:
     MapFiles(const MapStudy& request, const MapFilesOptions& options);
@@ -48,7 +48,7 @@ public:
     MapFiles(const MapFiles&) = delete;
     MapFiles& operator=(const MapFiles&) = delete;
 
-    /// Returns the function that takes the bands of the request's rows.
+    /// Returns the function that receives the bands of the request's rows.
     [[nodiscard]] measure::evaluate::ShowRows show();
     /// Writes the next piece of a row, which another run kept.
     void put(std::size_t row, pixel::Piece&& piece);
