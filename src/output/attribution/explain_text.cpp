@@ -35,7 +35,9 @@ std::string inputs_block(const Explanation& x) {
         return fmt::format("  {:<{}} = {:<22} {}{}\n", x.names[i], width, file::hex(x.inputs[i]),
                            file::decimal(x.inputs[i]), suffix);
     };
-    const auto end_kind = [](bool open) { return open ? " (open: a surface there does not count)" : " (closed)"; };
+    const auto end_kind = [](bool is_open) {
+        return is_open ? " (open: a surface there does not count)" : " (closed)";
+    };
     for (std::size_t i = 0; i < x.inputs.size(); ++i) {
         if (x.names[i] == "ray.tmin") begin_line = line(i, end_kind(x.range.open.tmin));
         else if (x.names[i] == "ray.tmax")
@@ -75,13 +77,13 @@ std::string table_line(const Explanation& x, const OperationRow& row) {
            "\n";
 }
 
-std::string table(const Explanation& x, const OperationView& view, bool all) {
+std::string table(const Explanation& x, const OperationView& view, bool show_all) {
     const int width = digits_of(x.format.parameters) + 6;
     std::string text = padded("  operation", widest_expression) +
                        fmt::format(" {:>{}} {:>{}} {:>10} {:<16} {:>6} {:>14} {:>15}\n", "computed", width,
                                    "without rounding", width, "error, ulp", "bits cancelled", "local", "own error, ulp",
                                    fmt::format("share of {}, ulp", view.subject()));
-    const OperationTable operations = operation_table(x, view, all);
+    const OperationTable operations = operation_table(x, view, show_all);
     if (operations.first > 0)
         text +=
             fmt::format("  ({} of earlier samples: --verbose)\n", scene::toml::counted(operations.first, "operation"));
@@ -202,10 +204,10 @@ namespace {
 
 /// Phrase for what the envelope perturbs: the numbers of the problem as it is stored, before any step of the form.
 std::string perturbation_phrase(const Explanation& x) {
-    const bool placed = x.form->of(x.shape).is_placed;
+    const bool is_placed = x.form->of(x.shape).is_placed;
     if (x.is_generated_ray) return "half an ulp in each number of the ideal ray and of the primitive";
-    return placed ? "half an ulp in each number of ray, primitive and matrix as the world stores them"
-                  : "half an ulp in each input";
+    return is_placed ? "half an ulp in each number of ray, primitive and matrix as the world stores them"
+                     : "half an ulp in each input";
 }
 
 std::string condition_phrase(double condition) {
@@ -221,8 +223,8 @@ bool another_does_better(const Explanation& x) {
 
 /// Text for a loss within the envelope. The envelope does not bound other forms on the same exact numbers.
 std::string within_envelope(const Explanation& x) {
-    const bool placed = x.form->of(x.shape).is_placed;
-    const char* const losing_part = placed               ? "transform and form lose"
+    const bool is_placed = x.form->of(x.shape).is_placed;
+    const char* const losing_part = is_placed            ? "transform and form lose"
                                     : x.is_generated_ray ? "making the ray and the form lose"
                                                          : "the formula loses";
     const char* const others_hint = another_does_better(x) ? " Other forms do better (see below)." : "";
@@ -231,7 +233,7 @@ std::string within_envelope(const Explanation& x) {
         return fmt::format("; {} no more than that.{}", losing_part, others_hint);
     return fmt::format(
         "; {} is ill-conditioned in {}, and {} no more. The inputs are exact: wider arithmetic on them helps.{}",
-        placed ? "as the world stores it the problem" : "the problem", x.format.name, losing_part, others_hint);
+        is_placed ? "as the world stores it the problem" : "the problem", x.format.name, losing_part, others_hint);
 }
 
 }  // namespace
@@ -255,7 +257,7 @@ std::string envelope_sentence(const Explanation& x) {
     return envelope + fmt::format("; the formula loses the other {:.1f} bits.", x.excess());
 }
 
-std::string explain_text(const Explanation& x, bool all, const std::optional<MarchEnd>& march) {
+std::string explain_text(const Explanation& x, bool show_all, const std::optional<MarchEnd>& march) {
     std::string text = fmt::format("{} in {}: {}\n\n", x.form->info->name, x.format.name, x.form->info->title);
     text += verdict_of(x, march).text() + better_sentences(x) + "\n";
     // The line of a function's source is quoted for an operation that is not to blame, too, if its result is not
@@ -290,7 +292,7 @@ std::string explain_text(const Explanation& x, bool all, const std::optional<Mar
     if (!x.has_tape()) return text;
     const OperationView view(x);
     if (march) text += march_samples(*march, x.format) + "\n";
-    text += table(x, view, all) +
+    text += table(x, view, show_all) +
             fmt::format(
                 "\n{}- marks operations that do not lead to the answer. Operations that only choose a branch have no "
                 "share. local: "

@@ -42,10 +42,10 @@ ExplainedVerdict verdict_of(const Explanation& x, const std::optional<MarchEnd>&
 std::string better_sentences(const Explanation& x);
 
 /// The verdict, the forms that do better, the inputs, the samples of a march, and the table of operations with the
-/// culprit marked. `all` shows every operation. Otherwise the table shows the operations that the answer is computed
-/// from and that round, cancel or have a name, and the operations that a shown row refers to. Operations of earlier
-/// samples of a march show only their values.
-std::string explain_text(const Explanation& x, bool all, const std::optional<MarchEnd>& march = {});
+/// culprit marked. `show_all` shows every operation. Otherwise the table shows the operations that the answer is
+/// computed from and that round, cancel or have a name, and the operations that a shown row refers to. Operations of
+/// earlier samples of a march show only their values.
+std::string explain_text(const Explanation& x, bool show_all, const std::optional<MarchEnd>& march = {});
 
 /// Text below the table, one sentence per line: the sum of the contributions, the part of the error that is not due to
 /// rounding, and the decisions that rounding changed.

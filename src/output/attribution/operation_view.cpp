@@ -80,9 +80,9 @@ std::string OperationView::cancellation(NodeId i) const {
     return bits == 0 ? "" : fmt::format("{} {}", bits, of(i).carried ? "catastrophic" : "benign");
 }
 
-bool OperationView::is_shown(NodeId i, bool all) const {
+bool OperationView::is_shown(NodeId i, bool show_all) const {
     const TapeNode& n = x_.tape[i];
-    if (all) return is_operation(n.op);
+    if (show_all) return is_operation(n.op);
     if (!is_operation(n.op) || !of(i).live) return false;
     return !n.label.empty() || of(i).rounding != 0 || of(i).cancelled > 1 || i == x_.attribution.culprit;
 }
@@ -144,22 +144,22 @@ OperationRow table_row(const Explanation& x, const OperationView& view, NodeId i
     return row;
 }
 
-/// The first node that the table shows. Without `all`, the table of a march begins with the last samples.
-NodeId first_shown(const Explanation& x, bool all) {
+/// The first node that the table shows. Without `show_all`, the table of a march begins with the last samples.
+NodeId first_shown(const Explanation& x, bool show_all) {
     const auto& samples = x.tape.samples;
-    return all || samples.size() < 3 ? 0 : static_cast<NodeId>(samples[samples.size() - 3]);
+    return show_all || samples.size() < 3 ? 0 : static_cast<NodeId>(samples[samples.size() - 3]);
 }
 
 }  // namespace
 
-OperationTable operation_table(const Explanation& x, const OperationView& view, bool all) {
-    OperationTable table{.first = first_shown(x, all)};
+OperationTable operation_table(const Explanation& x, const OperationView& view, bool show_all) {
+    OperationTable table{.first = first_shown(x, show_all)};
     // A row can name other operations, and each of them needs a row too. The last operations are visited first.
     std::vector<bool> has_row(x.tape.nodes.size()), has_errors(x.tape.nodes.size());
     for (NodeId i = x.tape.size() - 1; i >= 0; --i) {
         const auto index = static_cast<std::size_t>(i);
         has_errors[index] =
-            i == culprit_operation(x) || (i >= table.first && (has_row[index] || view.is_shown(i, all)));
+            i == culprit_operation(x) || (i >= table.first && (has_row[index] || view.is_shown(i, show_all)));
         has_row[index] = has_row[index] || has_errors[index];
         if (!has_errors[index]) continue;
         for (const NodeId named : view.named_in(i)) has_row[static_cast<std::size_t>(named)] = true;

@@ -40,7 +40,7 @@ public:
     /// for operations that only t is computed from.
     [[nodiscard]] bool is_on_way(NodeId i) const { return on_way_[static_cast<std::size_t>(i)]; }
     /// True if the table has a row for the operation.
-    [[nodiscard]] bool is_shown(NodeId i, bool all) const;
+    [[nodiscard]] bool is_shown(NodeId i, bool show_all) const;
     /// Operations that the expression of operation i refers to by name.
     [[nodiscard]] std::vector<NodeId> named_in(NodeId i) const;
     /// Ulp of the subject.
@@ -83,7 +83,7 @@ struct OperationTable {
     NodeId first = 0;
     std::vector<OperationRow> rows = {};
 };
-OperationTable operation_table(const Explanation& x, const OperationView& view, bool all);
+OperationTable operation_table(const Explanation& x, const OperationView& view, bool show_all);
 
 /// Number of digits that tell numbers of a format apart.
 int digits_of(const FloatFormat& format);

@@ -52,20 +52,20 @@ std::string outcome_sentence(const Explanation& x) {
 
 /// `beyond tmax = 3.9`, `before tmin = 5`; for a hit at the end itself, `at tmax = 4` with the reason why it is
 /// outside.
-std::string outside_phrase(double t, const char* relation, const char* name, double end, bool open) {
+std::string outside_phrase(double t, const char* relation, const char* name, double end, bool is_open) {
     if (t != end) return fmt::format("{} {} = {}", relation, name, number_phrase(end));
     return fmt::format("at {} = {}, {}", name, number_phrase(end),
-                       open ? "which is open" : "where touching is not a hit");
+                       is_open ? "which is open" : "where touching is not a hit");
 }
 
 /// For a ray that misses only because of its range: a sentence on where it would hit. Empty for other rays.
 std::string range_sentence(const Explanation& x) {
     std::vector<std::string> clauses;
     const auto add = [&](const std::optional<double>& t, const char* relation, const char* name, double end,
-                         bool open) {
+                         bool is_open) {
         if (t)
             clauses.push_back(
-                fmt::format("at t = {} lies {}", number_phrase(*t), outside_phrase(*t, relation, name, end, open)));
+                fmt::format("at t = {} lies {}", number_phrase(*t), outside_phrase(*t, relation, name, end, is_open)));
     };
     add(x.before_begin, "before", "tmin", x.range.tmin, x.range.open.tmin);
     add(x.beyond_end, "beyond", "tmax", x.range.tmax, x.range.open.tmax);
@@ -143,9 +143,9 @@ std::string march_sentence(const Explanation& x, const MarchEnd& march) {
 
 /// The cause of the loss. `envelope_sentence` weighs the problem against the formula; for a march it may be neither.
 std::string cause_sentence(const Explanation& x, const std::optional<MarchEnd>& march) {
-    const bool stopped =
+    const bool stopped_short =
         x.result.outcome == Outcome::agree_hit && is_mostly_not_rounding(x) && x.excess() >= worth_saying;
-    if (march && (stopped || x.result.outcome == Outcome::false_miss)) {
+    if (march && (stopped_short || x.result.outcome == Outcome::false_miss)) {
         const std::string sentence = march_sentence(x, *march);
         if (!sentence.empty()) return sentence;
     }

@@ -247,11 +247,11 @@ std::string margin_end_text(const GrowthMargin& margin, const measure::choice::F
     return ", the largest change that was tried";
 }
 
-std::string bits_text_near(double kept, const Requirement& requirement) {
+std::string bits_text_near(double kept_bits, const Requirement& requirement) {
     std::string text;
     for (int digits = 1; digits <= 9; ++digits) {
-        text = file::kept_text(kept, digits);
-        if ((file::number_in(text).value_or(kept) < requirement.bits) == (kept < requirement.bits)) break;
+        text = file::kept_text(kept_bits, digits);
+        if ((file::number_in(text).value_or(kept_bits) < requirement.bits) == (kept_bits < requirement.bits)) break;
     }
     return text;
 }

@@ -57,7 +57,7 @@ void compare_samples(const std::string& name, const std::vector<Sample>& a, cons
 }
 
 /// Records different sizes. Returns true if the sizes are the same; only then can pixels be compared.
-bool check_sizes(const auto& a, const auto& b, Ledger& ledger) {
+bool sizes_agree(const auto& a, const auto& b, Ledger& ledger) {
     if (a.width == b.width && a.height == b.height) return true;
     ledger.add(0, [&] { return fmt::format("size: {}x{} != {}x{}", a.width, a.height, b.width, b.height); });
     return false;
@@ -68,7 +68,7 @@ bool check_sizes(const auto& a, const auto& b, Ledger& ledger) {
 Comparison compare(const ExrImage& a, const ExrImage& b, const CompareOptions& options) {
     Ledger ledger{options, {}};
     compare_attributes(a, b, ledger);
-    const bool has_same_size = check_sizes(a, b, ledger);
+    const bool has_same_size = sizes_agree(a, b, ledger);
     for (const ExrChannel& channel : a.channels) {
         ledger.result.names.push_back(channel.name);
         if (is_ignored(ledger.options, channel.name)) continue;
@@ -149,7 +149,7 @@ Comparison compare_exr(const std::filesystem::path& a, const std::filesystem::pa
 
 Comparison compare(const image::PngImage& a, const image::PngImage& b, const CompareOptions& options) {
     Ledger ledger{options, {}};
-    if (!check_sizes(a, b, ledger)) return ledger.result;
+    if (!sizes_agree(a, b, ledger)) return ledger.result;
     ColumnDifference& column = ledger.result.columns.emplace_back();
     column.name = "pixel";
     for (std::size_t i = 0; i < a.pixels.size(); ++i) {

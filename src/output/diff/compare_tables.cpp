@@ -43,15 +43,15 @@ std::vector<bool> longest_increasing(const std::vector<std::size_t>& numbers) {
 }
 
 /// A column that both tables have, in table a and in table b.
-struct ColumnPair {
+struct MatchedColumns {
     const CsvColumn *a, *b;
     const Tolerance* tolerance;
     bool as_text;
 };
 
 /// Records the differences of the headers and returns the columns of both, in the first table's order.
-std::vector<ColumnPair> match_headers(const CsvTable& a, const CsvTable& b, Ledger& ledger) {
-    std::vector<ColumnPair> pairs;
+std::vector<MatchedColumns> match_headers(const CsvTable& a, const CsvTable& b, Ledger& ledger) {
+    std::vector<MatchedColumns> pairs;
     std::vector<std::size_t> indices_in_b;
     for (const CsvColumn& column : a.columns) {
         ledger.result.names.push_back(column.name);
@@ -126,7 +126,7 @@ Comparison compare(const CsvTable& a, const CsvTable& b, const CompareOptions& o
     const auto row_prefix = [&](std::size_t r) {
         return rows.id_column == nullptr ? "" : in_quotes(rows.id_column->cells[r]) + ": ";
     };
-    for (const ColumnPair& p : pairs) ledger.result.columns.emplace_back().name = p.a->name;
+    for (const MatchedColumns& p : pairs) ledger.result.columns.emplace_back().name = p.a->name;
     ledger.result.rows = rows.pairs.size();
     for (const auto& [r, q] : rows.pairs) {
         const std::uint64_t count_before = ledger.result.count;

@@ -57,7 +57,7 @@ struct ColumnDifference {
     std::string name;
     std::uint64_t count = 0;  ///< number of cells or samples that differ
     std::uint64_t not_finite =
-        0;             ///< those of them where a number meets NaN, infinity, nothing or text, or two of these meet
+        0;             ///< differing pairs with a NaN, an infinity, a missing value or a text, but not two texts
     Largest absolute;  ///< largest |a − b| over all pairs of unequal finite numbers, tolerated or not
     Largest relative;  ///< largest |a − b| / max(|a|, |b|) over the same pairs
 };
@@ -108,7 +108,7 @@ struct PixelField {
     std::vector<double> lost;           ///< lost bits; NaN unless the outcome is an agreed hit
 };
 
-/// Reads `FORM.FORMAT.csv` in the folder of a map, or the part of that name in its EXR; nothing if neither exists.
+/// Reads `FORM.FORMAT.csv` in the folder of a map, or the part FORM.FORMAT of its EXR; nothing if neither exists.
 /// Throws InputError if the file is not one that a map writes.
 [[nodiscard]] std::optional<PixelField> read_pixels(const std::filesystem::path& folder, const std::string& row);
 

@@ -32,10 +32,10 @@ PixelField pixels_of_table(const std::filesystem::path& path) {
                                  *const outcome = table.find("outcome"), *const lost = table.find("lost_bits");
     if (x == nullptr || y == nullptr || outcome == nullptr || lost == nullptr || table.rows() == 0)
         refuse(path, "it does not have the columns x, y, outcome and lost_bits of a map's pixels");
-    const auto number_of = [](std::string_view cell) { return file::read_cell(cell).approximate(); };
+    const auto parsed_number = [](std::string_view cell) { return file::read_cell(cell).approximate(); };
     PixelField field;
-    field.width = static_cast<int>(number_of(x->cells.back())) + 1;
-    field.height = static_cast<int>(number_of(y->cells.back())) + 1;
+    field.width = static_cast<int>(parsed_number(x->cells.back())) + 1;
+    field.height = static_cast<int>(parsed_number(y->cells.back())) + 1;
     if (static_cast<std::size_t>(field.width) * static_cast<std::size_t>(field.height) != table.rows())
         refuse(path, "it does not hold every pixel of a picture, row by row");
     for (std::size_t r = 0; r < table.rows(); ++r) {
@@ -43,7 +43,7 @@ PixelField pixels_of_table(const std::filesystem::path& path) {
         if (found == outcome_names.end()) refuse(path, "it has an unknown outcome");
         field.outcome.push_back(static_cast<std::uint8_t>(found - outcome_names.begin()));
         // Rounded as in an EXR, so that both give the same picture.
-        const double bits = lost->cells[r].empty() ? missing : number_of(lost->cells[r]);
+        const double bits = lost->cells[r].empty() ? missing : parsed_number(lost->cells[r]);
         field.lost.push_back(static_cast<double>(static_cast<float>(bits)));
     }
     return field;

@@ -98,7 +98,7 @@ std::pair<double, double> true_hits(const CsvTable& table, std::size_t row) {
     return {smallest, smallest + count("crack", 0) + count("not_a_number", 0) + count("unresolved", 0)};
 }
 
-/// A row of each table with the same key.
+/// Two rows with the same key, one of each table.
 struct RowPair {
     const CsvTable &a, &b;
     std::size_t r, q;

@@ -10,8 +10,8 @@
 
 namespace lostbits::output::diff {
 
-/// Rows of a table to compare, and the columns that pair them: by default all rows, paired by every column of their
-/// key. If two forms are compared with each other, it is the rows of one form, paired by the other columns of the key.
+/// Rows of a table to compare, and the columns that pair them. By default: all rows, paired by every column of their
+/// key. If two forms are compared with each other: the rows of one form, paired by the other columns of the key.
 struct RowChoice {
     std::string form;  ///< empty: the rows of every form, and the form is part of the key
 };

@@ -180,9 +180,9 @@ void AtomicFile::abandon() noexcept {
     slot_ = nullptr;
 }
 
-void AtomicFile::fail(const char* what, int error_number) {
+void AtomicFile::fail(const char* failure, int error_number) {
     abandon();
-    refuse(path_, what, error_number);
+    refuse(path_, failure, error_number);
 }
 
 void AtomicFile::flush() {

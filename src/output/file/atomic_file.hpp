@@ -64,7 +64,7 @@ public:
 private:
     void flush();
     void abandon() noexcept;
-    [[noreturn]] void fail(const char* what, int error_number);
+    [[noreturn]] void fail(const char* failure, int error_number);
 
     std::filesystem::path path_;   // for messages
     std::filesystem::path final_;  // links resolved

@@ -21,10 +21,10 @@ Overloaded(F...) -> Overloaded<F...>;
 /// True for a decimal or a C hexadecimal float, with or without a sign.
 bool is_number(std::string_view text) {
     if (text.starts_with('+') || text.starts_with('-')) text.remove_prefix(1);
-    const bool hexadecimal = text.starts_with("0x");
-    if (hexadecimal) text.remove_prefix(2);
+    const bool is_hexadecimal = text.starts_with("0x");
+    if (is_hexadecimal) text.remove_prefix(2);
     double value = 0;
-    const auto format = hexadecimal ? std::chars_format::hex : std::chars_format::general;
+    const auto format = is_hexadecimal ? std::chars_format::hex : std::chars_format::general;
     const char* const end = text.data() + text.size();
     return !text.empty() && text.front() != '-' && std::from_chars(text.data(), end, value, format).ptr == end;
 }

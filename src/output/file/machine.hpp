@@ -28,23 +28,23 @@ inline std::uint64_t number_after(const char* path, const std::string& key, std:
 }
 
 /// Bytes of memory that this process may still take: the least of the free memory, the limit of the control group and
-/// that of RLIMIT_AS (`ulimit -v`), as far as the system reports them.
+/// the limit of RLIMIT_AS (`ulimit -v`), as far as the system reports them.
 inline std::uint64_t free_memory() {
     constexpr auto unlimited = std::numeric_limits<std::uint64_t>::max();
     const auto kib = number_after("/proc/meminfo", "MemAvailable:", unlimited / 1024);
-    std::uint64_t free = kib * 1024;
+    std::uint64_t available = kib * 1024;
     std::ifstream group_limit("/sys/fs/cgroup/memory.max"), group_usage("/sys/fs/cgroup/memory.current");
     std::uint64_t limit_bytes = 0, used_bytes = 0;
     if (group_limit >> limit_bytes && group_usage >> used_bytes)
-        free = std::min(free, limit_bytes > used_bytes ? limit_bytes - used_bytes : 0);
+        available = std::min(available, limit_bytes > used_bytes ? limit_bytes - used_bytes : 0);
     rlimit limit{};
     if (::getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
         std::uint64_t pages = 0;
         std::ifstream("/proc/self/statm") >> pages;
         const auto used = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-        free = std::min<std::uint64_t>(free, limit.rlim_cur > used ? limit.rlim_cur - used : 0);
+        available = std::min<std::uint64_t>(available, limit.rlim_cur > used ? limit.rlim_cur - used : 0);
     }
-    return free;
+    return available;
 }
 
 /// Number of bytes as text: `1.5 GB`.
@@ -61,9 +61,9 @@ inline std::string bytes_text(std::uint64_t bytes) {
 /// Throws EnvironmentError if this machine has less than `bytes` of memory left. The message begins with `subject` and
 /// ends with `remedy`.
 inline void require_memory(std::uint64_t bytes, const std::string& subject, const std::string& remedy) {
-    const std::uint64_t free = free_memory();
-    if (bytes <= free) return;
-    throw EnvironmentError(subject + ": needs " + bytes_text(bytes) + " of memory, but only " + bytes_text(free) +
+    const std::uint64_t available = free_memory();
+    if (bytes <= available) return;
+    throw EnvironmentError(subject + ": needs " + bytes_text(bytes) + " of memory, but only " + bytes_text(available) +
                            " is free; " + remedy);
 }
 

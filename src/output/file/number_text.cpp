@@ -56,10 +56,10 @@ std::string hex(double value) {
     return (std::signbit(value) ? "-0x" : "0x") + std::string(text, end);
 }
 
-std::string enumerated(const std::vector<std::string>& words) {
+std::string enumerated(const std::vector<std::string>& items) {
     std::string text;
-    for (std::size_t k = 0; k < words.size(); ++k)
-        text += (k == 0 ? "" : k + 1 == words.size() ? " and " : ", ") + words[k];
+    for (std::size_t k = 0; k < items.size(); ++k)
+        text += (k == 0 ? "" : k + 1 == items.size() ? " and " : ", ") + items[k];
     return text;
 }
 

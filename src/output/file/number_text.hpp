@@ -35,7 +35,7 @@ template <class Numbers>
 }
 
 /// A list of words: `a, b and c`.
-[[nodiscard]] std::string enumerated(const std::vector<std::string>& words);
+[[nodiscard]] std::string enumerated(const std::vector<std::string>& items);
 
 /// Reads a number that `decimal` or `hex` wrote, in every locale. Returns nothing for any other text, and for a number
 /// outside the range of a double.

@@ -212,10 +212,10 @@ std::vector<ContactSheet::FormGroup> ContactSheet::columns_of(std::span<const st
     std::vector<FormGroup> columns;
     for (std::size_t position = 0; position < spec_.forms.size(); ++position) {
         const std::size_t form = order.empty() ? position : order[position];
-        const auto column = std::ranges::find_if(
+        const auto shared = std::ranges::find_if(
             columns, [&](const FormGroup& column) { return spec_.collapses && are_alike(column.front(), form); });
-        if (column == columns.end()) columns.push_back({form});
-        else column->push_back(form);
+        if (shared == columns.end()) columns.push_back({form});
+        else shared->push_back(form);
     }
     return columns;
 }

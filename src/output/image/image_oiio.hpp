@@ -1,5 +1,5 @@
-// Parts shared by the files of the image module; no other part of the program includes it. It also checks what an EXR
-// file must hold before the library reads it, because the library allocates memory for whatever a header claims.
+// Parts shared by the files of the image module; no other part of the program includes it. The header also checks what
+// an EXR file must hold before the library reads it, because the library allocates memory for whatever a header claims.
 // Layout: https://openexr.com/en/latest/OpenEXRFileLayout.html.
 #pragma once
 

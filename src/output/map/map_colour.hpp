@@ -53,7 +53,7 @@ private:
 image::Rgb8 pixel_colour(const image::ColourScale& scale, Outcome outcome, double value);
 
 /// True if the problem explains a loss: bits are lost, and less than one bit lies beyond the envelope.
-inline bool inside_envelope(double lost, double excess) { return lost >= 1 && excess < 1; }
+inline bool is_inside_envelope(double lost, double excess) { return lost >= 1 && excess < 1; }
 /// A paler colour, half of it page. It marks a loss that the problem causes, and not the form.
 image::Rgb8 paler(image::Rgb8 colour);
 inline constexpr const char* paler_means = "paler colour: half an ulp in each input would cost as much";
@@ -79,10 +79,10 @@ public:
     [[nodiscard]] image::Rgb8 colour(Outcome outcome, double value) const {
         return look_.colour(pixel(outcome, value));
     }
-    /// Categories of the picture: first those with a value (several, or one on the ramp), then the outcomes, with
-    /// correct hits without a value last, then everything else without a value. `of_mesh` names the outcomes of meshes
-    /// too.
-    [[nodiscard]] pixel::Look look(bool of_mesh) const;
+    /// Categories of the picture: first those with a value (several, or one on the ramp), then the
+    /// outcomes, with correct hits without a value last, then everything else without a value. `has_mesh` names the
+    /// outcomes of meshes too.
+    [[nodiscard]] pixel::Look look(bool has_mesh) const;
     /// Value of one pixel of the picture.
     [[nodiscard]] pixel::PixelValue pixel(Outcome outcome, double value) const;
     /// Index of an outcome among the categories.
@@ -91,8 +91,8 @@ public:
         return value_categories_ + (k == 0 ? image::outcome_colours.size() : k) - 1;
     }
 
-    /// Meaning of the colours in one line, for one format or, if `several`, for a sheet of several formats.
-    [[nodiscard]] std::string note(bool several = false) const;
+    /// Meaning of the colours in one line, for one format, or for a sheet if `has_several_formats`.
+    [[nodiscard]] std::string note(bool has_several_formats = false) const;
     /// Meaning of `p99` in a glance, for a sheet; empty if no glance contains a p99.
     [[nodiscard]] std::string quantile_note() const;
     /// Summary of a row in at most four short lines: wrong decisions as shares of all pixels, then the errors of the

@@ -29,7 +29,7 @@ struct MapExrRequest {
     const MapStudy& map;
     std::vector<const Metric*> layers;                       ///< a selection of the map's metrics
     std::string command;                                     ///< the command that makes the file again
-    const measure::evaluate::NeededStudy* needed = nullptr;  ///< null: bits needed are not asked for
+    const measure::evaluate::NeededStudy* needed = nullptr;  ///< null: the bits needed are not measured
 };
 
 /// A band of results and the preview of its pixels, which become rows of a part.

@@ -150,7 +150,7 @@ MapPictures::Column MapPictures::column_of(const Drawing& drawing) const {
                               const BandResult& band, std::size_t i) {
         const pixel::PixelValue pixel = pixel_of(band, i);
         // A NaN, which is an undefined metric, is never inside the envelope.
-        if (!inside_envelope(band.metrics[lost][i], band.metrics[excess][i])) return pixel;
+        if (!is_inside_envelope(band.metrics[lost][i], band.metrics[excess][i])) return pixel;
         return pixel::PixelValue{.category = look->categories.size() - 1, .colour = paler(look->colour(pixel))};
     };
     return {std::move(spec), drawing.row, pixel::drawn_by<BandResult>(paler_of)};
@@ -165,8 +165,8 @@ pixel::Look MapPictures::look_of(const Drawing& drawing) const {
     return look;
 }
 
-bool MapPictures::is_enveloped(const Metric& drawn) const {
-    return options_.envelope && &drawn == measure::metric::find_metric("lost_bits");
+bool MapPictures::is_enveloped(const Metric& metric) const {
+    return options_.envelope && &metric == measure::metric::find_metric("lost_bits");
 }
 
 /// `; worst pixel 100,90: lostbits explain near-benign --pixel 100,90 -i sphere.press -f f32`. Without the command for

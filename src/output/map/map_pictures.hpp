@@ -90,7 +90,7 @@ private:
     [[nodiscard]] std::vector<Column> add_columns();
     [[nodiscard]] Column column_of(const Drawing& drawing) const;
     [[nodiscard]] pixel::Look look_of(const Drawing& drawing) const;
-    [[nodiscard]] bool is_enveloped(const Metric& drawn) const;
+    [[nodiscard]] bool is_enveloped(const Metric& metric) const;
     [[nodiscard]] pixel::Sheet page_of(MapSheet& sheet) const;
     [[nodiscard]] bool zooms(const MetricPaint& paint) const;
     [[nodiscard]] std::string worst_pixel_text(const Drawing& drawing, const measure::evaluate::WorstRay& worst) const;

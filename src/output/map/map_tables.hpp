@@ -30,10 +30,10 @@ struct SummaryRow {
 
 /// Columns of a row of summary.csv: those of `measure::evaluate::summary_columns`, `worst_columns` and
 /// `wrong_decision_columns`; the last two have the command that explains the ray. A cell without a sample is empty.
-/// `has_meshes`: the rays are at meshes and have the outcomes of meshes. `by`: the column whose values group the rays,
-/// which stands first; empty: no groups.
+/// `has_meshes`: the rays are at meshes and have the outcomes of meshes. `group_column`: the column whose values group
+/// the rays, which stands first; empty: no groups.
 table::Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes,
-                                       bool has_meshes = false, std::string by = {});
+                                       bool has_meshes = false, std::string group_column = {});
 /// A row for all rays, then one for each group. `row` is row `r` of the run.
 std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& row, const FormSummary& summary,
                                      const measure::evaluate::Groups& groups, const NameOfRay& name_of_ray);

@@ -21,8 +21,8 @@ using measure::metric::MetricDomain;
 
 namespace {
 
-std::string percent(std::uint64_t part, std::uint64_t whole) {
-    const double share = 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+std::string percent(std::uint64_t count, std::uint64_t total) {
+    const double share = 100.0 * static_cast<double>(count) / static_cast<double>(total);
     if (share < 0.1) return "<0.1%";
     if (share > 99 && share < 100) return ">99%";
     return fmt::format(fmt::runtime(share < 10 ? "{:.1f}%" : "{:.0f}%"), share);
@@ -134,13 +134,13 @@ pixel::PixelValue MetricPaint::pixel(Outcome outcome, double value) const {
     return {has_outcome_category ? index_of(outcome) : look_.categories.size() - 1};
 }
 
-pixel::Look MetricPaint::look(bool of_mesh) const {
+pixel::Look MetricPaint::look(bool has_mesh) const {
     pixel::Look look = look_;
     if (metric_->by_run)
         look.own_legend = [*this](const pixel::CategoryCounts* counts, std::uint64_t pixels) {
             return counts ? culprit_legend(*counts) : widest_culprit_legend(pixels);
         };
-    for (std::size_t o = measure::answer::outcomes_without_mesh; !of_mesh && o < image::outcome_colours.size(); ++o)
+    for (std::size_t o = measure::answer::outcomes_without_mesh; !has_mesh && o < image::outcome_colours.size(); ++o)
         look.categories[index_of(static_cast<Outcome>(o))].name.clear();
     return look;
 }
@@ -179,7 +179,7 @@ std::vector<LegendEntry> MetricPaint::culprit_legend(const pixel::CategoryCounts
     return entries;
 }
 
-std::string MetricPaint::note(bool several) const {
+std::string MetricPaint::note(bool has_several_formats) const {
     if (metric_->by_run)
         return fmt::format("colour: {}; percentages are of the rays that have a culprit", metric_->meaning);
     if (!look_.scale) return fmt::format("colour: {}", metric_->meaning);
@@ -190,9 +190,11 @@ std::string MetricPaint::note(bool several) const {
                            short_number(look_.scale->lo()), short_number(look_.scale->hi()));
     if (metric_->ramp == measure::metric::Ramp::magnitude)
         return fmt::format("colour: |{}|{}, clamped at both ends of the bar{}", name,
-                           is_distance() ? ", where both forms hit" : "", several ? ", whose ends fit the format" : "");
-    const std::string bits_phrase = several ? std::string("all bits of each format's significand")
-                                            : fmt::format("all {} bits of the format's significand", precision_);
+                           is_distance() ? ", where both forms hit" : "",
+                           has_several_formats ? ", whose ends fit the format" : "");
+    const std::string bits_phrase = has_several_formats
+                                        ? std::string("all bits of each format's significand")
+                                        : fmt::format("all {} bits of the format's significand", precision_);
     return fmt::format("colour: {} from 0 to {}{}", name, bits_phrase,
                        metric_->ramp == measure::metric::Ramp::lost
                            ? "; the bar is spaced by square roots, so that the first bits show"

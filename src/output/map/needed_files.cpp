@@ -73,7 +73,7 @@ struct NeededRow {
     std::string_view form;
     int bits;
     const NeededSummary* summary;
-    WidthCounts all;
+    WidthCounts widths;
 };
 
 Table<NeededRow> needed_table() {
@@ -94,7 +94,7 @@ Table<NeededRow> needed_table() {
     };
     add(
         "needed_", " of the widths needed, over the pixels that have one",
-        [](const R& r) -> const auto& { return r.all; });
+        [](const R& r) -> const auto& { return r.widths; });
     add(
         "hit_needed_", " of the widths needed, over the rays that truly hit",
         [](const R& r) -> const auto& { return r.summary->hits; });

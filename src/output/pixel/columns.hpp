@@ -1,5 +1,5 @@
 // Columns of pixels and their files. A column has one value per pixel of a scene; it is drawn as cells of contact
-// sheets and, if asked for, as a picture of its own.
+// sheets and, if the run draws single pictures, as a picture of its own.
 #pragma once
 
 #include <filesystem>
@@ -159,7 +159,7 @@ public:
     ColumnFiles(Pages pages, std::vector<PixelColumn<Band>> columns)
         : columns_(std::move(columns)), writer_(std::move(pages), specs_of(columns_)) {}
 
-    /// Draws this number of pixels of a row, one strip for each of its columns that a file shows.
+    /// Draws this number of pixels of a row, one strip for each column of the row that a file shows.
     [[nodiscard]] std::vector<Strip> draw(std::size_t row, const Band& band, std::size_t pixels) const {
         std::vector<Strip> strips;
         for (const std::size_t c : shown_columns(row)) {

@@ -63,7 +63,7 @@ struct Look {
 [[nodiscard]] std::string count_text(std::uint64_t count, std::uint64_t total);
 /// The widest text that `count_text` returns for a picture of this number of pixels.
 [[nodiscard]] std::string widest_count(std::uint64_t pixels);
-/// A share: `3.1%` or `<0.1%`; `-` if `whole` is 0.
-[[nodiscard]] std::string share_text(std::uint64_t part, std::uint64_t whole);
+/// A share: `3.1%` or `<0.1%`; `-` if `total` is 0.
+[[nodiscard]] std::string share_text(std::uint64_t count, std::uint64_t total);
 
 }  // namespace lostbits::output::pixel

@@ -23,7 +23,7 @@ std::string_view bytes_of(const Value& x) {
 }
 
 template <class Value>
-bool parse(std::string_view text, Value& x, int base = 10) {
+bool parse_integer(std::string_view text, Value& x, int base = 10) {
     const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), x, base);
     return error == std::errc{} && stop == text.data() + text.size();
 }
@@ -132,11 +132,11 @@ void StateFileReader::read_head() {
     const std::string excess = read_line(heading);
     head_.program = read_line("program");
     head_.command = from_one_line(read_line("command"));
-    if (!excess.empty() || !parse(read_line("inputs"), head_.inputs, 16)) damaged();
+    if (!excess.empty() || !parse_integer(read_line("inputs"), head_.inputs, 16)) damaged();
     const std::string shard = read_line("shard");
     const std::size_t slash = std::min(shard.find('/'), shard.size() - 1);
-    if (!parse(std::string_view(shard).substr(0, slash), head_.share.number) ||
-        !parse(std::string_view(shard).substr(slash + 1), head_.share.count))
+    if (!parse_integer(std::string_view(shard).substr(0, slash), head_.share.number) ||
+        !parse_integer(std::string_view(shard).substr(slash + 1), head_.share.count))
         damaged();
     const auto [number, count] = head_.share;
     if (number < 1 || number > count || count > measure::shard::Share::most) damaged();

@@ -99,9 +99,9 @@ inline constexpr const char *time_title = "time per ray of the easy set, ns",
 /// `one ray at a time`, `256-bit registers`
 std::string registers_of(const measure::speed::TradeKernel& kernel);
 
-/// Plot of a trade: markers by register width, colours by format. Dominated kernels are grey, and those that decide any
-/// ray wrongly are hollow. A stepped line joins the kernels that are not dominated; it is dashed between those that are
-/// sometimes wrong.
+/// Plot of a trade: markers by register width, colours by format. Dominated kernels are grey, and kernels that decide
+/// any ray wrongly are hollow. A stepped line joins the kernels that are not dominated; the line is dashed between
+/// kernels that are sometimes wrong.
 plot::ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& result, std::size_t set);
 
 }  // namespace lostbits::output::speed

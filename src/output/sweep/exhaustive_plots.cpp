@@ -46,7 +46,7 @@ Sizes sizes_of(const BinadePart& part) {
 /// One sign of the axis, for one form and ray.
 struct AxisHalf {
     std::size_t row, ray;
-    bool negative;
+    bool is_negative;
 };
 
 /// The binades that are drawn, and the labels of their lines and axes.
@@ -71,7 +71,7 @@ public:
     [[nodiscard]] plot::Series series(const AxisHalf& half, const TallyValue& value) const {
         plot::Series series{.label = label(half), .look = plot::form_look(*request_.rows[half.row].form)};
         for (std::size_t b = 0; b < parts_.size(); ++b) {
-            if (!is_on_axis(parts_[b]) || parts_[b].binade.negative != half.negative) continue;
+            if (!is_on_axis(parts_[b]) || parts_[b].binade.negative != half.is_negative) continue;
             const auto [low, high] = sizes_of(parts_[b]);
             const double y = value(state_.tallies[request_.place(b, half.ray, half.row)]);
             const bool goes_last = series.x.empty() || series.x.back() < low;
@@ -117,7 +117,7 @@ private:
         std::string qualifier = sweep.rays.size() > 1 ? sweep.rays[half.ray].name : "";
         if (negative_count_ > 0 && positive_count_ > 0)
             qualifier +=
-                fmt::format("{}{} {} 0", qualifier.empty() ? "" : ", ", sweep.axis.name, half.negative ? '<' : '>');
+                fmt::format("{}{} {} 0", qualifier.empty() ? "" : ", ", sweep.axis.name, half.is_negative ? '<' : '>');
         const std::string name = map::short_name(*request_.rows[half.row].form->info);
         return qualifier.empty() ? name : fmt::format("{} ({})", name, qualifier);
     }

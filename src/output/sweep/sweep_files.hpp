@@ -1,4 +1,5 @@
-// Files of a sweep: samples.csv, onsets.csv (for one axis), culprits.csv (if asked for) and datapackage.json.
+// Files of a sweep: samples.csv, onsets.csv (for one axis), culprits.csv (if culprits are measured) and
+// datapackage.json.
 #pragma once
 
 #include <filesystem>

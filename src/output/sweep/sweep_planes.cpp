@@ -97,7 +97,7 @@ namespace {
 /// The picture of a series (a form in a format) on a plane.
 struct DrawnPlane {
     std::vector<plot::PlaneCell> cells = {};  ///< in the order of `PlanePlotSpec`
-    std::vector<bool> is_explained = {};      ///< for each cell, see `map::inside_envelope`
+    std::vector<bool> is_explained = {};      ///< for each cell, see `map::is_inside_envelope`
     FormSummary wrong = {};                   ///< counts of cells with an outcome's colour
     bool has_outlined = false, has_few = false;
 };
@@ -117,7 +117,7 @@ DrawnPlane drawn_plane(const SweepRequest& request, const SweepGrid& plane, std:
                 drawn.has_few |= s.true_hits > 0 && !s.agreement().is_enough();
                 const double excess_bits = s.metrics[excess_index].quantile(0.99);
                 cell.outlined = cell.value >= 1 && excess_bits >= 1;
-                is_explained = map::inside_envelope(cell.value, excess_bits);
+                is_explained = map::is_inside_envelope(cell.value, excess_bits);
                 drawn.has_outlined |= cell.outlined;
             } else {
                 const Outcome worst_outcome = s.wrong().value();

@@ -69,7 +69,7 @@ struct Quantity {
     std::string empty_text = {};  ///< reason why there is nothing to draw; empty: there is something to draw
 };
 
-bool marches(const TestedForm& row) { return !is_primitive(row.form->shape); }
+bool is_marching(const TestedForm& row) { return !is_primitive(row.form->shape); }
 
 /// Number of rays per step, and how many of them are independent.
 std::string rays_text(const MeasuredSweep& sweep) {
@@ -250,18 +250,19 @@ void write_march_plots(const SaveAs& save, const MeasuredSweep& sweep, const For
                static_cast<double>(s.rays);
     };
     save("unfinished",
-         lines_of(sweep, format,
-                  {.title = "Marches that did not finish", .axis = share_axis, .value = unfinished, .shows = marches}));
+         lines_of(
+             sweep, format,
+             {.title = "Marches that did not finish", .axis = share_axis, .value = unfinished, .shows = is_marching}));
     save("iterations",
          lines_of(
              sweep, format,
              {.title = "Samples of the field, 99th percentile",
               .axis = {"samples", plot::AxisSpec::Scale::log2, 1.0, {}},
               .value = [iterations_index](const FormSummary& s) { return s.metrics[iterations_index].quantile(0.99); },
-              .shows = marches}));
+              .shows = is_marching}));
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const TestedForm& row = request.rows[r];
-        if (row.format == format && marches(row))
+        if (row.format == format && is_marching(row))
             save(fmt::format("split.{}", row.form->info->name),
                  parts_plot(sweep, r, "Model and rounding error",
                             {{"model_error", "model"}, {"rounding_error", "rounding"}, {"ulp_error", "total error"}}));

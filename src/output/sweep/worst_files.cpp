@@ -260,13 +260,13 @@ std::string NearestFiles::sentence(std::size_t r) const {
     const std::string counts = census_phrase(found[r]);
     if (!counts.empty()) text += " " + counts + ";";
     for (std::size_t k = 0; k < searched_outcomes.size(); ++k) {
-        const std::string outcome_name = map::in_words(searched_name(k));
+        const std::string outcome_phrase = map::in_words(searched_name(k));
         const auto& nearest = found[r].nearest.at(k);
         text += nearest ? fmt::format("{} the nearest {} of {} rays is {:.4g} edge lengths away", k > 0 ? "," : "",
-                                      outcome_name, found[r].rays.at(k), nearest->distance)
+                                      outcome_phrase, found[r].rays.at(k), nearest->distance)
                         : fmt::format("{}{} no {} among {}", k > 0 ? "," : "",
-                                      counts.empty() || k > 0 ? "" : " the search for the nearest found", outcome_name,
-                                      scene::toml::counted(found[r].rays.at(k), "ray"));
+                                      counts.empty() || k > 0 ? "" : " the search for the nearest found",
+                                      outcome_phrase, scene::toml::counted(found[r].rays.at(k), "ray"));
     }
     return text;
 }
