@@ -111,7 +111,7 @@ private:
     [[nodiscard]] bool is_distance() const {
         return metric_->domain == measure::metric::MetricDomain::pairs && look_.scale;
     }
-    [[nodiscard]] std::vector<image::LegendEntry> culprit_legend(const pixel::CategoryCounts& all) const;
+    [[nodiscard]] std::vector<image::LegendEntry> culprit_legend(const pixel::CategoryCounts& category_counts) const;
     [[nodiscard]] std::vector<image::LegendEntry> widest_culprit_legend(std::uint64_t pixels) const;
 
     const Metric* metric_;
