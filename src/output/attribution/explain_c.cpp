@@ -1,3 +1,4 @@
+// Writes an explained evaluation as a C program (see `explain_c`).
 #include <fmt/format.h>
 
 #include <cmath>
@@ -20,20 +21,20 @@ public:
         : x_(x),
           text_(x.tape, x.names, measure::attribution::TapeText::Style::plain),
           slice_(x.tape, {x.tape.outputs.t, x.tape.outputs.hit}),
-          rounds_(x.format.engine == Format::Engine::rounded) {
-        wide_ = rounds_ && x.format.parameters.precision > 25;
+          rounds_in_double_(x.format.engine == Format::Engine::rounded) {
+        is_wide_ = rounds_in_double_ && x.format.parameters.precision > 25;
     }
 
-    std::string written() {
+    std::string source() {
         std::string body;
         for (NodeId i = 0; i < x_.tape.size(); ++i) {
-            if (slice_.needs(i)) body += line(i);
+            if (slice_.needs(i)) body += statement(i);
         }
         return opening(body) + body + closing();
     }
 
 private:
-    [[nodiscard]] bool is_double(NodeId i) const { return rounds_ || x_.tape.format_of(i) == binary64; }
+    [[nodiscard]] bool is_double(NodeId i) const { return rounds_in_double_ || x_.tape.format_of(i) == binary64; }
     [[nodiscard]] std::string literal(double v, bool as_double) const {
         if (std::isnan(v)) return "NAN";
         if (std::isinf(v)) return v < 0 ? "-INFINITY" : "INFINITY";
@@ -45,54 +46,57 @@ private:
         return text_.identifier(i);
     }
 
-    std::string line(NodeId i) {
+    std::string statement(NodeId i) {
         const TapeNode& n = x_.tape[i];
         if (!is_decision(n.op) && slice_.is_constant(i)) return "";
-        const std::string comment =
-            n.op == TapeOp::input || (n.label.empty() && n.op != TapeOp::select)
-                ? ""
-                : fmt::format("  /* {}{} */", file::c_comment(text_.definition(i)), n.op == TapeOp::call ? call : "");
+        const std::string comment = n.op == TapeOp::input || (n.label.empty() && n.op != TapeOp::select)
+                                        ? ""
+                                        : fmt::format("  /* {}{} */", file::c_comment(text_.definition(i)),
+                                                      n.op == TapeOp::call ? call_comment : "");
         const std::string type = is_decision(n.op) ? "int" : is_double(i) ? "volatile double" : "volatile float";
-        return fmt::format("    {} {} = {};{}\n", type, text_.identifier(i), value(i), comment);
+        return fmt::format("    {} {} = {};{}\n", type, text_.identifier(i), expression(i), comment);
     }
 
-    std::string value(NodeId i) {
+    std::string expression(NodeId i) {
         const TapeNode& n = x_.tape[i];
         if (n.op == TapeOp::input) return literal(n.value, is_double(i));
         const measure::attribution::OperationText& text = measure::attribution::text_of(n.op);
-        if (rounds_ && !text.c_lacks.empty()) refuse(text.c_lacks);
-        const bool is_rounded = rounds_ && !text.c_wide.empty();
-        if (is_rounded && wide_) refuse_unsafe(i);
+        if (rounds_in_double_ && !text.c_lacks.empty()) refuse(text.c_lacks);
+        const bool is_rounded = rounds_in_double_ && !text.c_wide.empty();
+        if (is_rounded && is_wide_) require_safe_remainder(i);
         const std::string value = measure::attribution::filled(
-            is_rounded && wide_ ? text.c_wide : text.c.text, [&](std::size_t k, int) { return operand(n.operands[k]); },
+            is_rounded && is_wide_ ? text.c_wide : text.c.text,
+            [&](std::size_t k, int) { return operand(n.operands[k]); },
             [&](char letter) -> std::string {
                 if (letter == 'v') return literal(n.value, is_double(i));
                 if (letter == 't') return is_double(i) ? "double" : "float";
                 return is_double(i) ? "" : "f";
             });
-        return is_rounded && !wide_ ? fmt::format("rounded({}, 0)", value) : value;
+        return is_rounded && !is_wide_ ? fmt::format("rounded({}, 0)", value) : value;
     }
-    void refuse(std::string_view what) const {
+    void refuse(std::string_view missing_feature) const {
         throw InputError(fmt::format("--c: {} uses {}, which C has only for float and double; try -f f32 or f64",
-                                     x_.form->info->name, what));
+                                     x_.form->info->name, missing_feature));
     }
 
-    /// The remainder of a sum, product, quotient or root is a double if no value comes near the ends of the range
-    /// (number/rounded.cpp). Throws InputError otherwise.
-    void refuse_unsafe(NodeId i) const {
+    /// Throws InputError unless the remainder of a sum, product, quotient or root is a double. It is one if no value
+    /// comes near the ends of double's range (number/rounded.cpp).
+    void require_safe_remainder(NodeId i) const {
         const TapeNode& n = x_.tape[i];
-        bool exact = std::isnan(n.value), safe = true;  // zeros, infinities and NaN round to themselves
-        const auto see = [&](double v) { safe = safe && std::fabs(v) >= 0x1p-960 && std::fabs(v) <= 0x1p+1000; };
+        bool is_exact = std::isnan(n.value), is_safe = true;  // zeros, infinities and NaN round to themselves
+        const auto check_range = [&](double v) {
+            is_safe = is_safe && std::fabs(v) >= 0x1p-960 && std::fabs(v) <= 0x1p+1000;
+        };
         for (const NodeId operand_id : n.operands) {
             if (operand_id == no_node) continue;
             const double v = x_.tape[operand_id].value;
-            exact = exact || v == 0 || !std::isfinite(v);
-            if (n.op == TapeOp::div) see(v);
+            is_exact = is_exact || v == 0 || !std::isfinite(v);
+            if (n.op == TapeOp::div) check_range(v);
         }
-        const bool sum = n.op == TapeOp::add || n.op == TapeOp::sub;
-        if (sum) safe = std::fabs(n.value) <= 0x1p+1000;
-        else see(n.value);
-        if (exact || safe) return;
+        const bool is_sum = n.op == TapeOp::add || n.op == TapeOp::sub;
+        if (is_sum) is_safe = std::fabs(n.value) <= 0x1p+1000;
+        else check_range(n.value);
+        if (is_exact || is_safe) return;
         throw InputError(
             fmt::format("--c: {} is {}, so close to the ends of double's range that its rounding error is not a "
                         "double, as {} bits need it; try -f f64, or a format of at most 25 bits",
@@ -112,7 +116,7 @@ private:
             "    m = ldexp(k, e);\n    return copysign(m >= ldexp(1.0, {2}) * 2 ? INFINITY : m, r);\n}}\n",
             f.precision, f.emin, f.emax);
         const auto add_if_used = [&](const std::string& name, const std::string& function) {
-            if (wide_ && body.find(" " + name + "(") != std::string::npos) text += function;
+            if (is_wide_ && body.find(" " + name + "(") != std::string::npos) text += function;
         };
         add_if_used("sum",
                     "static double sum(double a, double b) {\n    volatile double s = a + b, v = s - a, w = s - v, x = "
@@ -136,7 +140,7 @@ private:
             "<stdio.h>\n\n",
             x_.form->info->name, x_.format.name, file::c_comment(x_.form->info->title),
             file::c_comment(x_.form->info->source));
-        if (rounds_) text += rounding_functions(body);
+        if (rounds_in_double_) text += rounding_functions(body);
         text +=
             "static void show(const char* what, int hit, double t) {\n    if (isnan(t)) printf(\"%-9s %s at nan\\n\", "
             "what, hit ? \"hit\" : \"miss\");\n"
@@ -161,16 +165,16 @@ private:
                                   x_.hit ? "" : "!", text_.identifier(hit));
     }
 
-    static constexpr std::string_view call = ": a call, which sums without rounding; this is its result";
+    static constexpr std::string_view call_comment = ": a call, which sums without rounding; this is its result";
 
     const Explanation& x_;
     TapeText text_;
     TapeSlice slice_;
-    bool rounds_, wide_ = false;
+    bool rounds_in_double_, is_wide_ = false;
 };
 
 }  // namespace
 
-std::string explain_c(const Explanation& x) { return Program(x).written(); }
+std::string explain_c(const Explanation& x) { return Program(x).source(); }
 
 }  // namespace lostbits::output::attribution

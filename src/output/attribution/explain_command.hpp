@@ -11,25 +11,25 @@ namespace lostbits::output::attribution {
 /// Quotes an argument for a shell: in single quotes if it contains anything but letters, digits and _./=,:+-.
 std::string shell_word(std::string_view word);
 
-/// Arguments of `explain` for a pixel: `near-benign --pixel 3,4`. `scene` is an argument quoted for a shell, possibly
-/// with options after it.
+/// Arguments of `explain` for pixel (x, y) of a scene: `near-benign --pixel 3,4`. `scene` is an argument quoted for a
+/// shell, possibly with options after it.
 std::string name_of_pixel(const std::string& scene, int x, int y);
 
-/// Arguments of `explain` for a ray and its primitives: `--sphere=0,0,5,2 --ray=…`, with exact numbers, the end of the
-/// ray, and the constants of a march. Empty if `one` is null.
-std::string name_of_ray(const scene::rays::RayGroup* one);
+/// Arguments of `explain` for the first ray of a group and its primitives: `--sphere=0,0,5,2 --ray=…`, with exact
+/// numbers, the ends of the ray's range, and the constants of a march. Empty if `group` is null.
+std::string name_of_ray(const scene::rays::RayGroup* group);
 
 /// Sets the options that a command needs for external forms (` --plugin ./mine.so`). Call it once, before any command
 /// is built.
-void set_plugin_options(const std::string& words);
+void set_plugin_options(const std::string& options);
 /// Options set by `set_plugin_options`; empty if all forms belong to the catalogue.
 [[nodiscard]] const std::string& plugin_options();
 
 /// `plugin_options()` if the form of this name is external; otherwise empty.
 [[nodiscard]] std::string plugin_options_for(std::string_view form);
 
-/// `lostbits explain NAME -i FORM -f FORMAT`, with the convention that judges the row if it differs from the form's
+/// `lostbits explain NAME -i FORM -f FORMAT`, with the convention that judges the series if it differs from the form's
 /// own, and the options for an external form. Empty for the answers of a file, which cannot be computed again.
-std::string explain_command(const std::string& name, const measure::evaluate::TestedForm& row);
+std::string explain_command(const std::string& name, const measure::evaluate::TestedForm& series);
 
 }  // namespace lostbits::output::attribution

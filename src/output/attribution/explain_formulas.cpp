@@ -1,3 +1,4 @@
+// Writes an explained evaluation as an FPCore benchmark (see `explain_fpcore`).
 #include <fmt/format.h>
 
 #include <cmath>
@@ -33,26 +34,27 @@ std::string rational(double x) {
     return fmt::format("(* {:.0f} (pow 2 {}))", k, e);
 }
 
-class Core {
+class FpCoreWriter {
 public:
-    explicit Core(const Explanation& x)
+    explicit FpCoreWriter(const Explanation& x)
         : x_(x),
           text_(x.tape, x.names, measure::attribution::TapeText::Style::plain),
           slice_(x.tape, {x.tape.outputs.t}) {}
 
-    std::string written() {
+    std::string source() {
         const NodeId t = x_.tape.outputs.t;
         std::string body;
         for (NodeId i = 0; i < x_.tape.size(); ++i) {
             if (!slice_.needs(i) || !is_bound(i)) continue;
-            const std::string value = is_decision(x_.tape[i].op) ? fmt::format("(if {} 1 0)", written(i)) : number(i);
+            const std::string value =
+                is_decision(x_.tape[i].op) ? fmt::format("(if {} 1 0)", expression(i)) : typed_expression(i);
             body += fmt::format("    [{} {}]\n", text_.identifier(i), value);
         }
         return fmt::format(
             "(FPCore ({})\n  :name \"{} in {}, t\"\n  :precision {}\n  :cite (lostbits)\n  :pre {}\n  (let* (\n{}    "
             ")\n    {}))\n",
-            arguments(), x_.form->info->name, x_.format.name, precision_name(x_.format.parameters), pre(), body,
-            operand(t));
+            arguments(), x_.form->info->name, x_.format.name, precision_name(x_.format.parameters), precondition(),
+            body, operand(t));
     }
 
 private:
@@ -64,10 +66,11 @@ private:
         return !slice_.is_constant(i);
     }
     [[nodiscard]] std::string operand(NodeId i) const {
-        if (is_decision(x_.tape[i].op)) return is_bound(i) ? fmt::format("(== {} 1)", text_.identifier(i)) : written(i);
+        if (is_decision(x_.tape[i].op))
+            return is_bound(i) ? fmt::format("(== {} 1)", text_.identifier(i)) : expression(i);
         return slice_.is_constant(i) ? rational(x_.tape[i].value) : text_.identifier(i);
     }
-    [[nodiscard]] std::string written(NodeId i) const {
+    [[nodiscard]] std::string expression(NodeId i) const {
         const TapeNode& n = x_.tape[i];
         if (n.op == TapeOp::call)
             throw InputError(fmt::format(
@@ -79,10 +82,11 @@ private:
             measure::attribution::text_of(n.op).fpcore.text, [&](std::size_t k, int) { return operand(n.operands[k]); },
             [&](char) { return rational(std::ldexp(1.0, f.emin - f.precision + 1)); });
     }
-    [[nodiscard]] std::string number(NodeId i) const {
-        const std::string text = written(i);
-        const bool other = !(x_.tape.format_of(i) == x_.format.parameters);
-        return other ? fmt::format("(! :precision {} {})", precision_name(x_.tape.format_of(i)), text) : text;
+    [[nodiscard]] std::string typed_expression(NodeId i) const {
+        const std::string text = expression(i);
+        const bool has_other_format = !(x_.tape.format_of(i) == x_.format.parameters);
+        return has_other_format ? fmt::format("(! :precision {} {})", precision_name(x_.tape.format_of(i)), text)
+                                : text;
     }
 
     [[nodiscard]] std::string arguments() const {
@@ -92,14 +96,14 @@ private:
         }
         return text;
     }
-    [[nodiscard]] std::string pre() const {
+    [[nodiscard]] std::string precondition() const {
         std::string text = "(and";
         for (NodeId i = 0; i < x_.tape.size(); ++i) {
             if (!is_input(i) || !slice_.needs(i)) continue;
-            const double v = x_.tape[i].value, apart = std::fabs(v) * 0x1p-12;
+            const double v = x_.tape[i].value, radius = std::fabs(v) * 0x1p-12;
             const std::string name = text_.identifier(i);
             if (v == 0 || !std::isfinite(v)) text += fmt::format("\n    (== {} {})", name, rational(v));
-            else text += fmt::format("\n    (<= {} {} {})", rational(v - apart), name, rational(v + apart));
+            else text += fmt::format("\n    (<= {} {} {})", rational(v - radius), name, rational(v + radius));
         }
         return text + ")";
     }
@@ -111,6 +115,6 @@ private:
 
 }  // namespace
 
-std::string explain_fpcore(const Explanation& x) { return Core(x).written(); }
+std::string explain_fpcore(const Explanation& x) { return FpCoreWriter(x).source(); }
 
 }  // namespace lostbits::output::attribution

@@ -1,3 +1,4 @@
+// Writes an explanation as a JSON object (see `explain_json`).
 #include <cmath>
 
 #include "measure/attribution/operation_error.hpp"
@@ -13,8 +14,8 @@ using Json = file::OrderedJson;
 using file::json_number;
 
 /// A number, or null for NaN, which stands for a missing value.
-Json if_any(double x) { return std::isnan(x) ? Json(nullptr) : json_number(x); }
-Json exact(double x) { return {{"decimal", json_number(x)}, {"hex", file::hex(x)}}; }
+Json number_or_null(double x) { return std::isnan(x) ? Json(nullptr) : json_number(x); }
+Json exact_number(double x) { return {{"decimal", json_number(x)}, {"hex", file::hex(x)}}; }
 Json node_or_null(const TapeText& text, NodeId i) { return i == no_node ? Json(nullptr) : Json(text.name(i)); }
 
 Json operation(const Explanation& x, const TapeText& text, NodeId i) {
@@ -34,7 +35,7 @@ Json operation(const Explanation& x, const TapeText& text, NodeId i) {
         return j;
     }
     j["precision"] = x.tape.format_of(i).precision;
-    j["computed"] = exact(n.value);
+    j["computed"] = exact_number(n.value);
     j["exact"] = json_number(e.exact);
     j["error"] = json_number(e.error);
     j["cancelled_bits"] = e.cancelled;
@@ -49,13 +50,13 @@ Json operation(const Explanation& x, const TapeText& text, NodeId i) {
     return j;
 }
 
-Json form_result_json(const measure::attribution::FormResult& s) {
-    return {{"form", std::string(s.form->info->name)},
-            {"outcome", std::string(measure::answer::outcome_names[static_cast<std::size_t>(s.outcome)])},
-            {"t", json_number(s.t)},
-            {"ulp_error", if_any(s.ulps)},
-            {"lost_bits", if_any(s.lost)},
-            {"lost_bits_around", if_any(s.lost_nearby)}};
+Json form_result_json(const measure::attribution::FormResult& result) {
+    return {{"form", std::string(result.form->info->name)},
+            {"outcome", std::string(measure::answer::outcome_names[static_cast<std::size_t>(result.outcome)])},
+            {"t", json_number(result.t)},
+            {"ulp_error", number_or_null(result.ulps)},
+            {"lost_bits", number_or_null(result.lost)},
+            {"lost_bits_around", number_or_null(result.lost_nearby)}};
 }
 
 }  // namespace
@@ -70,21 +71,21 @@ std::string explain_json(const Explanation& x, const std::optional<MarchEnd>& ma
            {"convention", std::string(intersect::convention_name(x.judged))},
            {"primitive", x.primitive},
            {"primitives", x.primitives}};
-    for (std::size_t i = 0; i < x.inputs.size(); ++i) j["inputs"][x.names[i]] = exact(x.inputs[i]);
+    for (std::size_t i = 0; i < x.inputs.size(); ++i) j["inputs"][x.names[i]] = exact_number(x.inputs[i]);
     j["open_ends"] = std::string(name_of(x.range.open));
     j["inputs_rounded"] = x.rounded_inputs;
     j["given_direction"] =
         x.given ? Json({json_number(x.given->x), json_number(x.given->y), json_number(x.given->z)}) : Json(nullptr);
     j["hit"] = x.hit;
-    j["t"] = exact(x.result.t);
-    j["truth"] = x.true_t ? Json(exact(*x.true_t)) : Json(nullptr);
+    j["t"] = exact_number(x.result.t);
+    j["truth"] = x.true_t ? Json(exact_number(*x.true_t)) : Json(nullptr);
     j["outcome"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(x.result.outcome)]);
     if (x.in_mesh) j["in_mesh"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(*x.in_mesh)]);
-    j["ulp_error"] = if_any(x.result.ulps);
-    j["lost_bits"] = if_any(x.result.lost);
+    j["ulp_error"] = number_or_null(x.result.ulps);
+    j["lost_bits"] = number_or_null(x.result.lost);
     j["wrong_root"] = is_wrong_root(x);
-    j["condition"] = if_any(x.condition);
-    j["inherent_bits"] = if_any(x.inherent);
+    j["condition"] = number_or_null(x.condition);
+    j["inherent_bits"] = number_or_null(x.inherent);
     j["answer"] = verdict.answer;
     j["verdict"] = verdict.loss;
     j["sentence"] = verdict.blame;
@@ -94,9 +95,9 @@ std::string explain_json(const Explanation& x, const std::optional<MarchEnd>& ma
     const auto counterfactual = [](const measure::attribution::Counterfactual& c) {
         return Json{{"hit", c.hit}, {"error", c.hit ? json_number(c.error) : Json(nullptr)}};
     };
-    const bool runs = x.culprit_alone && verdict.culprit != no_node;
-    j["culprit_alone_exact"] = runs ? counterfactual(x.culprit_alone->only_exact) : Json(nullptr);
-    j["culprit_alone_rounded"] = runs ? counterfactual(x.culprit_alone->only_rounded) : Json(nullptr);
+    const bool has_counterfactuals = x.culprit_alone && verdict.culprit != no_node;
+    j["culprit_alone_exact"] = has_counterfactuals ? counterfactual(x.culprit_alone->only_exact) : Json(nullptr);
+    j["culprit_alone_rounded"] = has_counterfactuals ? counterfactual(x.culprit_alone->only_rounded) : Json(nullptr);
     j["equals"] = Json::array();
     for (const NodeId i : a.equals) j["equals"].push_back(text.name(i));
     const auto of_subject = [&a](double v) { return a.subject == no_node ? Json(nullptr) : json_number(v); };
@@ -106,13 +107,14 @@ std::string explain_json(const Explanation& x, const std::optional<MarchEnd>& ma
                         {"error", of_subject(a.error)},
                         {"explained", of_subject(a.explained)},
                         {"first_order", of_subject(a.first_order)},
-                        {"ulp", if_any(x.ulp_of_subject())},
+                        {"ulp", number_or_null(x.ulp_of_subject())},
                         {"shadow_bits", a.exact_bits}};
     j["operations"] = Json::array();
     for (NodeId i = 0; i < x.tape.size(); ++i) j["operations"].push_back(operation(x, text, i));
-    j["lost_bits_around"] = if_any(x.result.lost_nearby);
+    j["lost_bits_around"] = number_or_null(x.result.lost_nearby);
     j["better"] = Json::array();
-    for (const measure::attribution::FormResult& s : x.better) j["better"].push_back(form_result_json(s));
+    for (const measure::attribution::FormResult& form_result : x.better)
+        j["better"].push_back(form_result_json(form_result));
     return file::json_text(j);
 }
 

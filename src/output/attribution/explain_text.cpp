@@ -15,7 +15,7 @@ namespace lostbits::output::attribution {
 
 namespace {
 
-/// Number of letters, not of bytes.
+/// Width of a text in characters, not in bytes.
 std::size_t width_of(const std::string& text) {
     return static_cast<std::size_t>(
         std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
@@ -26,44 +26,47 @@ std::string padded(std::string text, std::size_t width) {
     return text;
 }
 
-/// `  o.x = 0x1p+0  1`, and last the range of the ray unless it is the whole half-line.
+/// Lines `  o.x = 0x1p+0  1`; last the ends of the ray's range, unless the range is the whole half-line.
 std::string inputs_block(const Explanation& x) {
-    std::string text, begin, end;
+    std::string text, begin_line, end_line;
     std::size_t width = 0;
     for (const auto& name : x.names) width = std::max(width, name.size());
-    const auto line = [&](std::size_t i, const char* what) {
+    const auto line = [&](std::size_t i, const char* suffix) {
         return fmt::format("  {:<{}} = {:<22} {}{}\n", x.names[i], width, file::hex(x.inputs[i]),
-                           file::decimal(x.inputs[i]), what);
+                           file::decimal(x.inputs[i]), suffix);
     };
-    const auto kind = [](bool open) { return open ? " (open: a surface there does not count)" : " (closed)"; };
+    const auto end_kind = [](bool is_open) {
+        return is_open ? " (open: a surface there does not count)" : " (closed)";
+    };
     for (std::size_t i = 0; i < x.inputs.size(); ++i) {
-        if (x.names[i] == "ray.tmin") begin = line(i, kind(x.range.open.tmin));
+        if (x.names[i] == "ray.tmin") begin_line = line(i, end_kind(x.range.open.tmin));
         else if (x.names[i] == "ray.tmax")
-            end = line(i, std::isinf(x.inputs[i]) ? " (no end)" : kind(x.range.open.tmax));
+            end_line = line(i, std::isinf(x.inputs[i]) ? " (no end)" : end_kind(x.range.open.tmax));
         else text += line(i, "");
     }
-    return x.range.is_whole() ? text : text + begin + end;
+    return x.range.is_whole() ? text : text + begin_line + end_line;
 }
 
 constexpr std::size_t widest_expression = 54;
 
-/// `* c       = ` and the expression, as wide as the columns of numbers allow.
-std::string left_of(const char* mark, const OperationRow& row) {
-    std::string left = mark + padded(row.name, 7) + " = " + row.formula;
-    if (width_of(left) > widest_expression) left += "\n" + std::string(widest_expression, ' ');
-    return padded(std::move(left), widest_expression) + " ";
+/// Returns the mark, the name and the formula, `* c       = b·b`, padded to the first column of numbers. A formula
+/// that is too wide gets a line of its own.
+std::string name_and_formula(const char* mark, const OperationRow& row) {
+    std::string text = mark + padded(row.name, 7) + " = " + row.formula;
+    if (width_of(text) > widest_expression) text += "\n" + std::string(widest_expression, ' ');
+    return padded(std::move(text), widest_expression) + " ";
 }
 
-std::string line_of(const Explanation& x, const OperationRow& row) {
-    const bool decides = row.digits == 0;
+std::string table_line(const Explanation& x, const OperationRow& row) {
+    const bool is_decision_row = row.digits == 0;
     const char* const mark = row.culprit ? "* " : row.off_path ? "- " : "  ";
     const int width = digits_of(x.format.parameters) + 6;
     const auto number = [&](double v) {
-        if (decides) return fmt::format("{:>{}}", v != 0 ? "true" : "false", width);
+        if (is_decision_row) return fmt::format("{:>{}}", v != 0 ? "true" : "false", width);
         return fmt::format("{:>{}.{}g}", std::isnan(v) ? std::fabs(v) : v, std::max(width, row.digits + 6), row.digits);
     };
-    std::string line = left_of(mark, row) + number(row.computed) + " " + number(row.exact);
-    if (row.has_errors && !decides)
+    std::string line = name_and_formula(mark, row) + number(row.computed) + " " + number(row.exact);
+    if (row.has_errors && !is_decision_row)
         line += fmt::format(" {:>10} {:<16} {:>6} {:>14} {:>15}", row.error_ulps, row.cancelled, row.local,
                             row.rounding_ulps, row.contribution_ulps);
     while (line.back() == ' ') line.pop_back();
@@ -74,74 +77,75 @@ std::string line_of(const Explanation& x, const OperationRow& row) {
            "\n";
 }
 
-std::string table(const Explanation& x, const OperationView& words, bool all) {
+std::string table(const Explanation& x, const OperationView& view, bool show_all) {
     const int width = digits_of(x.format.parameters) + 6;
     std::string text = padded("  operation", widest_expression) +
                        fmt::format(" {:>{}} {:>{}} {:>10} {:<16} {:>6} {:>14} {:>15}\n", "computed", width,
                                    "without rounding", width, "error, ulp", "bits cancelled", "local", "own error, ulp",
-                                   fmt::format("share of {}, ulp", words.subject()));
-    const OperationTable found = operation_table(x, words, all);
-    if (found.first > 0)
-        text += fmt::format("  ({} of earlier samples: --verbose)\n", scene::toml::counted(found.first, "operation"));
-    for (const OperationRow& row : found.rows) text += line_of(x, row);
+                                   fmt::format("share of {}, ulp", view.subject()));
+    const OperationTable operations = operation_table(x, view, show_all);
+    if (operations.first > 0)
+        text +=
+            fmt::format("  ({} of earlier samples: --verbose)\n", scene::toml::counted(operations.first, "operation"));
+    for (const OperationRow& row : operations.rows) text += table_line(x, row);
     return text;
 }
 
-/// The comparisons that determine a decision. If either of two is enough, only those that hold.
-void add_deciding(const Explanation& x, const OperationView& words, NodeId i, std::vector<NodeId>& found) {
+/// Collects the comparisons that determine decision `i`: of two operands, only those with the decision's exact value.
+void add_deciding(const Explanation& x, const OperationView& view, NodeId i, std::vector<NodeId>& comparisons) {
     const TapeNode& n = x.tape[i];
     if (is_comparison(n.op)) {
-        if (std::ranges::find(found, i) == found.end()) found.push_back(i);
+        if (std::ranges::find(comparisons, i) == comparisons.end()) comparisons.push_back(i);
         return;
     }
-    const auto holds = [&words](NodeId k) { return words.of(k).exact != 0; };
+    const auto holds = [&view](NodeId k) { return view.of(k).exact != 0; };
     for (const NodeId k : n.operands) {
         if (k == no_node || !is_decision(x.tape[k].op)) continue;
-        if (n.operands[1] == no_node || holds(k) == holds(i)) add_deciding(x, words, k, found);
+        if (n.operands[1] == no_node || holds(k) == holds(i)) add_deciding(x, view, k, comparisons);
     }
 }
 
-/// `disc < 1/1000: disc is 0.000147696701, ...`: the comparison, and each side that is not a plain constant, without
-/// rounding.
-std::string comparison_text(const Explanation& x, const OperationView& words, NodeId i) {
+/// `disc < 1/1000 holds, where disc is 0.000147696701`: the comparison, and the exact value of each side that is not a
+/// constant.
+std::string comparison_text(const Explanation& x, const OperationView& view, NodeId i) {
     std::vector<std::string> sides;
-    for (const NodeId s : x.tape[i].operands) {
-        if (s != no_node && x.tape[s].op != TapeOp::constant)
-            sides.push_back(fmt::format("{} is {}", words.text().operand(s), number_phrase(words.of(s).exact)));
+    for (const NodeId side : x.tape[i].operands) {
+        if (side != no_node && x.tape[side].op != TapeOp::constant)
+            sides.push_back(fmt::format("{} is {}", view.text().operand(side), number_phrase(view.of(side).exact)));
     }
-    return fmt::format("{} {}, where {}", words.text().expression(i),
-                       words.of(i).exact != 0 ? "holds" : "does not hold", fmt::join(sides, " and "));
+    return fmt::format("{} {}, where {}", view.text().expression(i), view.of(i).exact != 0 ? "holds" : "does not hold",
+                       fmt::join(sides, " and "));
 }
 
-std::string model_sentence(const Explanation& x, const OperationView& words) {
+std::string model_sentence(const Explanation& x, const OperationView& view) {
     if (x.missed) return "";  // the truth is about another primitive
     if (x.attribution.cut_short)
         return "Without rounding the march would have gone on. The exact values shown end where the computed ones "
                "do.\n";
-    const bool truly = x.truth == measure::truth::Truth::Decision::hit;
-    if (x.truth == measure::truth::Truth::Decision::unresolved || x.attribution.exact_hit == truly) return "";
+    const bool truly_hits = x.truth == measure::truth::Truth::Decision::hit;
+    if (x.truth == measure::truth::Truth::Decision::unresolved || x.attribution.exact_hit == truly_hits) return "";
     std::string text = fmt::format(
         "On the inputs as the format stores them, the form {} even without rounding. It differs from the truth because "
         "of what it assumes{}.\n",
         x.attribution.exact_hit ? "hits" : "misses", x.rounded_inputs ? ", or because the inputs were rounded" : "");
     std::vector<NodeId> deciding;
-    if (x.tape.outputs.hit != no_node) add_deciding(x, words, x.tape.outputs.hit, deciding);
-    std::vector<std::string> told;
-    for (const NodeId i : deciding) told.push_back(comparison_text(x, words, i));
-    if (!told.empty()) text += fmt::format("Without rounding {}.\n", fmt::join(told, "; "));
+    if (x.tape.outputs.hit != no_node) add_deciding(x, view, x.tape.outputs.hit, deciding);
+    std::vector<std::string> comparison_texts;
+    for (const NodeId i : deciding) comparison_texts.push_back(comparison_text(x, view, i));
+    if (!comparison_texts.empty()) text += fmt::format("Without rounding {}.\n", fmt::join(comparison_texts, "; "));
     return text;
 }
 
-std::string sums_sentence(const Explanation& x, const OperationView& words) {
+std::string sums_sentence(const Explanation& x, const OperationView& view) {
     const measure::attribution::Attribution& a = x.attribution;
     if (a.subject == no_node || !std::isfinite(a.error) || measure::attribution::is_plain_miss(x.tape, a)) return "";
     if (!std::isfinite(a.explained)) return "Some contributions are not finite, so they have no sum.\n";
-    const double ulp = words.ulp(), rest = a.error - a.explained;
-    std::string text = fmt::format("Contributions sum to {} of {} ulp{}.", short_number(a.explained / ulp),
-                                   short_number(a.error / ulp),
-                                   std::fabs(rest) <= 1e-6 * std::fabs(a.error)
-                                       ? ""
-                                       : fmt::format("; {} ulp belong to no operation", short_number(rest / ulp)));
+    const double ulp = view.ulp(), unassigned = a.error - a.explained;
+    std::string text = fmt::format(
+        "Contributions sum to {} of {} ulp{}.", short_number(a.explained / ulp), short_number(a.error / ulp),
+        std::fabs(unassigned) <= 1e-6 * std::fabs(a.error)
+            ? ""
+            : fmt::format("; {} ulp belong to no operation", short_number(unassigned / ulp)));
     if (!(std::fabs(a.first_order - a.error) <= 0.1 * std::fabs(a.error))) {
         // Infinite terms of both signs have no sum.
         text += fmt::format(
@@ -152,10 +156,10 @@ std::string sums_sentence(const Explanation& x, const OperationView& words) {
 }
 
 /// Sentence on the part of the error that is due to rounding.
-std::string split_sentence(const Explanation& x, const OperationView& words) {
+std::string rounding_part_sentence(const Explanation& x, const OperationView& view) {
     if (x.result.outcome != Outcome::agree_hit || x.attribution.subject != x.tape.outputs.t) return "";
     if (culprit_operation(x) == no_node) return "";  // said in the verdict
-    const double rounding = x.attribution.error / words.ulp();
+    const double rounding = x.attribution.error / view.ulp();
     if (!std::isfinite(rounding) || !std::isfinite(x.result.ulps)) return "";
     if (!(std::fabs(x.result.ulps - rounding) > 0.01)) return "";
     return fmt::format(
@@ -164,44 +168,46 @@ std::string split_sentence(const Explanation& x, const OperationView& words) {
         short_number(rounding), short_number(x.result.ulps));
 }
 
-std::string turned_sentences(const Explanation& x, const OperationView& words) {
+std::string changed_decisions_text(const Explanation& x, const OperationView& view) {
     std::string text;
     for (const NodeId i : x.turned()) {
         const TapeNode& n = x.tape[i];
         if (!is_comparison(n.op)) {
-            const double away = std::fabs(words.of(i).rounding);
-            text += fmt::format("Rounding changed the choice in {}: {}.\n", words.text().definition(i),
-                                std::isfinite(away) ? fmt::format("the other side is {} away", short_number(away))
+            const double distance = std::fabs(view.of(i).rounding);
+            text +=
+                fmt::format("Rounding changed the choice in {}: {}.\n", view.text().definition(i),
+                            std::isfinite(distance) ? fmt::format("the other side is {} away", short_number(distance))
                                                     : "one of its sides is not finite");
             continue;
         }
         std::vector<std::string> sides;
-        for (const NodeId s : {n.operands[0], n.operands[1]}) {
-            if (x.tape[s].op == TapeOp::constant) continue;
-            const std::string computed = number_phrase(x.tape[s].value), exact = number_phrase(words.of(s).exact);
-            sides.push_back(fmt::format("{} is {}{}", words.text().operand(s), computed,
+        for (const NodeId side : {n.operands[0], n.operands[1]}) {
+            if (x.tape[side].op == TapeOp::constant) continue;
+            const std::string computed = number_phrase(x.tape[side].value), exact = number_phrase(view.of(side).exact);
+            sides.push_back(fmt::format("{} is {}{}", view.text().operand(side), computed,
                                         computed == exact ? "" : ", without rounding " + exact));
         }
         text +=
-            fmt::format("Rounding changed the decision {}: {}.\n", words.text().expression(i), fmt::join(sides, "; "));
+            fmt::format("Rounding changed the decision {}: {}.\n", view.text().expression(i), fmt::join(sides, "; "));
     }
     return text;
 }
 
 }  // namespace
 
-std::string sums_text(const Explanation& x, const OperationView& words) {
-    return sums_sentence(x, words) + split_sentence(x, words) + turned_sentences(x, words) + model_sentence(x, words);
+std::string sums_text(const Explanation& x, const OperationView& view) {
+    return sums_sentence(x, view) + rounding_part_sentence(x, view) + changed_decisions_text(x, view) +
+           model_sentence(x, view);
 }
 
 namespace {
 
-/// The numbers that the envelope perturbs: those of the problem as it is stored, before any step of the form.
-std::string each_input(const Explanation& x) {
-    const bool placed = x.form->of(x.shape).is_placed;
+/// Phrase for what the envelope perturbs: the numbers of the problem as it is stored, before any step of the form.
+std::string perturbation_phrase(const Explanation& x) {
+    const bool is_placed = x.form->of(x.shape).is_placed;
     if (x.is_generated_ray) return "half an ulp in each number of the ideal ray and of the primitive";
-    return placed ? "half an ulp in each number of ray, primitive and matrix as the world stores them"
-                  : "half an ulp in each input";
+    return is_placed ? "half an ulp in each number of ray, primitive and matrix as the world stores them"
+                     : "half an ulp in each input";
 }
 
 std::string condition_phrase(double condition) {
@@ -217,17 +223,17 @@ bool another_does_better(const Explanation& x) {
 
 /// Text for a loss within the envelope. The envelope does not bound other forms on the same exact numbers.
 std::string within_envelope(const Explanation& x) {
-    const bool placed = x.form->of(x.shape).is_placed;
-    const char* const who = placed               ? "transform and form lose"
-                            : x.is_generated_ray ? "making the ray and the form lose"
-                                                 : "the formula loses";
-    const char* const others = another_does_better(x) ? " Other forms do better (see below)." : "";
+    const bool is_placed = x.form->of(x.shape).is_placed;
+    const char* const losing_part = is_placed            ? "transform and form lose"
+                                    : x.is_generated_ray ? "making the ray and the form lose"
+                                                         : "the formula loses";
+    const char* const others_hint = another_does_better(x) ? " Other forms do better (see below)." : "";
     if (x.rounded_inputs && !x.is_generated_ray) return "; input rounding alone explains this loss.";
     if (x.is_generated_ray || x.form->info->direction == intersect::Direction::unit || !rounding_explains(x))
-        return fmt::format("; {} no more than that.{}", who, others);
+        return fmt::format("; {} no more than that.{}", losing_part, others_hint);
     return fmt::format(
         "; {} is ill-conditioned in {}, and {} no more. The inputs are exact: wider arithmetic on them helps.{}",
-        placed ? "as the world stores it the problem" : "the problem", x.format.name, who, others);
+        is_placed ? "as the world stores it the problem" : "the problem", x.format.name, losing_part, others_hint);
 }
 
 }  // namespace
@@ -238,12 +244,12 @@ std::string envelope_sentence(const Explanation& x) {
         if (std::isnan(x.condition)) return "The ray hits nothing, so it has no condition number.";
         // The rest of the text is about the primitive that the form hits.
         const std::string where = x.missed ? fmt::format("At primitive {}: ", x.missed->primitive) : "";
-        return fmt::format("{}{}: {} costs {:.1f} bits.", where, condition_phrase(x.condition), each_input(x),
+        return fmt::format("{}{}: {} costs {:.1f} bits.", where, condition_phrase(x.condition), perturbation_phrase(x),
                            x.inherent);
     }
     if (!x.tells_t()) return "The form returns no t, so it has no bits to lose.";
     const std::string envelope =
-        fmt::format("{}: {} would cost {:.1f} bits", condition_phrase(x.condition), each_input(x), x.inherent);
+        fmt::format("{}: {} would cost {:.1f} bits", condition_phrase(x.condition), perturbation_phrase(x), x.inherent);
     if (x.result.lost < 1) return envelope + ". Less than one bit is lost.";
     if (x.excess() < 1) return envelope + within_envelope(x);
     if (x.inherent >= x.format.parameters.precision)
@@ -251,10 +257,11 @@ std::string envelope_sentence(const Explanation& x) {
     return envelope + fmt::format("; the formula loses the other {:.1f} bits.", x.excess());
 }
 
-std::string explain_text(const Explanation& x, bool all, const std::optional<MarchEnd>& march) {
+std::string explain_text(const Explanation& x, bool show_all, const std::optional<MarchEnd>& march) {
     std::string text = fmt::format("{} in {}: {}\n\n", x.form->info->name, x.format.name, x.form->info->title);
     text += verdict_of(x, march).text() + better_sentences(x) + "\n";
-    // An operation that no one blames is quoted if its result is not a finite number: what follows comes from there.
+    // The line of a function's source is quoted for an operation that is not to blame, too, if its result is not
+    // finite: the errors after it follow from there.
     NodeId culprit = x.has_tape() ? x.attribution.culprit : no_node;
     if (culprit != no_node && std::isfinite(x.tape[culprit].value)) culprit = culprit_operation(x);
     if (const std::string line = intersect::function::quoted_line(*x.form->info, x.format, culprit); !line.empty())
@@ -283,9 +290,9 @@ std::string explain_text(const Explanation& x, bool all, const std::optional<Mar
     }
     text += inputs_block(x) + "\n";
     if (!x.has_tape()) return text;
-    const OperationView words(x);
+    const OperationView view(x);
     if (march) text += march_samples(*march, x.format) + "\n";
-    text += table(x, words, all) +
+    text += table(x, view, show_all) +
             fmt::format(
                 "\n{}- marks operations that do not lead to the answer. Operations that only choose a branch have no "
                 "share. local: "
@@ -293,7 +300,7 @@ std::string explain_text(const Explanation& x, bool all, const std::optional<Mar
                 "each rounded once. own: its rounding, in ulps of its own result. The last column assigns the error to "
                 "operations: own times the difference quotient from there to the answer.\n",
                 culprit_operation(x) != no_node ? "* marks the culprit, " : "");
-    const std::string sums = sums_text(x, words);
+    const std::string sums = sums_text(x, view);
     return text + (sums.empty() ? "" : "\n" + sums);
 }
 

@@ -27,10 +27,10 @@ std::optional<MarchEnd> end_of_march(const intersect::table::Intersector& form, 
 
 /// Conclusions on an explained ray. Text, JSON and page show these sentences word for word.
 struct ExplainedVerdict {
-    std::string
-        answer;         ///< how far off it is, or what became of the decision; another primitive, the mesh: a line each
-    std::string loss;   ///< the cause of the loss: the problem, the formula, or neither if a march ended
-    std::string blame;  ///< the operation to blame, or why there is none
+    std::string answer;  ///< how far off the answer is, or which decision is wrong; more lines for another primitive
+                         ///< and for the mesh
+    std::string loss;    ///< the cause of the loss: the problem, the formula, or neither if a march ended
+    std::string blame;   ///< the operation to blame, or why there is none
     NodeId culprit = no_node;  ///< the operation to blame; none if `blame` says so
 
     /// The three texts, one per line.
@@ -42,14 +42,14 @@ ExplainedVerdict verdict_of(const Explanation& x, const std::optional<MarchEnd>&
 std::string better_sentences(const Explanation& x);
 
 /// The verdict, the forms that do better, the inputs, the samples of a march, and the table of operations with the
-/// culprit marked. `all` shows every operation. Otherwise the table shows operations that the answer is computed from
-/// and that round, cancel or have a name, and those that a row names. Of earlier samples of a march it shows only
-/// values.
-std::string explain_text(const Explanation& x, bool all, const std::optional<MarchEnd>& march = {});
+/// culprit marked. `show_all` shows every operation. Otherwise the table shows the operations that the answer is
+/// computed from and that round, cancel or have a name, and the operations that a shown row refers to. Operations of
+/// earlier samples of a march show only their values.
+std::string explain_text(const Explanation& x, bool show_all, const std::optional<MarchEnd>& march = {});
 
 /// Text below the table, one sentence per line: the sum of the contributions, the part of the error that is not due to
 /// rounding, and the decisions that rounding changed.
-std::string sums_text(const Explanation& x, const OperationView& words);
+std::string sums_text(const Explanation& x, const OperationView& view);
 
 /// Blames the problem or the formula. The envelope is that of the problem as it is stored: for a primitive under a
 /// matrix, of the problem in the world; for a camera's ray, of the ideal ray.
@@ -70,8 +70,8 @@ std::string decision_text(const std::string& form, Outcome outcome, double t, do
 inline constexpr double worth_saying = 1;
 
 /// The operation to blame: its rounding turned a decision that is wrong, or the order of two primitives, made a value
-/// that is not a number, or costs a bit or more of an answer that lost one. None if a decision is right. None for what
-/// a march leaves short or the format does to the inputs, because no operation lost that. None if a value is not a
+/// that is not a number, or costs a bit or more of an answer that lost one. Returns no_node if the decision is right,
+/// and if no operation caused the loss: a march stopped short, the format rounded the inputs, or a value is not a
 /// number even without rounding.
 NodeId culprit_operation(const Explanation& x);
 
@@ -83,34 +83,37 @@ bool is_wrong_root(const Explanation& x);
 
 /// The constants of a march, and for every sample the iteration, t, position, |p|, d and action.
 std::string march_samples(const MarchEnd& march, const Format& format);
-/// The same with the form and the ray above and the accuracy of the answer below, as a text of its own.
+/// The form, the ray, the text of `march_samples`, and the accuracy of the answer.
 std::string march_table(const intersect::table::Intersector& form, const Format& format,
                         const measure::answer::OneRay& ray);
 
-/// Everything in one JSON object. Inputs and results are given as decimals and as hexadecimal floats. An infinite or
-/// NaN number is the string "inf", "-inf" or "nan". Missing values (the error of a miss, the culprit if none is to
-/// blame, a direction that was not normalised) are null.
+/// The whole explanation as one JSON object. Inputs and results are given as decimals and as hexadecimal floats. An
+/// infinite or NaN number is the string "inf", "-inf" or "nan". Missing values (the error of a miss, the culprit if
+/// none is to blame, a direction that was not normalised) are null.
 std::string explain_json(const Explanation& x, const std::optional<MarchEnd>& march = {});
 
-/// A C99 program that does not need lostbits: the inputs in hexadecimal, the form with one operation per line, then the
-/// computed, the true and the recorded t. The first and the last have the same text if they have the same bits. It then
-/// exits with 0, otherwise with 1. Values are volatile, so that no compiler fuses or widens them.
+/// A C99 program that does not need lostbits: the inputs in hexadecimal, the form with one operation per line, then
+/// the computed, the true and the recorded t. The program exits with 0 if the computed and the recorded t have the
+/// same bits (their texts are then the same too), and with 1 otherwise. Values are volatile, so that no compiler fuses
+/// or widens them.
+///
 /// Formats other than float and double compute in double and round. For at most 25 bits the double alone is enough (2p
 /// + 2 ≤ 53: Figueroa 1995). For more bits the program also uses the sign of the double's remainder (TwoSum; fma for
-/// products, quotients and roots). Throws InputError if such a format moves to a neighbour or fuses, and if a wider one
-/// comes so near to the ends of double's range that the remainder is not a double.
+/// products, quotients and roots). Throws InputError if a format other than float and double moves to a neighbour or
+/// fuses, and if one of more than 25 bits comes so near to the ends of double's range that the remainder is not a
+/// double.
 std::string explain_c(const Explanation& x);
 
-/// FPCore 2.0 of t. The arguments are the inputs that it depends on. :pre keeps each within 2^-12 of this ray's, and
-/// zeros and infinities as they are. A move to a neighbouring number is a sum with the smallest number, rounded upward
-/// or downward (`:round`).
+/// t as an FPCore 2.0 expression. Its arguments are the inputs that t depends on. `:pre` keeps each input within 2^-12
+/// of its value for this ray, and zeros and infinities as they are. A move to a neighbouring number is a sum with the
+/// smallest number, rounded upward or downward (`:round`).
 std::string explain_fpcore(const Explanation& x);
 
-/// The ranges, the part of them that the bound covers, the bound, the errors of rays in them, and the operations that
-/// make the bound.
+/// Lists the ranges of the inputs, the part of them that the bound covers, the bound, the errors of rays in the
+/// ranges, and the operations that contribute to the bound.
 std::string ranges_text(const RangesRequest& request, const RangesBound& bound);
 
-/// The same in one JSON object; an infinite number is the string "inf".
+/// The content of `ranges_text` as one JSON object; an infinite number is the string "inf".
 std::string ranges_json(const RangesRequest& request, const RangesBound& bound);
 
 }  // namespace lostbits::output::attribution

@@ -14,11 +14,11 @@ namespace {
 std::string answer_line(const intersect::table::Intersector& form, const Format& format,
                         const measure::answer::OneRay& ray, const MarchLog& log) {
     const measure::truth::Truth& truth = ray.truth(*form.info);
-    const bool truly = truth.decision == measure::truth::Truth::Decision::hit;
-    const double true_t = truly ? ray.rounded_truth(*form.info, binary64) : 0;
+    const bool truly_hits = truth.decision == measure::truth::Truth::Decision::hit;
+    const double true_t = truly_hits ? ray.rounded_truth(*form.info, binary64) : 0;
     const Outcome outcome = measure::answer::classify(truth.decision, log.hit.hit, log.hit.t);
-    const std::string decided = decision_text("The form", outcome, log.hit.t, true_t);
-    if (!decided.empty()) return decided;
+    const std::string decision_line = decision_text("The form", outcome, log.hit.t, true_t);
+    if (!decision_line.empty()) return decision_line;
     const measure::truth::Certified& t = ray.true_t(*form.info);
     const double ulps = measure::truth::ulp_error(log.hit.t, t, format.parameters);
     return fmt::format(
@@ -52,28 +52,28 @@ std::optional<MarchEnd> end_of_march(const intersect::table::Intersector& form, 
 }
 
 std::string march_samples(const MarchEnd& march, const Format& format) {
-    const auto& [log, c] = march;
+    const auto& [log, constants] = march;
     const int digits = digits_of(format.parameters), width = digits + 7;
-    std::string text =
-        fmt::format("hit_eps {}, max_steps {}, max_dist {}, relative_eps {}, cone {}, over_relaxation {}\n\n",
-                    file::decimal(c.hit_eps), c.max_steps, file::decimal(c.max_dist), file::decimal(c.relative_eps),
-                    file::decimal(c.cone), file::decimal(c.over_relaxation));
+    std::string text = fmt::format(
+        "hit_eps {}, max_steps {}, max_dist {}, relative_eps {}, cone {}, over_relaxation {}\n\n",
+        file::decimal(constants.hit_eps), constants.max_steps, file::decimal(constants.max_dist),
+        file::decimal(constants.relative_eps), file::decimal(constants.cone), file::decimal(constants.over_relaxation));
     text += fmt::format("{0:>4} {2:>{1}} {3:>{1}} {4:>{1}} {5:>{1}} {6:>{1}} {7:>{1}}  {8}\n", "i", width, "t", "x",
                         "y", "z", "|p|", "d", "action");
     for (std::size_t i = 0; i < log.steps.size(); ++i) {
         const intersect::MarchStep& s = log.steps[i];
         const auto number = [&](double x) { return fmt::format("{:>{}.{}g}", x, width, digits); };
         text += fmt::format("{:>4} {} {} {} {} {} {}  {}\n", i, number(s.t), number(s.p.x), number(s.p.y),
-                            number(s.p.z), number(s.size), number(s.d), action_of(log, i, c));
+                            number(s.p.z), number(s.size), number(s.d), action_of(log, i, constants));
     }
     return text;
 }
 
 std::string march_table(const intersect::table::Intersector& form, const Format& format,
                         const measure::answer::OneRay& ray) {
-    const auto in = ray.inputs(form, format);
-    const MarchEnd march{measure::answer::march_log(form, format, ray), in.all.march.value()};
-    const Ray<double> r = in.ray(*form.info);
+    const auto inputs = ray.inputs(form, format);
+    const MarchEnd march{measure::answer::march_log(form, format, ray), inputs.all.march.value()};
+    const Ray<double> r = inputs.ray(*form.info);
     return fmt::format("{} in {}\norigin    ({}, {}, {})\ndirection ({}, {}, {})\n{}\n{}\n", form.info->name,
                        format.name, file::hex(r.origin.x), file::hex(r.origin.y), file::hex(r.origin.z),
                        file::hex(r.direction.x), file::hex(r.direction.y), file::hex(r.direction.z),

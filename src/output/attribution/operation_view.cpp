@@ -1,3 +1,4 @@
+// Names and numbers of explained operations, and the rows of their table.
 #include "output/attribution/operation_view.hpp"
 
 #include <fmt/format.h>
@@ -63,8 +64,9 @@ OperationView::OperationView(const Explanation& x)
     for (NodeId i = 0; i < x.tape.size(); ++i) {
         if (is_given(x.tape[i].op)) continue;
         const std::string& name = text_.name(i);
-        called_[name].push_back(i);
-        if (const auto n = name.size(); n > 2 && name[n - 2] == '.') called_[name.substr(0, n - 2)].push_back(i);
+        nodes_by_name_[name].push_back(i);
+        if (const auto length = name.size(); length > 2 && name[length - 2] == '.')
+            nodes_by_name_[name.substr(0, length - 2)].push_back(i);
     }
 }
 
@@ -78,9 +80,9 @@ std::string OperationView::cancellation(NodeId i) const {
     return bits == 0 ? "" : fmt::format("{} {}", bits, of(i).carried ? "catastrophic" : "benign");
 }
 
-bool OperationView::is_shown(NodeId i, bool all) const {
+bool OperationView::is_shown(NodeId i, bool show_all) const {
     const TapeNode& n = x_.tape[i];
-    if (all) return is_operation(n.op);
+    if (show_all) return is_operation(n.op);
     if (!is_operation(n.op) || !of(i).live) return false;
     return !n.label.empty() || of(i).rounding != 0 || of(i).cancelled > 1 || i == x_.attribution.culprit;
 }
@@ -88,13 +90,15 @@ bool OperationView::is_shown(NodeId i, bool all) const {
 std::vector<NodeId> OperationView::named_in(NodeId i) const {
     const std::string& text = text_.expression(i);
     std::vector<NodeId> named;
-    const auto is_part = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || std::strchr("_.'^", c); };
-    for (std::size_t at = 0; at < text.size();) {
-        std::size_t end = at;
-        while (end < text.size() && is_part(text[end])) ++end;
-        const auto found = called_.find(std::string_view(text).substr(at, end - at));
-        if (found != called_.end()) named.insert(named.end(), found->second.begin(), found->second.end());
-        at = std::max(end, at + 1);
+    const auto is_name_char = [](char c) {
+        return std::isalnum(static_cast<unsigned char>(c)) || std::strchr("_.'^", c);
+    };
+    for (std::size_t position = 0; position < text.size();) {
+        std::size_t end = position;
+        while (end < text.size() && is_name_char(text[end])) ++end;
+        const auto entry = nodes_by_name_.find(std::string_view(text).substr(position, end - position));
+        if (entry != nodes_by_name_.end()) named.insert(named.end(), entry->second.begin(), entry->second.end());
+        position = std::max(end, position + 1);
     }
     return named;
 }
@@ -114,54 +118,55 @@ int digits_of(const FloatFormat& format) { return 1 + static_cast<int>(std::ceil
 
 namespace {
 
-OperationRow row_of(const Explanation& x, const OperationView& words, NodeId i, bool whole) {
-    const measure::attribution::OperationError& e = words.of(i);
+OperationRow table_row(const Explanation& x, const OperationView& view, NodeId i, bool has_errors) {
+    const measure::attribution::OperationError& e = view.of(i);
     const TapeNode& n = x.tape[i];
-    const bool decides = is_decision(n.op);
+    const bool is_decision_row = is_decision(n.op);
     OperationRow row{.node = i,
-                     .has_errors = whole,
-                     .name = words.text().name(i),
-                     .formula = whole ? words.text().expression(i) : "(an earlier sample)",
+                     .has_errors = has_errors,
+                     .name = view.text().name(i),
+                     .formula = has_errors ? view.text().expression(i) : "(an earlier sample)",
                      .computed = n.value,
                      .exact = e.exact,
-                     .digits = decides ? 0 : digits_of(x.tape.format_of(i))};
-    if (!whole) return row;
+                     .digits = is_decision_row ? 0 : digits_of(x.tape.format_of(i))};
+    if (!has_errors) return row;
     row.culprit = i == culprit_operation(x);
-    row.branch_flipped = e.turned && (decides || e.rounding != 0);
-    row.off_path = !decides && !words.is_on_way(i);
+    row.branch_flipped = e.turned && (is_decision_row || e.rounding != 0);
+    row.off_path = !is_decision_row && !view.is_on_way(i);
     row.on_purpose = measure::attribution::is_on_purpose(n.op) && e.rounding != 0;
-    if (decides) return row;
+    if (is_decision_row) return row;
     const auto number = [](double ulps) { return std::isfinite(ulps) ? short_number(ulps) : ""; };
-    row.error_ulps = number(words.ulps_of_value(i, e.error));
-    row.cancelled = words.cancellation(i);
+    row.error_ulps = number(view.ulps_of_value(i, e.error));
+    row.cancelled = view.cancellation(i);
     if (e.local_bits != 0) row.local = fmt::format("{:.1f}", e.local_bits);
-    if (e.rounding != 0) row.rounding_ulps = number(words.ulps_of_value(i, e.rounding));
-    if (e.live && e.rounding != 0) row.contribution_ulps = number(words.contribution(i));
+    if (e.rounding != 0) row.rounding_ulps = number(view.ulps_of_value(i, e.rounding));
+    if (e.live && e.rounding != 0) row.contribution_ulps = number(view.contribution(i));
     return row;
 }
 
-/// The first node that the table shows. For a march it begins with the last samples, unless all are asked for.
-NodeId first_shown(const Explanation& x, bool all) {
+/// The first node that the table shows. Without `show_all`, the table of a march begins with the last samples.
+NodeId first_shown(const Explanation& x, bool show_all) {
     const auto& samples = x.tape.samples;
-    return all || samples.size() < 3 ? 0 : static_cast<NodeId>(samples[samples.size() - 3]);
+    return show_all || samples.size() < 3 ? 0 : static_cast<NodeId>(samples[samples.size() - 3]);
 }
 
 }  // namespace
 
-OperationTable operation_table(const Explanation& x, const OperationView& words, bool all) {
-    OperationTable table{.first = first_shown(x, all)};
-    // A row names other operations, and each of them has a row too. The last operations are visited first.
-    std::vector<bool> shown(x.tape.nodes.size()), whole(x.tape.nodes.size());
+OperationTable operation_table(const Explanation& x, const OperationView& view, bool show_all) {
+    OperationTable table{.first = first_shown(x, show_all)};
+    // A row can name other operations, and each of them needs a row too. The last operations are visited first.
+    std::vector<bool> has_row(x.tape.nodes.size()), has_errors(x.tape.nodes.size());
     for (NodeId i = x.tape.size() - 1; i >= 0; --i) {
-        const auto place = static_cast<std::size_t>(i);
-        whole[place] = i == culprit_operation(x) || (i >= table.first && (shown[place] || words.is_shown(i, all)));
-        shown[place] = shown[place] || whole[place];
-        if (!whole[place]) continue;
-        for (const NodeId named : words.named_in(i)) shown[static_cast<std::size_t>(named)] = true;
+        const auto index = static_cast<std::size_t>(i);
+        has_errors[index] =
+            i == culprit_operation(x) || (i >= table.first && (has_row[index] || view.is_shown(i, show_all)));
+        has_row[index] = has_row[index] || has_errors[index];
+        if (!has_errors[index]) continue;
+        for (const NodeId named : view.named_in(i)) has_row[static_cast<std::size_t>(named)] = true;
     }
     for (NodeId i = 0; i < x.tape.size(); ++i) {
-        const auto place = static_cast<std::size_t>(i);
-        if (shown[place]) table.rows.push_back(row_of(x, words, i, whole[place]));
+        const auto index = static_cast<std::size_t>(i);
+        if (has_row[index]) table.rows.push_back(table_row(x, view, i, has_errors[index]));
     }
     return table;
 }

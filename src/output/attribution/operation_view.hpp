@@ -40,7 +40,7 @@ public:
     /// for operations that only t is computed from.
     [[nodiscard]] bool is_on_way(NodeId i) const { return on_way_[static_cast<std::size_t>(i)]; }
     /// True if the table has a row for the operation.
-    [[nodiscard]] bool is_shown(NodeId i, bool all) const;
+    [[nodiscard]] bool is_shown(NodeId i, bool show_all) const;
     /// Operations that the expression of operation i refers to by name.
     [[nodiscard]] std::vector<NodeId> named_in(NodeId i) const;
     /// Ulp of the subject.
@@ -55,7 +55,7 @@ private:
     double ulp_;
     std::vector<bool> on_way_;
     std::map<std::string, std::vector<NodeId>, std::less<>>
-        called_;  ///< operations by name; the name of a vector gives all three
+        nodes_by_name_;  ///< operations by name; the name of a vector gives its three components
 };
 
 /// A row of the table of operations.
@@ -77,12 +77,13 @@ struct OperationRow {
     std::string error_ulps = {}, cancelled = {}, local = {}, rounding_ulps = {}, contribution_ulps = {};
 };
 
-/// Rows of the table, see `explain_text`. `first` is the node where the last samples begin, after the earlier ones.
+/// Rows of the table, see `explain_text`. `first` is the first node of the last samples of a march; nodes before it
+/// belong to earlier samples.
 struct OperationTable {
     NodeId first = 0;
     std::vector<OperationRow> rows = {};
 };
-OperationTable operation_table(const Explanation& x, const OperationView& words, bool all);
+OperationTable operation_table(const Explanation& x, const OperationView& view, bool show_all);
 
 /// Number of digits that tell numbers of a format apart.
 int digits_of(const FloatFormat& format);

@@ -1,3 +1,4 @@
+// Texts of a bound over ranges of inputs (see `ranges_text` and `ranges_json`).
 #include "output/attribution/explain_text.hpp"
 
 #include <fmt/format.h>
@@ -19,14 +20,14 @@ using file::json_number;
 constexpr std::size_t operations_shown = 8;
 
 /// Operations that round, those with the largest share of the bound first.
-std::vector<NodeId> by_share(const RangesBound& r) {
-    std::vector<NodeId> all;
+std::vector<NodeId> nodes_by_share(const RangesBound& r) {
+    std::vector<NodeId> nodes;
     for (std::size_t i = 0; i < r.shares.size(); ++i)
-        if (r.shares[i] > 0) all.push_back(static_cast<NodeId>(i));
-    std::ranges::stable_sort(all, [&](NodeId a, NodeId b) {
+        if (r.shares[i] > 0) nodes.push_back(static_cast<NodeId>(i));
+    std::ranges::stable_sort(nodes, [&](NodeId a, NodeId b) {
         return r.shares[static_cast<std::size_t>(a)] > r.shares[static_cast<std::size_t>(b)];
     });
-    return all;
+    return nodes;
 }
 
 std::string ranges_block(const RangesBound& r) {
@@ -34,20 +35,21 @@ std::string ranges_block(const RangesBound& r) {
     for (std::size_t k = 0; k < r.names.size(); ++k) {
         std::string ends;
         for (const InputBox& box : r.ranges) {
-            const std::string one = box[k].is_point() ? file::decimal(box[k].low)
-                                                      : file::decimal(box[k].low) + " to " + file::decimal(box[k].high);
-            if (ends == one) continue;
-            ends += (ends.empty() ? "" : "; ") + one;
+            const std::string range_text = box[k].is_point()
+                                               ? file::decimal(box[k].low)
+                                               : file::decimal(box[k].low) + " to " + file::decimal(box[k].high);
+            if (ends == range_text) continue;
+            ends += (ends.empty() ? "" : "; ") + range_text;
         }
         if (r.names[k] != "ray.tmax" || ends != "inf") text += fmt::format("  {:<9} = {}\n", r.names[k], ends);
     }
     return text;
 }
 
-std::string seen_text(const ObservedErrors& seen, const std::string& what) {
-    if (seen.bounded_hits == 0) return fmt::format("None of {} hits in a range with a bound.\n", what);
+std::string observed_errors_text(const ObservedErrors& seen, const std::string& ray_set) {
+    if (seen.bounded_hits == 0) return fmt::format("None of {} hits in a range with a bound.\n", ray_set);
     std::string text =
-        fmt::format("Of {}, {} hit, and {} of these lie in ranges with a bound: the worst is off by {:.3g}", what,
+        fmt::format("Of {}, {} hit, and {} of these lie in ranges with a bound: the worst is off by {:.3g}", ray_set,
                     seen.hits, seen.bounded_hits, seen.error);
     text += fmt::format(", and none by more than {:.3g} of the bound of its box.", seen.share);
     if (seen.running_hits > 0)
@@ -58,17 +60,18 @@ std::string seen_text(const ObservedErrors& seen, const std::string& what) {
 }
 
 std::string operations_block(const RangesBound& r) {
-    const TapeText words(r.tape, r.names, TapeText::Style::pretty);
+    const TapeText tape_text(r.tape, r.names, TapeText::Style::pretty);
     std::string text = fmt::format("In the box with the largest bound, each rounding puts t off by at most, in ulp:\n");
-    const auto all = by_share(r);
-    for (std::size_t k = 0; k < std::min(all.size(), operations_shown); ++k)
-        text += fmt::format("  {:>9.3g}  {}\n", r.shares[static_cast<std::size_t>(all[k])], words.definition(all[k]));
-    if (all.size() > operations_shown)
-        text += fmt::format("  and {} other operations, by less\n", all.size() - operations_shown);
+    const auto nodes = nodes_by_share(r);
+    for (std::size_t k = 0; k < std::min(nodes.size(), operations_shown); ++k)
+        text += fmt::format("  {:>9.3g}  {}\n", r.shares[static_cast<std::size_t>(nodes[k])],
+                            tape_text.definition(nodes[k]));
+    if (nodes.size() > operations_shown)
+        text += fmt::format("  and {} other operations, by less\n", nodes.size() - operations_shown);
     return text;
 }
 
-Json seen_json(const ObservedErrors& seen) {
+Json observed_errors_json(const ObservedErrors& seen) {
     return {{"hits", seen.hits},
             {"bounded_hits", seen.bounded_hits},
             {"error", json_number(seen.error)},
@@ -96,40 +99,40 @@ std::string ranges_text(const RangesRequest& request, const RangesBound& r) {
         text += fmt::format("  {:>9.3g} = {:.3g} ulp in {:.0f} %\n", error, ulps, 100 * share);
     if (r.unknown < 1 - r.missed)
         text += fmt::format("  {:>9.3g} = {:.3g} ulp in all ranges with a bound\n", r.largest, r.largest_ulps);
-    text += seen_text(r.given, request.is_of_step() ? "the rays of the step" : "the rays of the scene");
-    text += seen_text(r.drawn, "rays drawn where the bounds are largest");
+    text += observed_errors_text(r.given, request.is_of_step() ? "the rays of the step" : "the rays of the scene");
+    text += observed_errors_text(r.drawn, "rays drawn where the bounds are largest");
     return r.shares.empty() ? text : text + operations_block(r);
 }
 
 std::string ranges_json(const RangesRequest& request, const RangesBound& r) {
     Json ranges = Json::array(), quantiles = Json::array(), operations = Json::array();
     for (const InputBox& box : r.ranges) {
-        Json one = Json::object();
+        Json box_json = Json::object();
         for (std::size_t k = 0; k < r.names.size(); ++k)
-            one[r.names[k]] = {json_number(box[k].low), json_number(box[k].high)};
-        ranges.push_back(one);
+            box_json[r.names[k]] = {json_number(box[k].low), json_number(box[k].high)};
+        ranges.push_back(box_json);
     }
     for (const auto& [share, error, ulps] : r.quantiles)
         quantiles.push_back({{"share", share}, {"error", json_number(error)}, {"ulps", json_number(ulps)}});
-    const TapeText words(r.tape, r.names, TapeText::Style::plain);
-    for (const NodeId i : by_share(r))
-        operations.push_back({{"name", words.name(i)},
-                              {"expression", words.expression(i)},
+    const TapeText tape_text(r.tape, r.names, TapeText::Style::plain);
+    for (const NodeId i : nodes_by_share(r))
+        operations.push_back({{"name", tape_text.name(i)},
+                              {"expression", tape_text.expression(i)},
                               {"ulps", json_number(r.shares[static_cast<std::size_t>(i)])}});
-    const Json all{{"form", std::string(request.form->info->name)},
-                   {"format", request.format.name},
-                   {request.is_of_step() ? "sweep" : "scene", request.id()},
-                   {"ranges", ranges},
-                   {"boxes", r.boxes},
-                   {"missed", r.missed},
-                   {"unsettled", r.unknown},
-                   {"undecided", r.undecided + r.unknown},
-                   {"quantiles", quantiles},
-                   {"largest", {{"error", json_number(r.largest)}, {"ulps", json_number(r.largest_ulps)}}},
-                   {request.is_of_step() ? "rays_of_step" : "rays_of_scene", seen_json(r.given)},
-                   {"rays_drawn", seen_json(r.drawn)},
-                   {"operations", operations}};
-    return file::json_text(all);
+    const Json document{{"form", std::string(request.form->info->name)},
+                        {"format", request.format.name},
+                        {request.is_of_step() ? "sweep" : "scene", request.id()},
+                        {"ranges", ranges},
+                        {"boxes", r.boxes},
+                        {"missed", r.missed},
+                        {"unsettled", r.unknown},
+                        {"undecided", r.undecided + r.unknown},
+                        {"quantiles", quantiles},
+                        {"largest", {{"error", json_number(r.largest)}, {"ulps", json_number(r.largest_ulps)}}},
+                        {request.is_of_step() ? "rays_of_step" : "rays_of_scene", observed_errors_json(r.given)},
+                        {"rays_drawn", observed_errors_json(r.drawn)},
+                        {"operations", operations}};
+    return file::json_text(document);
 }
 
 }  // namespace lostbits::output::attribution

@@ -8,8 +8,8 @@
 
 namespace lostbits::output::attribution {
 
-/// Values that the roots are computed from, on both sides of every select, and those of them that depend only on
-/// constants.
+/// Marks the values that the roots are computed from, on both sides of every select, and the values that depend only
+/// on constants.
 struct TapeSlice {
     std::vector<bool> needed, constant;
     std::vector<int> uses;  ///< number of needed operations that use each value

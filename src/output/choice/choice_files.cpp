@@ -18,11 +18,11 @@ using table::when;
 ChoiceResult choose_among(const measure::choice::ChoiceRequest& request, const std::vector<Candidate>& all,
                           measure::choice::TimedRays timed) {
     ChoiceResult chosen{request, all, timed, cheapest(all, request.requirement)};
-    measure::choice::ChoiceRequest quiet = request;
-    quiet.show = {};
-    quiet.progress = [](std::uint64_t) {};
-    if (chosen.meets) chosen.margins = margins_of(quiet, all[*chosen.meets].row);
-    else chosen.obstacle = find_obstacle(quiet, all[*nearest(all, request.requirement)].row);
+    measure::choice::ChoiceRequest quiet_request = request;
+    quiet_request.show = {};
+    quiet_request.progress = [](std::uint64_t) {};
+    if (chosen.meets) chosen.margins = margins_of(quiet_request, all[*chosen.meets].row);
+    else chosen.obstacle = find_obstacle(quiet_request, all[*nearest(all, request.requirement)].row);
     return chosen;
 }
 
@@ -107,8 +107,8 @@ Table<InputRow> input_table() {
             return r.obstacle->wider_than_f64 ? std::string("exact") : name_of_inputs(binary64);
         };
     };
-    const auto exact = [](const R& r) -> const RowQuality& { return r.trial->exact; };
-    const auto form = [](const R& r) -> const std::optional<RowQuality>& { return r.trial->form; };
+    const auto quality_of_exact = [](const R& r) -> const RowQuality& { return r.trial->exact; };
+    const auto quality_of_form = [](const R& r) -> const std::optional<RowQuality>& { return r.trial->form; };
     const auto kept_bits = or_missing(&RowQuality::kept_bits);
     Table<R> table{{"origin", "format of the ray origins; exact: not rounded", format_of(Input::origin)},
                    {"direction", "format of the ray directions", format_of(Input::direction)},
@@ -123,12 +123,12 @@ Table<InputRow> input_table() {
               "bits, of 53, that exact arithmetic on these inputs keeps of the ideal truth, at the required share of "
               "the hits",
               kept_bits}},
-            exact)
+            quality_of_exact)
         .add<RowQuality>(
             {{"f64_wrong", "rays that the form nearest to the requirement decides wrongly, in f64 on these inputs",
               &RowQuality::wrong},
              {"f64_kept_bits", "bits", "bits that this form keeps on these inputs; missing: not measured", kept_bits}},
-            form);
+            quality_of_form);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
-// A choice in words: what meets the requirement, what it costs and assumes, and how far it holds. Also its files:
-// choose.csv (every form and format, cheapest first), room.csv, offset.csv, inputs.csv, requirement.csv,
-// requirement.png, front.png, choose.txt and datapackage.json. Times are measured and differ from run to run; the
-// columns of accuracy do not.
+// Text and files of a choice: what meets the requirement, what it costs and assumes, and how far the scene can change
+// before it fails. The files are choose.csv (every form and format, cheapest first), room.csv, offset.csv, inputs.csv,
+// requirement.csv, requirement.png, front.png, choose.txt and datapackage.json. Times are measured and differ from run
+// to run; the columns of accuracy do not.
 #pragma once
 
 #include <algorithm>
@@ -31,7 +31,7 @@ struct RepairedCandidate {
     std::string name;     ///< name of the candidate's form
     std::string how;      ///< `sphere.half_b, 3 of its 20 operations in double: c, disc`
     RowQuality held_out;  ///< on rays of the scene that the search did not use
-    std::string file;     ///< file that holds it as C++
+    std::string file;     ///< C++ file of the form
 };
 
 /// All results of a choice.
@@ -39,12 +39,12 @@ struct ChoiceResult {
     const measure::choice::ChoiceRequest& request;
     const std::vector<Candidate>& all;
     measure::choice::TimedRays timed;
-    std::optional<std::size_t> meets;                             ///< index of the cheapest that meets the requirement
-    std::vector<GrowthMargin> margins = {};                       ///< margins of the chosen one
-    std::optional<measure::choice::SafeOffsets> offsets = {};     ///< of the chosen one, if measured
+    std::optional<std::size_t> meets;        ///< index of the cheapest candidate that meets the requirement
+    std::vector<GrowthMargin> margins = {};  ///< margins of the chosen candidate
+    std::optional<measure::choice::SafeOffsets> offsets = {};     ///< safe offsets of the chosen candidate, if measured
     std::optional<Obstacle> obstacle = {};                        ///< if nothing meets the requirement
     std::optional<RequirementMap> requirement_map = {};           ///< for each pixel of a scene
-    std::optional<std::vector<RepairedCandidate>> repaired = {};  ///< if they were asked for
+    std::optional<std::vector<RepairedCandidate>> repaired = {};  ///< repaired candidates, if a repair was requested
 
     /// The repair behind a candidate; null for a candidate that is a form as it is.
     [[nodiscard]] const RepairedCandidate* repair_of(std::string_view form) const {
@@ -54,15 +54,18 @@ struct ChoiceResult {
     }
 };
 
-/// Chooses among measured candidates. Also measures the margins of the chosen one, or what stands in the way if nothing
-/// meets the requirement. Calls neither `request.show` nor `request.progress`. The arguments must outlive the result.
+/// Chooses among measured candidates. Also measures the margins of the chosen one, or finds the obstacle if no
+/// candidate meets the requirement. Calls neither `request.show` nor `request.progress`. The arguments must outlive
+/// the result.
 ChoiceResult choose_among(const measure::choice::ChoiceRequest& request,
                           const std::vector<measure::choice::Candidate>& all, measure::choice::TimedRays timed);
 
-/// Bits to one decimal, or to as many as show on which side of the requirement they are: 15.96 if 16 are required.
-std::string bits_text_near(double kept, const Requirement& requirement);
-/// `, 0.0012 off`, with enough digits to tell it from the tolerance of the requirement; empty if there is none.
-std::string off_text(double off, const Requirement& requirement);
+/// Bits to one decimal, or to as many decimals as show on which side of the requirement they are: 15.96 if 16 are
+/// required.
+std::string bits_text_near(double kept_bits, const Requirement& requirement);
+/// `, 0.0012 off`, with enough digits to tell the distance error from the tolerance of the requirement; empty if the
+/// requirement has no tolerance.
+std::string off_text(double distance_error, const Requirement& requirement);
 
 /// `16 bits of 99 of 100 hits, no wrong decision`.
 std::string in_words(const Requirement& requirement);
@@ -70,11 +73,11 @@ std::string in_words(const Requirement& requirement);
 std::string in_words(const ChoiceResult& chosen);
 /// The formats that the pixels need, and the least cost of switching between forms; two or three lines.
 std::string in_words(const ChoiceResult& chosen, const RequirementMap& requirement_map);
-/// The obstacle, in lines that begin with two blanks.
-/// `near` comes nearest to the requirement.
-std::string obstacle_text(const ChoiceResult& chosen, const Candidate& near);
-/// `; beyond that no ray hits anything`: reason why a margin ends.
-/// `broken` is the text if the requirement fails.
+/// Lines on the obstacle, each beginning with two blanks. `nearest` is the candidate that comes nearest to the
+/// requirement.
+std::string obstacle_text(const ChoiceResult& chosen, const Candidate& nearest);
+/// Reason why a margin ends, such as `; beyond that no ray hits anything`. `broken` is the text if the requirement
+/// fails.
 std::string margin_end_text(const GrowthMargin& margin, const measure::choice::FileRays* rays,
                             const std::string& broken);
 /// `binary32`, `binary64`, `p31`: name of a format of inputs.
@@ -122,12 +125,12 @@ table::Table<RequirementRow> requirement_table();
 /// A row for each form and format that a pixel requires or that has a time, cheapest first; then one per format under
 /// `any`, and one for the pixels on which nothing meets the requirement.
 std::vector<RequirementRow> requirement_rows(const ChoiceResult& chosen, const RequirementMap& requirement_map);
-/// Draws, pixel by pixel, on the left the cheapest that meets the requirement, and on the right the narrowest format in
-/// which any form does.
+/// Draws a scene pixel by pixel: on the left the cheapest candidate that meets the requirement, on the right the
+/// narrowest format in which any form does.
 void draw_requirement_map(const std::filesystem::path& path, const ChoiceResult& chosen,
                           const RequirementMap& requirement_map);
 
-/// Opens its files before the work and gives them their final names when they are complete.
+/// Files of a choice. They are opened before the measurement and get their final names when they are complete.
 class ChoiceFiles {
 public:
     explicit ChoiceFiles(const std::filesystem::path& folder);

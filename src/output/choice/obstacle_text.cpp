@@ -1,3 +1,4 @@
+// Lines on what keeps every candidate from the requirement (see `obstacle_text`).
 #include "output/choice/choice_files.hpp"
 
 #include <fmt/format.h>
@@ -14,68 +15,70 @@ using measure::choice::InputTrial;
 
 namespace {
 
-std::string bits(double kept, const Requirement& requirement, double off = measure::truth::missing) {
-    return std::isnan(kept) ? "no hit" : bits_text_near(kept, requirement) + " bits" + off_text(off, requirement);
+std::string bits_text(double kept, const Requirement& requirement, double distance_error = measure::truth::missing) {
+    return std::isnan(kept) ? "no hit"
+                            : bits_text_near(kept, requirement) + " bits" + off_text(distance_error, requirement);
 }
 
 /// Bits kept, and the wrong decisions if the requirement does not allow them.
 std::string kept_and_wrong(const RowQuality& quality, const Requirement& requirement) {
-    const std::string kept = bits(quality.kept_bits, requirement, quality.distance_error);
+    const std::string kept = bits_text(quality.kept_bits, requirement, quality.distance_error);
     if (quality.decides(requirement)) return kept;
     return fmt::format("{} and decides {} of {} wrongly", kept, quality.wrong,
                        scene::toml::counted(quality.rays, "ray"));
 }
 
 /// `the centres and the radii`.
-std::string inputs_text(const InputTrial& trial, std::string_view places) {
+std::string inputs_text(const InputTrial& trial, std::string_view position_names) {
     std::vector<std::string> names;
     for (const auto& [input, name] : {std::pair(Input::origin, std::string("ray origins")),
                                       {Input::direction, "directions"},
-                                      {Input::place, std::string(places)},
+                                      {Input::place, std::string(position_names)},
                                       {Input::radius, "radii"}})
         if (trial.has(input)) names.push_back("the " + name);
     return file::enumerated(names);
 }
 
-/// The inputs that would have to be wider, and their format.
-std::string required_inputs_text(const ChoiceResult& chosen, const Candidate& near) {
-    const Obstacle& found = *chosen.obstacle;
+/// Sentence on the inputs that would have to be wider, and in which format.
+std::string required_inputs_text(const ChoiceResult& chosen, const Candidate& nearest) {
+    const Obstacle& obstacle = *chosen.obstacle;
     const Requirement& requirement = chosen.request.requirement;
-    const Shape shape = near.row.form->shape;
-    const std::string_view places = is_primitive(shape) ? row_of(shape).texts.places : "centres";
-    const auto form_in_f64 = [&near, &requirement](const InputTrial& trial) {
-        return trial.form ? fmt::format("; {} in f64 keeps {}", near.row.form->info->name,
+    const Shape shape = nearest.row.form->shape;
+    const std::string_view position_names = is_primitive(shape) ? row_of(shape).texts.places : "centres";
+    const auto form_in_f64 = [&nearest, &requirement](const InputTrial& trial) {
+        return trial.form ? fmt::format("; {} in f64 keeps {}", nearest.row.form->info->name,
                                         kept_and_wrong(*trial.form, requirement))
                           : std::string();
     };
-    const char* const wider = found.wider_than_f64 ? "more than binary64" : "binary64";
-    if (!found.enough) {
-        const InputTrial& all = found.trials.back();
-        return fmt::format("  Even with all of them in {} exact arithmetic keeps {}{}.\n", wider,
-                           kept_and_wrong(all.exact, requirement), form_in_f64(all));
+    const char* const wider_format = obstacle.wider_than_f64 ? "more than binary64" : "binary64";
+    if (!obstacle.enough) {
+        const InputTrial& all_wider = obstacle.trials.back();
+        return fmt::format("  Even with all of them in {} exact arithmetic keeps {}{}.\n", wider_format,
+                           kept_and_wrong(all_wider.exact, requirement), form_in_f64(all_wider));
     }
-    const InputTrial& trial = found.trials[*found.enough];
-    const bool all = &trial == &found.trials.back();
+    const InputTrial& trial = obstacle.trials[*obstacle.enough];
+    const bool all_needed = &trial == &obstacle.trials.back();
     return fmt::format(
         "  The bits are lost by rounding {}. With {} in {} (at least {} bits are needed){}, exact arithmetic keeps "
         "{}{}.\n",
-        all ? "all inputs" : inputs_text(trial, places), all ? "all of them" : "these", wider, found.least_precision,
-        all ? "" : " and the others as they are", kept_and_wrong(trial.exact, requirement), form_in_f64(trial));
+        all_needed ? "all inputs" : inputs_text(trial, position_names), all_needed ? "all of them" : "these",
+        wider_format, obstacle.least_precision, all_needed ? "" : " and the others as they are",
+        kept_and_wrong(trial.exact, requirement), form_in_f64(trial));
 }
 
-/// Compares the scene stored in binary32 with the one that is written.
-std::string rounded_scene_text(const ChoiceResult& chosen, const Candidate& near) {
-    const Obstacle& found = *chosen.obstacle;
+/// Compares the scene stored in binary32 with the scene as it is written.
+std::string rounded_scene_text(const ChoiceResult& chosen, const Candidate& nearest) {
+    const Obstacle& obstacle = *chosen.obstacle;
     const Requirement& requirement = chosen.request.requirement;
-    if (!found.rounded_before || found.trials.empty()) return "";
-    const RowQuality& exact = found.trials.front().exact;
+    if (!obstacle.rounded_before || obstacle.trials.empty()) return "";
+    const RowQuality& exact = obstacle.trials.front().exact;
     if (exact.meets(requirement)) return "";
     return fmt::format(
                "  Apart from that, all formats get the scene rounded to binary32, and the requirement refers to this "
                "scene. "
                "Compared with the scene as written, even exact arithmetic on the rounded scene keeps {}.\n",
                kept_and_wrong(exact, requirement)) +
-           required_inputs_text(chosen, near);
+           required_inputs_text(chosen, nearest);
 }
 
 }  // namespace
@@ -86,19 +89,19 @@ std::string name_of_inputs(const FloatFormat& format) {
     return fmt::format("p{}", format.precision);
 }
 
-std::string obstacle_text(const ChoiceResult& chosen, const Candidate& near) {
-    const Obstacle& found = *chosen.obstacle;
+std::string obstacle_text(const ChoiceResult& chosen, const Candidate& nearest) {
+    const Obstacle& obstacle = *chosen.obstacle;
     const Requirement& requirement = chosen.request.requirement;
-    const std::string& format = near.row.format.name;
-    const int precision = near.row.format.parameters.precision;
-    const std::string exact = kept_and_wrong(found.exact, requirement);
-    const std::string left = bits(found.inherent_kept, requirement, found.inherent_off);
-    const std::string in_f64 = format == "f64" ? ""
-                                               : fmt::format(" Half an ulp of f64 would leave {}.",
-                                                             bits(found.inherent_kept_f64, requirement));
-    switch (found.cause) {
+    const std::string& format = nearest.row.format.name;
+    const int precision = nearest.row.format.parameters.precision;
+    const std::string exact_text = kept_and_wrong(obstacle.exact, requirement);
+    const std::string remaining_bits = bits_text(obstacle.inherent_kept, requirement, obstacle.inherent_off);
+    const std::string f64_sentence = format == "f64" ? ""
+                                                     : fmt::format(" Half an ulp of f64 would leave {}.",
+                                                                   bits_text(obstacle.inherent_kept_f64, requirement));
+    switch (obstacle.cause) {
         case Obstacle::Cause::no_hit:
-            return near.quality.hits == 0
+            return nearest.quality.hits == 0
                        ? fmt::format(
                              "  What limits it: the {}. None of the rays truly hits anything, so no t has bits to "
                              "keep.\n",
@@ -107,30 +110,31 @@ std::string obstacle_text(const ChoiceResult& chosen, const Candidate& near) {
                          "of them truly hits anything.\n";
         case Obstacle::Cause::width:
             return fmt::format("  What limits it: {} has {} bits. Try a wider format.\n", format, precision) +
-                   rounded_scene_text(chosen, near);
+                   rounded_scene_text(chosen, nearest);
         case Obstacle::Cause::inputs:
             return fmt::format(
                        "  What limits it: the inputs. Even exact arithmetic on them, rounded to {}, keeps {}.\n",
-                       name_of_inputs(found.base), exact) +
-                   required_inputs_text(chosen, near);
+                       name_of_inputs(obstacle.base), exact_text) +
+                   required_inputs_text(chosen, nearest);
         case Obstacle::Cause::inherent:
             return fmt::format(
                        "  What limits it: the problem, not the formula. Half an ulp of {} in each input would cost "
                        "{:.1f} "
                        "of its {} bits and leave {}; any bits kept beyond that are due to inputs that are exact.{}\n",
-                       format, precision - found.inherent_kept, precision, left, in_f64) +
-                   rounded_scene_text(chosen, near);
+                       format, precision - obstacle.inherent_kept, precision, remaining_bits, f64_sentence) +
+                   rounded_scene_text(chosen, nearest);
         case Obstacle::Cause::formula: break;
     }
-    const char* const what = near.quality.decides(requirement) ? "the formula" : "its decisions, due to the formula";
-    const std::string inputs =
-        found.trials.empty() && !found.rounded_before
+    const char* const limit =
+        nearest.quality.decides(requirement) ? "the formula" : "its decisions, due to the formula";
+    const std::string inputs_sentence =
+        obstacle.trials.empty() && !obstacle.rounded_before
             ? "The effect of rounding the inputs was not measured, because there are too many primitives"
             : fmt::format(
                   "Exact arithmetic on the same inputs meets the requirement, and half an ulp of {} in each of them "
                   "would leave {}",
-                  format, left);
-    return fmt::format("  What limits it: {}. {}.\n", what, inputs) + rounded_scene_text(chosen, near);
+                  format, remaining_bits);
+    return fmt::format("  What limits it: {}. {}.\n", limit, inputs_sentence) + rounded_scene_text(chosen, nearest);
 }
 
 }  // namespace lostbits::output::choice

@@ -1,3 +1,4 @@
+// The requirement of each pixel as a picture, as rows and as text.
 #include "output/choice/choice_files.hpp"
 
 #include <fmt/format.h>
@@ -35,7 +36,7 @@ table::Table<RequirementRow> requirement_table() {
 namespace {
 
 /// Number of choices with a colour of their own. A picture with more would not be readable.
-constexpr std::size_t most_colours = 10;
+constexpr std::size_t max_colours = 10;
 
 std::string name_of(const Candidate& c) {
     return fmt::format("{} {}", map::short_name(*c.row.form->info), c.row.format.name);
@@ -46,7 +47,7 @@ constexpr Rgb8 colour_of_none = colour_of(Outcome::not_a_number), colour_of_unkn
                colour_of_others = colour_of(Outcome::agree_hit);
 
 /// The candidates that some pixel requires, most pixels first.
-std::vector<std::size_t> most_taken(const RequirementMap& r) {
+std::vector<std::size_t> choices_by_pixels(const RequirementMap& r) {
     std::vector<std::size_t> order;
     for (std::size_t c = 0; c < r.taken.size(); ++c) {
         if (r.taken[c] > 0) order.push_back(c);
@@ -59,33 +60,33 @@ std::vector<std::size_t> most_taken(const RequirementMap& r) {
 class Colours {
 public:
     Colours(const ChoiceResult& chosen, const RequirementMap& r) : choices_(r.taken.size(), colour_of_others) {
-        const auto order = most_taken(r);
-        const std::size_t shown = order.size() > most_colours ? most_colours - 1 : order.size();
-        std::uint64_t others = 0;
+        const auto order = choices_by_pixels(r);
+        const std::size_t coloured_count = order.size() > max_colours ? max_colours - 1 : order.size();
+        std::uint64_t other_pixels = 0;
         for (std::size_t k = 0; k < order.size(); ++k) {
-            if (k >= shown) {
-                others += r.taken[order[k]];
+            if (k >= coloured_count) {
+                other_pixels += r.taken[order[k]];
                 continue;
             }
             choices_[order[k]] = image::distinct_colour(k);
             add("left: " + name_of(chosen.all[order[k]]), choices_[order[k]], r.taken[order[k]], r);
         }
-        add(fmt::format("left: {} other choices", order.size() - shown), colour_of_others, others, r);
+        add(fmt::format("left: {} other choices", order.size() - coloured_count), colour_of_others, other_pixels, r);
         for (std::size_t f = 0; f < r.formats.size(); ++f) {
-            formats_.push_back(image::distinct_colour(most_colours + f));
+            formats_.push_back(image::distinct_colour(max_colours + f));
             add("right: " + r.formats[f].name, formats_.back(), r.needed[f], r);
         }
         add("nothing meets the requirement", colour_of_none, r.none_meets, r);
         add("unresolved", colour_of_unknown, r.unknown, r);
     }
-    [[nodiscard]] Rgb8 choice(int place) const { return at(choices_, place); }
-    [[nodiscard]] Rgb8 format(int place) const { return at(formats_, place); }
+    [[nodiscard]] Rgb8 choice(int index) const { return colour_at(choices_, index); }
+    [[nodiscard]] Rgb8 format(int index) const { return colour_at(formats_, index); }
     [[nodiscard]] const std::vector<LegendEntry>& legend() const { return legend_; }
 
 private:
-    static Rgb8 at(const std::vector<Rgb8>& colours, int place) {
-        if (place >= 0) return colours[static_cast<std::size_t>(place)];
-        return place == RequirementMap::none ? colour_of_none : colour_of_unknown;
+    static Rgb8 colour_at(const std::vector<Rgb8>& colours, int index) {
+        if (index >= 0) return colours[static_cast<std::size_t>(index)];
+        return index == RequirementMap::none ? colour_of_none : colour_of_unknown;
     }
     void add(std::string label, Rgb8 colour, std::uint64_t count, const RequirementMap& r) {
         if (count > 0) legend_.push_back({std::move(label), colour, pixel::count_text(count, r.pixels())});
@@ -95,9 +96,9 @@ private:
 };
 
 std::string percent(std::uint64_t count, const RequirementMap& r) {
-    const double of_100 = 100 * (static_cast<double>(count) / static_cast<double>(r.pixels()));
+    const double percentage = 100 * (static_cast<double>(count) / static_cast<double>(r.pixels()));
     if (count == 0 || count == r.pixels()) return fmt::format("{}%", count == 0 ? 0 : 100);
-    return of_100 < 0.1 ? fmt::format("{:.1g}%", of_100) : fmt::format("{:.4g}%", std::min(of_100, 99.99));
+    return percentage < 0.1 ? fmt::format("{:.1g}%", percentage) : fmt::format("{:.4g}%", std::min(percentage, 99.99));
 }
 
 }  // namespace
@@ -105,9 +106,9 @@ std::string percent(std::uint64_t count, const RequirementMap& r) {
 std::vector<RequirementRow> requirement_rows(const ChoiceResult& chosen, const RequirementMap& r) {
     std::vector<RequirementRow> rows;
     for (const std::size_t c : measure::choice::by_price(chosen.all)) {
-        const Candidate& at = chosen.all[c];
-        rows.push_back(
-            {at.row.form->info->name, at.row.format.name, at.time.median * 1e9, r.met[c], r.taken[c], r.pixels()});
+        const Candidate& candidate = chosen.all[c];
+        rows.push_back({candidate.row.form->info->name, candidate.row.format.name, candidate.time.median * 1e9,
+                        r.met[c], r.taken[c], r.pixels()});
     }
     for (std::size_t f = 0; f < r.formats.size(); ++f)
         rows.push_back({"any", r.formats[f].name, {}, r.any_meets[f], r.needed[f], r.pixels()});
@@ -131,15 +132,15 @@ void draw_requirement_map(const std::filesystem::path& path, const ChoiceResult&
     spec.height = r.height;
     spec.legend = colours.legend();
     image::HeatmapWriter picture(path, spec);
-    std::vector<Rgb8> line(static_cast<std::size_t>(spec.width), image::style::page);
+    std::vector<Rgb8> row(static_cast<std::size_t>(spec.width), image::style::page);
     for (int y = 0; y < r.height; ++y) {
         for (int x = 0; x < r.width; ++x) {
             const auto pixel =
                 static_cast<std::size_t>(y) * static_cast<std::size_t>(r.width) + static_cast<std::size_t>(x);
-            line[static_cast<std::size_t>(x)] = colours.choice(r.cheapest[pixel]);
-            line[static_cast<std::size_t>(x + r.width + gap)] = colours.format(r.narrowest[pixel]);
+            row[static_cast<std::size_t>(x)] = colours.choice(r.cheapest[pixel]);
+            row[static_cast<std::size_t>(x + r.width + gap)] = colours.format(r.narrowest[pixel]);
         }
-        picture.write_rows(line);
+        picture.write_rows(row);
     }
     picture.finish(spec.legend);
 }
@@ -153,13 +154,13 @@ std::string in_words(const ChoiceResult& chosen, const RequirementMap& r) {
     if (r.none_meets > 0) text += fmt::format(", on {} nothing meets the requirement", percent(r.none_meets, r));
     if (r.unknown > 0) text += fmt::format(", for {} the truth is not proved", percent(r.unknown, r));
     text += ".\n";
-    const double least = r.least_time(chosen.all);
-    const auto forms = most_taken(r).size();
-    if (chosen.meets && forms > 1) {
+    const double least_time = r.least_time(chosen.all);
+    const auto choice_count = choices_by_pixels(r).size();
+    if (chosen.meets && choice_count > 1) {
         text += fmt::format(
             "The cheapest at each pixel would take {} choices and {:.2f} times the time of this one; switching between "
             "forms cannot gain more.\n",
-            forms, least / chosen.all[*chosen.meets].time.median);
+            choice_count, least_time / chosen.all[*chosen.meets].time.median);
     }
     return text;
 }

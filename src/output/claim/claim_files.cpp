@@ -29,10 +29,10 @@ table::Table<ClaimRow> claim_table() {
     using R = ClaimRow;
     using table::when;
     const auto of_claim = [](const auto& value) { return [value](const R& r) { return std::invoke(value, r.claim); }; };
-    const auto counted = [](const auto& value) {
+    const auto unless_zero = [](const auto& value) {
         return [value](const R& r) { return when(std::invoke(value, r.result) != 0, std::invoke(value, r.result)); };
     };
-    const auto drawn = [](const auto& value) {
+    const auto of_draws = [](const auto& value) {
         return [value](const R& r) {
             return when(r.result.is_drawn() && r.spread.draws > 0, std::invoke(value, r.spread));
         };
@@ -65,15 +65,16 @@ table::Table<ClaimRow> claim_table() {
          [](const R& r) { return r.result.samples; }},
         {"floats",
          "number of floats, every one in a range; missing if the claim does not rest on all floats of a range",
-         counted(&ClaimResult::floats)},
+         unless_zero(&ClaimResult::floats)},
         {"evidence", "what a statement about all cases rests on: proof, exhaustive, search or sample; empty for others",
          [](const R& r) { return std::string(name_of(r.claim.evidence)); }},
         {"lemma", "the inequality of a proof", of_claim(&Claim::lemma)},
-        {"evaluations", "rays that a search tried; missing if there was no search", counted(&ClaimResult::evaluations)},
-        {"draws", "number of draws of the samples, one per seed; missing if nothing is random", drawn(&S::draws)},
-        {"draw_low", "smallest number measured over the draws", drawn(&S::low)},
-        {"draw_median", "median over the draws, the lower of two", drawn(&S::median)},
-        {"draw_high", "largest number measured over the draws", drawn(&S::high)},
+        {"evaluations", "rays that a search tried; missing if there was no search",
+         unless_zero(&ClaimResult::evaluations)},
+        {"draws", "number of draws of the samples, one per seed; missing if nothing is random", of_draws(&S::draws)},
+        {"draw_low", "smallest number measured over the draws", of_draws(&S::low)},
+        {"draw_median", "median over the draws, the lower of two", of_draws(&S::median)},
+        {"draw_high", "largest number measured over the draws", of_draws(&S::high)},
         {"interval_draws",
          "number of draws that the expected interval comes from: their range, widened by half on either side (in "
          "logarithms for onsets and fractions)",
@@ -105,8 +106,8 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<Clai
         const Claim& c = claims[i];
         auto further = Json::array();
         for (const double x : results[i].further) further.push_back(json_number(x));
-        const auto& b = results[i].bounds;
-        const auto bounds = b ? Json{json_number(b->low), json_number(b->high)} : Json();
+        const auto& p99_bounds = results[i].bounds;
+        const auto bounds = p99_bounds ? Json{json_number(p99_bounds->low), json_number(p99_bounds->high)} : Json();
         array.push_back({{"id", c.id},
                          {"statement", c.statement},
                          {"source", c.source},
@@ -169,19 +170,19 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
             test.append_child("skipped").append_attribute("message") = file::xml_text(results[i].trouble).c_str();
             continue;
         }
-        const std::string what = file::xml_text(explain(c, results[i]));
-        const std::string more =
-            file::xml_text(fmt::format("{}\n{}: {}\n{}\n{}\n{}\n", c.statement, c.where.text(), what,
+        const std::string explanation = file::xml_text(explain(c, results[i]));
+        const std::string details =
+            file::xml_text(fmt::format("{}\n{}: {}\n{}\n{}\n{}\n", c.statement, c.where.text(), explanation,
                                        witness_text(results[i]), explain_witness(c, results[i]), words_of(c).command));
         if (c.severity == Claim::Severity::warn && !strict) {
-            test.append_child("system-out").text().set(more.c_str());
+            test.append_child("system-out").text().set(details.c_str());
             continue;
         }
         const bool is_failure = results[i].state == State::disagrees;
         ++(is_failure ? failures : errors);
         auto node = test.append_child(is_failure ? "failure" : "error");
-        node.append_attribute("message") = what.c_str();
-        node.text().set(more.c_str());
+        node.append_attribute("message") = explanation.c_str();
+        node.text().set(details.c_str());
     }
     pugi::xml_attribute(time).set_value(fmt::format("{:.6f}", seconds).c_str());
     pugi::xml_attribute(tests).set_value(static_cast<unsigned long long>(claims.size()));

@@ -15,17 +15,19 @@ using measure::claim::ClaimResult;
 using measure::metric::Metric;
 using scene::claim::Claim;
 
-/// A claim that no longer measures as stated is a `<failure>`, a broken one an `<error>`, and one that this machine
-/// cannot measure is `<skipped>`. The suite has properties that count the statements that hold, from a source and our
-/// own. A claim of severity `warn` is reported as passed, with its message in `<system-out>`, unless `strict`.
+/// Writes a suite of test cases: a claim that no longer measures as stated is a `<failure>`, a broken claim an
+/// `<error>`, and a claim that this machine cannot measure is `<skipped>`. Properties of the suite count the verdicts
+/// of the statements from a source and of our own. A claim of severity `warn` is reported as passed, with its message
+/// in `<system-out>`, unless `strict`.
 void write_junit(const std::filesystem::path& path, const std::vector<Claim>& claims,
                  const std::vector<ClaimResult>& results, bool strict);
 
-/// One row per claim: statement, verdict, expectation, measurement, state, and the witness in hexadecimal floats.
+/// Writes one row per claim: statement, verdict, expectation, measurement, state, and the witness in hexadecimal
+/// floats.
 void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim>& claims,
                       const std::vector<ClaimResult>& results);
 
-/// The same as a JSON array; numbers that JSON cannot hold are strings.
+/// Writes the same facts about each claim as a JSON array; numbers that JSON cannot hold are strings.
 void write_claims_json(const std::filesystem::path& path, const std::vector<Claim>& claims,
                        const std::vector<ClaimResult>& results);
 
@@ -33,7 +35,7 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<Clai
 /// evaluations; the worst is …". Empty if the statement is only about single numbers.
 std::string evidence_text(const Claim& claim, const ClaimResult& result);
 
-/// In the order of `ClaimResult::State`.
+/// Names of the states, in the order of `ClaimResult::State`.
 inline constexpr std::array state_names{"agrees", "disagrees", "broken", "skipped"};
 constexpr const char* state_name(measure::claim::ClaimResult::State state) {
     return state_names[static_cast<std::size_t>(state)];
@@ -56,12 +58,12 @@ std::string witness_text(const ClaimResult& result);
 /// The command that explains the witness and prints its numbers again; empty if there is none.
 std::string explain_witness(const Claim& claim, const ClaimResult& result);
 
-/// Names of the thing that a claim is measured on, for texts.
+/// Texts that name what a claim is measured on.
 struct SubjectTexts {
-    std::string heading;  ///< heading of all claims about it: `near-benign, rendered`
+    std::string heading;  ///< heading of all claims about the subject: `near-benign, rendered`
     std::string where;    ///< scene, sweep or table with the position in it: `near-benign, rendered to stage phong`
-    std::string place;    ///< that position alone, for texts below the heading: `stage phong`
-    std::string command;  ///< command that measures it again with all files
+    std::string place;  ///< the position in the scene, sweep or table alone, for texts below the heading: `stage phong`
+    std::string command;  ///< command that measures the subject again with all files
 };
 
 [[nodiscard]] SubjectTexts words_of(const Claim& claim);

@@ -1,3 +1,4 @@
+// Pictures of the subjects of claims, as Markdown and image files.
 #include "output/claim/claim_files.hpp"
 
 #include <fmt/format.h>
@@ -23,7 +24,7 @@ using scene::claim::StudySubject;
 
 namespace {
 
-/// The scene of that name that claims are about; the first of its variants if none is named.
+/// Loads the scene that claims are about; the first of its variants if `name` has no variant.
 scene::file::Scene shown_scene(const std::string& name, const ClaimRequest& run) {
     const auto found = scene::file::find_scene(name, run.data_dir);
     return std::move(scene::file::load_scene(found.path, {.variant = found.variant, .stop = run.stop}).front());
@@ -34,23 +35,23 @@ std::vector<TestedForm> rows_of(const std::vector<const Claim*>& claims) {
     std::vector<TestedForm> rows;
     for (const Claim* const c : claims) {
         const TestedForm row = measure::claim::claim_row(*c);
-        const auto same = [&](const TestedForm& r) {
+        const auto is_same_series = [&](const TestedForm& r) {
             return r.form == row.form && r.format == row.format && r.judged == row.judged;
         };
-        if (std::ranges::none_of(rows, same)) rows.push_back(row);
+        if (std::ranges::none_of(rows, is_same_series)) rows.push_back(row);
     }
-    std::ranges::stable_sort(rows, {}, [known = intersect::table::catalogue()](const TestedForm& row) {
-        const auto place = std::ranges::find(known, row.form->info, &intersect::table::Intersector::info);
-        return std::pair(place - known.begin(), row.form->info->name);  // forms made at run time come last, by name
+    std::ranges::stable_sort(rows, {}, [catalogue = intersect::table::catalogue()](const TestedForm& row) {
+        const auto entry = std::ranges::find(catalogue, row.form->info, &intersect::table::Intersector::info);
+        return std::pair(entry - catalogue.begin(), row.form->info->name);  // forms made at run time come last, by name
     });
     return rows;
 }
 
 std::vector<const Metric*> drawn_metrics() {
-    std::vector<const Metric*> all;
+    std::vector<const Metric*> metrics;
     for (const char* name : {"lost_bits", "ulp_error", "inherent_bits", "excess_bits"})
-        all.push_back(measure::metric::find_metric(name));
-    return all;
+        metrics.push_back(measure::metric::find_metric(name));
+    return metrics;
 }
 
 std::filesystem::path picture_path(const ShownSubject& shown, const std::string& file) {
@@ -62,13 +63,13 @@ std::string picture_link(const ShownSubject& shown, const std::string& title, co
     return fmt::format("![{}](pictures/{})\n", file::markdown_text(title), file::markdown_path(name));
 }
 
-/// The marches along a scene's first pixel, sample by sample, if all claims are about those; otherwise the picture of
-/// the scene.
-std::string picture_of(const SceneSubject& on, const ShownSubject& shown) {
+/// Markdown for a scene: the marches along its first pixel, sample by sample, if all claims are about samples of a
+/// march; otherwise the picture of the scene.
+std::string picture_of(const SceneSubject& subject, const ShownSubject& shown) {
     const std::vector<TestedForm> rows = rows_of(shown.claims);
-    const scene::file::Scene scene = shown_scene(on.name, shown.run);
-    const auto traced = [](const Claim* c) { return c->on<SceneSubject>() && c->on<SceneSubject>()->step; };
-    if (std::ranges::all_of(shown.claims, traced)) {
+    const scene::file::Scene scene = shown_scene(subject.name, shown.run);
+    const auto is_about_march = [](const Claim* c) { return c->on<SceneSubject>() && c->on<SceneSubject>()->step; };
+    if (std::ranges::all_of(shown.claims, is_about_march)) {
         const measure::answer::OneRay ray(scene, 0, 0, {.stop = shown.run.stop});
         std::string text;
         for (const TestedForm& row : rows)
@@ -89,21 +90,21 @@ std::string picture_of(const SceneSubject& on, const ShownSubject& shown) {
 }
 
 /// The sheet of a study, with the forms, formats and options that its claims name.
-std::string picture_of(const StudySubject& on, const ShownSubject& shown) {
-    const scene::file::Scene scene = shown_scene(on.name, shown.run);
+std::string picture_of(const StudySubject& subject, const ShownSubject& shown) {
+    const scene::file::Scene scene = shown_scene(subject.name, shown.run);
     measure::claim::StudyQuestion question{.scene = scene, .rows = rows_of(shown.claims), .stop = shown.run.stop};
     for (const Claim* const c : shown.claims) {
-        for (const auto& [option, word] : c->on<StudySubject>()->options) {
-            auto& words = question.options[option];
-            if (std::ranges::find(words, word) == words.end()) words.push_back(word);
+        for (const auto& [option, value] : c->on<StudySubject>()->options) {
+            auto& values = question.options[option];
+            if (std::ranges::find(values, value) == values.end()) values.push_back(value);
         }
     }
-    const std::string file = fmt::format("{}.{}.png", scene.id, on.study);
-    shown.run.studies->draw(on.study, question, picture_path(shown, file));
+    const std::string file = fmt::format("{}.{}.png", scene.id, subject.study);
+    shown.run.studies->draw(subject.study, question, picture_path(shown, file));
     return picture_link(shown, scene.title, file);
 }
 
-/// The plots of a sweep that its claims are about.
+/// Plots of a sweep that claims are about.
 struct SweepPlots {
     bool median = false, tail = false, wrong = false;
 };
@@ -111,24 +112,25 @@ struct SweepPlots {
 SweepPlots plots_of(const std::vector<const Claim*>& claims) {
     SweepPlots plots;
     for (const Claim* const c : claims) {
-        const std::string& what = c->onset.empty() ? c->metric : c->onset;
+        const std::string& quantity_name = c->onset.empty() ? c->metric : c->onset;
         const std::string& statistic = c->onset.empty() ? c->metric : c->statistic;
-        // Bits of an operation are lost bits too.
-        const bool bits = what.find("bits") != std::string::npos || measure::claim::asks_for_attribution(*c);
-        plots.wrong |= !bits;
-        const bool tail = statistic.ends_with("p99") || statistic.ends_with("max");
-        plots.median |= bits && !tail;
-        plots.tail |= bits && tail;
+        // Bits of an operation are drawn as lost bits too.
+        const bool is_bits =
+            quantity_name.find("bits") != std::string::npos || measure::claim::asks_for_attribution(*c);
+        plots.wrong |= !is_bits;
+        const bool is_tail = statistic.ends_with("p99") || statistic.ends_with("max");
+        plots.median |= is_bits && !is_tail;
+        plots.tail |= is_bits && is_tail;
     }
     return plots;
 }
 
 /// The pictures of a sweep, as Markdown.
-std::string picture_of(const scene::claim::SweepSubject& on, const ShownSubject& shown) {
+std::string picture_of(const scene::claim::SweepSubject& subject, const ShownSubject& shown) {
     const auto& claims = shown.claims;
     const auto& run = shown.run;
     const std::vector<TestedForm> rows = rows_of(claims);
-    const auto path = scene::sweep::find_sweep(on.name, run.data_dir);
+    const auto path = scene::sweep::find_sweep(subject.name, run.data_dir);
     // The claims are about small ranges, but a picture would need the whole axis.
     if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::every_float) return "";
     if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::cases) {
@@ -166,16 +168,17 @@ std::string picture_of(const scene::claim::SweepSubject& on, const ShownSubject&
     const sweep::MeasuredSweep measured{request, steps, onsets};
     const SweepPlots plots = plots_of(claims);
     for (const Format& format : sweep::formats_of(measured)) {
-        const auto show = [&](std::string_view what, const image::Canvas& plot) {
-            const std::string file = fmt::format("{}.{}.{}.png", sweep.id, what, format.name);
-            text += picture_link(shown, fmt::format("{}: {}, {}", sweep.title, what, format.name), file);
+        const auto add_plot = [&](std::string_view name, const image::Canvas& plot) {
+            const std::string file = fmt::format("{}.{}.{}.png", sweep.id, name, format.name);
+            text += picture_link(shown, fmt::format("{}: {}, {}", sweep.title, name, format.name), file);
             image::save_figure(picture_path(shown, file), plot);
         };
-        if (plots.median) show("lost_bits_p50", sweep::lost_bits_plot(measured, format, 0.5));
-        if (plots.tail) show("lost_bits_p99", sweep::lost_bits_plot(measured, format, 0.99));
+        if (plots.median) add_plot("lost_bits_p50", sweep::lost_bits_plot(measured, format, 0.5));
+        if (plots.tail) add_plot("lost_bits_p99", sweep::lost_bits_plot(measured, format, 0.99));
         if (!plots.wrong) continue;
-        for (const measure::answer::Outcome o : sweep::wrong_outcomes(measured, format))
-            show(measure::answer::outcome_names[static_cast<std::size_t>(o)], sweep::wrong_plot(measured, format, o));
+        for (const measure::answer::Outcome outcome : sweep::wrong_outcomes(measured, format))
+            add_plot(measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
+                     sweep::wrong_plot(measured, format, outcome));
     }
     return text;
 }
@@ -184,8 +187,8 @@ std::string picture_of(const scene::claim::SweepSubject& on, const ShownSubject&
 
 std::string pictures_of(const ShownSubject& shown) {
     return std::visit(
-        [&shown](const auto& on) {
-            if constexpr (requires { picture_of(on, shown); }) return picture_of(on, shown) + "\n";
+        [&shown](const auto& subject) {
+            if constexpr (requires { picture_of(subject, shown); }) return picture_of(subject, shown) + "\n";
             else return std::string();
         },
         shown.claims.front()->subject);

@@ -26,22 +26,23 @@ namespace {
 
 using State = ClaimResult::State;
 
-/// Screenshots of `lostbits report` in the folder, which tests/browser/screenshots.js takes.
+/// Images for the screenshots of `lostbits report` that the folder has; tests/browser/screenshots.js takes them.
 std::string screenshots_in(const std::filesystem::path& folder) {
     std::string text;
-    for (const auto& [name, what] : {std::pair{"maps", "Lost bits of two forms side by side, and one ray"},
-                                     std::pair{"operations", "Culprits, and the operations of one ray"},
-                                     std::pair{"sweeps", "Lost bits along a parameter"},
-                                     std::pair{"claims", "Claims; each leads to its pixels or its plot"}}) {
+    for (const auto& [name, caption] : {std::pair{"maps", "Lost bits of two forms side by side, and one ray"},
+                                        std::pair{"operations", "Culprits, and the operations of one ray"},
+                                        std::pair{"sweeps", "Lost bits along a parameter"},
+                                        std::pair{"claims", "Claims; each leads to its pixels or its plot"}}) {
         const std::string file = fmt::format("screenshots/{}.png", name);
-        if (std::filesystem::exists(folder / file)) text += fmt::format("\n![{}]({})\n", what, file);
+        if (std::filesystem::exists(folder / file)) text += fmt::format("\n![{}]({})\n", caption, file);
     }
     return text.empty() ? "" : "\nThe page looks like this:\n" + text;
 }
 
-std::string in_code(const std::vector<std::string>& all) {
+std::string code_list(const std::vector<std::string>& expressions) {
     std::string text;
-    for (const std::string& each : all) text += (text.empty() ? "" : ", ") + file::markdown_code(each);
+    for (const std::string& expression : expressions)
+        text += (text.empty() ? "" : ", ") + file::markdown_code(expression);
     return text;
 }
 
@@ -61,7 +62,7 @@ std::string bounds_text(const ClaimResult& r) {
     return r.bounds ? fmt::format(" (95 %: {} to {})", rounded(r.bounds->low), rounded(r.bounds->high)) : "";
 }
 
-/// Number of random samples behind the claims of a subject.
+/// Sentence on the number of random samples behind the claims of a subject; empty if nothing is random.
 std::string samples_text(const ClaimSubject& subject, const std::vector<ClaimResult>& results) {
     for (const std::size_t i : subject.claims) {
         if (results[i].is_drawn())
@@ -71,33 +72,34 @@ std::string samples_text(const ClaimSubject& subject, const std::vector<ClaimRes
     return "";
 }
 
-/// ` --seeds 3`: the option that made the draws.
+/// Option of `lostbits check` that made the draws: ` --seeds 3`.
 std::string draws_option(const std::vector<ClaimResult>& results) {
     std::size_t further = 0;
     for (const ClaimResult& r : results) further = std::max(further, r.further.size());
     return further == 0 ? "" : fmt::format(" --seeds {}", further);
 }
 
-std::string row_text(const Claim& c, const ClaimResult& r) {
+std::string claim_row_text(const Claim& c, const ClaimResult& r) {
     const std::string verdict =
         r.state == State::agrees
             ? (c.verdict == Claim::Verdict::refuted ? "**refuted**" : std::string(name_of(c.verdict)))
         : r.state == State::skipped ? "skipped"
                                     : fmt::format("**{}**", changed_text(c, r));
     // Expressions have stars, which Markdown would interpret.
-    const std::string reach = r.state == State::agrees ? evidence_text(c, r) : "";
-    const std::string all = floats_text(r) + (reach.empty() ? "" : file::markdown_text(reach)),
-                      number = r.floats > 0 ? file::decimal(r.measured) : rounded(r.measured);
-    const std::string what = c.operations.empty() ? file::markdown_text(quantity(c))
-                                                  : fmt::format("{} of {}", c.metric, in_code(c.operations));
-    const std::string place = words_of(c).place;
-    const std::string words = c.quotation.empty() ? "" : " <br> \"" + file::markdown_text(c.quotation) + "\"";
-    const std::string says = c.criterion ? "; says " + file::markdown_text(c.criterion->text) : "";
+    const std::string evidence = r.state == State::agrees ? evidence_text(c, r) : "";
+    const std::string scope = floats_text(r) + (evidence.empty() ? "" : file::markdown_text(evidence)),
+                      measured = r.floats > 0 ? file::decimal(r.measured) : rounded(r.measured);
+    const std::string quantity_cell = c.operations.empty() ? file::markdown_text(quantity(c))
+                                                           : fmt::format("{} of {}", c.metric, code_list(c.operations));
+    const std::string position = words_of(c).place;
+    const std::string quotation = c.quotation.empty() ? "" : " <br> \"" + file::markdown_text(c.quotation) + "\"";
+    const std::string criterion = c.criterion ? "; says " + file::markdown_text(c.criterion->text) : "";
     return fmt::format(
-        "| {}{} | {}{}{} | {} | {} = {}{} | {} |\n", verdict, all.empty() ? "" : ": " + all,
-        file::markdown_text(c.statement), words, c.note.empty() ? "" : " <br> *" + file::markdown_text(c.note) + "*",
-        file::markdown_text(fmt::format("{}{}{}", c.tested(), " " + c.format, place.empty() ? "" : ", " + place)), what,
-        number + bounds_text(r) + spread_text(r), says, file::markdown_code(c.id));
+        "| {}{} | {}{}{} | {} | {} = {}{} | {} |\n", verdict, scope.empty() ? "" : ": " + scope,
+        file::markdown_text(c.statement), quotation,
+        c.note.empty() ? "" : " <br> *" + file::markdown_text(c.note) + "*",
+        file::markdown_text(fmt::format("{}{}{}", c.tested(), " " + c.format, position.empty() ? "" : ", " + position)),
+        quantity_cell, measured + bounds_text(r) + spread_text(r), criterion, file::markdown_code(c.id));
 }
 
 }  // namespace
@@ -106,8 +108,8 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
                         const std::vector<ClaimResult>& results, const ClaimRequest& run) {
     file::AtomicFile readme(folder / "README.md");
     const CountsBySource counts = count_verdicts(claims, results);
-    const std::size_t other = claims.size() - counts.all.confirmed();
-    const auto quoted = std::ranges::count_if(claims, [](const Claim& c) { return !c.quotation.empty(); });
+    const std::size_t unconfirmed_count = claims.size() - counts.all.confirmed();
+    const auto quoted_count = std::ranges::count_if(claims, [](const Claim& c) { return !c.quotation.empty(); });
     std::string text = fmt::format(
         "# What the sources say, and what we measured\n\nMade by `lostbits check{} --report reports`; do not edit. "
         "{} claims, each a sentence or a part of one{}: {}. A statement is qualified if it is true under a condition "
@@ -119,8 +121,8 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
         "must lie in the claim's interval, which is the range over 32 draws, widened by half on either side (in "
         "logarithms for onsets and fractions).\n{}",
         draws_option(results), claims.size(),
-        other == 0 ? "" : fmt::format(", of which {} failed or could not be measured", other), counts.text(), quoted,
-        counts.all.with_criterion, screenshots_in(folder));
+        unconfirmed_count == 0 ? "" : fmt::format(", of which {} failed or could not be measured", unconfirmed_count),
+        counts.text(), quoted_count, counts.all.with_criterion, screenshots_in(folder));
     for (const ClaimSubject& subject : subjects_of(claims)) {
         text += fmt::format("\n## {}\n\n", file::markdown_text(subject.name));
         ShownSubject shown{folder, {}, run};
@@ -134,7 +136,7 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
                     "{}Source: {}\n\n| verdict | sentence | measured on | measured | claim |\n|---|---|---|---|---|\n",
                     i == subject.claims.front() ? "" : "\n", source == "-" ? "our own" : file::markdown_text(source));
             }
-            text += row_text(claims[i], results[i]);
+            text += claim_row_text(claims[i], results[i]);
         }
     }
     readme.write(text);

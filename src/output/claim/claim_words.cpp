@@ -1,4 +1,4 @@
-// Claims in words: expected and measured values, verdicts, and how many hold.
+// Texts about claims: expected and measured values, verdicts, and how many hold.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -50,16 +50,16 @@ std::string floats_text(const ClaimResult& r) {
 
 std::string evidence_text(const Claim& c, const ClaimResult& r) {
     using Evidence = Claim::Evidence;
-    const bool found = c.verdict == Claim::Verdict::refuted;
+    const bool is_refuted = c.verdict == Claim::Verdict::refuted;
     if (c.verdict == Claim::Verdict::qualified) return c.condition;
     if (r.evaluations > 0)
-        return fmt::format("{} in {} evaluations; the worst is {}", found ? "found" : "no worse case found",
+        return fmt::format("{} in {} evaluations; the worst is {}", is_refuted ? "found" : "no worse case found",
                            r.evaluations, file::decimal(r.measured));
     switch (c.evidence) {
-        case Evidence::proof: return (found ? "refuted by proof: " : "proved: ") + c.lemma;
+        case Evidence::proof: return (is_refuted ? "refuted by proof: " : "proved: ") + c.lemma;
         case Evidence::exhaustive: return r.floats > 0 ? "" : "every case that it speaks of was measured";
         case Evidence::search:
-            return found ? "by the worst case that a search found" : "for the worst case that a search found";
+            return is_refuted ? "by the worst case that a search found" : "for the worst case that a search found";
         case Evidence::counterexample: return "by a counterexample";
         case Evidence::sample: return "for a measured sample";
         case Evidence::none: break;
@@ -73,25 +73,27 @@ namespace {
 
 using State = ClaimResult::State;
 
-/// True if the verdict still follows from the criterion for every draw; nothing if there is no criterion.
-std::optional<bool> stands(const Claim& c, const ClaimResult& r) {
+/// True if the verdict still follows from the criterion for every draw; nullopt if there is no criterion or the claim
+/// agrees.
+std::optional<bool> verdict_stands(const Claim& c, const ClaimResult& r) {
     if (!c.criterion || r.state != State::disagrees) return std::nullopt;
     const auto s = r.spread();
     return c.criterion->is_met_by(c.low, c.high) ? c.criterion->is_met_by(s.low, s.high)
                                                  : c.criterion->is_failed_by(s.low, s.high);
 }
 
-std::string mark_of_verdict(const Claim& c, const ClaimResult& r) {
-    const auto still = stands(c, r);
-    if (!still) return "";
+std::string verdict_clause(const Claim& c, const ClaimResult& r) {
+    const auto stands = verdict_stands(c, r);
+    if (!stands) return "";
     return fmt::format("; {}: {}", says_text(c),
-                       *still ? "the number has changed, but the verdict stands" : "the verdict no longer follows");
+                       *stands ? "the number has changed, but the verdict stands" : "the verdict no longer follows");
 }
 
 }  // namespace
 
 std::string changed_text(const Claim& c, const ClaimResult& r) {
-    if (c.verdict == Claim::Verdict::holds && !stands(c, r).value_or(false)) return "expected to hold, but does not";
+    if (c.verdict == Claim::Verdict::holds && !verdict_stands(c, r).value_or(false))
+        return "expected to hold, but does not";
     return fmt::format("{}, but the number has changed", name_of(c.verdict));
 }
 
@@ -117,9 +119,7 @@ std::string expected_and_measured(const Claim& c, const ClaimResult& r) {
 
 }  // namespace
 
-std::string explain(const Claim& c, const ClaimResult& r) {
-    return expected_and_measured(c, r) + mark_of_verdict(c, r);
-}
+std::string explain(const Claim& c, const ClaimResult& r) { return expected_and_measured(c, r) + verdict_clause(c, r); }
 
 const Metric* metric_of_column(const std::string& column) {
     const Metric* best = nullptr;
@@ -146,8 +146,8 @@ void VerdictCounts::add(const Claim& claim, const ClaimResult& result) {
 
 std::string VerdictCounts::text() const {
     std::string text;
-    const auto add = [&text](std::size_t n, const char* one, const char* several) {
-        if (n > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, n == 1 ? one : several);
+    const auto add = [&text](std::size_t n, const char* singular, const char* plural) {
+        if (n > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, n == 1 ? singular : plural);
     };
     add(held, "holds", "hold");
     add(qualified, "is qualified", "are qualified");

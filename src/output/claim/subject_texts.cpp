@@ -1,4 +1,4 @@
-// Names of the things that claims are measured on.
+// Texts that name the subjects of claims: the scene, sweep, table or study that a claim is measured on.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,11 +19,12 @@ namespace {
 
 using namespace scene::claim;
 
-/// Words that differ from kind to kind of subject. `kind` follows the subject's name in a heading, and `part` in a
-/// text.
+/// Texts that differ from kind to kind of subject. `kind` follows the subject's name in a heading, and `part` follows
+/// it in a text.
 struct KindTexts {
-    std::string command, kind = {}, part = {}, place = {};
-    std::string at = {};  ///< numbers of a position on axes, which stand after the convention; `place` is empty
+    std::string command, kind = {}, part = {}, position = {};
+    std::string axis_values =
+        {};  ///< numbers of a position on axes, which stand after the convention; `position` is then empty
 };
 
 /// ` --metric contribution:c` for a claim about contribution_c_p50: the option for a metric that a run measures only on
@@ -41,97 +42,110 @@ std::string metric_option(const Claim& c) {
                : " --metric " + shell_word(fmt::format("{}:{}", metric.substr(0, label), metric.substr(label + 1)));
 }
 
-/// A command that measures the claim again. `options` precede those of the form, and `more` follows them.
-std::string asked(const Claim& c, const char* command, const std::string& options, const std::string& more = "") {
+/// Returns a command that measures the claim again. `options` precede the options of the form, and `more_options`
+/// follow them.
+std::string measuring_command(const Claim& c, const char* command, const std::string& options,
+                              const std::string& more_options = "") {
     return fmt::format("lostbits {} {}{} -i {} -f {}{} -o out", command, shell_word(c.subject_name()), options, c.form,
-                       c.format, more);
+                       c.format, more_options);
 }
 
-std::string checked(const Claim& c, const char* options, const char* more) {
+std::string checking_command(const Claim& c, const char* options, const char* more_options) {
     // Always in quotes, because --filter takes a glob.
     const std::string id = c.id.find('\'') == std::string::npos ? "'" + c.id + "'" : shell_word(c.id);
     return fmt::format("lostbits check{}{} --filter {}{}", c.named ? " " + shell_word(c.where.source) : "", options, id,
-                       more);
+                       more_options);
 }
 
-KindTexts words(const Claim& c, const SceneSubject& on) {
-    if (on.pixel)
-        return {.command = fmt::format("lostbits explain {} --pixel {},{} -i {} -f {}", shell_word(on.name),
-                                       on.pixel->first, on.pixel->second, c.form, c.format),
-                .place = fmt::format("pixel {}, {}", on.pixel->first, on.pixel->second)};
-    if (!on.step) return {asked(c, "map", "", metric_option(c))};
-    return {
-        .command = fmt::format("lostbits explain {} --pixel 0,0 -i {} -f {}", shell_word(on.name), c.form, c.format),
-        .place = fmt::format("sample {}", *on.step)};
+KindTexts kind_texts(const Claim& c, const SceneSubject& subject) {
+    if (subject.pixel)
+        return {.command = fmt::format("lostbits explain {} --pixel {},{} -i {} -f {}", shell_word(subject.name),
+                                       subject.pixel->first, subject.pixel->second, c.form, c.format),
+                .position = fmt::format("pixel {}, {}", subject.pixel->first, subject.pixel->second)};
+    if (!subject.step) return {measuring_command(c, "map", "", metric_option(c))};
+    return {.command =
+                fmt::format("lostbits explain {} --pixel 0,0 -i {} -f {}", shell_word(subject.name), c.form, c.format),
+            .position = fmt::format("sample {}", *subject.step)};
 }
 
-KindTexts words(const Claim& c, const SweepSubject& on) {
-    KindTexts w{asked(c, "sweep", "", metric_option(c))};
-    if (const auto* const at = on.part_if<SweepSubject::At>()) w.at = file::listed(at->values, file::decimal, ", ");
-    if (const auto* const one = on.part_if<SweepSubject::Case>()) w.part = ": " + (w.place = one->name);
-    if (const auto* const every = on.part_if<SweepSubject::EveryFloat>()) {
-        w.command = checked(c, "", " --measure");
-        if (!every->ray.empty()) w.part = ": " + (w.place = every->ray);
-        if (!every->from) return w;
-        const std::string range =
-            fmt::format("{} to {}", scene::toml::exact_text(*every->from), scene::toml::exact_text(*every->to));
+KindTexts kind_texts(const Claim& c, const SweepSubject& subject) {
+    KindTexts w{measuring_command(c, "sweep", "", metric_option(c))};
+    if (const auto* const at_values = subject.part_if<SweepSubject::At>())
+        w.axis_values = file::listed(at_values->values, file::decimal, ", ");
+    if (const auto* const tested_case = subject.part_if<SweepSubject::Case>())
+        w.part = ": " + (w.position = tested_case->name);
+    if (const auto* const every_float = subject.part_if<SweepSubject::EveryFloat>()) {
+        w.command = checking_command(c, "", " --measure");
+        if (!every_float->ray.empty()) w.part = ": " + (w.position = every_float->ray);
+        if (!every_float->from) return w;
+        const std::string range = fmt::format("{} to {}", scene::toml::exact_text(*every_float->from),
+                                              scene::toml::exact_text(*every_float->to));
         w.part += ", " + range;
-        w.place += (w.place.empty() ? "" : ", ") + range;
+        w.position += (w.position.empty() ? "" : ", ") + range;
     }
     return w;
 }
 
-KindTexts words(const Claim& c, const StudySubject& on) {
-    std::string options, place;
-    std::vector<std::string_view> said;
-    const auto add = [&](const auto& name_and_word) {
-        const auto& [name, word] = name_and_word;
-        if (std::ranges::find(said, word) != said.end()) return;  // a column often repeats an option
-        said.push_back(word);
-        place += fmt::format("{}{} {}", place.empty() ? "" : ", ", name, word);
+KindTexts kind_texts(const Claim& c, const StudySubject& subject) {
+    std::string options, position;
+    std::vector<std::string_view> named_values;
+    const auto add = [&](const auto& name_and_value) {
+        const auto& [name, value] = name_and_value;
+        if (std::ranges::find(named_values, value) != named_values.end()) return;  // a column often repeats an option
+        named_values.push_back(value);
+        position += fmt::format("{}{} {}", position.empty() ? "" : ", ", name, value);
     };
-    for (const auto& option : on.options) {
+    for (const auto& option : subject.options) {
         options += fmt::format(" --{} {}", option.first, shell_word(option.second));
         add(option);
     }
-    for (const auto& word : on.where) add(word);
-    return {.command = asked(c, on.study.c_str(), options),
-            .kind = ", " + on.study,
-            .part = fmt::format(", {}{}{}", on.study, place.empty() ? "" : ", ", place),
-            .place = place};
+    for (const auto& value : subject.where) add(value);
+    return {.command = measuring_command(c, subject.study.c_str(), options),
+            .kind = ", " + subject.study,
+            .part = fmt::format(", {}{}{}", subject.study, position.empty() ? "" : ", ", position),
+            .position = position};
 }
 
-KindTexts words(const Claim& c, const SearchSubject& /*on*/) {
-    return {.command = asked(c, "sweep", " --worst"), .kind = ", searched"};
+KindTexts kind_texts(const Claim& c, const SearchSubject& /*on*/) {
+    return {.command = measuring_command(c, "sweep", " --worst"), .kind = ", searched"};
 }
 
-KindTexts words(const Claim& c, const MendSubject& on) {
-    std::string options = fmt::format(" --bits {:.12g}", on.requirement.bits);
-    if (on.requirement.wrong != 0) options += fmt::format(" --wrong {:.12g}", on.requirement.wrong);
-    if (on.requirement.at != "max") options += " --at " + on.requirement.at;
-    if (on.size) options += fmt::format(" --size {}x{}", on.size->first, on.size->second);
-    const std::string place = "mended:" + options;
-    return {.command = asked(c, "mend", "", options), .kind = ", mended", .part = ", " + place, .place = place};
+KindTexts kind_texts(const Claim& c, const MendSubject& subject) {
+    std::string options = fmt::format(" --bits {:.12g}", subject.requirement.bits);
+    if (subject.requirement.wrong != 0) options += fmt::format(" --wrong {:.12g}", subject.requirement.wrong);
+    if (subject.requirement.at != "max") options += " --at " + subject.requirement.at;
+    if (subject.size) options += fmt::format(" --size {}x{}", subject.size->first, subject.size->second);
+    const std::string position = "mended:" + options;
+    return {.command = measuring_command(c, "mend", "", options),
+            .kind = ", mended",
+            .part = ", " + position,
+            .position = position};
 }
 
-KindTexts words(const Claim& c, const TableSubject& on) {
-    return {.command = checked(c, "", " --measure"), .part = " " + on.row, .at = file::decimal(on.at)};
+KindTexts kind_texts(const Claim& c, const TableSubject& subject) {
+    return {.command = checking_command(c, "", " --measure"),
+            .part = " " + subject.row,
+            .axis_values = file::decimal(subject.axis_values)};
 }
 
-KindTexts words(const Claim& c, const TimingSubject& /*on*/) { return {checked(c, " --profile timing", "")}; }
+KindTexts kind_texts(const Claim& c, const TimingSubject& /*on*/) {
+    return {checking_command(c, " --profile timing", "")};
+}
 
-KindTexts words(const Claim& c, const ChoiceSubject& /*on*/) { return {checked(c, " --profile timing", "")}; }
+KindTexts kind_texts(const Claim& c, const ChoiceSubject& /*on*/) {
+    return {checking_command(c, " --profile timing", "")};
+}
 
 }  // namespace
 
 SubjectTexts words_of(const Claim& c) {
-    const KindTexts w = std::visit([&c](const auto& on) { return words(c, on); }, c.subject);
+    const KindTexts w = std::visit([&c](const auto& subject) { return kind_texts(c, subject); }, c.subject);
     const std::string& name = c.subject_name();
     return {.heading = name + w.kind,
             .where = fmt::format("{}{}{}{}{}", name, w.part,
                                  c.convention ? fmt::format(" ({})", intersect::convention_name(c.convention)) : "",
-                                 w.at.empty() ? "" : ", ", w.at),
-            .place = w.at.empty() ? w.place : "at " + w.at,
+                                 w.axis_values.empty() ? "" : ", ", w.axis_values),
+            .place = w.axis_values.empty() ? w.position : "at " + w.axis_values,
             .command = w.command + attribution::plugin_options_for(c.form)};
 }
 

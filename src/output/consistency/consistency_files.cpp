@@ -29,8 +29,8 @@ using table::Table;
 namespace {
 
 constexpr const char* excess_unit = "ulps of the length";
-/// Category of pixels where numbers are compared and both rays hit.
-constexpr std::size_t on_ramp = check_result_names.size();
+/// Category of pixels drawn with the colour scale: both rays hit, and the numbers are compared.
+constexpr std::size_t ramp_category = check_result_names.size();
 
 /// Scale of the excess: by how many ulps the two ends of a chord are further apart than the exact ones.
 image::ColourScale excess_scale() { return pixel::magnitude_scale(0x1p-2, 0x1p14); }
@@ -54,13 +54,15 @@ std::string note_of(const Check& check, const CheckSummary& s) {
     if (s.asked() == 0) return "not asked";
     // An end at the hit may count or not, by convention: an answer of yes everywhere is not a difference.
     if (check.measure == measure::consistency::check_end) {
-        const auto yes = s.of(CheckResult::second_alone);
-        return yes == 0 ? "always no" : yes == s.asked() ? "always yes" : share_text(yes, s.asked()) + " yes";
+        const auto yes_count = s.of(CheckResult::second_alone);
+        return yes_count == 0           ? "always no"
+               : yes_count == s.asked() ? "always yes"
+                                        : share_text(yes_count, s.asked()) + " yes";
     }
-    const char* const alike = s.excess.count() > 0 ? "decisions alike" : "all alike";
-    std::string note = s.decisions() == 0 ? alike : share_text(s.decisions(), s.asked()) + " differ";
-    if (const auto inputs = s.of(CheckResult::by_inputs); inputs > 0 && !check.numbers)
-        note += fmt::format("\n{} by inputs", share_text(inputs, s.asked()));
+    const char* const agreement = s.excess.count() > 0 ? "decisions alike" : "all alike";
+    std::string note = s.decisions() == 0 ? agreement : share_text(s.decisions(), s.asked()) + " differ";
+    if (const auto input_count = s.of(CheckResult::by_inputs); input_count > 0 && !check.numbers)
+        note += fmt::format("\n{} by inputs", share_text(input_count, s.asked()));
     if (s.excess.count() > 0)
         note += fmt::format("\np99 {}, max {} ulps", file::short_decimal(s.excess.quantile(0.99), 3),
                             file::short_decimal(s.excess.quantile(1), 3));
@@ -96,7 +98,7 @@ std::vector<PixelColumn<ConsistencyBand>> ConsistencyView::columns(const Consist
                      const auto result = static_cast<std::size_t>(pixels.results[i]);
                      return pixels.excess.empty() || std::isnan(pixels.excess[i])
                                 ? PixelValue{result}
-                                : PixelValue{on_ramp, pixels.excess[i]};
+                                : PixelValue{ramp_category, pixels.excess[i]};
                  })});
         }
     }
@@ -135,13 +137,13 @@ std::vector<study::Note> ConsistencyView::notes(const ConsistencyStudy& study, c
 
 Table<study::PixelInBand<ConsistencyBand>> ConsistencyView::pixel_table(const ConsistencyStudy& study) {
     using R = study::PixelInBand<ConsistencyBand>;
-    std::string known;
+    std::string result_names;
     for (const std::string_view name : check_result_names)
-        known += fmt::format("{}{}", known.empty() ? "" : ", ", name);
+        result_names += fmt::format("{}{}", result_names.empty() ? "" : ", ", name);
     Table<R> table = study::place_columns<ConsistencyBand>();
     for (std::size_t c = 0; c < study.checks.size(); ++c) {
         const Check& check = *study.checks[c];
-        table.add({std::string(check.name), fmt::format("{}: {}", check.title, known), [c](const R& r) {
+        table.add({std::string(check.name), fmt::format("{}: {}", check.title, result_names), [c](const R& r) {
                        return check_result_names[static_cast<std::size_t>(r.band->checks[c].results[r.i])];
                    }});
         if (!check.numbers) continue;
@@ -170,9 +172,9 @@ Table<CheckRow> ConsistencyView::summary_table() {
         table.add(table::measured_column<R>(column, [](const auto& c, const R& r) { return c.value(*r.summary); }));
     const auto explain = [](auto ray) {
         return [ray](const R& r) {
-            const auto& shown = r.summary->shown;
-            return shown && !(shown->rays.*ray).primitives.empty()
-                       ? attribution::explain_command(attribution::name_of_ray(&(shown->rays.*ray)), *r.row)
+            const auto& shown_pixel = r.summary->shown;
+            return shown_pixel && !(shown_pixel->rays.*ray).primitives.empty()
+                       ? attribution::explain_command(attribution::name_of_ray(&(shown_pixel->rays.*ray)), *r.row)
                        : std::string();
         };
     };
@@ -189,10 +191,11 @@ Table<CheckRow> ConsistencyView::summary_table() {
 }
 
 std::vector<CheckRow> ConsistencyView::summary_rows(const ConsistencyStudy& study, const std::vector<RowChecks>& rows) {
-    std::vector<CheckRow> all;
+    std::vector<CheckRow> check_rows;
     for (std::size_t r = 0; r < rows.size(); ++r)
-        for (std::size_t c = 0; c < rows[r].size(); ++c) all.push_back({study.checks[c], &study.rows[r], &rows[r][c]});
-    return all;
+        for (std::size_t c = 0; c < rows[r].size(); ++c)
+            check_rows.push_back({study.checks[c], &study.rows[r], &rows[r][c]});
+    return check_rows;
 }
 
 }  // namespace lostbits::output::consistency

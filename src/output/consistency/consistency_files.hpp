@@ -1,4 +1,4 @@
-// Files of a consistency run, which asks the same question in two ways at every pixel of a scene.
+// Files of a consistency run, which asks a form the same question in two ways at every pixel of a scene.
 #pragma once
 
 #include <string>

@@ -1,3 +1,4 @@
+// Compares EXR and PNG pictures (see `compare`).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,47 +16,48 @@ using image::ExrImage;
 namespace {
 
 void compare_attributes(const ExrImage& a, const ExrImage& b, Ledger& ledger) {
-    std::map<std::string, std::pair<std::optional<std::string>, std::optional<std::string>>> both;
-    for (const auto& [name, value] : a.attributes) both[name].first = value;
-    for (const auto& [name, value] : b.attributes) both[name].second = value;
-    const auto text = [](const std::optional<std::string>& value) {
+    std::map<std::string, std::pair<std::optional<std::string>, std::optional<std::string>>> value_pairs;
+    for (const auto& [name, value] : a.attributes) value_pairs[name].first = value;
+    for (const auto& [name, value] : b.attributes) value_pairs[name].second = value;
+    const auto quoted_text = [](const std::optional<std::string>& value) {
         return value ? in_quotes(*value) : std::string("(absent)");
     };
-    for (const auto& entry : both) {
+    for (const auto& entry : value_pairs) {
         const auto& [left, right] = entry.second;
-        const bool of_the_run = entry.first == "lostbits:command" || entry.first == "lostbits:program" ||
-                                entry.first == "lostbits:compiler";
-        if (of_the_run || left == right) continue;
-        const std::string what = fmt::format("attribute {}: {} != {}", entry.first, text(left), text(right));
-        ledger.add(0, [&what] { return what; });
+        const bool is_about_run = entry.first == "lostbits:command" || entry.first == "lostbits:program" ||
+                                  entry.first == "lostbits:compiler";
+        if (is_about_run || left == right) continue;
+        const std::string message =
+            fmt::format("attribute {}: {} != {}", entry.first, quoted_text(left), quoted_text(right));
+        ledger.add(0, [&message] { return message; });
     }
 }
 
 template <class Sample>
 void compare_samples(const std::string& name, const std::vector<Sample>& a, const std::vector<Sample>& b,
                      std::size_t width, Ledger& ledger) {
-    std::optional<std::pair<double, double>> within;
+    std::optional<std::pair<double, double>> tolerance;
     if (const Tolerance* t = tolerance_of(name, ledger.options))
-        within.emplace(t->absolute.approximate(), t->relative.approximate());
+        tolerance.emplace(t->absolute.approximate(), t->relative.approximate());
     ColumnDifference& column = ledger.result.columns.emplace_back();
     column.name = name;
     for (std::size_t i = 0; i < a.size(); ++i) {
         PairVerdict v;
-        if constexpr (std::is_same_v<Sample, float>) v = judge_samples(a[i], b[i], within);
+        if constexpr (std::is_same_v<Sample, float>) v = judge_samples(a[i], b[i], tolerance);
         else v.differs = a[i] != b[i];
-        const auto place = [&] { return fmt::format("{},{}", i % width, i / width); };
-        if (!record_verdict(column, v, place)) continue;
+        const auto position = [&] { return fmt::format("{},{}", i % width, i / width); };
+        if (!record_verdict(column, v, position)) continue;
         ledger.add(0, [&] {
             if constexpr (std::is_same_v<Sample, float>)
-                return fmt::format("{} at {}: {} != {}{}", name, place(), file::decimal(a[i]), file::decimal(b[i]),
-                                   distances(v));
-            else return fmt::format("{} at {}: {} != {}", name, place(), a[i], b[i]);
+                return fmt::format("{} at {}: {} != {}{}", name, position(), file::decimal(a[i]), file::decimal(b[i]),
+                                   distances_text(v));
+            else return fmt::format("{} at {}: {} != {}", name, position(), a[i], b[i]);
         });
     }
 }
 
-/// Records different sizes and returns false; pixels of different sizes cannot be compared.
-bool same_size(const auto& a, const auto& b, Ledger& ledger) {
+/// Records different sizes. Returns true if the sizes are the same; only then can pixels be compared.
+bool sizes_agree(const auto& a, const auto& b, Ledger& ledger) {
     if (a.width == b.width && a.height == b.height) return true;
     ledger.add(0, [&] { return fmt::format("size: {}x{} != {}x{}", a.width, a.height, b.width, b.height); });
     return false;
@@ -66,21 +68,22 @@ bool same_size(const auto& a, const auto& b, Ledger& ledger) {
 Comparison compare(const ExrImage& a, const ExrImage& b, const CompareOptions& options) {
     Ledger ledger{options, {}};
     compare_attributes(a, b, ledger);
-    const bool comparable = same_size(a, b, ledger);
+    const bool has_same_size = sizes_agree(a, b, ledger);
     for (const ExrChannel& channel : a.channels) {
         ledger.result.names.push_back(channel.name);
-        if (ignores(ledger.options, channel.name)) continue;
-        const ExrChannel* other = b.find(channel.name);
-        if (other == nullptr) {
+        if (is_ignored(ledger.options, channel.name)) continue;
+        const ExrChannel* second_channel = b.find(channel.name);
+        if (second_channel == nullptr) {
             ledger.add(0, [&] { return fmt::format("channel {} is missing in the second", channel.name); });
-        } else if (channel.samples.index() != other->samples.index()) {
+        } else if (channel.samples.index() != second_channel->samples.index()) {
             const auto type = [](const ExrChannel& c) { return c.samples.index() == 0 ? "f32" : "u32"; };
-            ledger.add(
-                0, [&] { return fmt::format("channel {}: type {} != {}", channel.name, type(channel), type(*other)); });
-        } else if (comparable) {
+            ledger.add(0, [&] {
+                return fmt::format("channel {}: type {} != {}", channel.name, type(channel), type(*second_channel));
+            });
+        } else if (has_same_size) {
             std::visit(
                 [&]<class S>(const std::vector<S>& samples) {
-                    compare_samples(channel.name, samples, std::get<std::vector<S>>(other->samples),
+                    compare_samples(channel.name, samples, std::get<std::vector<S>>(second_channel->samples),
                                     static_cast<std::size_t>(a.width), ledger);
                 },
                 channel.samples);
@@ -89,7 +92,7 @@ Comparison compare(const ExrImage& a, const ExrImage& b, const CompareOptions& o
     for (const ExrChannel& channel : b.channels) {
         if (a.find(channel.name) != nullptr) continue;
         ledger.result.names.push_back(channel.name);
-        if (!ignores(ledger.options, channel.name))
+        if (!is_ignored(ledger.options, channel.name))
             ledger.add(0, [&] { return fmt::format("channel {} is added in the second", channel.name); });
     }
     return ledger.result;
@@ -97,20 +100,20 @@ Comparison compare(const ExrImage& a, const ExrImage& b, const CompareOptions& o
 
 namespace {
 
-/// Adds the result of comparing two parts of that name.
+/// Adds the result of comparing the two parts called `name`.
 void add_part(const std::string& name, Comparison part, Ledger& ledger) {
-    Comparison& all = ledger.result;
-    const std::string before = name.empty() ? "" : name + ": ";
+    Comparison& result = ledger.result;
+    const std::string prefix = name.empty() ? "" : name + ": ";
     for (Difference& d : part.differences) {
-        if (all.differences.size() < ledger.options.most) all.differences.push_back({d.line, before + d.what});
+        if (result.differences.size() < ledger.options.most) result.differences.push_back({d.line, prefix + d.what});
     }
-    all.count += part.count;
+    result.count += part.count;
     for (ColumnDifference& column : part.columns) {
-        column.name = before + column.name;
-        all.columns.push_back(std::move(column));
+        column.name = prefix + column.name;
+        result.columns.push_back(std::move(column));
     }
     for (std::string& channel : part.names) {
-        if (std::ranges::find(all.names, channel) == all.names.end()) all.names.push_back(std::move(channel));
+        if (std::ranges::find(result.names, channel) == result.names.end()) result.names.push_back(std::move(channel));
     }
 }
 
@@ -120,23 +123,25 @@ Comparison compare_exr(const std::filesystem::path& a, const std::filesystem::pa
     Ledger ledger{options, {}};
     const std::vector<std::string> left = image::image_backend().exr_parts(a),
                                    right = image::image_backend().exr_parts(b);
-    const bool several = left.size() > 1 || right.size() > 1;
-    std::size_t after = 0;  // one past the index of the part of the second file that was matched last
+    const bool has_several_parts = left.size() > 1 || right.size() > 1;
+    std::size_t next_index = 0;  // one past the index of the last matched part of the second file
     for (std::size_t p = 0; p < left.size(); ++p) {
-        const auto found = std::ranges::find(right, left[p]);
-        if (several && found == right.end()) {
+        const auto match = std::ranges::find(right, left[p]);
+        if (has_several_parts && match == right.end()) {
             ledger.add(0, [&] { return fmt::format("part {} is missing in the second", left[p]); });
             continue;
         }
-        const std::size_t q = several ? static_cast<std::size_t>(found - right.begin()) : 0;
-        if (q < after) ledger.add(0, [&] { return fmt::format("part {} is moved in the second", left[p]); });
-        after = std::max(after, q + 1);
-        const ExrImage first =
-            image::image_backend().read_exr(a, p);  // so that the first bad file is the one that is named
-        add_part(several ? left[p] : "", compare(first, image::image_backend().read_exr(b, q), options), ledger);
+        const std::size_t second_index = has_several_parts ? static_cast<std::size_t>(match - right.begin()) : 0;
+        if (second_index < next_index)
+            ledger.add(0, [&] { return fmt::format("part {} is moved in the second", left[p]); });
+        next_index = std::max(next_index, second_index + 1);
+        const ExrImage first_image =
+            image::image_backend().read_exr(a, p);  // read first, so that an error names the first bad file
+        add_part(has_several_parts ? left[p] : "",
+                 compare(first_image, image::image_backend().read_exr(b, second_index), options), ledger);
     }
     for (const std::string& name : right) {
-        if (several && std::ranges::find(left, name) == left.end())
+        if (has_several_parts && std::ranges::find(left, name) == left.end())
             ledger.add(0, [&] { return fmt::format("part {} is added in the second", name); });
     }
     return ledger.result;
@@ -144,21 +149,24 @@ Comparison compare_exr(const std::filesystem::path& a, const std::filesystem::pa
 
 Comparison compare(const image::PngImage& a, const image::PngImage& b, const CompareOptions& options) {
     Ledger ledger{options, {}};
-    if (!same_size(a, b, ledger)) return ledger.result;
+    if (!sizes_agree(a, b, ledger)) return ledger.result;
     ColumnDifference& column = ledger.result.columns.emplace_back();
     column.name = "pixel";
     for (std::size_t i = 0; i < a.pixels.size(); ++i) {
         const image::Rgb8 p = a.pixels[i], q = b.pixels[i];
         if (p == q) continue;
-        const int steps = std::max({std::abs(p.r - q.r), std::abs(p.g - q.g), std::abs(p.b - q.b)});
+        const int largest_step = std::max({std::abs(p.r - q.r), std::abs(p.g - q.g), std::abs(p.b - q.b)});
         const auto width = static_cast<std::size_t>(a.width);
-        const auto place = [&] { return fmt::format("{},{}", i % width, i / width); };
-        record_verdict(
-            column,
-            {.differs = true, .measured = true, .absolute = static_cast<double>(steps), .relative = steps / 255.0},
-            place);
-        ledger.add(
-            0, [&] { return fmt::format("pixel at {}: {},{},{} != {},{},{}", place(), p.r, p.g, p.b, q.r, q.g, q.b); });
+        const auto position = [&] { return fmt::format("{},{}", i % width, i / width); };
+        record_verdict(column,
+                       {.differs = true,
+                        .measured = true,
+                        .absolute = static_cast<double>(largest_step),
+                        .relative = largest_step / 255.0},
+                       position);
+        ledger.add(0, [&] {
+            return fmt::format("pixel at {}: {},{},{} != {},{},{}", position(), p.r, p.g, p.b, q.r, q.g, q.b);
+        });
     }
     return ledger.result;
 }

@@ -1,3 +1,4 @@
+// Compares CSV tables (see `compare`).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,101 +16,105 @@ using file::CsvTable;
 
 namespace {
 
-std::string in_words(std::string_view cell) {
+std::string cell_text(std::string_view cell) {
     using Kind = file::CellValue::Kind;
     const Kind kind = file::read_cell(cell).kind;
     return kind == Kind::missing ? "(empty)" : kind == Kind::text ? in_quotes(cell) : std::string(cell);
 }
 
-/// Marks which of a list of distinct numbers are in one longest increasing subsequence. The others are the fewest that
-/// have to move to sort the list.
-/// Patience sorting: `ends[k]` is the end of the increasing list of k + 1 numbers whose last number is smallest. Takes
-/// n log n steps for n numbers.
-std::vector<bool> in_order(const std::vector<std::size_t>& list) {
+/// Marks the numbers that are in one longest increasing subsequence of a list of distinct numbers. The others are the
+/// fewest that have to move to sort the list.
+///
+/// Patience sorting, in n log n steps for n numbers: `ends[k]` is the index of the last number of an increasing list
+/// of k + 1 numbers; of all such lists, the one whose last number is smallest.
+std::vector<bool> longest_increasing(const std::vector<std::size_t>& numbers) {
     constexpr std::size_t none = SIZE_MAX;
-    std::vector<std::size_t> ends, before(list.size(), none);
-    for (std::size_t i = 0; i < list.size(); ++i) {
-        const auto place = std::ranges::lower_bound(ends, list[i], {}, [&](std::size_t end) { return list[end]; });
-        if (place != ends.begin()) before[i] = *(place - 1);
-        if (place == ends.end()) ends.push_back(i);
-        else *place = i;
+    std::vector<std::size_t> ends, predecessor(numbers.size(), none);
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        const auto position =
+            std::ranges::lower_bound(ends, numbers[i], {}, [&](std::size_t end) { return numbers[end]; });
+        if (position != ends.begin()) predecessor[i] = *(position - 1);
+        if (position == ends.end()) ends.push_back(i);
+        else *position = i;
     }
-    std::vector<bool> in(list.size());
-    for (std::size_t i = ends.empty() ? none : ends.back(); i != none; i = before[i]) in[i] = true;
-    return in;
+    std::vector<bool> is_kept(numbers.size());
+    for (std::size_t i = ends.empty() ? none : ends.back(); i != none; i = predecessor[i]) is_kept[i] = true;
+    return is_kept;
 }
 
-/// A column that both tables have.
-struct Pair {
+/// A column that both tables have, in table a and in table b.
+struct MatchedColumns {
     const CsvColumn *a, *b;
     const Tolerance* tolerance;
     bool as_text;
 };
 
 /// Records the differences of the headers and returns the columns of both, in the first table's order.
-std::vector<Pair> match_headers(const CsvTable& a, const CsvTable& b, Ledger& ledger) {
-    std::vector<Pair> pairs;
-    std::vector<std::size_t> places;
+std::vector<MatchedColumns> match_headers(const CsvTable& a, const CsvTable& b, Ledger& ledger) {
+    std::vector<MatchedColumns> pairs;
+    std::vector<std::size_t> indices_in_b;
     for (const CsvColumn& column : a.columns) {
         ledger.result.names.push_back(column.name);
-        if (ignores(ledger.options, column.name)) continue;
-        const CsvColumn* other = b.find(column.name);
-        if (other == nullptr) {
+        if (is_ignored(ledger.options, column.name)) continue;
+        const CsvColumn* column_in_b = b.find(column.name);
+        if (column_in_b == nullptr) {
             ledger.add(1, [&] { return fmt::format("column {} is missing in the second", column.name); });
             continue;
         }
         const Tolerance* tolerance = tolerance_of(column.name, ledger.options);
-        pairs.push_back({&column, other, tolerance, tolerance == nullptr && column.name.ends_with("_hex")});
-        places.push_back(static_cast<std::size_t>(other - b.columns.data()));
+        pairs.push_back({&column, column_in_b, tolerance, tolerance == nullptr && column.name.ends_with("_hex")});
+        indices_in_b.push_back(static_cast<std::size_t>(column_in_b - b.columns.data()));
     }
     for (const CsvColumn& column : b.columns) {
         if (a.find(column.name) != nullptr) continue;
         ledger.result.names.push_back(column.name);
-        if (!ignores(ledger.options, column.name))
+        if (!is_ignored(ledger.options, column.name))
             ledger.add(1, [&] { return fmt::format("column {} is added in the second", column.name); });
     }
-    const auto stays = in_order(places);
+    const auto is_in_order = longest_increasing(indices_in_b);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-        if (stays[i]) continue;
-        const auto place = pairs[i].a - a.columns.data() + 1;
+        if (is_in_order[i]) continue;
+        const auto old_place = pairs[i].a - a.columns.data() + 1;
         ledger.add(1, [&] {
-            return fmt::format("column {} moved from place {} to place {}", pairs[i].a->name, place, places[i] + 1);
+            return fmt::format("column {} moved from place {} to place {}", pairs[i].a->name, old_place,
+                               indices_in_b[i] + 1);
         });
     }
     return pairs;
 }
 
-/// Rows of two tables that are compared with each other, and rows of one table alone.
+/// Rows of two tables that are compared with each other, and rows that only one table has.
 struct RowPairs {
     std::vector<std::pair<std::size_t, std::size_t>> pairs;
     std::vector<std::size_t> only_a, only_b;
-    const CsvColumn* id = nullptr;  ///< the column of the first table by which they are paired
+    const CsvColumn* id_column =
+        nullptr;  ///< the column of the first table by which rows are paired; null if they are paired by index
 };
 
-/// Pairs rows with the same `id` (claims) if both tables have such a column without repetitions, and otherwise rows
-/// with the same number.
+/// Pairs rows with the same `id` (claims have one) if both tables have such a column without repetitions, and
+/// otherwise rows with the same index.
 RowPairs pair_rows(const CsvTable& a, const CsvTable& b) {
-    const CsvColumn *const x = a.find("id"), *const y = b.find("id");
-    std::map<std::string_view, std::size_t> of_a, of_b;
-    if (x != nullptr && y != nullptr) {
-        for (std::size_t r = 0; r < a.rows(); ++r) of_a.emplace(x->cells[r], r);
-        for (std::size_t r = 0; r < b.rows(); ++r) of_b.emplace(y->cells[r], r);
+    const CsvColumn *const id_a = a.find("id"), *const id_b = b.find("id");
+    std::map<std::string_view, std::size_t> rows_of_a, rows_of_b;
+    if (id_a != nullptr && id_b != nullptr) {
+        for (std::size_t r = 0; r < a.rows(); ++r) rows_of_a.emplace(id_a->cells[r], r);
+        for (std::size_t r = 0; r < b.rows(); ++r) rows_of_b.emplace(id_b->cells[r], r);
     }
-    RowPairs found;
-    if (x == nullptr || y == nullptr || of_a.size() < a.rows() || of_b.size() < b.rows()) {
-        for (std::size_t r = 0; r < std::min(a.rows(), b.rows()); ++r) found.pairs.emplace_back(r, r);
-        return found;
+    RowPairs row_pairs;
+    if (id_a == nullptr || id_b == nullptr || rows_of_a.size() < a.rows() || rows_of_b.size() < b.rows()) {
+        for (std::size_t r = 0; r < std::min(a.rows(), b.rows()); ++r) row_pairs.pairs.emplace_back(r, r);
+        return row_pairs;
     }
-    found.id = x;
+    row_pairs.id_column = id_a;
     for (std::size_t r = 0; r < a.rows(); ++r) {
-        const auto other = of_b.find(x->cells[r]);
-        if (other == of_b.end()) found.only_a.push_back(r);
-        else found.pairs.emplace_back(r, other->second);
+        const auto row_in_b = rows_of_b.find(id_a->cells[r]);
+        if (row_in_b == rows_of_b.end()) row_pairs.only_a.push_back(r);
+        else row_pairs.pairs.emplace_back(r, row_in_b->second);
     }
     for (std::size_t r = 0; r < b.rows(); ++r) {
-        if (!of_a.contains(y->cells[r])) found.only_b.push_back(r);
+        if (!rows_of_a.contains(id_b->cells[r])) row_pairs.only_b.push_back(r);
     }
-    return found;
+    return row_pairs;
 }
 
 }  // namespace
@@ -118,11 +123,13 @@ Comparison compare(const CsvTable& a, const CsvTable& b, const CompareOptions& o
     Ledger ledger{options, {}};
     const auto pairs = match_headers(a, b, ledger);
     const RowPairs rows = pair_rows(a, b);
-    const auto named = [&](std::size_t r) { return rows.id == nullptr ? "" : in_quotes(rows.id->cells[r]) + ": "; };
-    for (const Pair& p : pairs) ledger.result.columns.emplace_back().name = p.a->name;
+    const auto row_prefix = [&](std::size_t r) {
+        return rows.id_column == nullptr ? "" : in_quotes(rows.id_column->cells[r]) + ": ";
+    };
+    for (const MatchedColumns& p : pairs) ledger.result.columns.emplace_back().name = p.a->name;
     ledger.result.rows = rows.pairs.size();
     for (const auto& [r, q] : rows.pairs) {
-        const std::uint64_t before = ledger.result.count;
+        const std::uint64_t count_before = ledger.result.count;
         for (std::size_t c = 0; c < pairs.size(); ++c) {
             const std::string_view left = pairs[c].a->cells[r], right = pairs[c].b->cells[q];
             if (left == right) continue;
@@ -130,16 +137,17 @@ Comparison compare(const CsvTable& a, const CsvTable& b, const CompareOptions& o
             if (!record_verdict(ledger.result.columns[c], v, [&] { return fmt::format("line {}", a.lines[r]); }))
                 continue;
             ledger.add(a.lines[r], [&] {
-                return fmt::format("{}{}: {} != {}{}", named(r), pairs[c].a->name, in_words(left), in_words(right),
-                                   distances(v));
+                return fmt::format("{}{}: {} != {}{}", row_prefix(r), pairs[c].a->name, cell_text(left),
+                                   cell_text(right), distances_text(v));
             });
         }
-        ledger.result.rows_differ += ledger.result.count > before;
+        ledger.result.rows_differ += ledger.result.count > count_before;
     }
-    for (const std::size_t r : rows.only_a) ledger.add(a.lines[r], [&] { return named(r) + "missing in the second"; });
+    for (const std::size_t r : rows.only_a)
+        ledger.add(a.lines[r], [&] { return row_prefix(r) + "missing in the second"; });
     for (const std::size_t r : rows.only_b)
         ledger.add(0, [&] { return in_quotes(b.find("id")->cells[r]) + ": added in the second"; });
-    if (rows.id == nullptr && a.rows() != b.rows())
+    if (rows.id_column == nullptr && a.rows() != b.rows())
         ledger.add(0, [&] {
             return fmt::format("rows: {} != {}; the first {} are compared", a.rows(), b.rows(), rows.pairs.size());
         });

@@ -1,3 +1,4 @@
+// Comparison of two values, exactly and with tolerances, and the texts of the differences.
 #include <fmt/format.h>
 #include <fnmatch.h>
 
@@ -23,16 +24,16 @@ Tolerance parse_tolerance(const std::string& text) {
     }
     const std::string numbers = text.substr(equals + 1);
     const auto comma = numbers.find(',');
-    const auto read = [&text](const std::string& word) {
-        const CellValue value = file::read_cell(word);
+    const auto parse_bound = [&text](const std::string& part) {
+        const CellValue value = file::read_cell(part);
         if (value.kind == CellValue::Kind::number && !value.negative) return value;
         throw InputError(
             fmt::format("--allow {}: \"{}\" is not a finite number of at least 0; write such a number, or leave "
                         "the column out with --ignore",
-                        text, word));
+                        text, part));
     };
-    return {text.substr(0, equals), read(numbers.substr(0, comma)),
-            comma == std::string::npos ? read("0") : read(numbers.substr(comma + 1))};
+    return {text.substr(0, equals), parse_bound(numbers.substr(0, comma)),
+            comma == std::string::npos ? parse_bound("0") : parse_bound(numbers.substr(comma + 1))};
 }
 
 bool names_column(const std::string& pattern, const std::string& name) {
@@ -42,11 +43,11 @@ bool names_column(const std::string& pattern, const std::string& name) {
 Comparison compare_bytes(std::string_view a, std::string_view b) {
     Comparison result;
     if (a == b) return result;
-    const auto at = std::ranges::mismatch(a, b).in1 - a.begin();
-    const auto line = static_cast<std::size_t>(std::count(a.begin(), a.begin() + at, '\n')) + 1;
+    const auto offset = std::ranges::mismatch(a, b).in1 - a.begin();
+    const auto line = static_cast<std::size_t>(std::count(a.begin(), a.begin() + offset, '\n')) + 1;
     result.count = 1;
     result.differences.push_back(
-        {line, fmt::format("bytes differ from byte {} on; {} != {} bytes in total", at, a.size(), b.size())});
+        {line, fmt::format("bytes differ from byte {} on; {} != {} bytes in total", offset, a.size(), b.size())});
     return result;
 }
 
@@ -64,7 +65,7 @@ struct Exact {
     }
     Exact(boost::multiprecision::cpp_int digits, int power) : n(std::move(digits)), exponent(power) {}
 
-    [[nodiscard]] boost::multiprecision::cpp_int at(int power) const {
+    [[nodiscard]] boost::multiprecision::cpp_int scaled_to(int power) const {
         return n *
                boost::multiprecision::pow(boost::multiprecision::cpp_int(10), static_cast<unsigned>(exponent - power));
     }
@@ -76,35 +77,36 @@ struct Exact {
 
 Exact distance(const Exact& a, const Exact& b) {
     const int power = std::min(a.exponent, b.exponent);
-    return {abs(a.at(power) - b.at(power)), power};
+    return {abs(a.scaled_to(power) - b.scaled_to(power)), power};
 }
 
-bool at_most(const Exact& a, const Exact& b) {
+bool is_at_most(const Exact& a, const Exact& b) {
     const int power = std::min(a.exponent, b.exponent);
-    return a.at(power) <= b.at(power);
+    return a.scaled_to(power) <= b.scaled_to(power);
 }
 
 /// m with 10^(m − 1) <= |v| < 10^m, for a number other than zero.
 int magnitude(const CellValue& v) { return v.exponent + static_cast<int>(v.digits.size()); }
 
-/// Judges two numbers of very different size: one is zero, or less than 10^-40 of the other. |a − b| is then the larger
-/// number to 40 digits. Returns nothing for other numbers, and if the tolerance is close to the larger number: the
-/// exact computation then decides. (For `1e9999` and `1e-9999` the exact computation would need 20 000 digits.)
-std::optional<PairVerdict> judge_far(const CellValue& x, const CellValue& y, const Tolerance* tolerance) {
-    constexpr int far = 40;
+/// Judges two numbers of very different size: one is zero, or less than 10^-40 of the other. |a − b| is then the
+/// larger number to 40 digits. Returns nothing for other numbers, and if the tolerance is close to the larger number:
+/// those pairs need the exact computation, which for `1e9999` and `1e-9999` would take 20 000 digits.
+std::optional<PairVerdict> judge_distant_magnitudes(const CellValue& x, const CellValue& y,
+                                                    const Tolerance* tolerance) {
+    constexpr int max_gap = 40;
     if (x.digits.empty() && y.digits.empty()) return {};
-    const bool one_is_zero = x.digits.empty() || y.digits.empty();
-    if (!one_is_zero && std::abs(magnitude(x) - magnitude(y)) <= far) return {};
+    const bool has_zero = x.digits.empty() || y.digits.empty();
+    if (!has_zero && std::abs(magnitude(x) - magnitude(y)) <= max_gap) return {};
     const CellValue& larger = y.digits.empty() || (!x.digits.empty() && magnitude(x) > magnitude(y)) ? x : y;
     PairVerdict v{.differs = true, .measured = true, .absolute = std::fabs(larger.approximate()), .relative = 1};
     if (tolerance == nullptr) return v;
     const CellValue& absolute = tolerance->absolute;
     const double relative = tolerance->relative.approximate();
     // With the magnitude m of the larger number, |a − b| lies between 10^(m − 2) and 10^(m + 1).
-    const bool below = absolute.digits.empty() || magnitude(absolute) <= magnitude(larger) - 2;
-    const bool above = !absolute.digits.empty() && magnitude(absolute) >= magnitude(larger) + 2;
-    if (!above && relative < 2 && !(below && relative < 0.5)) return {};
-    v.differs = below && relative < 0.5;
+    const bool is_tolerance_below = absolute.digits.empty() || magnitude(absolute) <= magnitude(larger) - 2;
+    const bool is_tolerance_above = !absolute.digits.empty() && magnitude(absolute) >= magnitude(larger) + 2;
+    if (!is_tolerance_above && relative < 2 && !(is_tolerance_below && relative < 0.5)) return {};
+    v.differs = is_tolerance_below && relative < 0.5;
     return v;
 }
 
@@ -116,27 +118,27 @@ PairVerdict judge_cells(std::string_view a, std::string_view b, const Tolerance*
         const bool both_text = x.kind == Kind::text && y.kind == Kind::text;
         return {.differs = !(x == y), .not_finite = !both_text};
     }
-    if (const auto far = judge_far(x, y, tolerance)) return *far;
-    const Exact p(x), q(y), apart = distance(p, q);
-    const bool first_is_larger = at_most({abs(q.n), q.exponent}, {abs(p.n), p.exponent});
+    if (const auto verdict = judge_distant_magnitudes(x, y, tolerance)) return *verdict;
+    const Exact p(x), q(y), difference = distance(p, q);
+    const bool first_is_larger = is_at_most({abs(q.n), q.exponent}, {abs(p.n), p.exponent});
     const Exact larger = first_is_larger ? Exact(abs(p.n), p.exponent) : Exact(abs(q.n), q.exponent);
-    PairVerdict v{.measured = true, .absolute = apart.approximate()};
+    PairVerdict v{.measured = true, .absolute = difference.approximate()};
     if (larger.n != 0) {
-        // Scaled to the larger number, so that neither leaves the range of a double.
+        // Both are scaled to the larger number, so that neither leaves the range of a double.
         const int size = magnitude(first_is_larger ? x : y);
-        v.relative = apart.approximate(size) / larger.approximate(size);
+        v.relative = difference.approximate(size) / larger.approximate(size);
     }
     if (tolerance == nullptr) {
         v.differs = as_text || !(x == y);
         return v;
     }
     const Exact relative(tolerance->relative);
-    v.differs = !at_most(apart, Exact(tolerance->absolute)) &&
-                !at_most(apart, {relative.n * larger.n, relative.exponent + larger.exponent});
+    v.differs = !is_at_most(difference, Exact(tolerance->absolute)) &&
+                !is_at_most(difference, {relative.n * larger.n, relative.exponent + larger.exponent});
     return v;
 }
 
-double number_in(std::string_view cell) {
+double cell_number(std::string_view cell) {
     const CellValue value = file::read_cell(cell);
     return value.kind == Kind::number ? Exact(value).approximate() : std::nan("");
 }
@@ -145,12 +147,15 @@ PairVerdict judge_samples(float a, float b, const std::optional<std::pair<double
     if (std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b) || (std::isnan(a) && std::isnan(b)))
         return {};
     if (!std::isfinite(a) || !std::isfinite(b)) return {.differs = true, .not_finite = true};
-    const double x = a, y = b, apart = std::fabs(x - y), larger = std::max(std::fabs(x), std::fabs(y));
-    const bool tolerated = tolerance && (apart <= tolerance->first || apart <= tolerance->second * larger);
-    return {.differs = !tolerated, .measured = true, .absolute = apart, .relative = larger == 0 ? 0 : apart / larger};
+    const double x = a, y = b, difference = std::fabs(x - y), larger = std::max(std::fabs(x), std::fabs(y));
+    const bool is_tolerated = tolerance && (difference <= tolerance->first || difference <= tolerance->second * larger);
+    return {.differs = !is_tolerated,
+            .measured = true,
+            .absolute = difference,
+            .relative = larger == 0 ? 0 : difference / larger};
 }
 
-std::string distances(const PairVerdict& v) {
+std::string distances_text(const PairVerdict& v) {
     return v.measured ? fmt::format(" (abs {:.4g}, rel {:.4g})", v.absolute, v.relative) : "";
 }
 
@@ -160,7 +165,7 @@ const Tolerance* tolerance_of(const std::string& name, const CompareOptions& opt
     return found == options.tolerances.rend() ? nullptr : &*found;
 }
 
-bool ignores(const CompareOptions& options, const std::string& name) {
+bool is_ignored(const CompareOptions& options, const std::string& name) {
     return std::ranges::any_of(options.ignored,
                                [&](const std::string& pattern) { return names_column(pattern, name); });
 }

@@ -1,6 +1,6 @@
-// Differences of two tables or two pictures, and their sizes; NaN, infinities and missing values are never tolerated.
-// Also two maps of the same pixels as one picture: where a form loses more bits, where it loses fewer, and where
-// decisions changed.
+// Compares two tables or two pictures, and measures their differences; no tolerance covers NaN, infinities and missing
+// values. Also draws two maps of the same pixels as one picture: where a form loses more bits, where it loses fewer,
+// and where decisions changed.
 #pragma once
 
 #include <array>
@@ -42,7 +42,7 @@ struct CompareOptions {
 
 /// One difference, as a line of text.
 struct Difference {
-    std::size_t line = 0;  ///< line in the first file; 0 if lines mean nothing
+    std::size_t line = 0;  ///< line in the first file; 0 if the files have no lines
     std::string what;
 };
 
@@ -57,14 +57,14 @@ struct ColumnDifference {
     std::string name;
     std::uint64_t count = 0;  ///< number of cells or samples that differ
     std::uint64_t not_finite =
-        0;             ///< those of them where a number meets NaN, infinity, nothing or text, or two of these meet
+        0;             ///< differing pairs with a NaN, an infinity, a missing value or a text, but not two texts
     Largest absolute;  ///< largest |a − b| over all pairs of unequal finite numbers, tolerated or not
     Largest relative;  ///< largest |a − b| / max(|a|, |b|) over the same pairs
 };
 
 struct Comparison {
     std::vector<Difference> differences;      ///< in the file's order, at most `CompareOptions::most`
-    std::uint64_t count = 0;                  ///< all differences
+    std::uint64_t count = 0;                  ///< number of all differences, written out or not
     std::uint64_t rows = 0, rows_differ = 0;  ///< for tables: rows compared, and rows with a difference
     std::vector<ColumnDifference>
         columns;                     ///< columns that both sides have and that were compared, in the first's order
@@ -73,24 +73,24 @@ struct Comparison {
     [[nodiscard]] bool same() const { return count == 0; }
 };
 
-/// Compares cell by cell: columns by name, and rows by their `id` if both tables have one for each row, otherwise by
-/// position. Missing, added and moved columns are differences, and so are missing and added rows. Whatever both sides
-/// have is compared anyway. Numbers are compared by their exact values (`1e3` equals `1000`, `-0` differs from `0`,
-/// every digit counts). In a column whose name ends in `_hex` they are compared as text, unless a tolerance names it.
-/// NaN equals NaN, empty equals empty, an infinity equals the one of its sign, and text equals the same bytes. None of
-/// these equals anything else, whatever the tolerance. Differences of two numbers and tolerances are evaluated without
-/// rounding.
+/// Compares two tables cell by cell: columns by name, and rows by their `id` if both tables have one for each row,
+/// otherwise by position. Missing, added and moved columns are differences, and so are missing and added rows; what
+/// both sides have is compared anyway. Numbers are compared by their exact values (`1e3` equals `1000`, `-0` differs
+/// from `0`, every digit counts). In a column whose name ends in `_hex` they are compared as text, unless a tolerance
+/// names the column. NaN equals NaN, empty equals empty, an infinity equals the one of its sign, and text equals the
+/// same bytes; no tolerance makes a NaN, an empty cell, an infinity or a text equal to anything else. Differences of
+/// two numbers and tolerances are evaluated without rounding.
 [[nodiscard]] Comparison compare(const file::CsvTable& a, const file::CsvTable& b, const CompareOptions& options);
 
 /// Compares sizes, channels by name, their types, and every sample. Samples are compared bit by bit unless a tolerance
-/// names the channel, but any NaN equals any NaN. `f32` differences are evaluated in double. `u32` samples are codes
-/// and halves of exact words, so no tolerance applies to them. String attributes are compared except
+/// names the channel, but any NaN equals any NaN. Differences of `f32` samples are evaluated in double. `u32` samples
+/// are codes and halves of exact words, so no tolerance applies to them. String attributes are compared, except
 /// `lostbits:command`, `:program` and `:compiler`, which record how a file was made and not its contents.
 [[nodiscard]] Comparison compare(const image::ExrImage& a, const image::ExrImage& b, const CompareOptions& options);
 
 /// Compares two EXR files part by part, by name. Missing, added and moved parts are differences. Parts are read one at
-/// a time. For a file with several parts, each message begins with the part's name. `names` has the channels of all
-/// parts, each once. Throws InputError.
+/// a time. If a file has several parts, each message begins with the part's name. `Comparison::names` then has the
+/// channels of all parts, each once. Throws InputError.
 [[nodiscard]] Comparison compare_exr(const std::filesystem::path& a, const std::filesystem::path& b,
                                      const CompareOptions& options);
 
@@ -108,11 +108,11 @@ struct PixelField {
     std::vector<double> lost;           ///< lost bits; NaN unless the outcome is an agreed hit
 };
 
-/// Reads `FORM.FORMAT.csv` in the folder of a map, or the part of that name in its EXR; nothing if neither exists.
+/// Reads `FORM.FORMAT.csv` in the folder of a map, or the part FORM.FORMAT of its EXR; nothing if neither exists.
 /// Throws InputError if the file is not one that a map writes.
 [[nodiscard]] std::optional<PixelField> read_pixels(const std::filesystem::path& folder, const std::string& row);
 
-/// Blue if the second loses fewer bits, white if both lose the same, orange if it loses more.
+/// Ramp from blue, if the second map loses fewer bits, over white, if both lose the same, to orange, if it loses more.
 [[nodiscard]] std::vector<image::Rgb8> difference_ramp();
 
 /// Classes of pixels without a difference of bits. Their fixed colours are not on the ramp.
@@ -128,8 +128,8 @@ struct DifferenceTexts {
     std::string title, first, second;  ///< title of the picture, and names of the two sides
 };
 
-/// Writes the picture. The ends of the ramp are the largest difference, at least one bit. Throws InputError if the
-/// sizes differ.
+/// Writes the picture of the differences of two maps. The ramp ends at the largest difference of bits, at least one
+/// bit. Throws InputError if the sizes differ.
 void draw_difference(const std::filesystem::path& path, const PixelField& a, const PixelField& b,
                      const DifferenceTexts& texts);
 

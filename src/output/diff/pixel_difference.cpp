@@ -1,3 +1,4 @@
+// Reads the pixels of two maps and draws their difference.
 #include "output/diff/difference.hpp"
 
 #include <fmt/format.h>
@@ -19,10 +20,10 @@ using measure::answer::outcome_names;
 
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
-[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& why) {
-    throw InputError(fmt::format("{}: {}; make the map again with --pixels csv", path.string(), why));
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& reason) {
+    throw InputError(fmt::format("{}: {}; make the map again with --pixels csv", path.string(), reason));
 }
 
 PixelField pixels_of_table(const std::filesystem::path& path) {
@@ -31,10 +32,10 @@ PixelField pixels_of_table(const std::filesystem::path& path) {
                                  *const outcome = table.find("outcome"), *const lost = table.find("lost_bits");
     if (x == nullptr || y == nullptr || outcome == nullptr || lost == nullptr || table.rows() == 0)
         refuse(path, "it does not have the columns x, y, outcome and lost_bits of a map's pixels");
-    const auto number = [](std::string_view cell) { return file::read_cell(cell).approximate(); };
+    const auto parsed_number = [](std::string_view cell) { return file::read_cell(cell).approximate(); };
     PixelField field;
-    field.width = static_cast<int>(number(x->cells.back())) + 1;
-    field.height = static_cast<int>(number(y->cells.back())) + 1;
+    field.width = static_cast<int>(parsed_number(x->cells.back())) + 1;
+    field.height = static_cast<int>(parsed_number(y->cells.back())) + 1;
     if (static_cast<std::size_t>(field.width) * static_cast<std::size_t>(field.height) != table.rows())
         refuse(path, "it does not hold every pixel of a picture, row by row");
     for (std::size_t r = 0; r < table.rows(); ++r) {
@@ -42,7 +43,7 @@ PixelField pixels_of_table(const std::filesystem::path& path) {
         if (found == outcome_names.end()) refuse(path, "it has an unknown outcome");
         field.outcome.push_back(static_cast<std::uint8_t>(found - outcome_names.begin()));
         // Rounded as in an EXR, so that both give the same picture.
-        const double bits = lost->cells[r].empty() ? none : number(lost->cells[r]);
+        const double bits = lost->cells[r].empty() ? missing : parsed_number(lost->cells[r]);
         field.lost.push_back(static_cast<double>(static_cast<float>(bits)));
     }
     return field;
@@ -61,14 +62,14 @@ PixelField pixels_of_part(const std::filesystem::path& path, const image::ExrIma
     return field;
 }
 
-/// Class of a pixel; nothing for two agreed hits, which have a difference of bits.
+/// Class of a pixel; nullopt if both outcomes are agreed hits, which have a difference of bits.
 std::optional<PixelClass> class_of(std::uint8_t a, std::uint8_t b) {
-    const auto hit = static_cast<std::uint8_t>(Outcome::agree_hit),
-               miss = static_cast<std::uint8_t>(Outcome::agree_miss);
-    const auto right = [&](std::uint8_t o) { return o == hit || o == miss; };
-    if (a == hit && b == hit) return {};
-    if (right(a) && right(b)) return PixelClass::both_miss;
-    return right(a) ? PixelClass::wrong_now : right(b) ? PixelClass::right_now : PixelClass::both_wrong;
+    const auto hit_code = static_cast<std::uint8_t>(Outcome::agree_hit),
+               miss_code = static_cast<std::uint8_t>(Outcome::agree_miss);
+    const auto is_right = [&](std::uint8_t o) { return o == hit_code || o == miss_code; };
+    if (a == hit_code && b == hit_code) return {};
+    if (is_right(a) && is_right(b)) return PixelClass::both_miss;
+    return is_right(a) ? PixelClass::wrong_now : is_right(b) ? PixelClass::right_now : PixelClass::both_wrong;
 }
 
 }  // namespace
@@ -89,10 +90,10 @@ std::vector<Rgb8> difference_ramp() {
     constexpr int half = 128;
     for (int i = -half; i <= half; ++i) {
         const Rgb8 end = i < 0 ? ends[0] : ends[2], middle = ends[1];
-        const auto mixed = [&](std::uint8_t m, std::uint8_t e) {
+        const auto mix = [&](std::uint8_t m, std::uint8_t e) {
             return static_cast<std::uint8_t>((m * (half - std::abs(i)) + e * std::abs(i) + half / 2) / half);
         };
-        ramp.push_back({mixed(middle.r, end.r), mixed(middle.g, end.g), mixed(middle.b, end.b)});
+        ramp.push_back({mix(middle.r, end.r), mix(middle.g, end.g), mix(middle.b, end.b)});
     }
     return ramp;
 }
@@ -104,23 +105,23 @@ void draw_difference(const std::filesystem::path& path, const PixelField& a, con
                                      texts.title, a.width, a.height, texts.first, b.width, b.height, texts.second));
     double largest = 1;
     std::array<std::uint64_t, pixel_class_colours.size()> counts{};
-    std::uint64_t more = 0, fewer = 0, hits = 0;
+    std::uint64_t losing_more = 0, losing_fewer = 0, both_hit = 0;
     for (std::size_t i = 0; i < a.lost.size(); ++i) {
         if (const auto c = class_of(a.outcome[i], b.outcome[i])) {
             ++counts[static_cast<std::size_t>(*c)];
             continue;
         }
         const double difference = b.lost[i] - a.lost[i];
-        ++hits;
-        more += difference > 0;
-        fewer += difference < 0;
+        ++both_hit;
+        losing_more += difference > 0;
+        losing_fewer += difference < 0;
         largest = std::max(largest, std::fabs(difference));
     }
     const std::array<std::string, 4> names{"both miss correctly", "wrong in both", "wrong only in " + texts.second,
                                            "right only in " + texts.second};
-    std::vector<image::LegendEntry> widest, legend;
+    std::vector<image::LegendEntry> widest_legend, legend;
     for (std::size_t c = 0; c < names.size(); ++c) {
-        widest.push_back({names[c], pixel_class_colours[c], std::to_string(a.lost.size())});
+        widest_legend.push_back({names[c], pixel_class_colours[c], std::to_string(a.lost.size())});
         if (counts[c] > 0) legend.push_back({names[c], pixel_class_colours[c], std::to_string(counts[c])});
     }
     const image::ColourScale scale("difference", difference_ramp(), -largest, largest);
@@ -129,12 +130,12 @@ void draw_difference(const std::filesystem::path& path, const PixelField& a, con
                .subtitle = {fmt::format("From {} to {}.", texts.first, texts.second),
                             fmt::format(
                                 "Of {} pixels that both hit correctly, {} lose more bits (orange) and {} fewer (blue).",
-                                hits, more, fewer)},
+                                both_hit, losing_more, losing_fewer)},
                .width = a.width,
                .height = a.height,
                .scale = scale,
                .unit = "more bits lost",
-               .legend = widest});
+               .legend = widest_legend});
     std::vector<Rgb8> row(static_cast<std::size_t>(a.width));
     for (std::size_t i = 0, x = 0; i < a.lost.size(); ++i) {
         const auto c = class_of(a.outcome[i], b.outcome[i]);

@@ -1,3 +1,4 @@
+// Compares the rows of two tables of forms (see `compare_rows`).
 #include "output/diff/row_changes.hpp"
 
 #include <fmt/format.h>
@@ -20,7 +21,8 @@ using file::CsvTable;
 
 namespace {
 
-/// The columns before the form (a case, the value of an axis), the form and the format; of claims their id.
+/// Key of a row: the columns before the form (a case, the value of an axis), the form and the format; for claims the
+/// id. Empty if the table has no such columns.
 std::vector<const CsvColumn*> key_columns(const CsvTable& table) {
     std::vector<const CsvColumn*> keys;
     if (const CsvColumn* const id = table.find("id"); id != nullptr && table.find("statement") != nullptr) return {id};
@@ -33,13 +35,13 @@ std::vector<const CsvColumn*> key_columns(const CsvTable& table) {
     return keys;
 }
 
-/// Rows by their key, and the keys in the table's order.
+/// Indices of the rows by their key, and the keys in the table's order.
 struct KeyedRows {
     std::vector<std::string> order;
-    std::map<std::string, std::size_t> row;
+    std::map<std::string, std::size_t> index_of;
 };
 
-KeyedRows keyed(const CsvTable& table, const RowChoice& choice) {
+KeyedRows rows_by_key(const CsvTable& table, const RowChoice& choice) {
     KeyedRows rows;
     const CsvColumn* const form = table.find("form");
     for (std::size_t r = 0; r < table.rows(); ++r) {
@@ -49,7 +51,7 @@ KeyedRows keyed(const CsvTable& table, const RowChoice& choice) {
             if (column == form && !choice.form.empty()) continue;
             key += (key.empty() ? "" : " ") + std::string(column->cells[r]);
         }
-        if (rows.row.try_emplace(key, r).second) rows.order.push_back(key);
+        if (rows.index_of.try_emplace(key, r).second) rows.order.push_back(key);
     }
     return rows;
 }
@@ -59,53 +61,55 @@ bool is_outcome(const std::string& name) {
            name == "wrong_primitive";
 }
 
-/// True for columns that name a ray, a position or a command; the distance between two of them has no meaning.
-bool is_place(const std::string& name) {
+/// True for columns that name a ray, a position or a command: the difference of two such values has no meaning.
+bool names_ray_or_command(const std::string& name) {
     return name.starts_with("worst_") || name.starts_with("fault_") || name.ends_with("_hex") ||
            name.ends_with("explain");
 }
 
-std::string shown(std::string_view cell) { return cell.empty() ? "(empty)" : std::string(cell); }
+std::string shown_cell(std::string_view cell) { return cell.empty() ? "(empty)" : std::string(cell); }
 
 struct ColumnPair {
     const CsvColumn *a, *b;
     const Tolerance* tolerance;
 };
 
-bool is_wrong(const std::string& name) {
+bool is_wrong_decision(const std::string& name) {
     return std::ranges::any_of(measure::evaluate::wrong_decisions, [&name](measure::answer::Outcome o) {
         return name == measure::answer::outcome_names[static_cast<std::size_t>(o)];
     });
 }
 
-/// Number of a row in a column; NaN if there is none.
+/// Number in a column of a row; NaN if there is none.
 double number_of(const CsvTable& table, std::size_t row, std::string_view name) {
     const CsvColumn* const column = table.find(name);
-    return column == nullptr ? std::nan("") : number_in(column->cells[row]);
+    return column == nullptr ? std::nan("") : cell_number(column->cells[row]);
 }
 
-/// Bounds on the number of true hits of a row. An answer that is not a number, or not proved, does not show if the ray
-/// truly hits. NaN if the table lacks the columns.
+/// Lower and upper bound on the number of true hits of a row: an answer that is not a number or not proved does not
+/// show if the ray truly hits. NaN if the table lacks the columns.
 std::pair<double, double> true_hits(const CsvTable& table, std::size_t row) {
-    const auto count = [&](const char* name, double without) {
-        return table.find(name) == nullptr ? without : number_of(table, row, name);
+    const auto count_or = [&](const char* name, double fallback) {
+        return table.find(name) == nullptr ? fallback : number_of(table, row, name);
     };
-    const double least = number_of(table, row, "agree_hit") + number_of(table, row, "false_miss") +
-                         count("wrong_primitive", 0) + count("double_hit", 0) + count("wrong_neighbour", 0) +
-                         count("out_of_order", 0);
-    return {least, least + count("crack", 0) + count("not_a_number", 0) + count("unresolved", 0)};
+    const double smallest = number_of(table, row, "agree_hit") + number_of(table, row, "false_miss") +
+                            count_or("wrong_primitive", 0) + count_or("double_hit", 0) +
+                            count_or("wrong_neighbour", 0) + count("out_of_order", 0);
+    return {smallest, smallest + count("crack", 0) + count("not_a_number", 0) + count("unresolved", 0)};
 }
 
-/// A row of each table with the same key.
+/// Two rows with the same key, one of each table.
 struct RowPair {
     const CsvTable &a, &b;
     std::size_t r, q;
 
-    /// True if as many rays have another truth. A comparison with NaN is false.
+    /// True if the rows have as many rays but the bounds of their true hits do not overlap. A comparison with NaN is
+    /// false.
     [[nodiscard]] bool has_other_truth() const {
-        const auto [least, most] = true_hits(a, r);
-        const auto [other_least, other_most] = true_hits(b, q);
-        return number_of(a, r, "rays") == number_of(b, q, "rays") && (most < other_least || other_most < least);
+        const auto [smallest, largest] = true_hits(a, r);
+        const auto [other_smallest, other_largest] = true_hits(b, q);
+        return number_of(a, r, "rays") == number_of(b, q, "rays") &&
+               (largest < other_smallest || other_largest < smallest);
     }
 };
 
@@ -113,29 +117,29 @@ struct RowPair {
 RowVerdict judge_rows(const std::vector<ColumnPair>& pairs, const RowPair& rows, bool two_forms) {
     RowVerdict verdict;
     const double rays = number_of(rows.a, rows.r, "rays"), other_rays = number_of(rows.b, rows.q, "rays");
-    const bool shares = rays > 0 && other_rays > 0 && rays != other_rays;
-    double wrong = 0, bits = 0;  // how much more the second has
-    double wrongly = 0;          // wrong decisions of the first
-    bool one_sided = false;
+    const bool by_share = rays > 0 && other_rays > 0 && rays != other_rays;
+    double more_wrong = 0, more_bits = 0;  // how much more the second row has than the first
+    double first_wrong = 0;                // wrong decisions of the first row
+    bool is_one_sided = false;
     for (const auto& [x, y, tolerance] : pairs) {
-        const bool decisions = is_wrong(x->name), lost = x->name == "lost_bits_p99";
-        if (!decisions && !lost) continue;
-        (decisions ? verdict.by_decisions : verdict.by_bits) = true;
-        const double before = number_in(x->cells[rows.r]), after = number_in(y->cells[rows.q]);
-        if (decisions && before > 0) wrongly += before;
+        const bool is_decision = is_wrong_decision(x->name), is_lost_bits = x->name == "lost_bits_p99";
+        if (!is_decision && !is_lost_bits) continue;
+        (is_decision ? verdict.by_decisions : verdict.by_bits) = true;
+        const double before = cell_number(x->cells[rows.r]), after = cell_number(y->cells[rows.q]);
+        if (is_decision && before > 0) first_wrong += before;
         const bool differs = judge_cells(x->cells[rows.r], y->cells[rows.q], tolerance, false).differs;
-        if (!differs && (!shares || tolerance != nullptr)) continue;
-        if (decisions && shares) wrong += after * rays - before * other_rays;  // exact below 2^53
-        else if (std::isnan(after - before)) one_sided |= lost && std::isnan(after) != std::isnan(before);
-        else (decisions ? wrong : bits) += after - before;
+        if (!differs && (!by_share || tolerance != nullptr)) continue;
+        if (is_decision && by_share) more_wrong += after * rays - before * other_rays;  // exact below 2^53
+        else if (std::isnan(after - before)) is_one_sided |= is_lost_bits && std::isnan(after) != std::isnan(before);
+        else (is_decision ? more_wrong : more_bits) += after - before;
     }
     if (!verdict.by_decisions && !verdict.by_bits) return verdict;
-    verdict.by_shares = shares && verdict.by_decisions;
-    const double more = wrong != 0 ? wrong : bits;
+    verdict.by_shares = by_share && verdict.by_decisions;
+    const double more_errors = more_wrong != 0 ? more_wrong : more_bits;
     if (two_forms && rows.has_other_truth()) ++verdict.other_truth;
-    else if (wrong == 0 && one_sided) ++verdict.one_sided;
-    else ++(more < 0 ? verdict.better : more > 0 ? verdict.worse : verdict.even);
-    verdict.of_other_hits = two_forms && wrong == 0 && wrongly > 0 ? verdict.better + verdict.worse : 0;
+    else if (more_wrong == 0 && is_one_sided) ++verdict.one_sided;
+    else ++(more_errors < 0 ? verdict.better : more_errors > 0 ? verdict.worse : verdict.even);
+    verdict.of_other_hits = two_forms && more_wrong == 0 && first_wrong > 0 ? verdict.better + verdict.worse : 0;
     return verdict;
 }
 
@@ -182,8 +186,8 @@ void RowChanges::add(RowChanges other) {
     rows += other.rows;
     changed += other.changed;
     count += other.count;
-    const auto append = [](auto& to, auto& from) {
-        to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
+    const auto append = [](auto& target, auto& source) {
+        target.insert(target.end(), std::make_move_iterator(source.begin()), std::make_move_iterator(source.end()));
     };
     append(only_a, other.only_a);
     append(only_b, other.only_b);
@@ -201,66 +205,66 @@ void RowChanges::sort() {
 
 bool has_row_keys(const CsvTable& table) {
     const auto keys = key_columns(table);
-    return !keys.empty() && table.rows() > 0 && keyed(table, {}).order.size() == table.rows();
+    return !keys.empty() && table.rows() > 0 && rows_by_key(table, {}).order.size() == table.rows();
 }
 
 RowChanges compare_rows(const CsvTable& a, const CsvTable& b, const std::string& subject, const CompareOptions& options,
                         const RowChoice& of_a, const RowChoice& of_b) {
-    RowChanges found;
+    RowChanges changes;
     const bool two_forms = !of_a.form.empty();
     std::vector<ColumnPair> pairs;
     std::set<const CsvColumn*> keys;
     for (const CsvColumn* key : key_columns(a)) keys.insert(key);
     for (const CsvColumn& column : a.columns) {
-        found.names.push_back(column.name);
-        if (ignores(options, column.name) || keys.contains(&column)) continue;
+        changes.names.push_back(column.name);
+        if (is_ignored(options, column.name) || keys.contains(&column)) continue;
         const CsvColumn* const other = b.find(column.name);
         if (other != nullptr) pairs.push_back({&column, other, tolerance_of(column.name, options)});
-        else found.columns.push_back(fmt::format("{}column {} is missing in the second", subject, column.name));
+        else changes.columns.push_back(fmt::format("{}column {} is missing in the second", subject, column.name));
     }
     for (const CsvColumn& column : b.columns) {
         if (a.find(column.name) != nullptr) continue;
-        found.names.push_back(column.name);
-        if (!ignores(options, column.name))
-            found.columns.push_back(fmt::format("{}column {} is added in the second", subject, column.name));
+        changes.names.push_back(column.name);
+        if (!is_ignored(options, column.name))
+            changes.columns.push_back(fmt::format("{}column {} is added in the second", subject, column.name));
     }
-    const KeyedRows left = keyed(a, of_a), right = keyed(b, of_b);
+    const KeyedRows left = rows_by_key(a, of_a), right = rows_by_key(b, of_b);
     for (const std::string& key : right.order) {
-        if (!left.row.contains(key)) found.only_b.push_back(subject + key);
+        if (!left.index_of.contains(key)) changes.only_b.push_back(subject + key);
     }
     for (const std::string& key : left.order) {
-        const auto other = right.row.find(key);
+        const auto other = right.index_of.find(key);
         if (other == right.row.end()) {
-            found.only_a.push_back(subject + key);
+            changes.only_a.push_back(subject + key);
             continue;
         }
-        ++found.rows;
-        const std::size_t r = left.row.at(key), q = other->second;
-        found.verdict.add(judge_rows(pairs, {a, b, r, q}, two_forms));
+        ++changes.rows;
+        const std::size_t r = left.index_of.at(key), q = other->second;
+        changes.verdict.add(judge_rows(pairs, {a, b, r, q}, two_forms));
         OutcomeChange outcome{subject + key, {}, 0};
         bool differs = false;
         for (const auto& [x, y, tolerance] : pairs) {
             const std::string_view before = x->cells[r], after = y->cells[q];
             if (before == after) continue;
-            const bool place = is_place(x->name);
-            const PairVerdict v = judge_cells(before, after, tolerance, tolerance == nullptr && place);
-            if (!v.differs || (two_forms && (place || (!v.measured && !v.not_finite)))) continue;
+            const bool is_reference = names_ray_or_command(x->name);
+            const PairVerdict v = judge_cells(before, after, tolerance, tolerance == nullptr && is_reference);
+            if (!v.differs || (two_forms && (is_reference || (!v.measured && !v.not_finite)))) continue;
             differs = true;
-            ++found.count;
+            ++changes.count;
             if (is_outcome(x->name)) {
                 outcome.text += fmt::format("{}{} {} to {}", outcome.text.empty() ? "" : ", ", x->name, before, after);
                 outcome.rays += v.absolute;
-            } else if (!place) {
-                const bool bits = x->name.find("bits") != std::string::npos;
-                const double size = !v.measured ? HUGE_VAL : bits ? v.absolute : v.relative;
-                found.cells.push_back({subject + key, x->name, shown(before), shown(after), bits, size});
+            } else if (!is_reference) {
+                const bool is_bits = x->name.find("bits") != std::string::npos;
+                const double size = !v.measured ? HUGE_VAL : is_bits ? v.absolute : v.relative;
+                changes.cells.push_back({subject + key, x->name, shown_cell(before), shown_cell(after), is_bits, size});
             }
         }
-        found.changed += differs;
-        if (!outcome.text.empty()) found.outcomes.push_back(std::move(outcome));
+        changes.changed += differs;
+        if (!outcome.text.empty()) changes.outcomes.push_back(std::move(outcome));
     }
-    found.sort();
-    return found;
+    changes.sort();
+    return changes;
 }
 
 }  // namespace lostbits::output::diff

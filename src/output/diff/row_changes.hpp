@@ -1,4 +1,5 @@
-// Changes between two tables of forms. Rows are paired by their keys; outcomes and other values are kept apart.
+// Changes between two tables of forms. Rows are paired by their keys; changed outcomes are listed apart from other
+// values.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +10,10 @@
 
 namespace lostbits::output::diff {
 
-/// Rows of a table to compare, and the columns that pair them. By default all rows, paired by every column of their
-/// key. If two forms are compared with each other, the rows of one form, paired by the other columns of the key.
+/// Rows of a table to compare, and the columns that pair them. By default: all rows, paired by every column of their
+/// key. If two forms are compared with each other: the rows of one form, paired by the other columns of the key.
 struct RowChoice {
-    std::string form;  ///< empty: every form, and the form is part of the key
+    std::string form;  ///< empty: the rows of every form, and the form is part of the key
 };
 
 /// A changed cell of a row that both sides have.
@@ -29,29 +30,30 @@ struct OutcomeChange {
     double rays = 0;  ///< sum of the differences of the counts
 };
 
-/// Comparison of the second side with the first, row by row. A row is better with fewer wrong decisions, or with as
-/// many and a smaller `lost_bits_p99`. If the sides have different numbers of rays, shares of them count. Rows of
-/// tables that have neither column are left out.
+/// Comparison of the second table with the first, row by row. A row is better if it has fewer wrong decisions, or as
+/// many and a smaller `lost_bits_p99`. If the tables have different numbers of rays, shares of the rays are compared.
+/// Rows of tables that have neither column are left out.
 struct RowVerdict {
     std::uint64_t better = 0, worse = 0, even = 0;
-    std::uint64_t other_truth = 0;  ///< for two forms: as many rays but different numbers of true hits
-    std::uint64_t one_sided = 0;    ///< as many wrong decisions, but only one side has a `lost_bits_p99`
-    /// Number of `better` and `worse` rows of two forms that were decided by bits although both forms decide some rays
-    /// wrongly: equally many, but not always the same ones.
+    std::uint64_t other_truth = 0;  ///< for two forms: rows with as many rays but different numbers of true hits
+    std::uint64_t one_sided = 0;    ///< rows with as many wrong decisions, of which only one side has a `lost_bits_p99`
+    /// For two forms: number of `better` and `worse` rows that were decided by bits although both forms decide some
+    /// rays wrongly: equally many, but not always the same ones.
     std::uint64_t of_other_hits = 0;
     bool by_decisions = false, by_bits = false, by_shares = false;  ///< columns that the tables have
 
     void add(const RowVerdict& other);
     /// `out/b is better in 3 rows, worse in 1, the same in 40: by wrong decisions, then by lost_bits_p99`, and a line
-    /// for each kind of row that cannot be compared. Empty if there is no row of either.
+    /// for each kind of row that cannot be compared. Empty if there are no rows.
     [[nodiscard]] std::string text(const std::string& second) const;
 };
 
 struct RowChanges {
     std::uint64_t rows = 0, changed = 0;      ///< rows in both tables, and how many of them differ
     std::vector<std::string> only_a, only_b;  ///< rows without a partner
-    std::vector<OutcomeChange> outcomes;      ///< the one with the most rays first
-    std::vector<CellChange> cells;     ///< values other than outcomes and positions: bits first, the largest first
+    std::vector<OutcomeChange> outcomes;      ///< changed outcomes, the row with the most rays first
+    std::vector<CellChange>
+        cells;  ///< changed values other than outcomes and positions: bits first, then the largest change first
     std::uint64_t count = 0;           ///< number of cells that differ, in all kinds of columns
     std::vector<std::string> columns;  ///< columns that only one table has
     std::vector<std::string> names;    ///< every column of either side
@@ -67,8 +69,8 @@ struct RowChanges {
 /// Rows then have partners wherever they stand.
 [[nodiscard]] bool has_row_keys(const file::CsvTable& table);
 
-/// Pairs the rows of two such tables and compares them as `compare` does. `subject` precedes the names of rows. If two
-/// forms are compared with each other, text (commands, names of rays) is left out.
+/// Pairs the rows of two tables with row keys and compares them as `compare` does. `subject` precedes the names of
+/// rows. If two forms are compared with each other, text (commands, names of rays) is left out.
 [[nodiscard]] RowChanges compare_rows(const file::CsvTable& a, const file::CsvTable& b, const std::string& subject,
                                       const CompareOptions& options, const RowChoice& of_a = {},
                                       const RowChoice& of_b = {});

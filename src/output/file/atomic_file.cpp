@@ -46,9 +46,9 @@ const char* remedy(int error_number) {
     }
 }
 
-[[noreturn]] void refuse(const std::filesystem::path& path, const char* what, int error_number) {
-    throw EnvironmentError(path.string() + ": " + what + ": " + std::generic_category().message(error_number) + "; " +
-                           remedy(error_number));
+[[noreturn]] void refuse(const std::filesystem::path& path, const char* failure, int error_number) {
+    throw EnvironmentError(path.string() + ": " + failure + ": " + std::generic_category().message(error_number) +
+                           "; " + remedy(error_number));
 }
 
 void make_parent(const std::filesystem::path& path) {
@@ -71,10 +71,10 @@ std::string partial_prefix(const std::filesystem::path& final) {
     return (final.parent_path() / ("." + final.filename().string() + ".partial-")).string();
 }
 
-constexpr std::size_t drawn_letters = 12;  // 60 bits
+constexpr std::size_t random_letters = 12;  // 60 bits
 
-std::string drawn_name() {
-    std::array<unsigned char, drawn_letters> bytes{};
+std::string random_name() {
+    std::array<unsigned char, random_letters> bytes{};
     // getrandom fails if the machine has not yet collected enough entropy, or lacks the call. The clock may then give a
     // name that is taken; open_new tries again.
     if (::getrandom(bytes.data(), bytes.size(), GRND_NONBLOCK) != static_cast<ssize_t>(bytes.size())) {
@@ -87,15 +87,15 @@ std::string drawn_name() {
 }
 
 /// Creates a new file that is locked for as long as it is open. Between its creation and its lock another process may
-/// take it for abandoned and remove it; then it creates another. `make` returns a name and registers it for the signal
-/// handler. `forget` takes a name back that belongs to somebody else.
-int open_new(const std::function<std::string()>& make, const std::function<void()>& forget) {
-    const Creation creation;
+/// take it for abandoned and remove it; then the function creates another file. `make_name` returns a name and
+/// registers it for the signal handler. `forget_name` takes back a name that another file already has.
+int open_new(const std::function<std::string()>& make_name, const std::function<void()>& forget_name) {
+    const CreationGuard creation;
     for (;;) {
-        const int fd = ::open(make().c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        const int fd = ::open(make_name().c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (fd < 0 && errno != EEXIST) return fd;
         if (fd < 0) {
-            forget();
+            forget_name();
             continue;
         }
         const bool is_locked = ::flock(fd, LOCK_EX | LOCK_NB) == 0;
@@ -104,7 +104,7 @@ int open_new(const std::function<std::string()>& make, const std::function<void(
         struct stat info {};
         if (is_locked && (::fstat(fd, &info) != 0 || info.st_nlink > 0)) return fd;
         ::close(fd);
-        forget();
+        forget_name();
     }
 }
 
@@ -114,9 +114,9 @@ void remove_abandoned_beside(const std::filesystem::path& final) {
     const std::filesystem::path folder = final.has_parent_path() ? final.parent_path() : ".";
     const std::string prefix = std::filesystem::path(partial_prefix(final)).filename().string();
     std::error_code ignored;
-    for (auto at = std::filesystem::directory_iterator(folder, ignored); at != std::filesystem::end(at);
-         at.increment(ignored)) {
-        if (at->path().filename().string().starts_with(prefix)) remove_if_abandoned(at->path());
+    for (auto entry = std::filesystem::directory_iterator(folder, ignored); entry != std::filesystem::end(entry);
+         entry.increment(ignored)) {
+        if (entry->path().filename().string().starts_with(prefix)) remove_if_abandoned(entry->path());
     }
 }
 
@@ -145,22 +145,22 @@ AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), final_(
         if (::access(final_.c_str(), W_OK) != 0) refuse(path, "cannot overwrite", errno);
     }
     const std::string prefix = partial_prefix(final_);
-    if (is_live(prefix, drawn_letters)) throw std::logic_error(path.string() + " is being written already");
+    if (is_live(prefix, random_letters)) throw std::logic_error(path.string() + " is being written already");
     remove_abandoned_beside(final_);
-    const auto forget = [this] {
+    const auto forget_name = [this] {
         unregister_partial(slot_);
         slot_ = nullptr;
     };
     fd_ = open_new(
         [&] {
-            partial_ = prefix + drawn_name();
+            partial_ = prefix + random_name();
             slot_ = register_partial(partial_);
             return partial_;
         },
-        forget);
+        forget_name);
     if (fd_ < 0) {
         const int error_number = errno;
-        forget();
+        forget_name();
         refuse(path, "cannot create", error_number);
     }
 }
@@ -180,9 +180,9 @@ void AtomicFile::abandon() noexcept {
     slot_ = nullptr;
 }
 
-void AtomicFile::fail(const char* what, int error_number) {
+void AtomicFile::fail(const char* failure, int error_number) {
     abandon();
-    refuse(path_, what, error_number);
+    refuse(path_, failure, error_number);
 }
 
 void AtomicFile::flush() {
@@ -231,7 +231,7 @@ void AtomicFile::commit() {
     // show an empty file. A map of 231 files took 1.93 s with this call and 1.88 s without (ext4 on a virtual disk).
     if (slot_ != nullptr && ::fsync(fd_) != 0 && errno != EINVAL && errno != EROFS && errno != ENOTSUP)
         fail("cannot write", errno);
-    // Keeps the lock until the file has its name. Without it another run might take the file for abandoned.
+    // Keeps the lock until the file has its name. Without the lock another run might take the file for abandoned.
     struct Lock {
         int fd;
         ~Lock() {
@@ -239,10 +239,10 @@ void AtomicFile::commit() {
         }
     } const lock{::fcntl(fd_, F_DUPFD_CLOEXEC, 0)};
     // A network file system may report a full disk only here. After EINTR Linux has closed the descriptor.
-    const int closed = ::close(fd_);
+    const int close_result = ::close(fd_);
     const int close_error = errno;
     fd_ = -1;
-    if (closed != 0 && close_error != EINTR) fail("cannot write", close_error);
+    if (close_result != 0 && close_error != EINTR) fail("cannot write", close_error);
     if (slot_ == nullptr) return;
     if (slot_->load() == nullptr) {
         slot_ = nullptr;
@@ -268,7 +268,7 @@ void write_file(const std::filesystem::path& path, std::string_view text) {
 }
 
 void remove_if_abandoned(const std::filesystem::path& partial) noexcept {
-    // Open for writing too: network file systems lock only files that are open for writing.
+    // The file is opened for writing too, because network file systems lock only such files.
     const int fd = ::open(partial.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (fd < 0) return;
     if (::flock(fd, LOCK_EX | LOCK_NB) == 0) ::unlink(partial.c_str());

@@ -13,8 +13,8 @@
 
 namespace lostbits::output::file {
 
-/// Destination of the bytes of a writer. The image module writes through this interface, so only the program has a
-/// registry of partial files and the error messages; the module needs no copy of them.
+/// Destination of the bytes of a writer. The image module writes through this interface, so the registry of partial
+/// files and the error messages exist only in the program.
 class ByteSink {
 public:
     virtual ~ByteSink() = default;
@@ -64,7 +64,7 @@ public:
 private:
     void flush();
     void abandon() noexcept;
-    [[noreturn]] void fail(const char* what, int error_number);
+    [[noreturn]] void fail(const char* failure, int error_number);
 
     std::filesystem::path path_;   // for messages
     std::filesystem::path final_;  // links resolved
@@ -76,12 +76,12 @@ private:
     std::unique_ptr<std::byte[]> buffer_;
 };
 
-/// Writes a file that holds this text.
+/// Writes `text` to a file.
 void write_file(const std::filesystem::path& path, std::string_view text);
 
-/// Removes a temporary file that no living AtomicFile, of this process or another, is writing: a writer holds a lock on
-/// its file. (A process id proves nothing, since two containers may both be process 1.) If the file system has no
-/// locks, the file stays.
+/// Removes a temporary file unless a living AtomicFile, of this process or another, is writing it: a writer holds a
+/// lock on its file. (A process id proves nothing, since two containers may both be process 1.) If the file system has
+/// no locks, the file stays.
 void remove_if_abandoned(const std::filesystem::path& partial) noexcept;
 
 /// Removes the temporary file of every live AtomicFile of a process that is about to end. Async-signal-safe: atomics,
@@ -97,28 +97,29 @@ void raise_open_file_limit() noexcept;
 /// Makes a write past RLIMIT_FSIZE fail with EFBIG, which is reported, instead of killing the process with SIGXFSZ.
 void ignore_file_size_signal() noexcept;
 
-// For AtomicFile alone, in partial_files.cpp: the registry of the temporary files that this process is writing.
+// Only for AtomicFile, in partial_files.cpp: the registry of the temporary files that this process is writing.
 
-/// Guards the creation of a temporary file. While it lives, its thread runs no signal handler, and a handler on another
-/// thread that removes the files waits for it. Otherwise a file that is created right after the removal would stay (a
-/// run that was ended by SIGSEGV left one). Throws Interrupted if the files have been removed.
-class Creation {
+/// Guards the creation of a temporary file. While a guard lives, its thread runs no signal handler, and a handler on
+/// another thread that removes the temporary files waits for it. Otherwise a file created right after the removal
+/// would stay (a run that was ended by SIGSEGV left one). Throws Interrupted if the files have been removed.
+class CreationGuard {
 public:
-    Creation();
-    ~Creation();
-    Creation(const Creation&) = delete;
-    Creation& operator=(const Creation&) = delete;
+    CreationGuard();
+    ~CreationGuard();
+    CreationGuard(const CreationGuard&) = delete;
+    CreationGuard& operator=(const CreationGuard&) = delete;
 
 private:
     void leave() noexcept;
-    sigset_t before_{};
+    sigset_t previous_mask_{};
 };
 
 /// Adds a name to the registry, where a signal handler finds it.
 std::atomic<char*>* register_partial(const std::string& partial);
-/// Removes a name from the registry. False if a signal handler has taken it already (and removed the file).
+/// Removes a name from the registry. Returns false if a signal handler has already taken the name (and removed the
+/// file).
 bool unregister_partial(std::atomic<char*>* slot) noexcept;
-/// True if a file is being written whose name is this prefix and this number of letters.
+/// True if this process is writing a file whose name is `prefix` and then this number of letters.
 bool is_live(const std::string& prefix, std::size_t letters);
 
 }  // namespace lostbits::output::file

@@ -6,7 +6,7 @@
 
 namespace lostbits::output::file {
 
-/// RFC 4648, with padding.
+/// Base64 of RFC 4648, with padding.
 [[nodiscard]] std::string base64(std::string_view bytes);
 
 }  // namespace lostbits::output::file

@@ -21,16 +21,16 @@ Overloaded(F...) -> Overloaded<F...>;
 /// True for a decimal or a C hexadecimal float, with or without a sign.
 bool is_number(std::string_view text) {
     if (text.starts_with('+') || text.starts_with('-')) text.remove_prefix(1);
-    const bool hexadecimal = text.starts_with("0x");
-    if (hexadecimal) text.remove_prefix(2);
+    const bool is_hexadecimal = text.starts_with("0x");
+    if (is_hexadecimal) text.remove_prefix(2);
     double value = 0;
-    const auto format = hexadecimal ? std::chars_format::hex : std::chars_format::general;
+    const auto format = is_hexadecimal ? std::chars_format::hex : std::chars_format::general;
     const char* const end = text.data() + text.size();
     return !text.empty() && text.front() != '-' && std::from_chars(text.data(), end, value, format).ptr == end;
 }
 
-/// True if a spreadsheet would evaluate the text as a formula that could do harm. Formulas of numbers alone (`+2^127`)
-/// could not.
+/// True if a spreadsheet would evaluate the text as a formula that could do harm, which formulas of numbers alone
+/// (`+2^127`) cannot.
 bool is_formula(std::string_view text) {
     if (text.size() < 2 || std::string_view("=+-@\t\r").find(text.front()) == std::string_view::npos) return false;
     return text.find_first_not_of("0123456789.^+-*/ ") != std::string_view::npos && !is_number(text);
@@ -39,10 +39,10 @@ bool is_formula(std::string_view text) {
 }  // namespace
 
 Character first_character(std::string_view text) {
-    const char *const begin = text.data(), *at = begin;
-    const boost::locale::utf::code_point code = boost::locale::utf::utf_traits<char>::decode(at, begin + text.size());
+    const char *const begin = text.data(), *next = begin;
+    const boost::locale::utf::code_point code = boost::locale::utf::utf_traits<char>::decode(next, begin + text.size());
     // An illegal or incomplete sequence has a code beyond all characters.
-    return code > 0x10FFFF ? Character{0xFFFD, 0} : Character{code, static_cast<std::size_t>(at - begin)};
+    return code > 0x10FFFF ? Character{0xFFFD, 0} : Character{code, static_cast<std::size_t>(next - begin)};
 }
 
 std::string to_valid_utf8(std::string_view text) {
@@ -105,56 +105,56 @@ CsvWriter::CsvWriter(const std::filesystem::path& path, std::vector<Column> colu
         if (!names.insert(column.name).second) {
             throw std::logic_error("column " + column.name + " appears twice");
         }
-        put(column.name);
+        append_field(column.name);
     }
     end_row();
 }
 
 void CsvWriter::add_lines(std::string_view lines) {
-    if (filled_ != 0) throw std::logic_error(name() + ": lines come in the middle of a row");
+    if (filled_cells_ != 0) throw std::logic_error(name() + ": lines come in the middle of a row");
     file_->write(lines);
 }
 
-void CsvWriter::put(const std::string& text) {
-    if (filled_ > 0) line_ += ',';
+void CsvWriter::append_field(const std::string& text) {
+    if (filled_cells_ > 0) line_ += ',';
     line_ += quoted_field(text);
-    ++filled_;
+    ++filled_cells_;
 }
 
 CsvWriter& CsvWriter::add(const Cell& cell) {
-    if (filled_ == columns_.size()) {
+    if (filled_cells_ == columns_.size()) {
         throw std::logic_error(name() + ": a row has more cells than columns");
     }
-    const Column& column = columns_[filled_];
+    const Column& column = columns_[filled_cells_];
     if (!cell.fits(column.type)) {
         throw std::logic_error(name() + ": column " + column.name + " is of type " + column.type +
                                " and cannot hold '" + cell.text() + "'");
     }
-    if (take_) take_(filled_++, cell);
-    else put(cell.text());
+    if (take_cell_) take_cell_(filled_cells_++, cell);
+    else append_field(cell.text());
     return *this;
 }
 
 void CsvWriter::end_row() {
-    if (filled_ != columns_.size()) {
-        throw std::logic_error(name() + ": a row has " + std::to_string(filled_) + " cells for " +
+    if (filled_cells_ != columns_.size()) {
+        throw std::logic_error(name() + ": a row has " + std::to_string(filled_cells_) + " cells for " +
                                std::to_string(columns_.size()) + " columns");
     }
-    if (take_) {
-        filled_ = 0;
+    if (take_cell_) {
+        filled_cells_ = 0;
         return;
     }
     // A row of one missing cell would be a blank line, which readers skip.
     if (line_.empty()) line_ = "\"\"";
     line_ += '\n';
     if (file_) file_->write(line_);
-    else lines_ += line_;
+    else finished_lines_ += line_;
     line_.clear();
-    filled_ = 0;
+    filled_cells_ = 0;
 }
 
 void CsvWriter::close() {
-    if (filled_ != 0) throw std::logic_error(name() + ": closed in the middle of a row");
+    if (filled_cells_ != 0) throw std::logic_error(name() + ": closed in the middle of a row");
     file_->commit();
 }
 

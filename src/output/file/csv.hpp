@@ -57,26 +57,27 @@ private:
     std::variant<std::monostate, bool, std::int64_t, std::uint64_t, float, double, std::string> value_;
 };
 
-/// x; missing if x is NaN.
+/// `x`; missing if `x` is NaN.
 inline std::optional<double> number_or_missing(double x) { return std::isnan(x) ? std::nullopt : std::optional(x); }
 
 /// Writes one CSV file: UTF-8, LF, RFC 4180 quoting, a header, empty = missing, booleans 0/1.
 ///
-/// The file has its final name only after `close`. Strings are written by `without_formula`.
+/// The file gets its final name only in `close`. Texts are written by `without_formula`.
 class CsvWriter {
 public:
     /// Opens the file and writes the header. Throws EnvironmentError, and std::logic_error for a column with an
     /// unknown type or a name used twice.
     CsvWriter(const std::filesystem::path& path, std::vector<Column> columns);
 
-    /// Makes rows without a file or a header, for a part of a file that is put together elsewhere. `take_lines` returns
-    /// them.
+    /// Makes rows without a file or a header, for a part of a file that is put together elsewhere. `take_lines`
+    /// returns the rows and forgets them.
     explicit CsvWriter(std::vector<Column> columns) : columns_(std::move(columns)) {}
-    [[nodiscard]] std::string take_lines() { return std::exchange(lines_, {}); }
-    /// Makes no text: passes each cell to `take`, with the index of its column from 0, row by row.
+    [[nodiscard]] std::string take_lines() { return std::exchange(finished_lines_, {}); }
+    /// Makes no text: passes each cell to `take_cell`, with the index of its column from 0, row by row.
     using TakeCell = std::function<void(std::size_t column, const Cell& cell)>;
-    CsvWriter(std::vector<Column> columns, TakeCell take) : columns_(std::move(columns)), take_(std::move(take)) {}
-    /// Adds rows that a writer of the same columns returned from `take_lines`.
+    CsvWriter(std::vector<Column> columns, TakeCell take_cell)
+        : columns_(std::move(columns)), take_cell_(std::move(take_cell)) {}
+    /// Adds rows that `take_lines` of a writer with the same columns returned.
     void add_lines(std::string_view lines);
 
     /// Adds one cell to the current row. Throws std::logic_error if the row is full or the column has another type.
@@ -97,15 +98,15 @@ public:
     [[nodiscard]] const std::vector<Column>& columns() const noexcept { return columns_; }
 
 private:
-    void put(const std::string& text);
+    void append_field(const std::string& text);
 
     std::vector<Column> columns_;
-    std::size_t filled_ = 0;
+    std::size_t filled_cells_ = 0;
     [[nodiscard]] std::string name() const { return file_ ? file_->path().string() : "rows of a CSV"; }
 
-    std::string line_, lines_;
-    TakeCell take_ = {};
-    std::optional<AtomicFile> file_;  // none: rows go to `lines_` or `take_`
+    std::string line_, finished_lines_;
+    TakeCell take_cell_ = {};
+    std::optional<AtomicFile> file_;  // missing: rows go to `finished_lines_` or `take_cell_`
 };
 
 /// The text of a cell: `to_valid_utf8`, with an apostrophe in front if a spreadsheet would take it for a formula. That
@@ -116,8 +117,8 @@ private:
 /// `text` as one RFC 4180 field: quoted only if it holds a comma, a quote or a line break.
 [[nodiscard]] std::string quoted_field(std::string_view text);
 
-/// The first character of a text that is not empty, and its number of bytes: 0 if they are not UTF-8 (overlong,
-/// surrogate, cut short).
+/// First character of a text that is not empty, and its number of bytes, which is 0 if the text does not begin with
+/// valid UTF-8 (overlong, surrogate, cut short).
 struct Character {
     char32_t code;
     std::size_t size;

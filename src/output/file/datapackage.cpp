@@ -1,3 +1,4 @@
+// Writes the `datapackage.json` that describes CSV files.
 #include "output/file/csv.hpp"
 
 #include <cctype>
@@ -15,15 +16,15 @@ using Json = OrderedJson;
 std::string slug(std::string_view text) {
     std::string out;
     for (const char c : text) {
-        const auto u = static_cast<unsigned char>(c);
-        const bool kept =
-            std::isdigit(u) != 0 || (c >= 'a' && c <= 'z') || c == '.' || c == '_' || c == '-' || c == '/';
-        out += kept ? c : (c >= 'A' && c <= 'Z') ? static_cast<char>(c - 'A' + 'a') : '-';
+        const auto byte = static_cast<unsigned char>(c);
+        const bool is_allowed =
+            std::isdigit(byte) != 0 || (c >= 'a' && c <= 'z') || c == '.' || c == '_' || c == '-' || c == '/';
+        out += is_allowed ? c : (c >= 'A' && c <= 'Z') ? static_cast<char>(c - 'A' + 'a') : '-';
     }
     return out;
 }
 
-Json field(const Column& column) {
+Json field_json(const Column& column) {
     Json out{{"name", to_valid_utf8(column.name)}, {"type", column.type}};
     if (column.type == "boolean") {
         out["trueValues"] = Json::array({"1"});
@@ -34,9 +35,9 @@ Json field(const Column& column) {
     return out;
 }
 
-Json resource(const DataResource& data) {
+Json resource_json(const DataResource& data) {
     Json fields = Json::array();
-    for (const auto& column : data.columns) fields.push_back(field(column));
+    for (const auto& column : data.columns) fields.push_back(field_json(column));
     std::string stem = data.file_name;
     if (stem.ends_with(".csv")) stem.resize(stem.size() - 4);
     return {{"name", slug(stem)},
@@ -54,14 +55,15 @@ Json resource(const DataResource& data) {
 
 void write_datapackage(const std::filesystem::path& path, const std::string& title,
                        const std::vector<DataResource>& resources) {
-    Json list = Json::array();
-    for (const auto& data : resources) list.push_back(resource(data));
+    Json resource_list = Json::array();
+    for (const auto& data : resources) resource_list.push_back(resource_json(data));
     Json package{{"profile", "tabular-data-package"}, {"name", slug(title)}, {"title", to_valid_utf8(title)}};
     if (const auto provenance = provenance_of(path)) {
         package["lostbits"] = {{"command", to_valid_utf8(provenance->command)}, {"program", provenance->program}};
-        for (const auto& [name, what] : provenance->forms) package["lostbits"]["forms"][name] = to_valid_utf8(what);
+        for (const auto& [name, description] : provenance->forms)
+            package["lostbits"]["forms"][name] = to_valid_utf8(description);
     }
-    package["resources"] = std::move(list);
+    package["resources"] = std::move(resource_list);
     write_file(path, json_text(package));
 }
 

@@ -1,5 +1,5 @@
-// Escapes text that users wrote: one function per kind of output. Others are `quoted_field` (csv.hpp), `shell_word`
-// (intersect/process/child.hpp) and nlohmann's JSON.
+// Escapes text that users wrote: one function per kind of output. Other escapes are `quoted_field` (csv.hpp),
+// `shell_word` (intersect/process/child.hpp) and nlohmann's JSON.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ namespace lostbits::output::file {
 /// becomes `\x23`. Line breaks and tabs stay.
 [[nodiscard]] std::string terminal_text(std::string_view text);
 
-/// The same on one line: a line break becomes `\n` and a tab `\t`.
+/// Like `terminal_text`, on one line: a line break becomes `\n` and a tab `\t`.
 [[nodiscard]] std::string terminal_line(std::string_view text);
 
 /// For XML 1.0, before a library writes `&lt;`. U+FFFD replaces: characters that no document may hold (U+0000 to U+001F
@@ -28,7 +28,7 @@ namespace lostbits::output::file {
 /// For a line of Markdown. The text cannot make a tag, a link, a line break or the end of a table cell. Emphasis stays.
 [[nodiscard]] std::string markdown_text(std::string_view text);
 
-/// As code in a line of Markdown, also in a table cell.
+/// As a code span in a line of Markdown, also in a table cell.
 [[nodiscard]] std::string markdown_code(std::string_view text);
 
 /// As the target of a link or a picture: a relative path.
@@ -37,7 +37,7 @@ namespace lostbits::output::file {
 /// As the text after the second `::` of a command to GitHub's runner. The runner reads `terminal_text` back from it.
 [[nodiscard]] std::string workflow_text(std::string_view text);
 
-/// As the value of `file=`, `line=` or `title=` in such a command.
+/// As the value of `file=`, `line=` or `title=` in a command to GitHub's runner.
 [[nodiscard]] std::string workflow_value(std::string_view text);
 
 /// For a C comment, between `/*` and `*/`.

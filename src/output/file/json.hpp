@@ -9,13 +9,13 @@
 
 namespace lostbits::output::file {
 
-/// Members stay in the order in which they are added.
+/// JSON whose members stay in the order in which they are added.
 using OrderedJson = nlohmann::ordered_json;
 
-/// A number. If it is infinite or NaN, it becomes the string "inf", "-inf" or "nan".
+/// A number as JSON; the string "inf", "-inf" or "nan" if it is infinite or NaN.
 inline OrderedJson json_number(double x) { return std::isfinite(x) ? OrderedJson(x) : OrderedJson(decimal(x)); }
 
-/// Text of a file: indented by two blanks per level, with bytes that are not UTF-8 replaced.
+/// Text of a JSON file: indented by two blanks per level, with bytes that are not UTF-8 replaced.
 inline std::string json_text(const OrderedJson& json) {
     return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }

@@ -1,5 +1,5 @@
-// Memory and open files that this machine has left for a run. All in a header, because the image module does not link
-// the program.
+// Memory and open files that this machine has left for a run. Everything is in this header, because the image module
+// does not link the program.
 #pragma once
 
 #include <sys/resource.h>
@@ -17,33 +17,34 @@
 
 namespace lostbits::output::file {
 
-/// The number after a word such as `MemAvailable:` in a file of /proc or /sys; `otherwise` if there is none.
-inline std::uint64_t number_behind(const char* path, const std::string& word, std::uint64_t otherwise) {
+/// Returns the number after a key such as `MemAvailable:` in a file of /proc or /sys; `fallback` if there is none.
+inline std::uint64_t number_after(const char* path, const std::string& key, std::uint64_t fallback) {
     std::ifstream in(path);
-    for (std::string read; in >> read;) {
+    for (std::string word; in >> word;) {
         std::uint64_t number = 0;
-        if (read == word && in >> number) return number;
+        if (word == key && in >> number) return number;
     }
-    return otherwise;
+    return fallback;
 }
 
 /// Bytes of memory that this process may still take: the least of the free memory, the limit of the control group and
-/// that of RLIMIT_AS (`ulimit -v`), as far as the system reports them.
+/// the limit of RLIMIT_AS (`ulimit -v`), as far as the system reports them.
 inline std::uint64_t free_memory() {
-    constexpr auto all = std::numeric_limits<std::uint64_t>::max();
-    const auto kib = number_behind("/proc/meminfo", "MemAvailable:", all / 1024);
-    std::uint64_t left = kib * 1024;
-    std::ifstream group("/sys/fs/cgroup/memory.max"), taken("/sys/fs/cgroup/memory.current");
-    std::uint64_t most = 0, now = 0;
-    if (group >> most && taken >> now) left = std::min(left, most > now ? most - now : 0);
+    constexpr auto unlimited = std::numeric_limits<std::uint64_t>::max();
+    const auto kib = number_after("/proc/meminfo", "MemAvailable:", unlimited / 1024);
+    std::uint64_t available = kib * 1024;
+    std::ifstream group_limit("/sys/fs/cgroup/memory.max"), group_usage("/sys/fs/cgroup/memory.current");
+    std::uint64_t limit_bytes = 0, used_bytes = 0;
+    if (group_limit >> limit_bytes && group_usage >> used_bytes)
+        available = std::min(available, limit_bytes > used_bytes ? limit_bytes - used_bytes : 0);
     rlimit limit{};
     if (::getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
         std::uint64_t pages = 0;
         std::ifstream("/proc/self/statm") >> pages;
         const auto used = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-        left = std::min<std::uint64_t>(left, limit.rlim_cur > used ? limit.rlim_cur - used : 0);
+        available = std::min<std::uint64_t>(available, limit.rlim_cur > used ? limit.rlim_cur - used : 0);
     }
-    return left;
+    return available;
 }
 
 /// Number of bytes as text: `1.5 GB`.
@@ -57,30 +58,31 @@ inline std::string bytes_text(std::uint64_t bytes) {
            units[unit];
 }
 
-/// Throws EnvironmentError if this machine has less memory left.
-inline void require_memory(std::uint64_t bytes, const std::string& what, const std::string& remedy) {
-    const std::uint64_t left = free_memory();
-    if (bytes <= left) return;
-    throw EnvironmentError(what + ": needs " + bytes_text(bytes) + " of memory, but only " + bytes_text(left) +
+/// Throws EnvironmentError if this machine has less than `bytes` of memory left. The message begins with `subject` and
+/// ends with `remedy`.
+inline void require_memory(std::uint64_t bytes, const std::string& subject, const std::string& remedy) {
+    const std::uint64_t available = free_memory();
+    if (bytes <= available) return;
+    throw EnvironmentError(subject + ": needs " + bytes_text(bytes) + " of memory, but only " + bytes_text(available) +
                            " is free; " + remedy);
 }
 
-/// Throws EnvironmentError if this process may not open this number of further files, or lacks the memory for their
-/// buffers: 256 KiB each, and a little more. A few files are reserved for libraries.
-inline void require_open_files(std::uint64_t files, const std::string& what, const std::string& remedy) {
+/// Throws EnvironmentError if this process may not open `files` more files, or lacks the memory for their buffers: 256
+/// KiB each, and a little more. A few files are reserved for libraries.
+inline void require_open_files(std::uint64_t files, const std::string& subject, const std::string& remedy) {
     constexpr std::uint64_t spare = 16, bytes_each = 288 * 1024;
-    std::error_code unknown;
-    std::uint64_t open = 0;
-    for (auto at = std::filesystem::directory_iterator("/proc/self/fd", unknown);
-         at != std::filesystem::directory_iterator(); at.increment(unknown))
-        ++open;
+    std::error_code error;
+    std::uint64_t open_files = 0;
+    for (auto entry = std::filesystem::directory_iterator("/proc/self/fd", error);
+         entry != std::filesystem::directory_iterator(); entry.increment(error))
+        ++open_files;
     rlimit limit{};
     if (::getrlimit(RLIMIT_NOFILE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
-        files + open + spare > limit.rlim_cur)
-        throw EnvironmentError(what + ": writes " + std::to_string(files) +
+        files + open_files + spare > limit.rlim_cur)
+        throw EnvironmentError(subject + ": writes " + std::to_string(files) +
                                " files at once, but this machine allows a process only " +
                                std::to_string(limit.rlim_cur) + " open files (`ulimit -n`); " + remedy);
-    require_memory(files * bytes_each, what + ": writes " + std::to_string(files) + " files at once", remedy);
+    require_memory(files * bytes_each, subject + ": writes " + std::to_string(files) + " files at once", remedy);
 }
 
 }  // namespace lostbits::output::file

@@ -1,3 +1,4 @@
+// Reads and writes the manifest of a result folder: the runs that wrote into it, and their files.
 #include <algorithm>
 #include <fstream>
 
@@ -13,8 +14,8 @@ namespace {
 
 constexpr const char* schema = "lostbits-manifest/1";
 
-/// True if a name stays inside its folder, whatever somebody wrote into the list.
-bool stays_inside(const std::string& name) {
+/// True if a name of the manifest stays inside the folder: a manifest may have been edited.
+bool is_inside_folder(const std::string& name) {
     const fs::path path(name);
     return !name.empty() && path.is_relative() &&
            std::ranges::none_of(path, [](const fs::path& part) { return part == ".."; });
@@ -27,21 +28,21 @@ std::string text_of(const nlohmann::json& entry, const char* key) {
 ResultFolder::ManifestRun run_of(const nlohmann::json& entry) {
     ResultFolder::ManifestRun run{{text_of(entry, "command"), text_of(entry, "program")}, {}};
     if (entry.contains("forms") && entry["forms"].is_object()) {
-        for (const auto& [name, what] : entry["forms"].items())
-            run.by.forms.emplace_back(name, text_of(entry["forms"], name.c_str()));
+        for (const auto& [name, unused] : entry["forms"].items())
+            run.provenance.forms.emplace_back(name, text_of(entry["forms"], name.c_str()));
     }
     if (!entry.contains("files")) return run;
     for (const auto& name : entry["files"]) {
-        if (name.is_string() && stays_inside(name.get<std::string>())) run.files.insert(name.get<std::string>());
+        if (name.is_string() && is_inside_folder(name.get<std::string>())) run.files.insert(name.get<std::string>());
     }
     return run;
 }
 
-OrderedJson json_of(const Provenance& by, const std::set<std::string>& names) {
+OrderedJson json_of(const Provenance& provenance, const std::set<std::string>& names) {
     auto files = OrderedJson::array();
-    for (const std::string& each : names) files.push_back(to_valid_utf8(each));
-    OrderedJson json{{"program", by.program}, {"command", to_valid_utf8(by.command)}};
-    for (const auto& [name, what] : by.forms) json["forms"][name] = to_valid_utf8(what);
+    for (const std::string& name : names) files.push_back(to_valid_utf8(name));
+    OrderedJson json{{"program", provenance.program}, {"command", to_valid_utf8(provenance.command)}};
+    for (const auto& [name, description] : provenance.forms) json["forms"][name] = to_valid_utf8(description);
     json["files"] = std::move(files);
     return json;
 }
@@ -53,18 +54,19 @@ std::vector<ResultFolder::ManifestRun> manifest_runs(const fs::path& folder) {
     if (!in) return {};
     const auto list = nlohmann::json::parse(in, nullptr, false);
     if (!list.is_object() || !list.contains("schema") || list["schema"] != schema || !list.contains("files")) return {};
-    std::vector<ResultFolder::ManifestRun> all{run_of(list)};
-    if (!list.contains("others") || !list["others"].is_array()) return all;
+    std::vector<ResultFolder::ManifestRun> runs{run_of(list)};
+    if (!list.contains("others") || !list["others"].is_array()) return runs;
     for (const auto& entry : list["others"]) {
-        if (entry.is_object()) all.push_back(run_of(entry));
+        if (entry.is_object()) runs.push_back(run_of(entry));
     }
-    return all;
+    return runs;
 }
 
 std::string manifest_text(const ResultFolder::ManifestRun& last, const std::vector<ResultFolder::ManifestRun>& others) {
     OrderedJson list{{"schema", schema}};
-    list.update(json_of(last.by, last.files));
-    for (const ResultFolder::ManifestRun& other : others) list["others"].push_back(json_of(other.by, other.files));
+    list.update(json_of(last.provenance, last.files));
+    for (const ResultFolder::ManifestRun& other : others)
+        list["others"].push_back(json_of(other.provenance, other.files));
     return json_text(list);
 }
 

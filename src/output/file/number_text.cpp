@@ -26,17 +26,17 @@ std::string decimal(float value) { return shortest(value); }
 std::string short_decimal(double value, int digits) {
     if (!std::isfinite(value)) return decimal(value);
     char text[400];
-    const auto written = [&text](double x, auto... how) {
-        return std::string(text, std::to_chars(text, text + sizeof text, x, how...).ptr);
+    const auto write = [&text](double x, auto... format) {
+        return std::string(text, std::to_chars(text, text + sizeof text, x, format...).ptr);
     };
     // A negative zero is 0.
-    const std::string scientific = written(value + 0.0, std::chars_format::scientific, digits - 1);
-    const double round = number_in(scientific).value_or(value), size = std::fabs(round);
-    if (size == 0 || (size >= 1e-4 && size < std::pow(10, std::max(digits, 6))))
-        return written(round, std::chars_format::fixed);
-    const auto e = scientific.find('e');
-    const std::string power = "10^" + std::to_string(std::atoi(scientific.c_str() + e + 1));
-    std::string factor = scientific.substr(0, e);
+    const std::string scientific = write(value + 0.0, std::chars_format::scientific, digits - 1);
+    const double rounded = number_in(scientific).value_or(value), magnitude = std::fabs(rounded);
+    if (magnitude == 0 || (magnitude >= 1e-4 && magnitude < std::pow(10, std::max(digits, 6))))
+        return write(rounded, std::chars_format::fixed);
+    const auto exponent_mark = scientific.find('e');
+    const std::string power = "10^" + std::to_string(std::atoi(scientific.c_str() + exponent_mark + 1));
+    std::string factor = scientific.substr(0, exponent_mark);
     if (factor.find('.') != std::string::npos) factor.erase(factor.find_last_not_of('0') + 1);
     if (factor.ends_with('.')) factor.pop_back();
     return factor == "1" ? power : factor == "-1" ? "-" + power : factor + "×" + power;
@@ -45,8 +45,8 @@ std::string short_decimal(double value, int digits) {
 std::string kept_text(double bits, int decimals) {
     if (!std::isfinite(bits)) return decimal(bits);
     char text[400];
-    const double unit = std::pow(10, decimals), down = std::floor((bits + 1e-9) * unit) / unit;
-    return {text, std::to_chars(text, text + sizeof text, down, std::chars_format::fixed, decimals).ptr};
+    const double unit = std::pow(10, decimals), rounded_down = std::floor((bits + 1e-9) * unit) / unit;
+    return {text, std::to_chars(text, text + sizeof text, rounded_down, std::chars_format::fixed, decimals).ptr};
 }
 
 std::string hex(double value) {
@@ -56,24 +56,24 @@ std::string hex(double value) {
     return (std::signbit(value) ? "-0x" : "0x") + std::string(text, end);
 }
 
-std::string enumerated(const std::vector<std::string>& words) {
+std::string enumerated(const std::vector<std::string>& items) {
     std::string text;
-    for (std::size_t k = 0; k < words.size(); ++k)
-        text += (k == 0 ? "" : k + 1 == words.size() ? " and " : ", ") + words[k];
+    for (std::size_t k = 0; k < items.size(); ++k)
+        text += (k == 0 ? "" : k + 1 == items.size() ? " and " : ", ") + items[k];
     return text;
 }
 
 std::optional<double> number_in(std::string_view text) {
-    const bool minus = text.starts_with('-');
-    if (minus) text.remove_prefix(1);
-    const bool hexadecimal = text.starts_with("0x");
-    if (hexadecimal) text.remove_prefix(2);
+    const bool is_negative = text.starts_with('-');
+    if (is_negative) text.remove_prefix(1);
+    const bool is_hexadecimal = text.starts_with("0x");
+    if (is_hexadecimal) text.remove_prefix(2);
     if (text.starts_with('-')) return std::nullopt;
     double x = 0;
     const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), x,
-                                               hexadecimal ? std::chars_format::hex : std::chars_format::general);
+                                               is_hexadecimal ? std::chars_format::hex : std::chars_format::general);
     if (error != std::errc{} || stop != text.data() + text.size()) return std::nullopt;
-    return minus ? -x : x;
+    return is_negative ? -x : x;
 }
 
 double nearest_double(std::string_view digits, long exponent) {
@@ -81,8 +81,8 @@ double nearest_double(std::string_view digits, long exponent) {
     double x = 0;
     if (std::from_chars(text.data(), text.data() + text.size(), x).ec == std::errc{}) return x;
     const std::size_t zeros = std::min(digits.find_first_not_of('0'), digits.size());
-    const bool huge = zeros < digits.size() && static_cast<long>(digits.size() - zeros) + exponent > 0;
-    return huge ? std::numeric_limits<double>::infinity() : 0;
+    const bool overflows = zeros < digits.size() && static_cast<long>(digits.size() - zeros) + exponent > 0;
+    return overflows ? std::numeric_limits<double>::infinity() : 0;
 }
 
 }  // namespace lostbits::output::file

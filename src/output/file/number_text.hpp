@@ -1,4 +1,4 @@
-// Writes numbers as text that reads back to the same bits, and lists.
+// Writes numbers as text that reads back to the same bits, and numbers or words as lists.
 #pragma once
 
 #include <optional>
@@ -18,27 +18,27 @@ namespace lostbits::output::file {
 /// begin below 10^-4 and at 10^6, or where the digits end. `nan`, `inf`, `-inf` as in `decimal`.
 [[nodiscard]] std::string short_decimal(double value, int digits);
 
-/// Bits that are kept, rounded down, so that no more is said than was measured: `21.9` for 21.97. A shortfall of 1e-9
-/// counts as the rounding of a subtraction.
+/// Bits that are kept, rounded down, so that the text does not claim more than was measured: `21.9` for 21.97. A
+/// shortfall of 1e-9 counts as the rounding of a subtraction.
 [[nodiscard]] std::string kept_text(double bits, int decimals = 1);
 
 /// The exact value as a C hexadecimal float: `0x1.8p+1`, `-0x0p+0`; `nan`, `inf`, `-inf`. A float converts to
 /// double exactly, so one function serves both.
 [[nodiscard]] std::string hex(double value);
 
-/// A list of numbers, each written by `text`, with `between` between them.
+/// A list of numbers, each written by `text`, separated by `between`.
 template <class Numbers>
-[[nodiscard]] std::string listed(const Numbers& numbers, std::string (*text)(double), std::string_view between) {
+[[nodiscard]] std::string listed(const Numbers& numbers, std::string (*text)(double), std::string_view separator) {
     std::string list;
-    for (const double x : numbers) (list += list.empty() ? "" : between) += text(x);
+    for (const double x : numbers) (list += list.empty() ? "" : separator) += text(x);
     return list;
 }
 
 /// A list of words: `a, b and c`.
-[[nodiscard]] std::string enumerated(const std::vector<std::string>& words);
+[[nodiscard]] std::string enumerated(const std::vector<std::string>& items);
 
-/// Reads a number that `decimal` or `hex` wrote, in every locale. Nothing for any other text, and for a number outside
-/// the range of a double.
+/// Reads a number that `decimal` or `hex` wrote, in every locale. Returns nothing for any other text, and for a number
+/// outside the range of a double.
 [[nodiscard]] std::optional<double> number_in(std::string_view text);
 
 /// The double nearest to digits · 10^exponent; 0 or infinity outside its range.

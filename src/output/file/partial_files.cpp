@@ -1,3 +1,4 @@
+// Registry of the temporary files that this process is writing, which a signal handler can read.
 #include "output/file/atomic_file.hpp"
 
 #include <poll.h>
@@ -18,15 +19,15 @@
 namespace lostbits::output::file {
 namespace {
 
-// A signal handler may not lock or allocate, so the registry is a list of arrays that only grows. The one who exchanges
-// a slot to null owns the string. The handler never frees a string, which leaks a name in a process that is ending
+// A signal handler may not lock or allocate, so the registry is a list of arrays that only grows. Whoever exchanges a
+// slot to null owns its string. The handler never frees a string, which leaks a name in a process that is ending
 // anyway.
 struct Slots {
     std::array<std::atomic<char*>, 1024> names{};
     std::atomic<Slots*> next{nullptr};
 };
 Slots first_slots;
-// Threads read and free names under this mutex. The handler frees none and does not lock it.
+// Threads read and free names under this mutex. The handler frees no name and does not lock the mutex.
 std::mutex names_mutex;
 std::atomic<void (*)(const char*) noexcept> partial_listener{nullptr};
 static_assert(std::atomic<char*>::is_always_lock_free && std::atomic<Slots*>::is_always_lock_free);
@@ -34,7 +35,7 @@ static_assert(std::atomic<char*>::is_always_lock_free && std::atomic<Slots*>::is
 std::atomic<int> threads_creating{0};
 std::atomic<bool> is_ending{false};
 
-/// Calls `use` on each slot until it returns true; false if it never does.
+/// Calls `use` on each slot until a call returns true. Returns false if none does.
 template <class Use>
 bool any_slot(const Use& use) {
     for (Slots* block = &first_slots; block != nullptr; block = block->next.load()) {
@@ -55,35 +56,35 @@ void add_slots() {
 
 }  // namespace
 
-Creation::Creation() {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, &before_);
+CreationGuard::CreationGuard() {
+    sigset_t all_signals;
+    sigfillset(&all_signals);
+    pthread_sigmask(SIG_BLOCK, &all_signals, &previous_mask_);
     ++threads_creating;
     if (!is_ending) return;
     leave();
     throw Interrupted();
 }
-Creation::~Creation() { leave(); }
+CreationGuard::~CreationGuard() { leave(); }
 
-void Creation::leave() noexcept {
+void CreationGuard::leave() noexcept {
     --threads_creating;
-    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+    pthread_sigmask(SIG_SETMASK, &previous_mask_, nullptr);
 }
 
 std::atomic<char*>* register_partial(const std::string& partial) {
     char* const name = ::strdup(partial.c_str());
     if (name == nullptr) throw std::bad_alloc();
-    std::atomic<char*>* found = nullptr;
-    const auto take = [&](std::atomic<char*>& slot) {
+    std::atomic<char*>* free_slot = nullptr;
+    const auto take_slot = [&](std::atomic<char*>& slot) {
         char* expected = nullptr;
         if (!slot.compare_exchange_strong(expected, name)) return false;
-        found = &slot;
+        free_slot = &slot;
         return true;
     };
-    while (!any_slot(take)) add_slots();
+    while (!any_slot(take_slot)) add_slots();
     if (const auto listener = partial_listener.load()) listener(name);
-    return found;
+    return free_slot;
 }
 
 bool unregister_partial(std::atomic<char*>* slot) noexcept {
@@ -103,7 +104,7 @@ bool is_live(const std::string& prefix, std::size_t letters) {
 }
 
 void remove_partial_files() noexcept {
-    const int saved = errno;
+    const int saved_errno = errno;
     is_ending = true;
     // Waits at most a second: a forked copy of the process has the count but not the thread.
     for (int k = 0; k < 1000 && threads_creating > 0; ++k) ::poll(nullptr, 0, 1);
@@ -111,7 +112,7 @@ void remove_partial_files() noexcept {
         if (const char* const name = slot.exchange(nullptr)) ::unlink(name);
         return false;
     });
-    errno = saved;
+    errno = saved_errno;
 }
 
 void listen_to_partial_files(void (*listener)(const char*) noexcept) noexcept { partial_listener = listener; }

@@ -19,13 +19,13 @@ public:
     /// `automatic` draws on a terminal only (and not on TERM=dumb), `bar` always, `none` never.
     enum class Mode { automatic, bar, none };
 
-    /// `total` is the number of units to come. `quiet` (-q) overrides `mode`. `fd` is stderr, except in tests.
+    /// `total` is the number of units of work. `quiet` (-q) overrides `mode`. `fd` is stderr, except in tests.
     Progress(std::uint64_t total, std::string label, Mode mode = Mode::automatic, bool quiet = false, int fd = 2);
     ~Progress();
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
-    /// Adds `n` units that are done. Any thread may call it. It draws at most ten times a second.
+    /// Adds `n` finished units. Any thread may call this function. It draws at most ten times a second.
     void advance(std::uint64_t n = 1) noexcept;
 
     /// Prints a message on a line of its own on stderr, above the bar.
@@ -50,13 +50,13 @@ private:
     using Clock = std::chrono::steady_clock;
     void draw();
     void erase();
-    void put(std::string_view text) noexcept;
+    void write_raw(std::string_view text) noexcept;
 
     std::uint64_t total_;
     std::string label_;
     int fd_;
-    std::atomic<bool> visible_;
-    bool colour_;
+    std::atomic<bool> is_visible_;
+    bool has_colour_;
     Clock::time_point start_ = Clock::now();
     std::atomic<std::uint64_t> done_{0};
     std::atomic<std::int64_t> next_draw_ms_;
@@ -64,29 +64,29 @@ private:
     std::size_t drawn_ = 0;
 };
 
-/// Text of the bar, at most `columns` characters: label, bar, percent, elapsed and remaining time (`?` while it is
-/// unknown).
+/// Text of the bar, at most `columns` characters: label, bar, percent, elapsed and remaining time (`?` while the
+/// remaining time is unknown).
 [[nodiscard]] std::string progress_line(std::string_view label, std::uint64_t done, std::uint64_t total,
                                         double elapsed_s, int columns);
 
 /// A duration as `7s`, `2m05s` or `1h03m`.
 [[nodiscard]] std::string duration_text(double seconds);
 
-/// Seconds that an estimate watches, after the first units are done. The time before them includes the start of the
-/// run.
+/// Seconds that an estimate watches, from the moment when the first units are finished. The time before that moment
+/// includes the start of the run.
 inline constexpr double first_piece_s = 2;
 /// Duration in seconds from which a run is long. A shorter run ends before its estimate is read.
 inline constexpr double long_run_s = 30;
 
-/// Number of units that were done `seconds` after the start of the run.
+/// Number of units that were finished `seconds` after the start of the run.
 struct ProgressPoint {
     std::uint64_t units = 0;
     double seconds = 0;
 };
 
 /// Estimate as text: `NAME will take about 3m20s: its first 1 % took 2s`. Nothing if less than `first_piece_s` were
-/// watched, or if all `total` units would take less than `long_run_s`. Before the `first` units are done, a run starts
-/// up and finds the truth for all forms. That happens `starts` times: once per band of the picture in a map.
+/// watched, or if all `total` units would take less than `long_run_s`. Before the `first` units are finished, a run
+/// starts up and finds the truth for all forms. It does so `starts` times: once per band of the picture in a map.
 [[nodiscard]] std::optional<std::string> estimate_text(std::string_view name, const ProgressPoint& first,
                                                        const ProgressPoint& now, std::uint64_t total,
                                                        std::uint64_t starts = 1);
@@ -94,12 +94,12 @@ struct ProgressPoint {
 /// Watches a run and, if it is long, prints an estimate on stderr, above the bar.
 class Estimate {
 public:
-    /// `total` is the number of units to come; the work before the first of them is done `starts` times. `quiet`:
-    /// prints nothing.
+    /// `total` is the number of units of work; the work before the first unit is done `starts` times. With `quiet`, an
+    /// estimate prints nothing.
     Estimate(Progress& progress, std::string name, std::uint64_t total, bool quiet, std::uint64_t starts = 1)
-        : progress_(progress), name_(std::move(name)), total_(total), starts_(starts), said_(quiet) {}
+        : progress_(progress), name_(std::move(name)), total_(total), starts_(starts), is_announced_(quiet) {}
 
-    /// Adds `n` units that are done. Any thread may call it.
+    /// Adds `n` finished units. Any thread may call this function.
     void advance(std::uint64_t n);
 
 private:
@@ -107,9 +107,9 @@ private:
     Progress& progress_;
     std::string name_;
     std::uint64_t total_, starts_;
-    std::mutex mutex_;  ///< guards the two below
+    std::mutex mutex_;  ///< guards `first_` and `now_`
     ProgressPoint first_, now_;
-    std::atomic<bool> said_;
+    std::atomic<bool> is_announced_;
     Clock::time_point start_ = Clock::now();
 };
 

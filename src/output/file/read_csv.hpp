@@ -23,16 +23,16 @@ struct CsvTable {
     std::vector<CsvColumn> columns;     ///< in the file's order
     std::vector<std::size_t> lines;     ///< the line, counted from 1, on which each row begins
     std::unique_ptr<std::string> text;  ///< the text that the cells point into; stays in place when the table moves
-    std::map<std::string, std::size_t, std::less<>> places = {};  ///< index of each column, by name
+    std::map<std::string, std::size_t, std::less<>> column_indices = {};  ///< index of each column, by name
 
     [[nodiscard]] std::size_t rows() const { return lines.size(); }
 
-    /// The column of this name, or nullptr.
+    /// The column of this name; null if there is none.
     [[nodiscard]] const CsvColumn* find(std::string_view name) const;
 };
 
-/// Reads the table in `text`: a header, then rows. Lines end with LF or CRLF, which the last line may lack. A quoted
-/// cell may hold commas, line breaks and doubled quotes. A byte order mark at the beginning is skipped.
+/// Reads the table in `text`: a header, then rows. Lines end with LF or CRLF; the last line may end without either. A
+/// quoted cell may hold commas, line breaks and doubled quotes. A byte order mark at the beginning is skipped.
 ///
 /// Throws InputError, with `source:line:`, if the text is not CSV: it is empty, a row has another number of cells than
 /// the header, a quote never closes or is inside an unquoted cell, a column name occurs twice, or there is a NUL byte.
@@ -45,8 +45,8 @@ struct CsvTable {
 /// it cannot be read.
 [[nodiscard]] std::string read_file(const std::filesystem::path& path);
 
-/// Value of a cell, apart from the way in which it is written. `1e3`, `1000.0` and `0x1.f4p+9` are equal, exactly and
-/// not after rounding; `-0` and `0` are not. A text is equal to nothing here: compare the cells themselves.
+/// Value of a cell, however it is written. `1e3`, `1000.0` and `0x1.f4p+9` are equal, exactly and not after rounding;
+/// `-0` and `0` are not equal. A value of kind text equals nothing: compare the cells themselves.
 struct CellValue {
     enum class Kind { missing, text, nan, infinity, number };
 
@@ -61,9 +61,9 @@ struct CellValue {
     [[nodiscard]] double approximate() const;
 };
 
-/// Reads a decimal, a C hexadecimal float, or `nan`, `inf`, `infinity` in any case with or without a sign. All else is
-/// text. So is a number of more than 10000 digits, a decimal with an exponent beyond ±10000, and a hexadecimal float
-/// with an exponent beyond ±1200: no format reaches them.
+/// Reads a decimal, a C hexadecimal float, or `nan`, `inf`, `infinity` in any case with or without a sign. Everything
+/// else is text. A number of more than 10000 digits, a decimal with an exponent beyond ±10000, and a hexadecimal float
+/// with an exponent beyond ±1200 are text too: no format reaches them.
 [[nodiscard]] CellValue read_cell(std::string_view cell);
 
 }  // namespace lostbits::output::file

@@ -1,4 +1,4 @@
-// Folders of results. A folder belongs to the run that writes it, and the run leaves a list of its results there.
+// Folders of results. A folder belongs to the run that writes it, and the run leaves a manifest of its results there.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 
 namespace lostbits::output::file {
 
-/// The run that made a file. Files that can hold it have it as metadata.
+/// The run that made a file. Files that can hold metadata contain it.
 struct Provenance {
     std::string command;  ///< the command that makes the file again
     std::string program;  ///< `lostbits 0.1.0`
@@ -22,11 +22,11 @@ struct Provenance {
 
 /// Options of a folder of results.
 struct ResultFolderRules {
-    bool force = false;  ///< results that no list names are allowed there; they stay and are not replaced
-    /// Others keep files there on purpose. Results that no list names are allowed. Results of other commands of this
-    /// program stay, and stay on the list.
+    bool force = false;  ///< results that are in no manifest are allowed there; they stay and are not replaced
+    /// True if others keep files in the folder on purpose. Results that are in no manifest are then allowed. Results of
+    /// other commands of this program stay, in the folder and in the manifest.
     bool shared = false;
-    bool keep = false;                      ///< files that the earlier run listed stay: this run continues it
+    bool keep = false;                      ///< files that the earlier run listed stay, because this run continues it
     bool resumes = false;                   ///< a stopped run leaves its state, and `--resume` continues from it
     std::vector<std::string> figures = {};  ///< kinds of pictures: png, svg, pdf; empty: png
 };
@@ -34,22 +34,22 @@ struct ResultFolderRules {
 /// A folder of results that this run owns for the lifetime of the object.
 ///
 /// Every file is listed in `manifest.json` before it gets its final name in the folder. Just before the first result,
-/// the files on the list of an earlier run are removed. So a folder never holds the results of two runs, and a run that
-/// ends without results leaves the earlier ones. Files that no list names belong to somebody else and stay.
-/// Half-written files of killed runs (`.NAME.partial-…`) are removed at once, unless their run is alive. From the first
-/// result to the last the folder holds `UNFINISHED.txt`, which says that it is not finished; a run that is killed or
-/// ends by an exception leaves that file.
+/// the files that the manifest of an earlier run lists are removed. So a folder never holds the results of two runs,
+/// and a run that ends without results leaves the earlier ones. Files that no manifest lists belong to somebody else
+/// and stay. Half-written files of killed runs (`.NAME.partial-…`) are removed at once, unless their run is alive.
+/// From the first result to the last the folder holds `UNFINISHED.txt`, which says that the folder is not finished; a
+/// run that is killed or ends by an exception leaves that file.
 class ResultFolder {
 public:
     using Rules = ResultFolderRules;
     /// The files of one run.
     struct ManifestRun {
-        Provenance by;
+        Provenance provenance;
         std::set<std::string> files;
     };
 
-    /// Throws InputError if the folder holds results that no list names, or if another run is writing to it;
-    /// EnvironmentError if the folder cannot be made, or if results of an earlier run cannot be removed.
+    /// Throws InputError if the folder holds results that no manifest lists, or if another run is writing to the
+    /// folder; EnvironmentError if the folder cannot be made, or if results of an earlier run cannot be removed.
     ResultFolder(std::filesystem::path folder, Provenance made_by, Rules rules);
     /// Marks the results as complete, unless an exception is propagating. Removes the folder if this object made it and
     /// it is empty.
@@ -58,11 +58,11 @@ public:
     ResultFolder& operator=(const ResultFolder&) = delete;
 
     /// Marks the results as complete, whatever happens to the run afterwards. Call it before printing anything about
-    /// the results, because a closed pipe (`| head`) ends the program there. EnvironmentError if the file that says
-    /// that the folder is not finished cannot be removed.
+    /// the results, because a closed pipe (`| head`) ends the program there. Throws EnvironmentError if
+    /// `UNFINISHED.txt` cannot be removed.
     void complete();
 
-    /// The run that made the folder, by its list; nothing if there is no list or it is not one of ours.
+    /// The last run in the manifest of a folder; nothing if the folder has no manifest of this program.
     [[nodiscard]] static std::optional<Provenance> last_run_in(const std::filesystem::path& folder);
 
     /// A sentence that says that the results of a folder are not complete, and what to do; empty if they are complete.
@@ -76,35 +76,35 @@ private:
     friend std::optional<Provenance> provenance_of(const std::filesystem::path& path);
     friend std::vector<std::string> figures_in(const std::filesystem::path& path);
     static ResultFolder* owner_of(const std::filesystem::path& path, std::string& name);
-    void refuse_strange_results() const;
-    void refuse_strange_manifest() const;
-    void refuse_strange(const std::string& name);
-    void note(const std::string& name);
-    void forget(const std::string& name);
+    void require_no_strange_results() const;
+    void require_own_manifest() const;
+    void require_own_file(const std::string& name);
+    void add_result(const std::string& name);
+    void drop_result(const std::string& name);
     void write_manifest();
-    void begin();
+    void begin_results();
     [[nodiscard]] int remove_marker() noexcept;
-    void refuse_lasting_results() const;
-    void clear_earlier() const;
+    void require_removable_results() const;
+    void remove_earlier_results() const;
 
     std::filesystem::path folder_;  // absolute, normal
     Provenance made_by_;
     Rules rules_;
     std::vector<std::filesystem::path> created_;  // folders that were not there, deepest first
-    std::set<std::string> earlier_, files_;
-    std::vector<ManifestRun> others_;  // files of other commands, if the folder is shared
+    std::set<std::string> earlier_files_, files_;
+    std::vector<ManifestRun> other_runs_;  // runs of other commands and their files, if the folder is shared
     std::mutex mutex_;
-    bool begun_ = false;
-    int lock_ = -1, marker_ = -1;
-    int exceptions_ = 0;  // number of exceptions that were propagating when it was made
+    bool has_begun_ = false;
+    int lock_fd_ = -1, marker_fd_ = -1;
+    int initial_exceptions_ = 0;  // number of exceptions that were propagating when the object was made
 };
 
-/// Name of the list that a run leaves in its folder: its files and the command that made them.
+/// Name of the manifest that a run leaves in its folder: its files and the command that made them.
 inline constexpr const char* manifest_name = "manifest.json";
-/// The runs and files on the list of a folder, the last run first; nothing if there is no list or it is not one of
-/// ours.
+/// The runs and files in the manifest of a folder, the last run first; nothing if the folder has no manifest of this
+/// program.
 [[nodiscard]] std::vector<ResultFolder::ManifestRun> manifest_runs(const std::filesystem::path& folder);
-/// The contents of a list.
+/// The text of a manifest.
 [[nodiscard]] std::string manifest_text(const ResultFolder::ManifestRun& last,
                                         const std::vector<ResultFolder::ManifestRun>& others);
 
@@ -112,27 +112,28 @@ inline constexpr const char* manifest_name = "manifest.json";
 void note_result(const std::filesystem::path& path);
 
 /// Called by AtomicFile. Throws InputError if the path is in the folder of a run and a file there belongs to somebody
-/// else: no list names it, or it is a link or is reached through one.
+/// else: no manifest lists the file, or the file is a link or is reached through one.
 void require_own(const std::filesystem::path& path);
 
-/// Removes a file and takes it from the list, for the state of an unfinished run, which is no longer needed.
+/// Removes a file, and its entry in the manifest: the state of an unfinished run is no longer needed when the run
+/// ends.
 void forget_result(const std::filesystem::path& path);
 
 /// True if the path is in a folder that a run of this process owns now.
 [[nodiscard]] bool is_in_own_folder(const std::filesystem::path& path);
 
 /// External intersectors as one text: a line `NAME: description` for each.
-[[nodiscard]] std::string external_forms_text(const Provenance& by);
+[[nodiscard]] std::string external_forms_text(const Provenance& provenance);
 
-/// Adds the attributes `lostbits:command`, `lostbits:program` and `lostbits:forms` of the run whose folder the path is
-/// in. Skips empty ones and those that `attributes` already has.
+/// Adds the attributes `lostbits:command`, `lostbits:program` and `lostbits:forms` of the run that owns the folder of
+/// `path`. Skips empty values, and names that `attributes` already has.
 void add_generator(const std::filesystem::path& path, std::vector<std::pair<std::string, std::string>>& attributes);
 
-/// The kinds of pictures that the run writes whose folder the path is in, at least one: png unless `--figure` names
+/// Kinds of pictures written by the run that owns the folder of `path`, at least one: png unless `--figure` names
 /// others. A path that ends in .svg asks for that kind alone.
 [[nodiscard]] std::vector<std::string> figures_in(const std::filesystem::path& path);
 
-/// The run whose folder the path is in; nothing if it is in none.
+/// The run that owns the folder of `path`; nothing if no run of this process does.
 [[nodiscard]] std::optional<Provenance> provenance_of(const std::filesystem::path& path);
 
 }  // namespace lostbits::output::file

@@ -1,3 +1,4 @@
+// Canvases as pixels, wrapped text, headings, colour bars and legends.
 #include "output/image/canvas.hpp"
 
 #include <algorithm>
@@ -21,8 +22,8 @@ std::string entry_text(const LegendEntry& entry) {
     return entry.count.empty() ? entry.label : entry.label + "  " + entry.count;
 }
 
-/// End of the first whole UTF-8 character at or after byte `n`.
-std::size_t whole(std::string_view text, std::size_t n) {
+/// End of the first whole UTF-8 character that ends at or after byte `n`.
+std::size_t character_end(std::string_view text, std::size_t n) {
     while (n < text.size() && (static_cast<unsigned char>(text[n]) & 0xC0) == 0x80) ++n;
     return std::min(n, text.size());
 }
@@ -32,20 +33,20 @@ std::size_t fitting_prefix(std::string_view text, int size, bool bold, int width
     std::size_t lo = 1, hi = text.size();
     while (lo < hi) {
         const std::size_t middle = (lo + hi + 1) / 2;
-        if (image_backend().render_text(text.substr(0, whole(text, middle)), size, bold).width <= width) {
+        if (image_backend().render_text(text.substr(0, character_end(text, middle)), size, bold).width <= width) {
             lo = middle;
         } else {
             hi = middle - 1;
         }
     }
-    return whole(text, lo);
+    return character_end(text, lo);
 }
 
 }  // namespace
 
 namespace {
 
-PixelBox common(const PixelBox& a, const PixelBox& b) {
+PixelBox intersection(const PixelBox& a, const PixelBox& b) {
     const int x = std::max(a.x, b.x), y = std::max(a.y, b.y);
     return {x, y, std::max(std::min(a.x + a.width, b.x + b.width) - x, 0),
             std::max(std::min(a.y + a.height, b.y + b.height) - y, 0)};
@@ -57,22 +58,23 @@ PixelBox moved(PixelBox box, int x, int y) {
     return box;
 }
 
-/// Pixels that figures reach. Limits the work, because a marker covers only a few of a large page.
-PixelBox reached(const std::vector<Figure>& figures, const PixelBox& seen) {
-    double left = seen.x + seen.width, right = seen.x, top = seen.y + seen.height, foot = seen.y;
+/// Box of the pixels that figures reach. It limits the work, because a marker covers only a few pixels of a large
+/// page.
+PixelBox figure_bounds(const std::vector<Figure>& figures, const PixelBox& clip) {
+    double left = clip.x + clip.width, right = clip.x, top = clip.y + clip.height, foot = clip.y;
     for (const Figure& figure : figures) {
-        const double reach = figure.thickness / 2 + 1;
+        const double radius = figure.thickness / 2 + 1;
         for (const Point& p : figure.points) {
-            left = std::min(left, p.x - reach);
-            right = std::max(right, p.x + reach);
-            top = std::min(top, p.y - reach);
-            foot = std::max(foot, p.y + reach);
+            left = std::min(left, p.x - radius);
+            right = std::max(right, p.x + radius);
+            top = std::min(top, p.y - radius);
+            foot = std::max(foot, p.y + radius);
         }
     }
-    PixelBox box{std::max(seen.x, static_cast<int>(std::floor(left))),
-                 std::max(seen.y, static_cast<int>(std::floor(top)))};
-    box.width = std::min(seen.x + seen.width, static_cast<int>(std::ceil(right))) - box.x;
-    box.height = std::min(seen.y + seen.height, static_cast<int>(std::ceil(foot))) - box.y;
+    PixelBox box{std::max(clip.x, static_cast<int>(std::floor(left))),
+                 std::max(clip.y, static_cast<int>(std::floor(top)))};
+    box.width = std::min(clip.x + clip.width, static_cast<int>(std::ceil(right))) - box.x;
+    box.height = std::min(clip.y + clip.height, static_cast<int>(std::ceil(foot))) - box.y;
     return box;
 }
 
@@ -81,47 +83,48 @@ class Painter {
 public:
     Painter(std::vector<Rgb8>& pixels, int width) : pixels_(pixels), width_(width) {}
 
-    void put(const CanvasMark::Fill& fill, const CanvasMark& mark) {
+    void paint(const CanvasMark::Fill& fill, const CanvasMark& mark) {
         for (const PixelBox& box : fill.boxes)
-            for (int y = box.y; y < box.y + box.height; ++y) std::fill_n(&at(box.x, y), box.width, mark.colour);
+            for (int y = box.y; y < box.y + box.height; ++y) std::fill_n(&pixel_at(box.x, y), box.width, mark.colour);
     }
 
-    void put(const CanvasMark::Line& line, const CanvasMark& mark) {
+    void paint(const CanvasMark::Line& line, const CanvasMark& mark) {
         blend_in({line.x, line.y, line.text.width, line.text.height}, line.text.coverage, mark, 1);
     }
 
-    void put(const CanvasMark::Coat& coat, const CanvasMark& mark) {
-        const PixelBox box = reached(coat.figures, mark.seen);
+    void paint(const CanvasMark::Coat& coat, const CanvasMark& mark) {
+        const PixelBox box = figure_bounds(coat.figures, mark.clip);
         if (box.width > 0 && box.height > 0)
             blend_in(box, image_backend().cover(coat.figures, box), mark, coat.opacity);
     }
 
-    void put(const CanvasMark::Field& field, const CanvasMark& mark) {
-        const PixelBox box = common(field.box, mark.seen);
+    void paint(const CanvasMark::Field& field, const CanvasMark& mark) {
+        const PixelBox box = intersection(field.box, mark.clip);
         const auto sample = [&](int x, int y) {
             const std::int64_t column = std::int64_t{x - field.box.x} * field.columns / field.box.width,
                                row = std::int64_t{y - field.box.y} * field.rows() / field.box.height;
             return field.samples[static_cast<std::size_t>(row * field.columns + column)];
         };
         for (int y = box.y; y < box.y + box.height; ++y)
-            for (int x = box.x; x < box.x + box.width; ++x) at(x, y) = sample(x, y);
+            for (int x = box.x; x < box.x + box.width; ++x) pixel_at(x, y) = sample(x, y);
     }
 
 private:
-    Rgb8& at(int x, int y) {
+    Rgb8& pixel_at(int x, int y) {
         return pixels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
     }
 
     /// Blends the mark's colour into each pixel of the box, weighted by its coverage.
     void blend_in(const PixelBox& box, std::span<const std::uint8_t> coverage, const CanvasMark& mark, double opacity) {
-        const PixelBox part = common(box, mark.seen);
-        for (int y = part.y; y < part.y + part.height; ++y) {
-            for (int x = part.x; x < part.x + part.width; ++x) {
-                const double covered = coverage[static_cast<std::size_t>((y - box.y) * box.width + x - box.x)];
-                if (covered == 0) continue;
-                const int c = static_cast<int>(std::lround(covered * opacity));
-                Rgb8& p = at(x, y);
-                p = {blend(p.r, mark.colour.r, c), blend(p.g, mark.colour.g, c), blend(p.b, mark.colour.b, c)};
+        const PixelBox visible = intersection(box, mark.clip);
+        for (int y = visible.y; y < visible.y + visible.height; ++y) {
+            for (int x = visible.x; x < visible.x + visible.width; ++x) {
+                const double covered_255 = coverage[static_cast<std::size_t>((y - box.y) * box.width + x - box.x)];
+                if (covered_255 == 0) continue;
+                const int weight = static_cast<int>(std::lround(covered_255 * opacity));
+                Rgb8& pixel = pixel_at(x, y);
+                pixel = {blend(pixel.r, mark.colour.r, weight), blend(pixel.g, mark.colour.g, weight),
+                         blend(pixel.b, mark.colour.b, weight)};
             }
         }
     }
@@ -138,16 +141,16 @@ Canvas::Canvas(int width, int height, Rgb8 paper)
 std::vector<Rgb8> Canvas::pixels() const {
     std::vector<Rgb8> pixels(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), paper_);
     Painter painter(pixels, width_);
-    draw_with([&painter](const auto& shape, const CanvasMark& mark) { painter.put(shape, mark); });
+    draw_with([&painter](const auto& shape, const CanvasMark& mark) { painter.paint(shape, mark); });
     return pixels;
 }
 
 void Canvas::fill(int x, int y, int width, int height, Rgb8 colour) {
-    const PixelBox box = common({x, y, width, height}, bounds());
+    const PixelBox box = intersection({x, y, width, height}, bounds());
     if (box.width == 0 || box.height == 0) return;
     CanvasMark* const last = marks_.empty() ? nullptr : &marks_.back();
-    auto* const same = last ? std::get_if<CanvasMark::Fill>(&last->shape) : nullptr;
-    if (same && last->colour == colour && last->data == mark_data_) same->boxes.push_back(box);
+    auto* const last_fill = last ? std::get_if<CanvasMark::Fill>(&last->shape) : nullptr;
+    if (last_fill && last->colour == colour && last->data == mark_data_) last_fill->boxes.push_back(box);
     else marks_.push_back({CanvasMark::Fill{{box}}, colour, bounds(), mark_data_});
 }
 
@@ -169,7 +172,8 @@ void Canvas::field(const PixelBox& box, int columns, std::vector<Rgb8> samples) 
 
 void Canvas::coat(const PixelBox& box, std::vector<Figure> figures, Rgb8 colour, double opacity) {
     if (!figures.empty())
-        marks_.push_back({CanvasMark::Coat{std::move(figures), opacity}, colour, common(box, bounds()), mark_data_});
+        marks_.push_back(
+            {CanvasMark::Coat{std::move(figures), opacity}, colour, intersection(box, bounds()), mark_data_});
 }
 
 namespace {
@@ -190,17 +194,18 @@ void move(CanvasMark::Field& field, int x, int y) { field.box = moved(field.box,
 
 void Canvas::picture(int x, int y, const Canvas& other) {
     for (const CanvasMark& mark : other.marks_) {
-        if (const auto* const filled = std::get_if<CanvasMark::Fill>(&mark.shape)) {
-            for (const PixelBox& box : filled->boxes) fill(box.x + x, box.y + y, box.width, box.height, mark.colour);
+        if (const auto* const fill_shape = std::get_if<CanvasMark::Fill>(&mark.shape)) {
+            for (const PixelBox& box : fill_shape->boxes)
+                fill(box.x + x, box.y + y, box.width, box.height, mark.colour);
             continue;
         }
-        CanvasMark& copy = marks_.emplace_back(mark);
-        copy.seen = common(moved(mark.seen, x, y), bounds());
+        CanvasMark& moved_mark = marks_.emplace_back(mark);
+        moved_mark.clip = intersection(moved(mark.clip, x, y), bounds());
         std::visit(
             [&](auto& shape) {
                 if constexpr (requires { move(shape, x, y); }) move(shape, x, y);
             },
-            copy.shape);
+            moved_mark.shape);
     }
 }
 
@@ -209,29 +214,29 @@ void Stroke::polyline(std::span<const Point> points, double thickness, std::span
 }
 
 void Stroke::area(std::span<const Point> above, std::span<const Point> below) {
-    Figure between{{above.begin(), above.end()}};
-    between.points.insert(between.points.end(), below.rbegin(), below.rend());
-    figures_.push_back(std::move(between));
+    Figure outline{{above.begin(), above.end()}};
+    outline.points.insert(outline.points.end(), below.rbegin(), below.rend());
+    figures_.push_back(std::move(outline));
 }
 
 namespace {
 
 /// Text of each line of `wrap_text`.
-std::vector<std::string_view> wrapped(std::string_view text, int size, bool bold, int width) {
+std::vector<std::string_view> wrapped_lines(std::string_view text, int size, bool bold, int width) {
     std::vector<std::string_view> lines;
     while (!text.empty()) {
         // Every letter has at most four bytes and is at least a pixel wide. Without this limit, cutting lines off a
         // long text would take quadratic time.
-        const auto most = 4 * static_cast<std::size_t>(std::max(width, 1));
-        std::size_t n = fitting_prefix(text.substr(0, whole(text, most)), size, bold, width);
-        if (n < text.size()) {
-            const std::size_t space = text.substr(0, n + 1).rfind(' ');
-            if (space != std::string_view::npos && space > 0) n = space;
+        const auto max_bytes = 4 * static_cast<std::size_t>(std::max(width, 1));
+        std::size_t length = fitting_prefix(text.substr(0, character_end(text, max_bytes)), size, bold, width);
+        if (length < text.size()) {
+            const std::size_t space = text.substr(0, length + 1).rfind(' ');
+            if (space != std::string_view::npos && space > 0) length = space;
         }
-        std::string_view line = text.substr(0, n);
+        std::string_view line = text.substr(0, length);
         while (line.ends_with(' ')) line.remove_suffix(1);
         if (!line.empty()) lines.push_back(line);
-        text.remove_prefix(n);
+        text.remove_prefix(length);
         while (text.starts_with(' ')) text.remove_prefix(1);
     }
     return lines;
@@ -241,19 +246,19 @@ std::vector<std::string_view> wrapped(std::string_view text, int size, bool bold
 
 std::vector<TextBitmap> wrap_text(std::string_view text, int size, bool bold, int width) {
     std::vector<TextBitmap> lines;
-    for (const std::string_view line : wrapped(text, size, bold, width))
+    for (const std::string_view line : wrapped_lines(text, size, bold, width))
         lines.push_back(image_backend().render_text(line, size, bold));
     return lines;
 }
 
-std::vector<TextBitmap> wrap_text_into(std::string_view text, int size, int width, std::size_t most) {
+std::vector<TextBitmap> wrap_text_into(std::string_view text, int size, int width, std::size_t max_lines) {
     std::vector<TextBitmap> lines;
-    const auto words = wrapped(text, size, false, width);
-    for (std::size_t i = 0; i < std::min(most, words.size()); ++i) {
-        // The last line takes the rest of the text.
-        const auto begin = static_cast<std::size_t>(words[i].data() - text.data());
-        const bool rest = i + 1 == most;
-        lines.push_back(fit_text(rest ? text.substr(begin) : words[i], size, false, width));
+    const auto line_texts = wrapped_lines(text, size, false, width);
+    for (std::size_t i = 0; i < std::min(max_lines, line_texts.size()); ++i) {
+        // The last line takes the whole rest of the text.
+        const auto begin = static_cast<std::size_t>(line_texts[i].data() - text.data());
+        const bool is_last = i + 1 == max_lines;
+        lines.push_back(fit_text(is_last ? text.substr(begin) : line_texts[i], size, false, width));
     }
     return lines;
 }
@@ -264,11 +269,11 @@ TextBitmap fit_text(std::string_view text, int size, bool bold, int width) {
         out = image_backend().render_text(text, s, bold);
     }
     const int smallest = std::min(size, style::smallest_size);
-    for (std::size_t kept = text.size(); out.width > width && kept > 1;) {
-        --kept;
-        std::string shorter(text.substr(0, whole(text, (kept + 1) / 2)));
+    for (std::size_t kept_bytes = text.size(); out.width > width && kept_bytes > 1;) {
+        --kept_bytes;
+        std::string shorter(text.substr(0, character_end(text, (kept_bytes + 1) / 2)));
         shorter += "…";
-        shorter += text.substr(whole(text, text.size() - kept / 2));
+        shorter += text.substr(character_end(text, text.size() - kept_bytes / 2));
         out = image_backend().render_text(shorter, smallest, bold);
     }
     return out;
@@ -333,8 +338,9 @@ Canvas colour_bar(const ColourScale& scale, std::string_view unit, int height) {
 Legend::Legend(std::span<const LegendEntry> widest, int width) : width_(width), capacity_(widest.size()) {
     if (widest.empty()) return;
     for (const auto& entry : widest) {
-        const int w = swatch + 2 + swatch_gap + image_backend().render_text(entry_text(entry), style::text_size).width;
-        column_width_ = std::max(column_width_, w);
+        const int entry_width =
+            swatch + 2 + swatch_gap + image_backend().render_text(entry_text(entry), style::text_size).width;
+        column_width_ = std::max(column_width_, entry_width);
     }
     column_width_ = std::min(column_width_, width);
     const int count = static_cast<int>(widest.size());

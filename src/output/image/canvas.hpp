@@ -1,4 +1,4 @@
-// A drawing in memory, text and lines on it, and the parts that heatmaps and contact sheets share.
+// A drawing in memory, and the parts that heatmaps and contact sheets share: headings, colour bars and legends.
 #pragma once
 
 #include <memory>
@@ -34,10 +34,10 @@ inline constexpr int line_height(int size) { return size + (size + 2) / 3; }
 inline constexpr int digit_rise(int size) { return size * 73 / 200; }
 }  // namespace style
 
-/// Keys and positions of what marks show, for a script on a page. An SVG has them as attributes of a group around the
-/// marks.
+/// Keys and positions of what marks show, for a script on a page. An SVG has them as attributes of a group that
+/// contains the marks.
 struct MarkData {
-    std::string keys;               ///< rows that they show, with blanks between them; empty: none
+    std::string keys;               ///< keys of the rows that the marks show, separated by blanks; empty: none
     std::vector<double> x, y = {};  ///< positions on the canvas: of a point; of steps; of the edges of cells
 };
 
@@ -66,12 +66,13 @@ struct CanvasMark {
         [[nodiscard]] int rows() const { return static_cast<int>(samples.size()) / columns; }
     };
     std::variant<Fill, Line, Coat, Field> shape;
-    Rgb8 colour;    ///< of all but a field
-    PixelBox seen;  ///< anything outside is cut off
+    Rgb8 colour;    ///< colour of every shape but a field
+    PixelBox clip;  ///< anything outside this box is cut off
     std::shared_ptr<const MarkData> data = {};
 };
 
-/// A drawing of whole pixels in size: the marks in the order in which they are drawn. Anything outside is cut off.
+/// A drawing of whole pixels in size. It keeps its marks in the order in which they are drawn. Anything outside is cut
+/// off.
 class Canvas {
 public:
     Canvas(int width, int height, Rgb8 paper = style::page);
@@ -80,8 +81,8 @@ public:
     [[nodiscard]] int height() const noexcept { return height_; }
     [[nodiscard]] Rgb8 paper() const noexcept { return paper_; }
 
-    /// Passes each mark to a writer, `write(shape, mark)`, in the order in which they are drawn. Every kind of file is
-    /// made by such a walk.
+    /// Passes each mark to a writer, `write(shape, mark)`, in the order in which the marks are drawn. The writers of
+    /// all kinds of files use it.
     void draw_with(auto&& write) const {
         for (const CanvasMark& mark : marks_) std::visit([&](const auto& shape) { write(shape, mark); }, mark.shape);
     }
@@ -96,7 +97,7 @@ public:
     void field(const PixelBox& box, int columns, std::vector<Rgb8> samples);
     /// Blends `colour` into the pixels of the box that the figures cover.
     void coat(const PixelBox& box, std::vector<Figure> figures, Rgb8 colour, double opacity = 1);
-    /// The marks that follow show this, until the next call.
+    /// Gives `data` to the marks that follow, until the next call.
     void set_mark_data(MarkData data) { mark_data_ = std::make_shared<const MarkData>(std::move(data)); }
     void clear_mark_data() { mark_data_ = nullptr; }
     /// Draws the marks of `other`, cut off at its edges, without its paper.
@@ -111,8 +112,8 @@ private:
     std::shared_ptr<const MarkData> mark_data_;
 };
 
-/// One coat of one colour. Figures are collected and painted together, so that a line that crosses itself and the joint
-/// of two segments are not darker than the rest. Anything outside the box is cut off.
+/// Collects figures of one colour and paints them together, so that neither a line that crosses itself nor the joint
+/// of two segments is darker than the rest. Anything outside the box is cut off.
 class Stroke {
 public:
     explicit Stroke(const PixelBox& box) : box_(box) {}
@@ -145,8 +146,8 @@ private:
 /// Fits `text` into one line of at most `width` pixels: first with smaller letters, then with `…` in the middle.
 [[nodiscard]] TextBitmap fit_text(std::string_view text, int size, bool bold, int width);
 
-/// Breaks `text` into at most `most` lines of `width` pixels. `fit_text` makes the last one.
-[[nodiscard]] std::vector<TextBitmap> wrap_text_into(std::string_view text, int size, int width, std::size_t most);
+/// Breaks `text` into at most `max_lines` lines of `width` pixels. The last line is made by `fit_text`.
+[[nodiscard]] std::vector<TextBitmap> wrap_text_into(std::string_view text, int size, int width, std::size_t max_lines);
 
 /// Heading of a picture `width` pixels wide: the title, and smaller lines below it.
 [[nodiscard]] Canvas heading(std::string_view title, std::span<const std::string> subtitle, int width);
@@ -161,8 +162,8 @@ struct LegendEntry {
     std::string count;  ///< `1234 (3.1%)`, or empty
 };
 
-/// The legend below a picture. Its size is measured before the work, with the widest possible counts. It is drawn after
-/// the work, with the real ones.
+/// The legend below a picture. Its size is measured before the work, with the widest possible counts. The legend is
+/// drawn after the work, with the real counts.
 class Legend {
 public:
     /// `widest` lists every possible entry, each with the widest `count` it can have.

@@ -1,3 +1,4 @@
+// Colour scales, their ticks, and the colours of categories.
 #include "output/image/colour.hpp"
 
 #include <algorithm>
@@ -33,9 +34,9 @@ const std::array<std::uint16_t, 256>& linear_table() {
 
 /// Colour at a position from 0 to 1 of a ramp.
 inline Rgb8 colour_at(const std::vector<Rgb8>& table, double position) {
-    const double place = std::clamp(position, 0.0, 1.0) * static_cast<double>(table.size() - 1);
-    const auto below = static_cast<std::size_t>(place);  // rounds halves up, like lround
-    return table[below + (place - static_cast<double>(below) >= 0.5 ? 1 : 0)];
+    const double exact_index = std::clamp(position, 0.0, 1.0) * static_cast<double>(table.size() - 1);
+    const auto below = static_cast<std::size_t>(exact_index);  // rounds halves up, like lround
+    return table[below + (exact_index - static_cast<double>(below) >= 0.5 ? 1 : 0)];
 }
 
 bool divides(double step, double value) {
@@ -43,13 +44,14 @@ bool divides(double step, double value) {
     return std::fabs(n - std::round(n)) < 1e-6;
 }
 
-/// A round step of at least `least`: one that divides both ends if there is one, else the step of axes.
-double step_between(double lo, double hi, double least) {
-    const double ten = std::pow(10.0, std::floor(std::log10(least)));
+/// A round step of at least `min_step`: a step that divides both ends if there is one, else the step of axes.
+double step_between(double lo, double hi, double min_step) {
+    const double power_of_10 = std::pow(10.0, std::floor(std::log10(min_step)));
     for (const double m : {1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0}) {
-        if (m * ten >= least * (1 - 1e-9) && divides(m * ten, lo) && divides(m * ten, hi)) return m * ten;
+        if (m * power_of_10 >= min_step * (1 - 1e-9) && divides(m * power_of_10, lo) && divides(m * power_of_10, hi))
+            return m * power_of_10;
     }
-    return round_step(least);
+    return round_step(min_step);
 }
 
 /// Oklab (Ottosson 2020) in whole thousandths, so that the last bits of a machine's cbrt do not matter.
@@ -71,7 +73,7 @@ struct Lab {
     }
 };
 
-/// Every colour of a 17 x 17 x 17 cube, with its distance from the colours that are taken.
+/// Every colour of a 17 x 17 x 17 cube, with its distance from the nearest excluded colour.
 class FarthestColours {
 public:
     FarthestColours() {
@@ -81,13 +83,14 @@ public:
             candidates_.push_back({c, Lab(c), std::numeric_limits<int>::max()});
         }
     }
-    void take(Rgb8 c) {
+    void exclude(Rgb8 c) {
         const Lab lab(c);
-        for (Candidate& each : candidates_) each.nearest = std::min(each.nearest, each.lab.distance(lab));
+        for (Candidate& candidate : candidates_)
+            candidate.nearest = std::min(candidate.nearest, candidate.lab.distance(lab));
     }
-    Rgb8 next() {
+    Rgb8 take_next() {
         const Rgb8 c = std::ranges::max_element(candidates_, {}, &Candidate::nearest)->colour;
-        take(c);
+        exclude(c);
         return c;
     }
 
@@ -102,17 +105,17 @@ private:
 
 }  // namespace
 
-Rgb8 distinct_colour(std::size_t place) {
+Rgb8 distinct_colour(std::size_t index) {
     static const auto colours = [] {
-        std::vector<Rgb8> all(object_colours.begin(), object_colours.end());
+        std::vector<Rgb8> list(object_colours.begin(), object_colours.end());
         FarthestColours farthest;
-        for (const Rgb8 c : object_colours) farthest.take(c);
-        for (const Rgb8 c : outcome_colours) farthest.take(c);
-        farthest.take({255, 255, 255});
-        while (all.size() < 1000) all.push_back(farthest.next());
-        return all;
+        for (const Rgb8 c : object_colours) farthest.exclude(c);
+        for (const Rgb8 c : outcome_colours) farthest.exclude(c);
+        farthest.exclude({255, 255, 255});
+        while (list.size() < 1000) list.push_back(farthest.take_next());
+        return list;
     }();
-    return colours[place % colours.size()];
+    return colours[index % colours.size()];
 }
 
 double ColourScale::spaced(double value) const {
@@ -132,15 +135,15 @@ ColourScale::ColourScale(std::string name, std::vector<Rgb8> table, double lo, d
         throw std::invalid_argument("colour scale " + name_ + ": not a valid range from " + file::decimal(lo) + " to " +
                                     file::decimal(hi));
     }
-    from_ = spaced(lo);
-    range_ = spaced(hi) - from_;
+    spaced_lo_ = spaced(lo);
+    spaced_range_ = spaced(hi) - spaced_lo_;
 }
 
 double ColourScale::position(double value) const {
     if (std::isnan(value)) throw std::invalid_argument("colour scale " + name_ + ": a NaN has no colour");
     if (value <= lo_) return 0;
     if (value >= hi_) return 1;
-    return std::clamp((spaced(value) - from_) / range_, 0.0, 1.0);
+    return std::clamp((spaced(value) - spaced_lo_) / spaced_range_, 0.0, 1.0);
 }
 
 Rgb8 ColourScale::at(double position) const { return colour_at(table_, position); }
@@ -148,45 +151,45 @@ Rgb8 ColourScale::at(double position) const { return colour_at(table_, position)
 Rgb8 ColourScale::map(double value) const {
     // The same as at(position(value)) in one call, because it runs for every pixel.
     if (!(value > lo_ && value < hi_)) return at(position(value));
-    return colour_at(table_, (spaced(value) - from_) / range_);
+    return colour_at(table_, (spaced(value) - spaced_lo_) / spaced_range_);
 }
 
 /// Ticks at both ends, then at powers of two where there is space, powers of four first.
-std::vector<ColourScale::Tick> ColourScale::root_ticks(int most) const {
+std::vector<ColourScale::Tick> ColourScale::root_ticks(int max_ticks) const {
     std::vector<Tick> out{{0, file::short_decimal(lo_, tick_digits)}, {1, file::short_decimal(hi_, tick_digits)}};
-    const double gap = 0.75 / most;
-    for (const int first : {0, 1}) {
-        for (int e = first; e < 1024 && static_cast<int>(out.size()) < most; e += 2) {
+    const double gap = 0.75 / max_ticks;
+    for (const int first_exponent : {0, 1}) {
+        for (int e = first_exponent; e < 1024 && static_cast<int>(out.size()) < max_ticks; e += 2) {
             const double value = std::exp2(e);
             if (!(value > lo_ && value < hi_)) continue;
-            const double at = position(value);
-            if (std::ranges::all_of(out, [&](const Tick& t) { return std::fabs(t.position - at) >= gap; }))
-                out.push_back({at, file::short_decimal(value, tick_digits)});
+            const double tick_position = position(value);
+            if (std::ranges::all_of(out, [&](const Tick& t) { return std::fabs(t.position - tick_position) >= gap; }))
+                out.push_back({tick_position, file::short_decimal(value, tick_digits)});
         }
     }
     std::ranges::sort(out, {}, &Tick::position);
     return out;
 }
 
-std::vector<ColourScale::Tick> ColourScale::ticks(int most) const {
-    most = std::max(most, 2);
-    if (spacing_ == Spacing::root) return root_ticks(most);
+std::vector<ColourScale::Tick> ColourScale::ticks(int max_ticks) const {
+    max_ticks = std::max(max_ticks, 2);
+    if (spacing_ == Spacing::root) return root_ticks(max_ticks);
     std::vector<Tick> out;
     if (spacing_ == Spacing::log2) {
         const double first = std::ceil(std::log2(lo_)), last = std::floor(std::log2(hi_));
         double step = 0;
         for (const double s : {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 128, 256, 512, 1024, 2048}) {
             step = s;
-            if (std::floor((last - first) / s) + 1 <= most) break;
+            if (std::floor((last - first) / s) + 1 <= max_ticks) break;
         }
         // Labels are either all powers or all plain numbers.
-        const bool plain = first >= -3 && last <= 10;
+        const bool has_plain_labels = first >= -3 && last <= 10;
         for (double e = first; e <= last; e += step) {
-            out.push_back(
-                {position(std::exp2(e)), plain || e == 0 ? file::decimal(std::exp2(e)) : "2^" + file::decimal(e)});
+            out.push_back({position(std::exp2(e)),
+                           has_plain_labels || e == 0 ? file::decimal(std::exp2(e)) : "2^" + file::decimal(e)});
         }
     } else {
-        const double step = step_between(lo_, hi_, (hi_ / 2 - lo_ / 2) / (most - 1) * 2);
+        const double step = step_between(lo_, hi_, (hi_ / 2 - lo_ / 2) / (max_ticks - 1) * 2);
         for (const double value : multiples(step, lo_, hi_))
             out.push_back({position(value), file::short_decimal(value, tick_digits)});
     }
@@ -195,18 +198,18 @@ std::vector<ColourScale::Tick> ColourScale::ticks(int most) const {
     return out;
 }
 
-double round_step(double least) {
-    const double ten = std::pow(10.0, std::floor(std::log10(least)));
+double round_step(double min_step) {
+    const double power_of_10 = std::pow(10.0, std::floor(std::log10(min_step)));
     for (const double m : {1.0, 2.0, 5.0}) {
-        if (m * ten >= least * (1 - 1e-9)) return m * ten;
+        if (m * power_of_10 >= min_step * (1 - 1e-9)) return m * power_of_10;
     }
-    return 10 * ten;
+    return 10 * power_of_10;
 }
 
 std::vector<double> multiples(double step, double lo, double hi) {
     std::vector<double> out;
-    const auto inside = [&](double value) { return std::isfinite(value) && value <= hi + step * 1e-9; };
-    for (double k = std::ceil(lo / step - 1e-9); inside(k * step); k += 1) out.push_back(k * step);
+    const auto is_inside = [&](double value) { return std::isfinite(value) && value <= hi + step * 1e-9; };
+    for (double k = std::ceil(lo / step - 1e-9); is_inside(k * step); k += 1) out.push_back(k * step);
     return out;
 }
 

@@ -20,9 +20,9 @@ static_assert(sizeof(Rgb8) == 3);
 /// `class` layer. All colours but `agree_hit` differ from the whole viridis ramp and from each other: between any two,
 /// CIEDE2000 is at least 25 for every eye, including a deuteranope's and a protanope's (tests check the distances).
 /// Their lightness differs too, so that they can be told apart on a grey print. `agree_hit` is drawn in its metric's
-/// colour. It has this colour if the metric has no value there, and in a map of outcomes alone. There is space for only
-/// these seven beside the ramp. The four of meshes are 20 apart from them and from the ramp for an ordinary eye, and 10
-/// for the two others.
+/// colour; it has the colour of this list if the metric has no value there, and in a map of outcomes alone. Only these
+/// seven colours fit beside the ramp. The four outcomes of meshes are 20 apart from the seven and from the ramp for an
+/// ordinary eye, and 10 for a deuteranope's and a protanope's.
 inline constexpr std::array<Rgb8, 11> outcome_colours{{
     {95, 110, 110},   // agree_hit: slate, near the middle of the ramp
     {231, 231, 231},  // agree_miss: neutral, recedes
@@ -55,10 +55,10 @@ inline constexpr std::array<Rgb8, 6> against_colours{{
     outcome_colours[3],  // other_alone_hits: lilac
 }};
 
-/// Colour of the place-th of many categories, from 0. The first twenty were chosen; each further one is the farthest in
-/// Oklab from all before it, from the outcomes' colours and from the page. There are a thousand, no two alike; then
-/// they repeat.
-[[nodiscard]] Rgb8 distinct_colour(std::size_t place);
+/// Colour of category `index`, from 0. The first twenty colours were chosen; each further one is the farthest in Oklab
+/// from all before it, from the outcomes' colours and from the page. There are a thousand different colours; then they
+/// repeat.
+[[nodiscard]] Rgb8 distinct_colour(std::size_t index);
 
 /// Spacing of values between the ends of a scale: by value, by square root (small values get more of the ramp), or by
 /// logarithm.
@@ -72,9 +72,9 @@ public:
     /// `lo >= 0` for roots and `lo > 0` for logarithms. Otherwise throws std::invalid_argument.
     ColourScale(std::string name, std::vector<Rgb8> table, double lo, double hi, Spacing spacing = Spacing::linear);
 
-    /// The colour of `value`. -inf and +inf have the colours of the ends; on a log2 scale, a value that is not positive
-    /// has that of the low end. Throws std::invalid_argument for NaN, which is not on the ramp; draw its outcome
-    /// instead.
+    /// The colour of `value`. -inf and +inf have the colours of the ends; on a log2 scale, a value that is not
+    /// positive has the colour of the low end. Throws std::invalid_argument for NaN, which is not on the ramp; draw
+    /// its outcome instead.
     [[nodiscard]] Rgb8 map(double value) const;
 
     /// Position of `value` on the ramp, clamped to 0..1.
@@ -89,8 +89,8 @@ public:
         std::string label;  ///< `4`, `0.25`, `2^-10`
     };
 
-    /// Round values between the ends, at most `most` (at least 2) of them.
-    [[nodiscard]] std::vector<Tick> ticks(int most) const;
+    /// Round values between the ends, at most `max_ticks` (at least 2).
+    [[nodiscard]] std::vector<Tick> ticks(int max_ticks) const;
 
     [[nodiscard]] const std::string& name() const noexcept { return name_; }
     [[nodiscard]] double lo() const noexcept { return lo_; }
@@ -103,13 +103,13 @@ public:
 
 private:
     [[nodiscard]] double spaced(double value) const;
-    [[nodiscard]] std::vector<Tick> root_ticks(int most) const;
+    [[nodiscard]] std::vector<Tick> root_ticks(int max_ticks) const;
 
     std::string name_;
     std::vector<Rgb8> table_;
     double lo_, hi_;
     Spacing spacing_;
-    double from_, range_;  ///< spaced lo, and spaced hi minus spaced lo
+    double spaced_lo_, spaced_range_;  ///< `spaced(lo)`, and `spaced(hi)` minus `spaced(lo)`
 };
 
 // Round values for the ticks of axes and colour bars.
@@ -117,8 +117,8 @@ private:
 /// Significant digits of a tick's label, so that a tick at 3 times 0.1 is not labelled 0.30000000000000004.
 inline constexpr int tick_digits = 6;
 
-/// The least of 1, 2 or 5 times 10^k that is at least `least` > 0.
-[[nodiscard]] double round_step(double least);
+/// The smallest number of the form 1, 2 or 5 times 10^k that is at least `min_step` > 0.
+[[nodiscard]] double round_step(double min_step);
 
 /// Multiples of `step` from `lo` to `hi`. Both ends are included if they are multiples up to rounding.
 [[nodiscard]] std::vector<double> multiples(double step, double lo, double hi);

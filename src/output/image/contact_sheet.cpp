@@ -1,3 +1,4 @@
+// Lays out and draws contact sheets.
 #include "output/image/contact_sheet.hpp"
 
 #include <fmt/format.h>
@@ -11,18 +12,18 @@
 namespace lostbits::output::image {
 namespace {
 
-constexpr std::size_t most_columns = 7;
-constexpr int least_cell = 164;  // space for most names of forms
-constexpr int line_bar = 120;    // height of a line with a bar of its own
-constexpr int unit_height = 18;  // height of the unit over a bar, which reaches above its line
+constexpr std::size_t max_columns = 7;
+constexpr int min_cell_width = 164;   // space for most names of forms
+constexpr int line_bar_height = 120;  // height of a line with a bar of its own
+constexpr int unit_height = 18;       // height of the unit over a bar, which reaches above its line
 constexpr int block_gap = 10;
 constexpr int column_head = 22;  // the name of the form, if it has one line
 constexpr int name_line = 16;    // every further line of it
 constexpr int note_line = 14;
-constexpr std::size_t telling = 6;  // forms in the first block of a sheet that collapses
-constexpr int part_line = 20;       // height of the line that says which forms a part of the sheet has
-constexpr int zoom_pixels = 5;      // size of an enlarged sample
-constexpr int zoom_reach = 4;       // samples on each side of the middle one
+constexpr std::size_t first_block_forms = 6;  // forms in the first block of a sheet that collapses
+constexpr int part_line = 20;                 // height of the line that says which forms a part of the sheet has
+constexpr int zoom_pixels = 5;                // size of an enlarged sample
+constexpr int zoom_radius = 4;                // samples on each side of the middle one
 
 /// The name of a form in one line if it fits, perhaps in smaller letters. Otherwise a composed name,
 /// `FORM^BOX@TRANSFORM`, gets a line for each part, because two such names shortened in the middle look alike.
@@ -44,34 +45,38 @@ ContactSheet::ContactSheet(const std::filesystem::path& path, SheetSpec spec)
     if (spec_.scales.size() > 1 && spec_.scales.size() != spec_.formats.size())
         throw std::logic_error(path.string() + ": neither one colour bar nor one per line");
     if (cells_.empty()) throw std::logic_error(path.string() + ": a contact sheet without cells");
-    const Thumbnail size(spec_.field_width, spec_.field_height);
-    thumb_width_ = size.width();
-    thumb_height_ = size.height();
-    cell_width_ = std::max(thumb_width_ + 2, least_cell);
+    const Thumbnail thumbnail(spec_.field_width, spec_.field_height);
+    thumb_width_ = thumbnail.width();
+    thumb_height_ = thumbnail.height();
+    cell_width_ = std::max(thumb_width_ + 2, min_cell_width);
 
     // Make blocks even: 22 forms are 6 + 6 + 6 + 4 rather than 7 + 7 + 7 + 1.
-    const std::size_t blocks = (spec_.forms.size() + most_columns - 1) / most_columns;
-    columns_ = static_cast<int>(spec_.collapses && blocks > 1 ? telling : (spec_.forms.size() + blocks - 1) / blocks);
+    const std::size_t blocks = (spec_.forms.size() + max_columns - 1) / max_columns;
+    columns_ = static_cast<int>(spec_.collapses && blocks > 1 ? first_block_forms
+                                                              : (spec_.forms.size() + blocks - 1) / blocks);
     for (const auto& format : spec_.formats) {
         row_label_width_ =
             std::max(row_label_width_, image_backend().render_text(format, style::text_size, true).width);
     }
     for (const auto& form : spec_.forms)
-        head_ = std::max(head_, column_head + name_line * static_cast<int>(name_lines(form, cell_width_).size() - 1));
-    const bool bar_a_line = spec_.scales.size() > 1;
-    row_height_ =
-        std::max(thumb_height_ + 2 + 3 + static_cast<int>(spec_.note_lines) * note_line, bar_a_line ? line_bar : 0) +
-        style::gap;
-    block_height_ = head_ + static_cast<int>(spec_.formats.size()) * row_height_;
+        column_head_height_ = std::max(
+            column_head_height_, column_head + name_line * static_cast<int>(name_lines(form, cell_width_).size() - 1));
+    const bool has_bar_per_line = spec_.scales.size() > 1;
+    row_height_ = std::max(thumb_height_ + 2 + 3 + static_cast<int>(spec_.note_lines) * note_line,
+                           has_bar_per_line ? line_bar_height : 0) +
+                  style::gap;
+    block_height_ = column_head_height_ + static_cast<int>(spec_.formats.size()) * row_height_;
     grid_width_ = row_label_width_ + style::gap + columns_ * (cell_width_ + style::gap);
 
     content_width_ = grid_width_;
     int bar_width = 0;
     for (const ColourScale& scale : spec_.scales) {
-        const int one = std::clamp(block_height_ - style::gap - static_cast<int>(spec_.note_lines) * note_line,
-                                   style::least_bar, style::most_bar);
+        const int single_bar_height =
+            std::clamp(block_height_ - style::gap - static_cast<int>(spec_.note_lines) * note_line, style::least_bar,
+                       style::most_bar);
         bars_.push_back(
-            colour_bar(scale, spec_.unit, bar_a_line ? std::max(line_bar, thumb_height_ + unit_height) : one));
+            colour_bar(scale, spec_.unit,
+                       has_bar_per_line ? std::max(line_bar_height, thumb_height_ + unit_height) : single_bar_height));
         bar_width = std::max(bar_width, bars_.back().width());
     }
     if (!bars_.empty()) content_width_ += style::gap + bar_width;
@@ -110,7 +115,7 @@ void ContactSheet::set_note(std::size_t form, std::size_t format, std::string no
 
 void ContactSheet::draw_cell(Canvas& page, int x, int y, const Cell& cell) const {
     page.frame(x + 1, y + 1, thumb_width_, thumb_height_, style::line);
-    if (cell.thumbnail && cell.thumbnail->complete()) {
+    if (cell.thumbnail && cell.thumbnail->is_complete()) {
         page.field({x + 1, y + 1, thumb_width_, thumb_height_}, thumb_width_, cell.thumbnail->pixels());
         if (cell.zoom && !cell.samples.empty()) draw_zoom(page, x + 1, y + 1, cell);
     } else {
@@ -118,7 +123,7 @@ void ContactSheet::draw_cell(Canvas& page, int x, int y, const Cell& cell) const
         page.text(x + 1 + (thumb_width_ - text.width) / 2, y + 1 + (thumb_height_ - text.height) / 2, text,
                   style::soft_ink);
     }
-    const auto lines = note_of(cell.note);
+    const auto lines = wrapped_note(cell.note);
     for (std::size_t i = 0; i < lines.size(); ++i) {
         page.text(x, y + thumb_height_ + 5 + static_cast<int>(i) * note_line, lines[i], style::soft_ink);
     }
@@ -126,8 +131,8 @@ void ContactSheet::draw_cell(Canvas& page, int x, int y, const Cell& cell) const
 
 void ContactSheet::draw_zoom(Canvas& page, int x, int y, const Cell& cell) const {
     const auto window = [](int middle, int side) {
-        const int length = std::min(2 * zoom_reach + 1, side);
-        return std::pair(std::clamp(middle - zoom_reach, 0, side - length), length);
+        const int length = std::min(2 * zoom_radius + 1, side);
+        return std::pair(std::clamp(middle - zoom_radius, 0, side - length), length);
     };
     const auto [left, columns] = window(cell.zoom->x, spec_.field_width);
     const auto [top, rows] = window(cell.zoom->y, spec_.field_height);
@@ -137,34 +142,34 @@ void ContactSheet::draw_zoom(Canvas& page, int x, int y, const Cell& cell) const
         samples.insert(samples.end(), begin, begin + columns);
     }
     // A light line inside a dark one is visible on every colour.
-    const auto box = [&page](int x0, int y0, int width, int height) {
+    const auto draw_box = [&page](int x0, int y0, int width, int height) {
         page.frame(x0 - 1, y0 - 1, width + 2, height + 2, style::ink);
         page.frame(x0, y0, width, height, style::page);
     };
-    const auto shown = [](int sample, int field, int thumb) {
+    const auto to_thumbnail = [](int sample, int field, int thumb) {
         return static_cast<int>(std::int64_t{sample} * thumb / field);
     };
-    const int from_x = shown(left, spec_.field_width, thumb_width_),
-              to_x = shown(left + columns, spec_.field_width, thumb_width_),
-              from_y = shown(top, spec_.field_height, thumb_height_),
-              to_y = shown(top + rows, spec_.field_height, thumb_height_);
-    box(x + from_x, y + from_y, to_x - from_x, to_y - from_y);
+    const int from_x = to_thumbnail(left, spec_.field_width, thumb_width_),
+              to_x = to_thumbnail(left + columns, spec_.field_width, thumb_width_),
+              from_y = to_thumbnail(top, spec_.field_height, thumb_height_),
+              to_y = to_thumbnail(top + rows, spec_.field_height, thumb_height_);
+    draw_box(x + from_x, y + from_y, to_x - from_x, to_y - from_y);
     const int width = columns * zoom_pixels, height = rows * zoom_pixels;
     const PixelBox inset{x + (from_x + to_x < thumb_width_ ? thumb_width_ - width - 2 : 2),
                          y + (from_y + to_y < thumb_height_ ? thumb_height_ - height - 2 : 2), width, height};
-    box(inset.x, inset.y, width, height);
+    draw_box(inset.x, inset.y, width, height);
     page.field(inset, columns, std::move(samples));
 }
 
-std::vector<TextBitmap> ContactSheet::note_of(std::string_view note) const {
+std::vector<TextBitmap> ContactSheet::wrapped_note(std::string_view note) const {
     std::vector<TextBitmap> lines;
-    std::string_view rest = note;
-    while (!rest.empty()) {
-        const auto line = rest.substr(0, rest.find('\n'));
+    std::string_view remaining = note;
+    while (!remaining.empty()) {
+        const auto line = remaining.substr(0, remaining.find('\n'));
         for (auto& text : wrap_text(line, style::small_size, false, cell_width_)) {
             lines.push_back(std::move(text));
         }
-        rest.remove_prefix(std::min(line.size() + 1, rest.size()));
+        remaining.remove_prefix(std::min(line.size() + 1, remaining.size()));
     }
     if (lines.size() <= spec_.note_lines) return lines;
     // The note is too long. Cut it in two near the middle; each half is made smaller or shortened.
@@ -193,46 +198,51 @@ int ContactSheet::block_y(int block) const {
 
 bool ContactSheet::are_alike(std::size_t a, std::size_t b) const {
     for (std::size_t first = 0; first < cells_.size(); first += spec_.forms.size()) {
-        const Cell &one = cells_[first + a], &other = cells_[first + b];
-        const bool is_drawn = one.thumbnail && one.thumbnail->complete();
-        if (one.note != other.note || one.zoom != other.zoom ||
-            is_drawn != (other.thumbnail && other.thumbnail->complete()))
+        const Cell &cell_a = cells_[first + a], &cell_b = cells_[first + b];
+        const bool is_drawn = cell_a.thumbnail && cell_a.thumbnail->is_complete();
+        if (cell_a.note != cell_b.note || cell_a.zoom != cell_b.zoom ||
+            is_drawn != (cell_b.thumbnail && cell_b.thumbnail->is_complete()))
             return false;
-        if (is_drawn && one.thumbnail->pixels() != other.thumbnail->pixels()) return false;
+        if (is_drawn && cell_a.thumbnail->pixels() != cell_b.thumbnail->pixels()) return false;
     }
     return true;
 }
 
-std::vector<ContactSheet::Alike> ContactSheet::columns_of(std::span<const std::size_t> order) const {
-    std::vector<Alike> columns;
-    for (std::size_t place = 0; place < spec_.forms.size(); ++place) {
-        const std::size_t form = order.empty() ? place : order[place];
-        const auto same = std::ranges::find_if(
-            columns, [&](const Alike& column) { return spec_.collapses && are_alike(column.front(), form); });
-        if (same == columns.end()) columns.push_back({form});
-        else same->push_back(form);
+std::vector<ContactSheet::FormGroup> ContactSheet::columns_of(std::span<const std::size_t> order) const {
+    std::vector<FormGroup> columns;
+    for (std::size_t position = 0; position < spec_.forms.size(); ++position) {
+        const std::size_t form = order.empty() ? position : order[position];
+        const auto shared = std::ranges::find_if(
+            columns, [&](const FormGroup& column) { return spec_.collapses && are_alike(column.front(), form); });
+        if (shared == columns.end()) columns.push_back({form});
+        else shared->push_back(form);
     }
     return columns;
 }
 
-/// Sum of the differences of all colours of two forms.
+/// Sum of the differences of all colours of two forms; cells that are not complete are left out.
 std::uint64_t ContactSheet::difference(std::size_t a, std::size_t b) const {
-    const auto apart = [](std::uint8_t x, std::uint8_t y) { return static_cast<std::uint64_t>(std::abs(x - y)); };
+    const auto channel_difference = [](std::uint8_t x, std::uint8_t y) {
+        return static_cast<std::uint64_t>(std::abs(x - y));
+    };
     std::uint64_t sum = 0;
     for (std::size_t first = 0; first < cells_.size(); first += spec_.forms.size()) {
-        const Cell &one = cells_[first + a], &other = cells_[first + b];
-        if (!one.thumbnail || !one.thumbnail->complete() || !other.thumbnail || !other.thumbnail->complete()) continue;
-        const auto &left = one.thumbnail->pixels(), &right = other.thumbnail->pixels();
+        const Cell &cell_a = cells_[first + a], &cell_b = cells_[first + b];
+        if (!cell_a.thumbnail || !cell_a.thumbnail->is_complete() || !cell_b.thumbnail ||
+            !cell_b.thumbnail->is_complete())
+            continue;
+        const auto &left = cell_a.thumbnail->pixels(), &right = cell_b.thumbnail->pixels();
         for (std::size_t p = 0; p < left.size(); ++p)
-            sum += apart(left[p].r, right[p].r) + apart(left[p].g, right[p].g) + apart(left[p].b, right[p].b);
+            sum += channel_difference(left[p].r, right[p].r) + channel_difference(left[p].g, right[p].g) +
+                   channel_difference(left[p].b, right[p].b);
     }
     return sum;
 }
 
-/// Moves six forms to the front: the best, the worst, and those that differ most from the ones chosen before. Both
-/// parts keep their order.
-void ContactSheet::put_most_different_first(std::vector<Alike>& columns) const {
-    // Distance of each form to the nearest of the chosen ones.
+/// Moves six forms to the front: the best, the worst, and those that differ most from the forms chosen before them.
+/// Within the six and within the others the order stays.
+void ContactSheet::move_most_different_first(std::vector<FormGroup>& columns) const {
+    // Distance of each form to the nearest chosen form.
     std::vector<std::uint64_t> distance(columns.size(), std::numeric_limits<std::uint64_t>::max());
     std::vector<bool> is_chosen(columns.size());
     const auto choose = [&](std::size_t k) {
@@ -242,57 +252,59 @@ void ContactSheet::put_most_different_first(std::vector<Alike>& columns) const {
     };
     choose(0);
     choose(columns.size() - 1);
-    for (std::size_t n = 2; n < telling; ++n) {
-        // Forms with the same picture differ in their texts; the first that is left is as good as any.
+    for (std::size_t n = 2; n < first_block_forms; ++n) {
+        // Forms with the same picture differ in their texts; the first form that is left is as good as any.
         const auto next = std::ranges::max_element(distance);
         choose(*next > 0 ? static_cast<std::size_t>(next - distance.begin())
                          : static_cast<std::size_t>(std::ranges::find(is_chosen, false) - is_chosen.begin()));
     }
-    std::vector<Alike> all;
+    std::vector<FormGroup> reordered;
     for (const bool chosen : {true, false})
         for (std::size_t k = 0; k < columns.size(); ++k)
-            if (is_chosen[k] == chosen) all.push_back(std::move(columns[k]));
-    columns = std::move(all);
+            if (is_chosen[k] == chosen) reordered.push_back(std::move(columns[k]));
+    columns = std::move(reordered);
 }
 
-/// Says which forms each part of the sheet has.
+/// Draws a line above each part of the sheet that says which forms the part has.
 void ContactSheet::draw_parts(Canvas& page, std::size_t columns) const {
     const std::array<std::string, 2> lines{
         "The six that differ most, from the best to the worst:",
-        fmt::format("{}, from the best to the worst:",
-                    columns == telling + 1 ? "One more" : fmt::format("The other {}", columns - telling))};
+        fmt::format("{}, from the best to the worst:", columns == first_block_forms + 1
+                                                           ? "One more"
+                                                           : fmt::format("The other {}", columns - first_block_forms))};
     for (int part = 0; part < 2; ++part)
         page.text(style::margin, block_y(part) - part_line,
                   image_backend().render_text(lines[static_cast<std::size_t>(part)], style::text_size),
                   style::soft_ink);
 }
 
-/// Draws one bar beside the first block, or one beside each line of every block, as high as its thumbnails.
+/// Draws one bar beside the first block, or a bar beside each line of every block, as high as its thumbnails.
 void ContactSheet::draw_bars(Canvas& page, std::size_t columns) const {
     const int x = style::margin + grid_width_ + style::gap;
     if (bars_.size() == 1) return page.picture(x, block_y(0), bars_.front());
     for (std::size_t line = 0; line < bars_.size(); ++line) {
-        const int y = head_ - unit_height + static_cast<int>(line) * row_height_;
+        const int y = column_head_height_ - unit_height + static_cast<int>(line) * row_height_;
         for (std::size_t column = 0; column < columns; column += static_cast<std::size_t>(columns_))
             page.picture(x, block_y(static_cast<int>(column) / columns_) + y, bars_[line]);
     }
 }
 
 /// Draws the names of the forms and their cells.
-void ContactSheet::draw_column(Canvas& page, int x, int y, const Alike& forms) {
+void ContactSheet::draw_column(Canvas& page, int x, int y, const FormGroup& forms) {
     const auto names = name_lines(spec_.forms[forms.front()], cell_width_);
     for (std::size_t i = 0; i < names.size(); ++i)
         page.text(x, y + static_cast<int>(i) * name_line, names[i], style::ink);
     if (forms.size() > 1) {
-        std::string same = "same:";
-        for (const std::size_t form : std::span(forms).subspan(1)) same += " " + spec_.forms[form];
-        if (image_backend().render_text(same, style::smallest_size).width > cell_width_)
-            same = "same: " + std::to_string(forms.size() - 1) + " more forms";
+        std::string same_forms = "same:";
+        for (const std::size_t form : std::span(forms).subspan(1)) same_forms += " " + spec_.forms[form];
+        if (image_backend().render_text(same_forms, style::smallest_size).width > cell_width_)
+            same_forms = "same: " + std::to_string(forms.size() - 1) + " more forms";
         page.text(x, y + static_cast<int>(names.size()) * name_line,
-                  fit_text(same, style::small_size, false, cell_width_), style::soft_ink);
+                  fit_text(same_forms, style::small_size, false, cell_width_), style::soft_ink);
     }
     for (std::size_t format = 0; format < spec_.formats.size(); ++format)
-        draw_cell(page, x, y + head_ + static_cast<int>(format) * row_height_, cell(forms.front(), format));
+        draw_cell(page, x, y + column_head_height_ + static_cast<int>(format) * row_height_,
+                  cell(forms.front(), format));
 }
 
 void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const std::size_t> order,
@@ -306,23 +318,25 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
     const Legend classes(legend, content_width_);
     auto columns = columns_of(order);
     is_parted_ = spec_.collapses && !order.empty() && columns.size() > static_cast<std::size_t>(columns_);
-    if (is_parted_) put_most_different_first(columns);
+    if (is_parted_) move_most_different_first(columns);
     if (columns.size() < spec_.forms.size()) {  // the names of forms that share a column are a line of their own
-        head_ += name_line;
+        column_head_height_ += name_line;
         block_height_ += name_line;
     }
     Canvas page(content_width_ + 2 * style::margin, page_height(columns.size(), classes));
     page.picture(style::margin, style::margin, heading_);
     if (is_parted_) draw_parts(page, columns.size());
-    for (std::size_t place = 0; place < columns.size(); ++place) {
-        const int across = static_cast<int>(place) % columns_, y = block_y(static_cast<int>(place) / columns_);
-        draw_column(page, style::margin + row_label_width_ + style::gap + across * (cell_width_ + style::gap), y,
-                    columns[place]);
-        for (std::size_t format = 0; format < spec_.formats.size() && across == 0; ++format) {
+    for (std::size_t position = 0; position < columns.size(); ++position) {
+        const int column_in_block = static_cast<int>(position) % columns_,
+                  y = block_y(static_cast<int>(position) / columns_);
+        draw_column(page, style::margin + row_label_width_ + style::gap + column_in_block * (cell_width_ + style::gap),
+                    y, columns[position]);
+        for (std::size_t format = 0; format < spec_.formats.size() && column_in_block == 0; ++format) {
             const auto label = image_backend().render_text(spec_.formats[format], style::text_size, true);
-            page.text(style::margin,
-                      y + head_ + static_cast<int>(format) * row_height_ + (thumb_height_ - label.height) / 2, label,
-                      style::ink);
+            page.text(
+                style::margin,
+                y + column_head_height_ + static_cast<int>(format) * row_height_ + (thumb_height_ - label.height) / 2,
+                label, style::ink);
         }
     }
     draw_bars(page, columns.size());

@@ -36,7 +36,7 @@ public:
     void add_rows(int y_begin, std::span<const Rgb8> samples);
 
     /// True once every row was added.
-    [[nodiscard]] bool complete() const noexcept { return rows_ == field_height_; }
+    [[nodiscard]] bool is_complete() const noexcept { return added_rows_ == field_height_; }
 
     /// The picture. Throws std::logic_error before it is complete.
     [[nodiscard]] const std::vector<Rgb8>& pixels() const;
@@ -49,7 +49,7 @@ private:
     int field_width_, field_height_, width_, height_;
     Shrink shrink_;
     int factor_ = 0;  // factor of enlargement; 0: made smaller
-    int rows_ = 0;
+    int added_rows_ = 0;
     /// Pixel into which a column of the field falls, and its weight there. The rest falls into the next pixel.
     struct Overlap {
         std::size_t pixel;
@@ -77,9 +77,9 @@ struct SheetSpec {
 };
 
 /// A grid of thumbnails: forms across and formats down, in blocks of at most seven forms. If forms collapse and still
-/// fill several blocks, the first block has the six that tell most: the best, the worst, and those that differ most
-/// from the ones chosen before. Different cells may be filled concurrently, each by one thread. A cell that is never
-/// finished is drawn empty, as `not in this format`.
+/// fill several blocks, the first block has six forms: the best, the worst, and those that differ most from the forms
+/// chosen before them. Different cells may be filled concurrently, each by one thread. A cell that is never finished
+/// is drawn empty, as `not in this format`.
 class ContactSheet {
 public:
     /// Opens the files of the picture `path`. Throws EnvironmentError, and std::logic_error for a sheet without cells.
@@ -96,9 +96,9 @@ public:
     /// away.
     void set_zoom(std::size_t form, std::size_t format, int x, int y);
 
-    /// Draws the page and gives the files their final names. `legend` holds the classes that occur. `order` lists
-    /// the indices of the forms in the order in which they are drawn; empty: the given order. `headline` says what the
-    /// sheet shows; it stands above the title of the spec. Empty: none.
+    /// Draws the page and gives the files their final names. `legend` holds the classes that occur. `order` lists the
+    /// indices of the forms in the order in which they are drawn; empty: the given order. `headline` says what the
+    /// sheet shows, above the title of the spec; empty: no headline.
     void finish(std::span<const LegendEntry> legend, std::span<const std::size_t> order = {},
                 std::string_view headline = {});
 
@@ -113,18 +113,18 @@ private:
         std::vector<Rgb8> samples = {};  ///< samples of the whole field if the sheet zooms
         std::optional<Zoom> zoom = {};
     };
-    /// Forms that share a column, the first of which is drawn.
-    using Alike = std::vector<std::size_t>;
+    /// Forms that share a column. The first of them is drawn.
+    using FormGroup = std::vector<std::size_t>;
     Cell& cell(std::size_t form, std::size_t format);
     [[nodiscard]] bool are_alike(std::size_t a, std::size_t b) const;
-    [[nodiscard]] std::vector<Alike> columns_of(std::span<const std::size_t> order) const;
+    [[nodiscard]] std::vector<FormGroup> columns_of(std::span<const std::size_t> order) const;
     [[nodiscard]] std::uint64_t difference(std::size_t a, std::size_t b) const;
-    void put_most_different_first(std::vector<Alike>& columns) const;
+    void move_most_different_first(std::vector<FormGroup>& columns) const;
     [[nodiscard]] int block_y(int block) const;
     [[nodiscard]] int page_height(std::size_t columns, const Legend& legend) const;
     void draw_parts(Canvas& page, std::size_t columns) const;
-    void draw_column(Canvas& page, int x, int y, const Alike& forms);
-    [[nodiscard]] std::vector<TextBitmap> note_of(std::string_view note) const;
+    void draw_column(Canvas& page, int x, int y, const FormGroup& forms);
+    [[nodiscard]] std::vector<TextBitmap> wrapped_note(std::string_view note) const;
     void draw_cell(Canvas& page, int x, int y, const Cell& cell) const;
     void draw_zoom(Canvas& page, int x, int y, const Cell& cell) const;
 
@@ -132,9 +132,10 @@ private:
     std::vector<Cell> cells_;  // by format
     int thumb_width_, thumb_height_;
     void draw_bars(Canvas& page, std::size_t columns) const;
-    int columns_ = 1, cell_width_ = 0, row_label_width_ = 0, head_ = 0, row_height_ = 0, block_height_ = 0;
+    int columns_ = 1, cell_width_ = 0, row_label_width_ = 0, column_head_height_ = 0, row_height_ = 0,
+        block_height_ = 0;
     int content_width_ = 0, grid_width_ = 0;
-    bool is_parted_ = false;  ///< the first block has the forms that tell most
+    bool is_parted_ = false;  ///< the first block has the six forms that differ most
     Canvas heading_{0, 0};
     std::vector<Canvas> bars_;  // one per scale
     std::unique_ptr<FigureFiles> files_;

@@ -1,3 +1,4 @@
+// Writes the headers and the compressed blocks of EXR files.
 #include "output/image/exr_book.hpp"
 
 #include <zlib.h>
@@ -18,30 +19,30 @@ static_assert(std::endian::native == std::endian::little, "samples are written a
 namespace {
 
 constexpr int block_lines = 16;  // lines per ZIP block
-constexpr int level = 1;
+constexpr int zlib_level = 1;
 constexpr std::size_t sample_bytes = 4;
 
 // Writers of the header's fields.
 template <class Number>
-void put(std::string& out, Number x) {
+void append_number(std::string& out, Number x) {
     char bytes[sizeof x];
     std::memcpy(bytes, &x, sizeof x);
     out.append(bytes, sizeof x);
 }
 
-void put_name(std::string& out, const std::string& name) { out.append(name.c_str(), name.size() + 1); }
+void append_name(std::string& out, const std::string& name) { out.append(name.c_str(), name.size() + 1); }
 
-void put_attribute(std::string& out, const std::string& name, const char* type, const std::string& value) {
-    put_name(out, name);
-    put_name(out, type);
-    put(out, static_cast<std::int32_t>(value.size()));
+void append_attribute(std::string& out, const std::string& name, const char* type, const std::string& value) {
+    append_name(out, name);
+    append_name(out, type);
+    append_number(out, static_cast<std::int32_t>(value.size()));
     out += value;
 }
 
 template <class Number>
-std::string words(std::initializer_list<Number> numbers) {
+std::string packed(std::initializer_list<Number> numbers) {
     std::string bytes;
-    for (const Number x : numbers) put(bytes, x);
+    for (const Number x : numbers) append_number(bytes, x);
     return bytes;
 }
 
@@ -49,19 +50,19 @@ int blocks_of(const ExrSpec& spec) { return (spec.height + block_lines - 1) / bl
 
 /// Indices of the channels in the spec, sorted by name as in the file.
 std::vector<std::size_t> sorted_channels(const ExrSpec& spec) {
-    std::vector<std::size_t> places(spec.channels.size());
-    std::iota(places.begin(), places.end(), std::size_t{0});
-    std::ranges::sort(places, {}, [&spec](std::size_t c) { return spec.channels[c].name; });
-    return places;
+    std::vector<std::size_t> indices(spec.channels.size());
+    std::iota(indices.begin(), indices.end(), std::size_t{0});
+    std::ranges::sort(indices, {}, [&spec](std::size_t c) { return spec.channels[c].name; });
+    return indices;
 }
 
 std::string channel_list(const ExrSpec& spec) {
     std::string list;
     for (const std::size_t c : sorted_channels(spec)) {
-        put_name(list, spec.channels[c].name);
-        put(list, std::int32_t{spec.channels[c].type == Channel::Type::u32 ? 0 : 2});
-        put(list, std::int32_t{0});  // not perceptually linear, and three reserved bytes
-        list += words<std::int32_t>({1, 1});
+        append_name(list, spec.channels[c].name);
+        append_number(list, std::int32_t{spec.channels[c].type == Channel::Type::u32 ? 0 : 2});
+        append_number(list, std::int32_t{0});  // not perceptually linear, and three reserved bytes
+        list += packed<std::int32_t>({1, 1});
     }
     list += '\0';
     return list;
@@ -69,53 +70,54 @@ std::string channel_list(const ExrSpec& spec) {
 
 std::string header_of(const ExrPart& part) {
     const ExrSpec& spec = part.spec;
-    const auto window = words<std::int32_t>({0, 0, spec.width - 1, spec.height - 1});
+    const auto window = packed<std::int32_t>({0, 0, spec.width - 1, spec.height - 1});
     std::string out;
-    put_attribute(out, "channels", "chlist", channel_list(spec));
-    put_attribute(out, "compression", "compression", "\3");
-    put_attribute(out, "dataWindow", "box2i", window);
-    put_attribute(out, "displayWindow", "box2i", window);
-    put_attribute(out, "lineOrder", "lineOrder", std::string(1, '\0'));
-    put_attribute(out, "pixelAspectRatio", "float", words({1.0F}));
-    put_attribute(out, "screenWindowCenter", "v2f", words({0.0F, 0.0F}));
-    put_attribute(out, "screenWindowWidth", "float", words({1.0F}));
+    append_attribute(out, "channels", "chlist", channel_list(spec));
+    append_attribute(out, "compression", "compression", "\3");
+    append_attribute(out, "dataWindow", "box2i", window);
+    append_attribute(out, "displayWindow", "box2i", window);
+    append_attribute(out, "lineOrder", "lineOrder", std::string(1, '\0'));
+    append_attribute(out, "pixelAspectRatio", "float", packed({1.0F}));
+    append_attribute(out, "screenWindowCenter", "v2f", packed({0.0F, 0.0F}));
+    append_attribute(out, "screenWindowWidth", "float", packed({1.0F}));
     if (!part.name.empty()) {
-        put_attribute(out, "name", "string", part.name);
-        put_attribute(out, "type", "string", "scanlineimage");
-        put_attribute(out, "chunkCount", "int", words<std::int32_t>({blocks_of(spec)}));
+        append_attribute(out, "name", "string", part.name);
+        append_attribute(out, "type", "string", "scanlineimage");
+        append_attribute(out, "chunkCount", "int", packed<std::int32_t>({blocks_of(spec)}));
     }
-    for (const auto& [name, value] : spec.attributes) put_attribute(out, name, "string", value);
+    for (const auto& [name, value] : spec.attributes) append_attribute(out, name, "string", value);
     out += '\0';
     return out;
 }
 
 bool has_long_name(const ExrPart& part) {
-    const auto is_long = [](const auto& named) { return named.size() > 31; };
+    const auto is_long = [](const auto& name) { return name.size() > 31; };
     return std::ranges::any_of(part.spec.channels, is_long, &Channel::name) ||
            std::ranges::any_of(part.spec.attributes, is_long, [](const auto& a) { return a.first; });
 }
 
-/// Compresses a block: bytes at even indices first, then those at odd ones; each replaced by its difference from the
-/// one before plus 128; then deflated. A block that would not get smaller stays as it is; a reader sees that by its
-/// size.
+/// Compresses a block as EXR's ZIP does. The bytes at even indices come first, then the bytes at odd indices; each
+/// byte is replaced by its difference from the byte before it, plus 128; the result is deflated. A block that would
+/// not get smaller is returned as it is; a reader recognises it by its size.
 std::string compressed(const std::string& raw) {
-    std::string parted(raw.size(), '\0');
+    std::string split(raw.size(), '\0');
     const std::size_t half = (raw.size() + 1) / 2;
-    for (std::size_t i = 0; i < raw.size(); ++i) parted[i / 2 + (i % 2 ? half : 0)] = raw[i];
-    unsigned char before = static_cast<unsigned char>(parted[0]);
-    for (std::size_t i = 1; i < parted.size(); ++i) {
-        const auto byte = static_cast<unsigned char>(parted[i]);
-        parted[i] = static_cast<char>(static_cast<unsigned char>(byte - before + 128));
-        before = byte;
+    for (std::size_t i = 0; i < raw.size(); ++i) split[i / 2 + (i % 2 ? half : 0)] = raw[i];
+    unsigned char previous = static_cast<unsigned char>(split[0]);
+    for (std::size_t i = 1; i < split.size(); ++i) {
+        const auto byte = static_cast<unsigned char>(split[i]);
+        split[i] = static_cast<char>(static_cast<unsigned char>(byte - previous + 128));
+        previous = byte;
     }
-    uLongf size = compressBound(static_cast<uLong>(parted.size()));
-    std::string packed(size, '\0');
-    const int code = compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
-                               reinterpret_cast<const Bytef*>(parted.data()), static_cast<uLong>(parted.size()), level);
+    uLongf size = compressBound(static_cast<uLong>(split.size()));
+    std::string deflated(size, '\0');
+    const int code =
+        compress2(reinterpret_cast<Bytef*>(deflated.data()), &size, reinterpret_cast<const Bytef*>(split.data()),
+                  static_cast<uLong>(split.size()), zlib_level);
     if (code != Z_OK) throw std::runtime_error("zlib could not deflate a block: code " + std::to_string(code));
     if (size >= raw.size()) return raw;
-    packed.resize(size);
-    return packed;
+    deflated.resize(size);
+    return deflated;
 }
 
 }  // namespace
@@ -125,7 +127,7 @@ struct ExrBook::Page {
     std::vector<std::size_t> channels;       ///< in the file's order
     std::string block = {};                  ///< lines of the block that is being filled
     int lines = 0;                           ///< number of lines received so far
-    std::vector<std::int64_t> offsets = {};  ///< of the blocks in the file
+    std::vector<std::int64_t> offsets = {};  ///< offsets of the blocks in the file
 };
 
 ExrBook::ExrBook(const std::filesystem::path& path, std::vector<ExrPart> parts) : path_(path.string()), out_(path) {
@@ -159,9 +161,9 @@ bool ExrBook::has_parts() const { return !pages_.front().part.name.empty(); }
 
 void ExrBook::write_header() {
     constexpr std::int32_t magic = 20000630, version = 2, long_names = 0x400, several_parts = 0x1000;
-    const bool is_long = std::ranges::any_of(pages_, [](const Page& page) { return has_long_name(page.part); });
+    const bool has_long_names = std::ranges::any_of(pages_, [](const Page& page) { return has_long_name(page.part); });
     std::string header =
-        words<std::int32_t>({magic, version | (has_parts() ? several_parts : 0) | (is_long ? long_names : 0)});
+        packed<std::int32_t>({magic, version | (has_parts() ? several_parts : 0) | (has_long_names ? long_names : 0)});
     for (const Page& page : pages_) header += header_of(page.part);
     if (has_parts()) header += '\0';
     out_.seek(0);
@@ -176,17 +178,17 @@ void ExrBook::write_rows(std::size_t part, int y_begin, int rows, std::span<cons
     Page& page = pages_.at(part);
     const ExrSpec& spec = page.part.spec;
     const auto width = static_cast<std::size_t>(spec.width);
-    const std::size_t pixel = spec.channels.size() * sample_bytes;
+    const std::size_t pixel_bytes = spec.channels.size() * sample_bytes;
     if (y_begin != page.lines || rows < 0 || rows > spec.height - page.lines ||
-        pixels.size() != static_cast<std::size_t>(rows) * width * pixel)
+        pixels.size() != static_cast<std::size_t>(rows) * width * pixel_bytes)
         throw std::logic_error(path_ + ": rows of part " + page.part.name + " out of order or of another size");
-    for (int y = 0; y < rows; ++y, pixels = pixels.subspan(width * pixel)) {
+    for (int y = 0; y < rows; ++y, pixels = pixels.subspan(width * pixel_bytes)) {
         for (const std::size_t c : page.channels) {
             const std::size_t start = page.block.size();
             page.block.resize(start + width * sample_bytes);
             for (std::size_t x = 0; x < width; ++x)
-                std::memcpy(page.block.data() + start + x * sample_bytes, pixels.data() + x * pixel + c * sample_bytes,
-                            sample_bytes);
+                std::memcpy(page.block.data() + start + x * sample_bytes,
+                            pixels.data() + x * pixel_bytes + c * sample_bytes, sample_bytes);
         }
         ++page.lines;
         if (page.lines % block_lines != 0 && page.lines != spec.height) continue;
@@ -198,32 +200,32 @@ void ExrBook::write_rows(std::size_t part, int y_begin, int rows, std::span<cons
 void ExrBook::add_block(std::size_t part, int block, std::string bytes) {
     const std::lock_guard lock(mutex_);
     if (failure_) std::rethrow_exception(failure_);
-    waiting_.emplace(BlockPosition(pages_[part].part.run, block, part), std::move(bytes));
+    waiting_blocks_.emplace(BlockPosition(pages_[part].part.run, block, part), std::move(bytes));
     try {
-        write_waiting();
+        write_waiting_blocks();
     } catch (...) {
         failure_ = std::current_exception();
         throw;
     }
 }
 
-void ExrBook::write_waiting() {
-    for (auto first = waiting_.begin(); first != waiting_.end() && first->first == order_[next_];
-         first = waiting_.erase(first), ++next_) {
-        const auto& [run, block, part] = first->first;
+void ExrBook::write_waiting_blocks() {
+    for (auto entry = waiting_blocks_.begin(); entry != waiting_blocks_.end() && entry->first == order_[next_in_order_];
+         entry = waiting_blocks_.erase(entry), ++next_in_order_) {
+        const auto& [run, block, part] = entry->first;
         pages_[part].offsets[static_cast<std::size_t>(block)] = out_.tell();
-        if (has_parts()) out_.write(words({static_cast<std::int32_t>(part)}));
-        out_.write(words({block * block_lines, static_cast<std::int32_t>(first->second.size())}));
-        out_.write(first->second);
+        if (has_parts()) out_.write(packed({static_cast<std::int32_t>(part)}));
+        out_.write(packed({block * block_lines, static_cast<std::int32_t>(entry->second.size())}));
+        out_.write(entry->second);
     }
 }
 
 void ExrBook::close() {
     const std::lock_guard lock(mutex_);
-    if (next_ != order_.size())
-        throw std::logic_error(path_ + ": closed after " + std::to_string(next_) + " of " +
+    if (next_in_order_ != order_.size())
+        throw std::logic_error(path_ + ": closed after " + std::to_string(next_in_order_) + " of " +
                                std::to_string(order_.size()) + " blocks");
-    next_ = 0;
+    next_in_order_ = 0;
     write_header();
     out_.commit();
 }

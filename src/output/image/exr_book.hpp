@@ -1,15 +1,17 @@
 // Writer of EXR files with one part, or with several parts that grow side by side.
-// OpenImageIO writes one part after the other, so all parts but the first would have to wait on disk, uncompressed: 1.7
-// GB for 41 rows of a map of 1024 × 1024. The file format does not require that order.
-// OpenEXR's own library, tested at 3.1.5, requires no order in Imf::MultiPartOutputFile, and its files have exactly the
-// size of ours. But a call of OutputPart::writePixels holds the lock of the whole file while it compresses. Two threads
-// then take as long as one, and blocks lie in the file in the order of the calls, so the bytes differ from run to run.
-// In a fixed order, rows would wait uncompressed for their turn and be compressed by the library's own thread pool
-// beside ours. The C interface accepts blocks that are compressed already, but only one part after the other
+//
+// OpenImageIO writes one part after the other, so all parts but the first would have to wait on disk, uncompressed:
+// 1.7 GB for 41 rows of a map of 1024 × 1024. The file format does not require that order.
+//
+// OpenEXR's own library, tested at 3.1.5, requires no order in Imf::MultiPartOutputFile, and its files have exactly
+// the size of ours. But a call of OutputPart::writePixels holds the lock of the whole file while it compresses. Two
+// threads then take as long as one, and blocks lie in the file in the order of the calls, so the bytes differ from run
+// to run. In a fixed order, rows would wait uncompressed for their turn and be compressed by the library's own thread
+// pool beside ours. The C interface accepts blocks that are compressed already, but only one part after the other
 // (EXR_ERR_INCORRECT_PART). Here each thread compresses its own rows and holds no lock meanwhile.
+//
 // The layout of scan-line parts is that of https://openexr.com/en/latest/OpenEXRFileLayout.html; the tests read the
 // files back with OpenImageIO.
-// back with OpenImageIO.
 #pragma once
 
 #include <cstddef>
@@ -30,13 +32,13 @@ namespace lostbits::output::image {
 struct ExrPart {
     std::string name;  ///< empty: the only part, in a file without parts
     ExrSpec spec;
-    /// Parts of the same run grow together. A later run begins when all parts of the earlier ones are complete.
+    /// Parts of the same run grow together. A later run begins when all parts of the earlier runs are complete.
     int run = 0;
 };
 
 /// Writes ZIP at zlib's level 1, without a date. The bytes depend only on the pixels, not on the order in which parts
-/// are written. Memory holds the blocks of 16 lines that wait for their turn. If the parts of a run are written in
-/// step, these are the blocks of one band.
+/// are written. Memory holds the blocks of 16 lines that wait for their turn: the blocks of one band, if the parts of
+/// a run are written side by side.
 class ExrBook {
 public:
     /// Opens `path` at once, like AtomicFile. All parts have the same size. Throws EnvironmentError. Throws
@@ -62,16 +64,16 @@ private:
     [[nodiscard]] bool has_parts() const;
     void write_header();
     void add_block(std::size_t part, int block, std::string bytes);
-    void write_waiting();
+    void write_waiting_blocks();
 
     std::string path_;
     std::vector<Page> pages_;
-    std::mutex mutex_;  ///< guards all members below
+    std::mutex mutex_;  ///< guards all members below it
     file::AtomicFile out_;
-    std::map<BlockPosition, std::string> waiting_;
+    std::map<BlockPosition, std::string> waiting_blocks_;
     std::vector<BlockPosition> order_;  ///< order in which blocks are written
-    std::size_t next_ = 0;              ///< index in `order_`
-    std::exception_ptr failure_;        ///< the first failure; the file is lost, so later calls throw it again
+    std::size_t next_in_order_ = 0;     ///< index in `order_` of the next block
+    std::exception_ptr failure_;        ///< the first failure; the file is then lost, so later calls throw it again
 };
 
 }  // namespace lostbits::output::image

@@ -14,7 +14,7 @@ namespace lostbits::output::image {
 /// Sample of a FLOAT channel: x rounded once to binary32.
 [[nodiscard]] inline std::uint32_t float_word(double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); }
 
-/// Samples of R, G and B in linear light.
+/// Samples of R, G and B: the colour in linear light.
 [[nodiscard]] inline std::array<std::uint32_t, 3> preview_words(Rgb8 c) {
     const auto word = [](std::uint8_t srgb) { return float_word(linear_light(srgb) / 65535.0); };
     return {word(c.r), word(c.g), word(c.b)};
@@ -23,7 +23,7 @@ namespace lostbits::output::image {
 /// `lostbits:compiler`: the compiler and options that built the program.
 [[nodiscard]] std::pair<std::string, std::string> compiler_attribute();
 
-/// `lostbits:objects`: the way a channel names a primitive. 0 is none, as in a layer on which nothing is painted.
+/// `lostbits:objects`: how a channel numbers the primitives. 0 means none, as in a layer on which nothing is painted.
 [[nodiscard]] std::pair<std::string, std::string> objects_attribute();
 
 }  // namespace lostbits::output::image

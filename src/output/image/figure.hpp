@@ -33,8 +33,8 @@ void save_figure(const std::filesystem::path& path, const Canvas& canvas);
 /// Paths of the files of a drawing, to print them or to link to one.
 [[nodiscard]] std::vector<std::filesystem::path> figure_paths(const std::filesystem::path& path);
 
-/// The drawing as an SVG, with `words` as its metadata. Text is text, in DejaVu Sans if the viewer has it. A field is a
-/// PNG inside.
-[[nodiscard]] std::string svg_text(const Canvas& canvas, const FileMetadata& words = {});
+/// The drawing as an SVG with `metadata`. Its text stays text, in DejaVu Sans if the viewer has that font. A field is
+/// an embedded PNG.
+[[nodiscard]] std::string svg_text(const Canvas& canvas, const FileMetadata& metadata = {});
 
 }  // namespace lostbits::output::image

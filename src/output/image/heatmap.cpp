@@ -1,3 +1,4 @@
+// Streams heatmaps into PNG files, and draws them for the other kinds of files.
 #include "output/image/heatmap.hpp"
 
 #include <algorithm>
@@ -8,12 +9,12 @@
 namespace lostbits::output::image {
 namespace {
 
-constexpr int narrow = 384;    // a field with fewer samples across is enlarged
-constexpr int tallest = 2048;  // but to at most this many pixels down
+constexpr int min_width = 384;             // a field with fewer samples across is enlarged
+constexpr int max_enlarged_height = 2048;  // but to at most this many pixels down
 
 int choose_factor(int width, int height) {
-    if (width >= narrow) return 1;
-    return std::max(1, std::min((narrow + width - 1) / width, tallest / height));
+    if (width >= min_width) return 1;
+    return std::max(1, std::min((min_width + width - 1) / width, max_enlarged_height / height));
 }
 
 }  // namespace
@@ -40,18 +41,18 @@ HeatmapWriter::HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec
     top_.picture(style::margin, style::margin, head);
     auto kinds = file::figures_in(path);
     const bool has_png = std::erase(kinds, "png") > 0;
-    if (!kinds.empty()) others_ = std::make_unique<FigureFiles>(path, kinds);
+    if (!kinds.empty()) other_files_ = std::make_unique<FigureFiles>(path, kinds);
     if (!has_png) return;
     png_ = image_backend().open_png(path, page_width_, head_height + body_height_ + foot_height());
     png_->write_rows(top_.height(), top_.pixels());
     bar_pixels_ = bar_.pixels();
-    const std::vector<Rgb8> rim(static_cast<std::size_t>(spec_.width), style::line);
-    put_body_row(rim);
+    const std::vector<Rgb8> frame_row(static_cast<std::size_t>(spec_.width), style::line);
+    write_body_row(frame_row);
 }
 
-void HeatmapWriter::put_body_row(std::span<const Rgb8> samples) {
-    line_.assign(static_cast<std::size_t>(page_width_), style::page);
-    auto out = line_.begin() + style::margin;
+void HeatmapWriter::write_body_row(std::span<const Rgb8> samples) {
+    page_row_.assign(static_cast<std::size_t>(page_width_), style::page);
+    auto out = page_row_.begin() + style::margin;
     if (!samples.empty()) {
         *out++ = style::line;
         if (factor_ == 1) out = std::ranges::copy(samples, out).out;
@@ -63,20 +64,20 @@ void HeatmapWriter::put_body_row(std::span<const Rgb8> samples) {
     }
     if (body_y_ < bar_.height())
         std::copy_n(bar_pixels_.begin() + std::ptrdiff_t{body_y_} * bar_.width(), bar_.width(), out + style::gap);
-    png_->write_rows(1, line_);
+    png_->write_rows(1, page_row_);
     ++body_y_;
 }
 
 void HeatmapWriter::write_rows(std::span<const Rgb8> samples) {
     const auto width = static_cast<std::size_t>(spec_.width);
     if (samples.size() % width != 0) throw std::logic_error("heatmap: a part of a row");
-    if (samples.size() / width > static_cast<std::size_t>(spec_.height - rows_)) {
+    if (samples.size() / width > static_cast<std::size_t>(spec_.height - written_rows_)) {
         throw std::logic_error("heatmap: more rows than the field has");
     }
-    if (others_) field_.insert(field_.end(), samples.begin(), samples.end());
+    if (other_files_) field_.insert(field_.end(), samples.begin(), samples.end());
     for (; !samples.empty(); samples = samples.subspan(width)) {
-        for (int i = 0; i < factor_ && png_; ++i) put_body_row(samples.first(width));
-        ++rows_;
+        for (int i = 0; i < factor_ && png_; ++i) write_body_row(samples.first(width));
+        ++written_rows_;
     }
 }
 
@@ -90,7 +91,7 @@ int HeatmapWriter::caption_height() const {
 }
 
 void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view caption) {
-    if (rows_ != spec_.height) throw std::logic_error("heatmap: rows are lacking");
+    if (written_rows_ != spec_.height) throw std::logic_error("heatmap: rows are lacking");
     Canvas foot(page_width_, foot_height());
     const auto lines = wrap_text_into(caption, style::text_size, page_width_ - 2 * style::margin,
                                       static_cast<std::size_t>(caption_lines_));
@@ -98,16 +99,16 @@ void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view
         foot.text(style::margin, style::gap + static_cast<int>(i) * style::line_height(style::text_size), lines[i],
                   style::ink);
     foot.picture(style::margin, style::gap + caption_height(), legend_->draw(legend));
-    if (others_) save_others(foot);
+    if (other_files_) save_other_files(foot);
     if (!png_) return;
-    const std::vector<Rgb8> rim(static_cast<std::size_t>(spec_.width), style::line);
-    put_body_row(rim);
-    while (body_y_ < body_height_) put_body_row({});
+    const std::vector<Rgb8> frame_row(static_cast<std::size_t>(spec_.width), style::line);
+    write_body_row(frame_row);
+    while (body_y_ < body_height_) write_body_row({});
     png_->write_rows(foot.height(), foot.pixels());
     png_->close();
 }
 
-void HeatmapWriter::save_others(const Canvas& foot) {
+void HeatmapWriter::save_other_files(const Canvas& foot) {
     Canvas page(page_width_, top_.height() + body_height_ + foot.height());
     page.picture(0, 0, top_);
     const PixelBox box{style::margin + 1, top_.height() + 1, field_width_, field_height_};
@@ -115,7 +116,7 @@ void HeatmapWriter::save_others(const Canvas& foot) {
     page.field(box, spec_.width, std::move(field_));
     page.picture(box.x + field_width_ + 1 + style::gap, top_.height(), bar_);
     page.picture(0, top_.height() + body_height_, foot);
-    others_->save(page);
+    other_files_->save(page);
 }
 
 }  // namespace lostbits::output::image

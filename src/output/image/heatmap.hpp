@@ -19,8 +19,8 @@ namespace lostbits::output::image {
 struct HeatmapSpec {
     std::string title;
     std::vector<std::string> subtitle;
-    int width = 0, height = 0;         ///< of the field, in samples
-    std::optional<ColourScale> scale;  ///< none for a map of only classes or objects
+    int width = 0, height = 0;         ///< size of the field, in samples
+    std::optional<ColourScale> scale;  ///< missing for a map of only classes or objects
     std::string unit;                  ///< label over the colour bar: `lost bits`
     std::vector<LegendEntry> legend;   ///< every class that may occur, with the widest count that it may get
     std::string widest_caption =
@@ -28,8 +28,8 @@ struct HeatmapSpec {
 };
 
 /// Streams a field into a picture. Fields narrower than 384 samples are enlarged by a whole factor with nearest
-/// neighbour, so that one sample is one visible square. Memory does not grow with the height, unless an SVG or a PDF is
-/// asked for. For one thread at a time.
+/// neighbour, so that one sample is one visible square. Memory does not grow with the height, unless the run writes an
+/// SVG or a PDF. One writer serves one thread at a time.
 class HeatmapWriter {
 public:
     /// Opens `path` and writes the heading. Throws EnvironmentError, and std::logic_error for a field without samples.
@@ -45,8 +45,8 @@ public:
     void finish(std::span<const LegendEntry> legend, std::string_view caption = {});
 
 private:
-    void put_body_row(std::span<const Rgb8> samples);
-    void save_others(const Canvas& foot);
+    void write_body_row(std::span<const Rgb8> samples);
+    void save_other_files(const Canvas& foot);
 
     HeatmapSpec spec_;
     [[nodiscard]] int foot_height() const;
@@ -54,14 +54,14 @@ private:
     int factor_ = 1;
     int field_width_ = 0, field_height_ = 0, body_height_ = 0, page_width_ = 0;
     int caption_lines_ = 0;
-    int rows_ = 0;    // rows of the field that were taken
-    int body_y_ = 0;  // rows of the body that were written
+    int written_rows_ = 0;  // rows of the field that were passed to `write_rows`
+    int body_y_ = 0;        // rows of the body that were written
     Canvas top_{0, 0}, bar_{0, 0};
     std::optional<Legend> legend_;
-    std::vector<Rgb8> line_, bar_pixels_;
-    std::unique_ptr<PngWriter> png_;       // null if no PNG is asked for
-    std::unique_ptr<FigureFiles> others_;  // the other kinds, which are written at the end
-    std::vector<Rgb8> field_;              // for these
+    std::vector<Rgb8> page_row_, bar_pixels_;
+    std::unique_ptr<PngWriter> png_;            // null if the run writes no PNG
+    std::unique_ptr<FigureFiles> other_files_;  // files of the other kinds, written at the end
+    std::vector<Rgb8> field_;                   // the whole field, for the other kinds
 };
 
 }  // namespace lostbits::output::image

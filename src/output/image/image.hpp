@@ -37,13 +37,14 @@ struct ExrSpec {
 /// Texts that a picture records about itself: keyword and text.
 using FileMetadata = std::vector<std::pair<std::string, std::string>>;
 
-/// The run that made the file, if it is in a run's own folder: `Software`, `lostbits:command`, `lostbits:forms`.
+/// Metadata of the run that made the file, if the file is in a run's own folder: `Software`, `lostbits:command`,
+/// `lostbits:forms`.
 [[nodiscard]] FileMetadata metadata_of(const std::filesystem::path& path);
 
 /// Description of a PNG file.
 struct PngSpec {
     int width = 0, height = 0;
-    FileMetadata words;  ///< text chunks
+    FileMetadata metadata;  ///< text chunks
 };
 
 /// Writes one RGB PNG file from top to bottom, 8 bits, sRGB.
@@ -63,7 +64,7 @@ public:
 struct TextRun {
     std::string text;  ///< UTF-8
     int size;          ///< pixels per em
-    double x, y;       ///< start of the baseline, from the upper left corner of the line
+    double x, y;       ///< start of the baseline, measured from the upper left corner of the line
     double width;
     bool raised = false;  ///< an exponent: copied text has a `^` before it
 };
@@ -108,7 +109,7 @@ struct ExrImage {
     std::vector<ExrChannel> channels;
     std::vector<std::pair<std::string, std::string>> attributes;  ///< the string attributes, sorted by name
 
-    /// The channel of that name, or nullptr.
+    /// The channel of that name; null if there is none.
     [[nodiscard]] const ExrChannel* find(std::string_view name) const;
 };
 
@@ -129,15 +130,15 @@ public:
     /// file::ResultFolder) the file records what made it, in the text chunks `lostbits:command` and `Software`. Throws
     /// EnvironmentError, and std::logic_error for a picture without pixels.
     [[nodiscard]] std::unique_ptr<PngWriter> open_png(const std::filesystem::path& path, int width, int height);
-    /// The same for a file that is open already.
+    /// Does the same for a file that is already open.
     [[nodiscard]] std::unique_ptr<PngWriter> open_png(std::unique_ptr<file::AtomicFile> file, int width, int height);
 
-    /// The bytes of a PNG of these pixels, without texts about it.
+    /// The bytes of a PNG of these pixels, without text chunks.
     [[nodiscard]] std::string png_bytes(int width, int height, std::span<const Rgb8> pixels);
 
     /// Writes a PDF of one page, where a pixel is 1/96 inch and text is text in an embedded font. The same drawing
     /// gives the same bytes. Throws EnvironmentError.
-    virtual void write_pdf(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& words) = 0;
+    virtual void write_pdf(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& metadata) = 0;
 
     /// `steps` (at least 2) colours of the ramp from low to high: viridis, inferno, magma, plasma or turbo. Throws
     /// InputError for another name.
@@ -165,12 +166,13 @@ protected:
                                                 const PngSpec& spec) = 0;
 };
 
-/// Version of this header; increase it with every change. A module of another build is then refused and not misread.
+/// Version of this header; increase it with every change. A module of another build is then refused instead of
+/// misread.
 inline constexpr int image_module_abi = 7;
 
-/// The module, loaded on the first call; later calls cost nothing. It is searched at $LOSTBITS_IMAGE_MODULE (if set,
-/// only there), beside the program, in `../lib/lostbits` and in `src/output` next to it. Throws EnvironmentError that
-/// says what to install or build.
+/// The module, loaded on the first call; later calls cost nothing. The program looks for it at $LOSTBITS_IMAGE_MODULE
+/// (if set, only there), beside itself, in `../lib/lostbits` and in `src/output` next to itself. Throws
+/// EnvironmentError that says what to install or build.
 [[nodiscard]] ImageBackend& image_backend();
 
 }  // namespace lostbits::output::image

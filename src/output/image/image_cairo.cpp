@@ -1,6 +1,6 @@
 // Drawing with Cairo in the image module. Text in a font given by its file, lines and polygons are returned as
-// coverage. It is computed from whole numbers without any setting of the user's, so it is the same on every machine. A
-// drawing can also become a PDF.
+// coverage. The coverage is computed from whole numbers without any setting of the user's, so it is the same on every
+// machine. A drawing can also become a PDF.
 #include <cairo-ft.h>
 #include <cairo-pdf.h>
 
@@ -23,7 +23,7 @@
 namespace lostbits::output::image {
 namespace {
 
-constexpr double widest = 32767;  // pixels; larger pictures are impossible in Cairo
+constexpr double max_width = 32767;  // pixels; larger pictures are impossible in Cairo
 
 void check(cairo_status_t status) {
     if (status != CAIRO_STATUS_SUCCESS)
@@ -43,12 +43,12 @@ public:
         check(cairo_status(pen()));
         cairo_surface_flush(surface_.get());
         const auto* row = cairo_image_surface_get_data(surface_.get());
-        std::vector<std::uint8_t> all;
+        std::vector<std::uint8_t> bytes;
         for (int y = 0; y < cairo_image_surface_get_height(surface_.get()); ++y) {
-            all.insert(all.end(), row, row + cairo_image_surface_get_width(surface_.get()));
+            bytes.insert(bytes.end(), row, row + cairo_image_surface_get_width(surface_.get()));
             row += cairo_image_surface_get_stride(surface_.get());
         }
-        return all;
+        return bytes;
     }
 
 private:
@@ -93,8 +93,8 @@ cairo_scaled_font_t* make_font(int size, bool bold) {
 
 cairo_scaled_font_t* font_of(int size, bool bold) {
     static std::map<std::pair<int, bool>, cairo_scaled_font_t*> fonts;
-    const auto place = fonts.find({size, bold});
-    return place != fonts.end() ? place->second
+    const auto entry = fonts.find({size, bold});
+    return entry != fonts.end() ? entry->second
                                 : fonts.emplace(std::pair(size, bold), make_font(size, bold)).first->second;
 }
 
@@ -106,13 +106,13 @@ struct Letters {
     TextRun run;
 };
 
-Letters lay_out(cairo_scaled_font_t* font, std::string_view utf8, const Point& from) {
-    cairo_glyph_t* made = nullptr;
+Letters lay_out(cairo_scaled_font_t* font, std::string_view utf8, const Point& origin) {
+    cairo_glyph_t* glyphs = nullptr;
     int count = 0;
     std::string text(utf8);
     const auto glyphs_of_text = [&] {
-        return cairo_scaled_font_text_to_glyphs(font, from.x, from.y, text.data(), static_cast<int>(text.size()), &made,
-                                                &count, nullptr, nullptr, nullptr);
+        return cairo_scaled_font_text_to_glyphs(font, origin.x, origin.y, text.data(), static_cast<int>(text.size()),
+                                                &glyphs, &count, nullptr, nullptr, nullptr);
     };
     cairo_status_t status = glyphs_of_text();
     if (status == CAIRO_STATUS_INVALID_STRING) {
@@ -122,31 +122,31 @@ Letters lay_out(cairo_scaled_font_t* font, std::string_view utf8, const Point& f
     }
     check(status);
     cairo_text_extents_t extents;
-    cairo_scaled_font_glyph_extents(font, made, count, &extents);
-    return {font, {made, cairo_glyph_free}, count, {std::move(text), 0, from.x, from.y, extents.x_advance}};
+    cairo_scaled_font_glyph_extents(font, glyphs, count, &extents);
+    return {font, {glyphs, cairo_glyph_free}, count, {std::move(text), 0, origin.x, origin.y, extents.x_advance}};
 }
 
-/// Number of letters after the `^` at an index that are the exponent of a power of 2 or 10 standing alone. 0 if there
-/// is none, as in the name of a form, of a file or of an operation.
-std::size_t exponent_after(std::string_view text, std::size_t place) {
-    const auto ends_a_name = [](std::string_view before) {
+/// Number of letters of the exponent after the `^` at index `caret`, if `^` belongs to a power of 2 or 10 that stands
+/// alone. Otherwise 0, as in the name of a form, of a file or of an operation.
+std::size_t exponent_after(std::string_view text, std::size_t caret) {
+    const auto ends_name = [](std::string_view before) {
         return !before.empty() &&
                (std::isalnum(static_cast<unsigned char>(before.back())) || std::strchr("_./^-+@~", before.back()));
     };
-    const auto begins_one = [](std::string_view after) {
+    const auto begins_name = [](std::string_view after) {
         if (after.starts_with('.')) after.remove_prefix(1);
         return !after.empty() && (std::isalpha(static_cast<unsigned char>(after[0])) || after[0] == '_');
     };
-    std::string_view before = text.substr(0, place);
+    std::string_view before = text.substr(0, caret);
     if (!before.ends_with('2') && !before.ends_with("10")) return 0;
     before.remove_suffix(before.ends_with('2') ? 1 : 2);
     if (before.ends_with('-')) before.remove_suffix(1);
-    text.remove_prefix(place + 1);
+    text.remove_prefix(caret + 1);
     const std::size_t sign = text.starts_with('-') || text.starts_with('+') ? 1 : 0;
     const auto number = text.substr(0, text.find_first_not_of(".0123456789", sign));
     const std::size_t digits =
         number.find_last_of("0123456789") + 1;  // without a dot that ends a sentence; 0 after npos
-    return ends_a_name(before) || begins_one(text.substr(digits)) ? 0 : digits;
+    return ends_name(before) || begins_name(text.substr(digits)) ? 0 : digits;
 }
 
 /// Paints figures one after the other.
@@ -170,33 +170,33 @@ void draw_figures(cairo_t* pen, std::span<const Figure> figures) {
 TextBitmap cairo_text(std::string_view utf8, int size, bool bold) {
     const FloatingPointGuard guard;
     const std::lock_guard lock(font_mutex);
-    // The box of DejaVu Sans in em. A common line box keeps the baselines of different words level. Digits are 0.73 em
-    // high, so raised digits stay inside.
+    // Line box of DejaVu Sans in em, the same for every text, which keeps the baselines of different texts level.
+    // Digits are 0.73 em high, so raised digits stay inside.
     TextBitmap out;
     out.baseline = static_cast<int>(std::ceil(0.93 * size));
     out.height = out.baseline + static_cast<int>(std::ceil(0.24 * size));
-    const int small = std::max(size * 3 / 4, style::smallest_size - 1), rise = size * 2 / 5;
+    const int exponent_size = std::max(size * 3 / 4, style::smallest_size - 1), exponent_rise = size * 2 / 5;
     out.bold = bold;
     std::vector<Letters> line;
-    double pen = 0;
-    const auto add = [&](std::string_view text, int letters, double above) {
+    double pen_x = 0;
+    const auto add_run = [&](std::string_view text, int letter_size, double raised_by) {
         if (text.empty()) return;
-        line.push_back(lay_out(font_of(letters, bold), text, {pen, out.baseline - above}));
-        pen += line.back().run.width;
+        line.push_back(lay_out(font_of(letter_size, bold), text, {pen_x, out.baseline - raised_by}));
+        pen_x += line.back().run.width;
         out.runs.push_back(line.back().run);
-        out.runs.back().size = letters;
-        out.runs.back().raised = above > 0;
+        out.runs.back().size = letter_size;
+        out.runs.back().raised = raised_by > 0;
     };
-    std::size_t from = 0;
-    for (std::size_t at = utf8.find('^'); at != std::string_view::npos; at = utf8.find('^', at + 1)) {
-        const std::size_t raised = exponent_after(utf8, at);
-        if (raised == 0) continue;
-        add(utf8.substr(from, at - from), size, 0);
-        add(utf8.substr(at + 1, raised), small, rise);
-        from = at + 1 + raised;
+    std::size_t start = 0;
+    for (std::size_t caret = utf8.find('^'); caret != std::string_view::npos; caret = utf8.find('^', caret + 1)) {
+        const std::size_t exponent_length = exponent_after(utf8, caret);
+        if (exponent_length == 0) continue;
+        add_run(utf8.substr(start, caret - start), size, 0);
+        add_run(utf8.substr(caret + 1, exponent_length), exponent_size, exponent_rise);
+        start = caret + 1 + exponent_length;
     }
-    add(utf8.substr(from), size, 0);
-    out.width = static_cast<int>(std::lround(std::clamp(pen, 0.0, widest)));
+    add_run(utf8.substr(start), size, 0);
+    out.width = static_cast<int>(std::lround(std::clamp(pen_x, 0.0, max_width)));
     const Paper paper(out.width, out.height);
     for (const Letters& letters : line) {
         cairo_set_scaled_font(paper.pen(), letters.font);
@@ -221,17 +221,18 @@ namespace {
 
 constexpr double points_per_pixel = 0.75;  // 72 points and 96 pixels are an inch
 
-/// A page of a PDF. The bytes go to the sink, whose first error is kept: Cairo calls it from C.
+/// A page of a PDF. The bytes go to the sink. The sink's first error is kept until the end, because Cairo calls it
+/// from C.
 class PdfPage {
 public:
-    PdfPage(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& words)
+    PdfPage(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& metadata)
         : sink_(sink),
-          surface_(cairo_pdf_surface_create_for_stream(&PdfPage::take, this, canvas.width() * points_per_pixel,
+          surface_(cairo_pdf_surface_create_for_stream(&PdfPage::write_bytes, this, canvas.width() * points_per_pixel,
                                                        canvas.height() * points_per_pixel),
                    cairo_surface_destroy) {
         // Cairo writes the time of day if no date is given.
         cairo_pdf_surface_set_metadata(surface_.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
-        for (const auto& [keyword, text] : words)
+        for (const auto& [keyword, text] : metadata)
             cairo_pdf_surface_set_metadata(surface_.get(), entry_of(keyword), text.c_str());
         const std::unique_ptr<cairo_t, void (*)(cairo_t*)> pen(cairo_create(surface_.get()), cairo_destroy);
         pen_ = pen.get();
@@ -240,16 +241,16 @@ public:
         cairo_paint(pen_);
         canvas.draw_with([this](const auto& shape, const CanvasMark& mark) {
             cairo_save(pen_);
-            cairo_rectangle(pen_, mark.seen.x, mark.seen.y, mark.seen.width, mark.seen.height);
+            cairo_rectangle(pen_, mark.clip.x, mark.clip.y, mark.clip.width, mark.clip.height);
             cairo_clip(pen_);
             set_colour(mark.colour);
-            put(shape, mark);
+            paint(shape, mark);
             cairo_restore(pen_);
         });
-        const cairo_status_t drawn = cairo_status(pen_);
+        const cairo_status_t drawing_status = cairo_status(pen_);
         cairo_surface_finish(surface_.get());
         if (failure_) std::rethrow_exception(failure_);
-        check(drawn);
+        check(drawing_status);
         check(cairo_surface_status(surface_.get()));
     }
 
@@ -260,7 +261,7 @@ private:
                                                : CAIRO_PDF_METADATA_KEYWORDS;
     }
 
-    static cairo_status_t take(void* page, const unsigned char* bytes, unsigned length) noexcept {
+    static cairo_status_t write_bytes(void* page, const unsigned char* bytes, unsigned length) noexcept {
         auto& self = *static_cast<PdfPage*>(page);
         try {
             if (!self.failure_) self.sink_.write(std::as_bytes(std::span(bytes, length)));
@@ -274,23 +275,23 @@ private:
         cairo_set_source_rgba(pen_, c.r / 255.0, c.g / 255.0, c.b / 255.0, opacity);
     }
 
-    void put(const CanvasMark::Fill& fill, const CanvasMark& /*mark*/) {
+    void paint(const CanvasMark::Fill& fill, const CanvasMark& /*mark*/) {
         for (const PixelBox& box : fill.boxes) cairo_rectangle(pen_, box.x, box.y, box.width, box.height);
         cairo_fill(pen_);
     }
 
-    /// Figures that overlap are one coat: they are painted opaquely, and the whole is then blended.
-    void put(const CanvasMark::Coat& coat, const CanvasMark& mark) {
-        const bool blended = coat.opacity < 1 && coat.figures.size() > 1;
-        if (blended) cairo_push_group(pen_);
+    /// Overlapping figures are one coat: they are painted opaquely, and the whole coat is then blended.
+    void paint(const CanvasMark::Coat& coat, const CanvasMark& mark) {
+        const bool is_blended = coat.opacity < 1 && coat.figures.size() > 1;
+        if (is_blended) cairo_push_group(pen_);
         else set_colour(mark.colour, coat.opacity);
         draw_figures(pen_, coat.figures);
-        if (!blended) return;
+        if (!is_blended) return;
         cairo_pop_group_to_source(pen_);
         cairo_paint_with_alpha(pen_, coat.opacity);
     }
 
-    void put(const CanvasMark::Field& field, const CanvasMark& /*mark*/) {
+    void paint(const CanvasMark::Field& field, const CanvasMark& /*mark*/) {
         const std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)> samples(
             cairo_image_surface_create(CAIRO_FORMAT_RGB24, field.columns, field.rows()), cairo_surface_destroy);
         check(cairo_surface_status(samples.get()));
@@ -299,8 +300,9 @@ private:
         auto sample = field.samples.begin();
         for (int y = 0; y < field.rows(); ++y, row += stride) {
             for (int x = 0; x < field.columns; ++x, ++sample) {
-                const std::uint32_t word = std::uint32_t{sample->r} << 16 | std::uint32_t{sample->g} << 8 | sample->b;
-                std::memcpy(row + 4 * x, &word, sizeof word);
+                const std::uint32_t packed_colour =
+                    std::uint32_t{sample->r} << 16 | std::uint32_t{sample->g} << 8 | sample->b;
+                std::memcpy(row + 4 * x, &packed_colour, sizeof packed_colour);
             }
         }
         cairo_surface_mark_dirty(samples.get());
@@ -313,18 +315,18 @@ private:
         cairo_fill(pen_);
     }
 
-    void put(const CanvasMark::Line& line, const CanvasMark& /*mark*/) {
+    void paint(const CanvasMark::Line& line, const CanvasMark& /*mark*/) {
         cairo_translate(pen_, line.x, line.y);
         if (line.text.turned) {
             cairo_translate(pen_, 0, line.text.height);
             cairo_rotate(pen_, -std::acos(0.0));
         }
-        for (const TextRun& run : line.text.runs) put(run, line.text.bold);
+        for (const TextRun& run : line.text.runs) paint_run(run, line.text.bold);
     }
 
-    /// Letters without hinting are narrower or wider by some percent. They are set at the distances of the picture. The
-    /// first letter of an exponent stands for itself and a `^`, so that copied text reads `2^-10` and not `2-10`.
-    void put(const TextRun& run, bool bold) {
+    /// Letters without hinting are narrower or wider by some percent, so they are set at the distances of the picture.
+    /// The first letter of an exponent stands for itself and a `^`, so that copied text reads `2^-10` and not `2-10`.
+    void paint_run(const TextRun& run, bool bold) {
         cairo_set_font_face(pen_, cairo_scaled_font_get_font_face(font_of(style::text_size, bold)));
         cairo_set_font_size(pen_, run.size);
         cairo_glyph_t* glyphs = nullptr;
@@ -336,11 +338,11 @@ private:
                                                &count, &clusters, &cluster_count, &flags));
         cairo_text_extents_t extents;
         cairo_scaled_font_glyph_extents(font, glyphs, count, &extents);
-        const double wider = extents.x_advance > 0 ? run.width / extents.x_advance : 1;
-        for (int i = 0; i < count; ++i) glyphs[i] = {glyphs[i].index, run.x + glyphs[i].x * wider, run.y};
-        const std::string copied = (run.raised ? "^" : "") + run.text;
+        const double stretch = extents.x_advance > 0 ? run.width / extents.x_advance : 1;
+        for (int i = 0; i < count; ++i) glyphs[i] = {glyphs[i].index, run.x + glyphs[i].x * stretch, run.y};
+        const std::string copied_text = (run.raised ? "^" : "") + run.text;
         if (run.raised && cluster_count > 0) ++clusters[0].num_bytes;
-        cairo_show_text_glyphs(pen_, copied.data(), static_cast<int>(copied.size()), glyphs, count, clusters,
+        cairo_show_text_glyphs(pen_, copied_text.data(), static_cast<int>(copied_text.size()), glyphs, count, clusters,
                                cluster_count, flags);
         cairo_text_cluster_free(clusters);
         cairo_glyph_free(glyphs);
@@ -354,10 +356,10 @@ private:
 
 }  // namespace
 
-void cairo_pdf(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& words) {
+void cairo_pdf(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& metadata) {
     const FloatingPointGuard guard;
     const std::lock_guard lock(font_mutex);
-    const PdfPage page(sink, canvas, words);
+    const PdfPage page(sink, canvas, metadata);
 }
 
 }  // namespace lostbits::output::image

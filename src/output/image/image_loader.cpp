@@ -1,3 +1,4 @@
+// Finds and loads the image module.
 #include <dlfcn.h>
 
 #include <cstring>
@@ -20,49 +21,50 @@ namespace fs = std::filesystem;
 constexpr const char* module_name = "lostbits_image.so";
 
 fs::path find_module() {
-    if (const char* named = intersect::process::own_environment("LOSTBITS_IMAGE_MODULE");
-        named != nullptr && *named != '\0')
-        return named;
+    if (const char* configured_path = intersect::process::own_environment("LOSTBITS_IMAGE_MODULE");
+        configured_path != nullptr && *configured_path != '\0')
+        return configured_path;
     std::error_code error;
-    const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
-    std::string tried;
-    for (const fs::path& folder : {here, here / "../lib/lostbits", here / "src/output"}) {
+    const fs::path program_folder = fs::read_symlink("/proc/self/exe", error).parent_path();
+    std::string tried_paths;
+    for (const fs::path& folder : {program_folder, program_folder / "../lib/lostbits", program_folder / "src/output"}) {
         const fs::path candidate = folder / module_name;
         if (fs::exists(candidate, error)) return candidate;
-        tried += "\n  " + candidate.lexically_normal().string();
+        tried_paths += "\n  " + candidate.lexically_normal().string();
     }
     throw EnvironmentError(
         "cannot write images: the image module is missing; build the target `lostbits_image` (it needs "
         "libopenimageio-dev and libcairo2-dev) or set LOSTBITS_IMAGE_MODULE to its path. Looked for it at:" +
-        tried);
+        tried_paths);
 }
 
-[[noreturn]] void cannot_load(const fs::path& path, const char* why) {
-    if (why != nullptr && intersect::device::lacks_memory(why))
-        throw EnvironmentError(path.string() + ": cannot load the image module: " + why +
+[[noreturn]] void throw_cannot_load(const fs::path& path, const char* reason) {
+    if (reason != nullptr && intersect::device::lacks_memory(reason))
+        throw EnvironmentError(path.string() + ": cannot load the image module: " + reason +
                                "; the module and its libraries take 500 MB of address space: raise `ulimit -v`");
-    throw EnvironmentError(path.string() + ": cannot load the image module: " + (why != nullptr ? why : "unknown") +
+    throw EnvironmentError(path.string() +
+                           ": cannot load the image module: " + (reason != nullptr ? reason : "unknown") +
                            "; install OpenImageIO and Cairo (Debian: libopenimageio2.4, libcairo2) and rebuild the "
                            "target `lostbits_image`");
 }
 
-[[noreturn]] void is_other_module(const fs::path& path, const char* why) {
-    throw EnvironmentError(path.string() + ": " + why + "; rebuild the target `lostbits_image`");
+[[noreturn]] void throw_wrong_module(const fs::path& path, const char* reason) {
+    throw EnvironmentError(path.string() + ": " + reason + "; rebuild the target `lostbits_image`");
 }
 
-ImageBackend& load() {
+ImageBackend& load_backend() {
     const fs::path path = find_module();
     const intersect::process::FloatingPointGuard guard;
-    // Never closed, because the library behind it starts threads and registers exit handlers.
-    // Lazy, because resolving all 168 000 symbols of the library and its dependencies at once takes a tenth of a
-    // second.
+    // The module is never closed, because the library behind it starts threads and registers exit handlers. Symbols
+    // are resolved lazily, because resolving all 168 000 symbols of the library and its dependencies at once takes a
+    // tenth of a second.
     void* handle = ::dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
-    if (handle == nullptr) cannot_load(path, ::dlerror());
+    if (handle == nullptr) throw_cannot_load(path, ::dlerror());
     const auto abi = reinterpret_cast<int (*)()>(::dlsym(handle, "lostbits_image_abi"));
-    const auto get = reinterpret_cast<ImageBackend* (*)()>(::dlsym(handle, "lostbits_image_backend"));
-    if (abi == nullptr || get == nullptr) is_other_module(path, "is not an image module of lostbits");
-    if (abi() != image_module_abi) is_other_module(path, "this image module belongs to another build");
-    return *get();
+    const auto get_backend = reinterpret_cast<ImageBackend* (*)()>(::dlsym(handle, "lostbits_image_backend"));
+    if (abi == nullptr || get_backend == nullptr) throw_wrong_module(path, "is not an image module of lostbits");
+    if (abi() != image_module_abi) throw_wrong_module(path, "this image module belongs to another build");
+    return *get_backend();
 }
 
 }  // namespace
@@ -71,16 +73,16 @@ ImageBackend& image_backend() {
     static std::mutex mutex;
     static ImageBackend* backend = nullptr;  // a failed load is tried again, and reported again
     const std::lock_guard lock(mutex);
-    if (backend == nullptr) backend = &load();
+    if (backend == nullptr) backend = &load_backend();
     return *backend;
 }
 
 FileMetadata metadata_of(const fs::path& path) {
     const auto provenance = file::provenance_of(path);
     if (!provenance) return {};
-    FileMetadata words{{"Software", provenance->program}, {"lostbits:command", provenance->command}};
-    if (!provenance->forms.empty()) words.emplace_back("lostbits:forms", file::external_forms_text(*provenance));
-    return words;
+    FileMetadata metadata{{"Software", provenance->program}, {"lostbits:command", provenance->command}};
+    if (!provenance->forms.empty()) metadata.emplace_back("lostbits:forms", file::external_forms_text(*provenance));
+    return metadata;
 }
 
 std::unique_ptr<PngWriter> ImageBackend::open_png(const fs::path& path, int width, int height) {
@@ -96,22 +98,22 @@ std::unique_ptr<PngWriter> ImageBackend::open_png(std::unique_ptr<file::AtomicFi
 
 namespace {
 
-/// Keeps the bytes in memory.
+/// A sink that keeps the bytes in memory.
 class MemorySink final : public file::ByteSink {
 public:
     explicit MemorySink(std::string& bytes) : bytes_(bytes) {}
-    void write(std::span<const std::byte> more) override {
-        if (at_ + more.size() > bytes_.size()) bytes_.resize(at_ + more.size());
-        std::memcpy(bytes_.data() + at_, more.data(), more.size());
-        at_ += more.size();
+    void write(std::span<const std::byte> added) override {
+        if (position_ + added.size() > bytes_.size()) bytes_.resize(position_ + added.size());
+        std::memcpy(bytes_.data() + position_, added.data(), added.size());
+        position_ += added.size();
     }
-    void seek(std::int64_t offset) override { at_ = static_cast<std::size_t>(offset); }
-    [[nodiscard]] std::int64_t tell() const noexcept override { return static_cast<std::int64_t>(at_); }
+    void seek(std::int64_t offset) override { position_ = static_cast<std::size_t>(offset); }
+    [[nodiscard]] std::int64_t tell() const noexcept override { return static_cast<std::int64_t>(position_); }
     void commit() override {}
 
 private:
     std::string& bytes_;
-    std::size_t at_ = 0;
+    std::size_t position_ = 0;
 };
 
 }  // namespace

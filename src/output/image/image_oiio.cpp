@@ -26,22 +26,22 @@ std::uint8_t to_srgb8(float linear) {
 
 std::unique_ptr<OIIO::ImageInput> open_input(const std::filesystem::path& path, std::string_view format) {
     // Name the format, because otherwise the library tries the readers of all formats that it knows.
-    auto in = OIIO::ImageInput::create(std::string(format));
+    auto input = OIIO::ImageInput::create(std::string(format));
     OIIO::ImageSpec spec;
-    if (!in || !in->open(path.string(), spec)) {
-        throw InputError(path.string() + ": cannot read: " + (in ? in->geterror() : OIIO::geterror()) +
+    if (!input || !input->open(path.string(), spec)) {
+        throw InputError(path.string() + ": cannot read: " + (input ? input->geterror() : OIIO::geterror()) +
                          "; give an existing " + std::string(format) + " file");
     }
-    return in;
+    return input;
 }
 
-ClaimedPixels claimed(const OIIO::ImageSpec& spec, std::uint64_t most_of_a_byte) {
+ClaimedPixels claimed_pixels_of(const OIIO::ImageSpec& spec, std::uint64_t max_growth) {
     return {static_cast<std::uint64_t>(spec.width), static_cast<std::uint64_t>(spec.height), spec.pixel_bytes(true),
-            most_of_a_byte};
+            max_growth};
 }
 
-/// Passes the library's bytes to a file::ByteSink and keeps the first error. The library would turn it into a flag, or
-/// lose it in a destructor.
+/// Passes the library's bytes to a file::ByteSink and keeps the first error. The library would turn the error into a
+/// flag, or lose it in a destructor.
 class SinkProxy final : public OIIO::Filesystem::IOProxy {
 public:
     SinkProxy(std::unique_ptr<file::ByteSink> sink, const std::string& path)
@@ -52,16 +52,16 @@ public:
     std::int64_t tell() override { return sink_->tell(); }
 
     bool seek(std::int64_t offset) override {
-        return guarded([&] { sink_->seek(offset); });
+        return run_guarded([&] { sink_->seek(offset); });
     }
 
     std::size_t write(const void* data, std::size_t size) override {
         const auto* bytes = static_cast<const std::byte*>(data);
-        return guarded([&] { sink_->write({bytes, size}); }) ? size : 0;
+        return run_guarded([&] { sink_->write({bytes, size}); }) ? size : 0;
     }
 
-    /// Drops all later bytes, because the library writes a tail even when it is told to stop.
-    void discard() noexcept { discarding_ = true; }
+    /// Drops all later bytes, because the library writes the end of a picture even when it is told to stop.
+    void discard() noexcept { is_discarding_ = true; }
 
     [[nodiscard]] bool failed() const noexcept { return failure_ != nullptr; }
 
@@ -73,8 +73,8 @@ public:
 
 private:
     template <class Action>
-    bool guarded(Action action) noexcept {
-        if (discarding_) return true;
+    bool run_guarded(Action action) noexcept {
+        if (is_discarding_) return true;
         if (failure_) return false;
         try {
             action();
@@ -87,12 +87,12 @@ private:
 
     std::unique_ptr<file::ByteSink> sink_;
     std::exception_ptr failure_;
-    bool discarding_ = false;
+    bool is_discarding_ = false;
 };
 
 OIIO::ImageSpec image_spec(const PngSpec& png) {
     OIIO::ImageSpec spec(png.width, png.height, 3, OIIO::TypeDesc::UINT8);
-    for (const auto& [keyword, text] : png.words) spec.attribute(keyword, text);
+    for (const auto& [keyword, text] : png.metadata) spec.attribute(keyword, text);
     spec.attribute("oiio:ColorSpace", "sRGB");
     // For heatmaps of 1024 x 1024, which have few colours and much noise, level 2 without filters makes files a third
     // smaller than the default (level 6, every filter tried) in a quarter of its time.
@@ -101,7 +101,7 @@ OIIO::ImageSpec image_spec(const PngSpec& png) {
     return spec;
 }
 
-/// An ImageOutput on a SinkProxy. Rows come in order, and errors are rethrown.
+/// A PNG that the library writes through a SinkProxy. Rows come in order, and errors are rethrown.
 class OiioPng final : public PngWriter {
 public:
     OiioPng(std::unique_ptr<file::ByteSink> sink, const std::string& path, const PngSpec& spec)
@@ -130,21 +130,21 @@ public:
     void write_rows(int rows, std::span<const Rgb8> pixels) override {
         const FloatingPointGuard guard;
         if (!out_) throw std::logic_error(path_ + ": rows after close");
-        if (rows < 0 || rows > height_ - next_ ||
+        if (rows < 0 || rows > height_ - next_row_ ||
             pixels.size() != static_cast<std::size_t>(width_) * static_cast<std::size_t>(rows))
             throw std::logic_error(path_ + ": " + std::to_string(pixels.size()) + " pixels for " +
                                    std::to_string(rows) + " rows of " + std::to_string(width_) + ", and " +
-                                   std::to_string(height_ - next_) + " rows are lacking");
+                                   std::to_string(height_ - next_row_) + " rows are lacking");
         if (rows == 0) return;
-        check(out_->write_scanlines(next_, next_ + rows, 0, OIIO::TypeDesc::UNKNOWN, pixels.data()));
-        next_ += rows;
+        check(out_->write_scanlines(next_row_, next_row_ + rows, 0, OIIO::TypeDesc::UNKNOWN, pixels.data()));
+        next_row_ += rows;
     }
 
     void close() override {
         const FloatingPointGuard guard;
         if (!out_) throw std::logic_error(path_ + ": closed twice");
-        if (next_ != height_) {
-            throw std::logic_error(path_ + ": closed after " + std::to_string(next_) + " of " +
+        if (next_row_ != height_) {
+            throw std::logic_error(path_ + ": closed after " + std::to_string(next_row_) + " of " +
                                    std::to_string(height_) + " rows");
         }
         check(out_->close());
@@ -154,13 +154,13 @@ public:
     }
 
 private:
-    void check(bool fine) {
+    void check(bool is_written) {
         proxy_.rethrow();
-        if (!fine) throw EnvironmentError(path_ + ": cannot write: " + out_->geterror());
+        if (!is_written) throw EnvironmentError(path_ + ": cannot write: " + out_->geterror());
     }
 
     std::string path_;
-    int width_, height_, next_ = 0;
+    int width_, height_, next_row_ = 0;
     SinkProxy proxy_;  // outlives out_, whose destructor still writes to it
     std::unique_ptr<OIIO::ImageOutput> out_;
 };
@@ -175,8 +175,8 @@ public:
     }
 
     std::vector<Rgb8> ramp(std::string_view name, int steps) override {
-        static constexpr std::string_view known[] = {"viridis", "inferno", "magma", "plasma", "turbo"};
-        if (std::find(std::begin(known), std::end(known), name) == std::end(known)) {
+        static constexpr std::string_view ramp_names[] = {"viridis", "inferno", "magma", "plasma", "turbo"};
+        if (std::find(std::begin(ramp_names), std::end(ramp_names), name) == std::end(ramp_names)) {
             throw InputError("unknown colour ramp '" + std::string(name) +
                              "'; try viridis, inferno, magma, plasma or turbo");
         }
@@ -203,8 +203,8 @@ public:
     std::vector<std::uint8_t> cover(std::span<const Figure> figures, const PixelBox& box) override {
         return cairo_coverage(figures, box);
     }
-    void write_pdf(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& words) override {
-        cairo_pdf(sink, canvas, words);
+    void write_pdf(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& metadata) override {
+        cairo_pdf(sink, canvas, metadata);
     }
     std::vector<std::string> exr_parts(const std::filesystem::path& path) override;
     ExrImage read_exr(const std::filesystem::path& path, std::size_t part) override;
@@ -220,35 +220,35 @@ protected:
 std::vector<std::string> OiioBackend::exr_parts(const std::filesystem::path& path) {
     const FloatingPointGuard guard;
     static_cast<void>(ExrHeads(path));
-    const auto in = open_input(path, "openexr");
+    const auto input = open_input(path, "openexr");
     std::vector<std::string> names;
-    for (int part = 0; in->seek_subimage(part, 0); ++part)
-        names.push_back(in->spec().get_string_attribute("oiio:subimagename"));
+    for (int part = 0; input->seek_subimage(part, 0); ++part)
+        names.push_back(input->spec().get_string_attribute("oiio:subimagename"));
     return names;
 }
 
 ExrImage OiioBackend::read_exr(const std::filesystem::path& path, std::size_t part) {
     const FloatingPointGuard guard;
     static_cast<void>(ExrHeads(path));
-    const auto in = open_input(path, "openexr");
-    const int place = static_cast<int>(part);
-    if (!in->seek_subimage(place, 0))
-        throw InputError(path.string() + ": cannot read part " + std::to_string(part) + ": " + in->geterror());
-    const OIIO::ImageSpec& spec = in->spec();
-    require_pixel_memory(path, claimed(spec, 0), 2);  // the headers were checked against the file
-    const auto count = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
+    const auto input = open_input(path, "openexr");
+    const int part_index = static_cast<int>(part);
+    if (!input->seek_subimage(part_index, 0))
+        throw InputError(path.string() + ": cannot read part " + std::to_string(part) + ": " + input->geterror());
+    const OIIO::ImageSpec& spec = input->spec();
+    require_pixel_memory(path, claimed_pixels_of(spec, 0), 2);  // the headers were checked against the file
+    const auto pixel_count = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
     const auto stride = spec.pixel_bytes(true);
-    std::vector<std::byte> pixels(count * stride);
-    if (!in->read_image(place, 0, 0, spec.nchannels, OIIO::TypeDesc::UNKNOWN, pixels.data())) {
-        throw InputError(path.string() + ": cannot read: " + in->geterror());
+    std::vector<std::byte> pixels(pixel_count * stride);
+    if (!input->read_image(part_index, 0, 0, spec.nchannels, OIIO::TypeDesc::UNKNOWN, pixels.data())) {
+        throw InputError(path.string() + ": cannot read: " + input->geterror());
     }
     ExrImage out{spec.width, spec.height, {}, {}};
     std::size_t offset = 0;
     for (int c = 0; c < spec.nchannels; ++c) {
         const OIIO::TypeDesc type = spec.channelformat(c);
         const auto gather = [&](auto convert) {
-            std::vector<decltype(convert(pixels.data()))> samples(count);
-            for (std::size_t i = 0; i < count; ++i) samples[i] = convert(pixels.data() + i * stride + offset);
+            std::vector<decltype(convert(pixels.data()))> samples(pixel_count);
+            for (std::size_t i = 0; i < pixel_count; ++i) samples[i] = convert(pixels.data() + i * stride + offset);
             out.channels.push_back({spec.channel_name(c), std::move(samples)});
         };
         if (type == OIIO::TypeDesc::UINT) {
@@ -284,16 +284,16 @@ ExrImage OiioBackend::read_exr(const std::filesystem::path& path, std::size_t pa
 
 PngImage OiioBackend::read_png(const std::filesystem::path& path) {
     const FloatingPointGuard guard;
-    const auto in = open_input(path, "png");
-    const OIIO::ImageSpec& spec = in->spec();
+    const auto input = open_input(path, "png");
+    const OIIO::ImageSpec& spec = input->spec();
     if (spec.nchannels != 3 || spec.format != OIIO::TypeDesc::UINT8) {
         throw InputError(path.string() + ": not an 8-bit RGB picture");
     }
-    require_pixel_memory(path, claimed(spec, 1032), 1);  // deflate: RFC 1951
+    require_pixel_memory(path, claimed_pixels_of(spec, 1032), 1);  // deflate: RFC 1951
     PngImage out{spec.width, spec.height, {}};
     out.pixels.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
-    if (!in->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, out.pixels.data())) {
-        throw InputError(path.string() + ": cannot read: " + in->geterror());
+    if (!input->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, out.pixels.data())) {
+        throw InputError(path.string() + ": cannot read: " + input->geterror());
     }
     return out;
 }

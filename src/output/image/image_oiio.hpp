@@ -1,5 +1,5 @@
-// Parts shared by the files of the image module; no other part of the program includes it. It also checks what an EXR
-// file must hold before the library reads it, because the library allocates memory for whatever a header claims.
+// Parts shared by the files of the image module; no other part of the program includes it. The header also checks what
+// an EXR file must hold before the library reads it, because the library allocates memory for whatever a header claims.
 // Layout: https://openexr.com/en/latest/OpenEXRFileLayout.html.
 #pragma once
 
@@ -26,33 +26,34 @@ using intersect::process::FloatingPointGuard;
 /// Implementations of ImageBackend::render_text, cover and write_pdf.
 [[nodiscard]] TextBitmap cairo_text(std::string_view utf8, int size, bool bold);
 [[nodiscard]] std::vector<std::uint8_t> cairo_coverage(std::span<const Figure> figures, const PixelBox& box);
-void cairo_pdf(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& words);
+void cairo_pdf(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& metadata);
 
 /// Product of two sizes, or the largest number if it overflows: 2^30 × 2^30 pixels of 16 bytes would wrap to 0.
 inline std::uint64_t saturating_product(std::uint64_t a, std::uint64_t b) {
-    constexpr auto most = std::numeric_limits<std::uint64_t>::max();
-    return b != 0 && a > most / b ? most : a * b;
+    constexpr auto largest = std::numeric_limits<std::uint64_t>::max();
+    return b != 0 && a > largest / b ? largest : a * b;
 }
 
 /// Pixels that a header claims.
 struct ClaimedPixels {
     std::uint64_t width = 0, height = 0, bytes_each = 0;
-    std::uint64_t most_of_a_byte = 0;  ///< most bytes that one byte of the file can become; 0: unknown
+    std::uint64_t max_growth = 0;  ///< most bytes that one byte of the file can become; 0: unknown
 };
 
-/// Refuses a header that claims more pixels than the file can hold (InputError) or this machine can (EnvironmentError),
-/// before anything is allocated. `copies` of the pixels are in memory at a time.
+/// Refuses a header that claims more pixels than the file can hold (InputError) or this machine can hold
+/// (EnvironmentError), before anything is allocated. `copies` of the pixels are in memory at a time.
 inline void require_pixel_memory(const std::filesystem::path& path, const ClaimedPixels& pixels, std::uint64_t copies) {
     const std::uint64_t bytes = saturating_product(saturating_product(pixels.width, pixels.height), pixels.bytes_each);
-    std::error_code unknown;
-    const std::uint64_t size = std::filesystem::file_size(path, unknown), most = pixels.most_of_a_byte;
-    const std::string claims = path.string() + ": claims " + std::to_string(pixels.width) + "x" +
-                               std::to_string(pixels.height) + " pixels of " + std::to_string(pixels.bytes_each) +
-                               " bytes, " + file::bytes_text(bytes);
-    if (!unknown && most > 0 && bytes / most > size)
-        throw InputError(claims + ", which no file of " + file::bytes_text(size) +
+    std::error_code error;
+    const std::uint64_t file_bytes = std::filesystem::file_size(path, error), max_growth = pixels.max_growth;
+    const std::string claim_text = path.string() + ": claims " + std::to_string(pixels.width) + "x" +
+                                   std::to_string(pixels.height) + " pixels of " + std::to_string(pixels.bytes_each) +
+                                   " bytes, " + file::bytes_text(bytes);
+    if (!error && max_growth > 0 && bytes / max_growth > file_bytes)
+        throw InputError(claim_text + ", which no file of " + file::bytes_text(file_bytes) +
                          " can hold; give one that is complete");
-    file::require_memory(saturating_product(bytes, copies), claims, "compare smaller pictures, or on a larger machine");
+    file::require_memory(saturating_product(bytes, copies), claim_text,
+                         "compare smaller pictures, or on a larger machine");
 }
 
 /// Reads the headers of an EXR file. Throws InputError if an attribute, or the table of block offsets, reaches beyond
@@ -60,22 +61,23 @@ inline void require_pixel_memory(const std::filesystem::path& path, const Claime
 class ExrHeads {
 public:
     explicit ExrHeads(const std::filesystem::path& path) : path_(path), in_(path, std::ios::binary) {
-        std::error_code unknown;
-        size_ = std::filesystem::file_size(path, unknown);
-        if (!in_ || unknown) throw InputError(path.string() + ": cannot read; give an existing openexr file");
-        if (number(4) != 20000630) throw InputError(path.string() + ": is not an openexr file");
-        version_ = number(4);
+        std::error_code error;
+        size_ = std::filesystem::file_size(path, error);
+        if (!in_ || error) throw InputError(path.string() + ": cannot read; give an existing openexr file");
+        if (read_number(4) != 20000630) throw InputError(path.string() + ": is not an openexr file");
+        version_ = read_number(4);
         std::uint64_t blocks = 0;
-        for (bool first = true, several = (version_ & 0x1000U) != 0; first || several; first = false) {
+        for (bool is_first = true, has_several_parts = (version_ & 0x1000U) != 0; is_first || has_several_parts;
+             is_first = false) {
             const Head head = read_head();
             if (head.is_empty) break;
             blocks += blocks_of(head);
             pixels_ += saturating_product(head.pixels.width, head.pixels.height);
             require_pixel_memory(path_, head.pixels, 1);
         }
-        if (saturating_product(blocks, 8) > size_ - at_) cut_off();
+        if (saturating_product(blocks, 8) > size_ - position_) throw_cut_off();
     }
-    /// Total of all parts.
+    /// Number of pixels of all parts together.
     [[nodiscard]] std::uint64_t pixels() const { return pixels_; }
 
 private:
@@ -83,7 +85,7 @@ private:
         bool is_empty = true;
         ClaimedPixels pixels = {};
         unsigned compression = 0;
-        bool tiled = false;
+        bool is_tiled = false;
         std::uint64_t tile_width = 1, tile_height = 1;
     };
 
@@ -118,111 +120,113 @@ private:
                                                                                   {"v3d", 24},
                                                                                   {"v3f", 12},
                                                                                   {"v3i", 12}}};
-    static constexpr auto text_end = std::string::npos;
+    static constexpr auto not_found = std::string::npos;
 
-    [[noreturn]] void cut_off() const {
+    [[noreturn]] void throw_cut_off() const {
         throw InputError(path_.string() + ": the file is cut off, or its header is damaged; give a complete file");
     }
-    std::uint64_t number(std::uint64_t bytes) {
+    std::uint64_t read_number(std::uint64_t bytes) {
         std::array<unsigned char, 8> raw{};
-        if (bytes > size_ - at_ || !in_.read(reinterpret_cast<char*>(raw.data()), static_cast<std::streamsize>(bytes)))
-            cut_off();
-        at_ += bytes;
-        std::uint64_t n = 0;
-        for (std::uint64_t i = bytes; i-- > 0;) n = n << 8 | raw[i];
-        return n;
+        if (bytes > size_ - position_ ||
+            !in_.read(reinterpret_cast<char*>(raw.data()), static_cast<std::streamsize>(bytes)))
+            throw_cut_off();
+        position_ += bytes;
+        std::uint64_t value = 0;
+        for (std::uint64_t i = bytes; i-- > 0;) value = value << 8 | raw[i];
+        return value;
     }
-    std::string name() {
+    std::string read_name() {
         std::string text;
-        for (std::uint64_t c = number(1); c != 0; c = number(1)) {
+        for (std::uint64_t c = read_number(1); c != 0; c = read_number(1)) {
             text += static_cast<char>(c);
-            if (text.size() > 255) cut_off();
+            if (text.size() > 255) throw_cut_off();
         }
         return text;
     }
     Head read_head() {
         Head head;
-        head.tiled = (version_ & 0x200U) != 0;
-        for (std::string attribute = name(); !attribute.empty(); attribute = name()) {
+        head.is_tiled = (version_ & 0x200U) != 0;
+        for (std::string attribute = read_name(); !attribute.empty(); attribute = read_name()) {
             head.is_empty = false;
-            const std::string type = name();
-            const std::uint64_t bytes = number(4), begin = at_, end = at_ + bytes;
-            if (bytes > size_ - at_) cut_off();
+            const std::string type = read_name();
+            const std::uint64_t bytes = read_number(4), begin = position_, end = position_ + bytes;
+            if (bytes > size_ - position_) throw_cut_off();
             require_value(type, bytes);
             go_to(begin);
             if (attribute == "channels") head.pixels.bytes_each = pixel_bytes(end);
-            if (attribute == "compression" && bytes == 1) head.compression = static_cast<unsigned>(number(1));
+            if (attribute == "compression" && bytes == 1) head.compression = static_cast<unsigned>(read_number(1));
             if (attribute == "dataWindow" && bytes == 16) read_window(head.pixels);
             if (attribute == "tiles" && bytes == 9) {
-                head.tile_width = number(4);
-                head.tile_height = number(4);
+                head.tile_width = read_number(4);
+                head.tile_height = read_number(4);
             }
-            if (attribute == "type" && (version_ & 0x1000U) != 0) head.tiled = text(bytes).find("tile") != text_end;
+            if (attribute == "type" && (version_ & 0x1000U) != 0)
+                head.is_tiled = read_text(bytes).find("tile") != not_found;
             go_to(end);
         }
-        if (head.compression < growth.size()) head.pixels.most_of_a_byte = growth[head.compression];
+        if (head.compression < growth.size()) head.pixels.max_growth = growth[head.compression];
         return head;
     }
     /// Checks the size of a value. The library reads the size that the type has, whatever the header says, and
     /// allocates memory for lengths inside the value.
     void require_value(const std::string& type, std::uint64_t bytes) {
-        const auto fixed = std::ranges::find(sizes, type, &std::pair<std::string_view, unsigned>::first);
-        if (fixed != sizes.end() && fixed->second != bytes) cut_off();
-        const std::uint64_t end = at_ + bytes;
+        const auto fixed_size = std::ranges::find(sizes, type, &std::pair<std::string_view, unsigned>::first);
+        if (fixed_size != sizes.end() && fixed_size->second != bytes) throw_cut_off();
+        const std::uint64_t end = position_ + bytes;
         if (type == "chlist") static_cast<void>(pixel_bytes(end));
         if (type == "preview") {
-            const std::uint64_t width = number(4), height = number(4);
-            if (saturating_product(saturating_product(width, height), 4) != end - at_) cut_off();
+            const std::uint64_t width = read_number(4), height = read_number(4);
+            if (saturating_product(saturating_product(width, height), 4) != end - position_) throw_cut_off();
         }
-        if (type == "idmanifest" && number(4) / 1032 > bytes) cut_off();
-        while (type == "stringvector" && at_ < end) {
-            const std::uint64_t length = number(4);
-            if (at_ > end || length > end - at_) cut_off();
-            go_to(at_ + length);
+        if (type == "idmanifest" && read_number(4) / 1032 > bytes) throw_cut_off();
+        while (type == "stringvector" && position_ < end) {
+            const std::uint64_t length = read_number(4);
+            if (position_ > end || length > end - position_) throw_cut_off();
+            go_to(position_ + length);
         }
     }
-    void go_to(std::uint64_t place) {
-        at_ = place;
-        in_.seekg(static_cast<std::streamoff>(place));
+    void go_to(std::uint64_t position) {
+        position_ = position;
+        in_.seekg(static_cast<std::streamoff>(position));
     }
-    std::string text(std::uint64_t bytes) {
-        std::string read(bytes, '\0');
-        if (!in_.read(read.data(), static_cast<std::streamsize>(bytes))) cut_off();
-        at_ += bytes;
-        return read;
+    std::string read_text(std::uint64_t bytes) {
+        std::string content(bytes, '\0');
+        if (!in_.read(content.data(), static_cast<std::streamsize>(bytes))) throw_cut_off();
+        position_ += bytes;
+        return content;
     }
     /// Bytes per pixel of a list of channels. A channel is a name, a type (HALF is 1) and 12 more bytes; an empty name
     /// ends the list.
     std::uint64_t pixel_bytes(std::uint64_t end) {
         std::uint64_t bytes = 0;
-        while (!name().empty()) {
-            const std::uint64_t type = number(4);
-            if (type > 2) cut_off();  // OpenImageIO 2.4 aborts
+        while (!read_name().empty()) {
+            const std::uint64_t type = read_number(4);
+            if (type > 2) throw_cut_off();  // OpenImageIO 2.4 aborts
             bytes += type == 1 ? 2 : 4;
-            static_cast<void>(text(12));
+            static_cast<void>(read_text(12));
         }
-        if (at_ != end) cut_off();
+        if (position_ != end) throw_cut_off();
         return bytes;
     }
     void read_window(ClaimedPixels& pixels) {
-        std::array<std::int64_t, 4> at{};
-        for (std::int64_t& x : at) x = static_cast<std::int32_t>(number(4));
-        pixels.width = static_cast<std::uint64_t>(std::max<std::int64_t>(at[2] - at[0] + 1, 0));
-        pixels.height = static_cast<std::uint64_t>(std::max<std::int64_t>(at[3] - at[1] + 1, 0));
+        std::array<std::int64_t, 4> corners{};
+        for (std::int64_t& x : corners) x = static_cast<std::int32_t>(read_number(4));
+        pixels.width = static_cast<std::uint64_t>(std::max<std::int64_t>(corners[2] - corners[0] + 1, 0));
+        pixels.height = static_cast<std::uint64_t>(std::max<std::int64_t>(corners[3] - corners[1] + 1, 0));
     }
     static std::uint64_t blocks_of(const Head& head) {
-        const auto pieces = [](std::uint64_t length, std::uint64_t piece) {
-            return (length + std::max<std::uint64_t>(piece, 1) - 1) / std::max<std::uint64_t>(piece, 1);
+        const auto count_pieces = [](std::uint64_t length, std::uint64_t piece_length) {
+            return (length + std::max<std::uint64_t>(piece_length, 1) - 1) / std::max<std::uint64_t>(piece_length, 1);
         };
-        if (head.tiled)
-            return saturating_product(pieces(head.pixels.width, head.tile_width),
-                                      pieces(head.pixels.height, head.tile_height));
-        return pieces(head.pixels.height, head.compression < lines.size() ? lines[head.compression] : 256);
+        if (head.is_tiled)
+            return saturating_product(count_pieces(head.pixels.width, head.tile_width),
+                                      count_pieces(head.pixels.height, head.tile_height));
+        return count_pieces(head.pixels.height, head.compression < lines.size() ? lines[head.compression] : 256);
     }
 
     std::filesystem::path path_;
     std::ifstream in_;
-    std::uint64_t size_ = 0, at_ = 0, version_ = 0, pixels_ = 0;
+    std::uint64_t size_ = 0, position_ = 0, version_ = 0, pixels_ = 0;
 };
 
 }  // namespace lostbits::output::image

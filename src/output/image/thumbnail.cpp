@@ -1,3 +1,4 @@
+// Shrinks or enlarges a field to a thumbnail.
 #include <algorithm>
 #include <array>
 #include <stdexcept>
@@ -7,10 +8,10 @@
 namespace lostbits::output::image {
 namespace {
 
-constexpr int longest = 160;
+constexpr int max_side = 160;
 
-int shrunk(int side, int longer) {
-    return std::max(1, static_cast<int>((static_cast<std::int64_t>(side) * longest + longer / 2) / longer));
+int shrunk_side(int side, int longer) {
+    return std::max(1, static_cast<int>((static_cast<std::int64_t>(side) * max_side + longer / 2) / longer));
 }
 
 }  // namespace
@@ -19,13 +20,13 @@ Thumbnail::Thumbnail(int field_width, int field_height, Shrink shrink)
     : field_width_(field_width), field_height_(field_height), shrink_(shrink) {
     if (field_width <= 0 || field_height <= 0) throw std::logic_error("thumbnail: a field without samples");
     const int longer = std::max(field_width, field_height);
-    if (longer <= longest) {
-        factor_ = longest / longer;
+    if (longer <= max_side) {
+        factor_ = max_side / longer;
         width_ = field_width * factor_;
         height_ = field_height * factor_;
     } else {
-        width_ = shrunk(field_width, longer);
-        height_ = shrunk(field_height, longer);
+        width_ = shrunk_side(field_width, longer);
+        height_ = shrunk_side(field_height, longer);
     }
 }
 
@@ -33,7 +34,7 @@ void Thumbnail::add_rows(int y_begin, std::span<const Rgb8> samples) {
     const auto width = static_cast<std::size_t>(field_width_);
     const auto rows = samples.size() / width;
     if (samples.size() % width != 0) throw std::logic_error("thumbnail: a part of a row");
-    if (y_begin < 0 || y_begin > field_height_ || rows > static_cast<std::size_t>(field_height_ - rows_) ||
+    if (y_begin < 0 || y_begin > field_height_ || rows > static_cast<std::size_t>(field_height_ - added_rows_) ||
         rows > static_cast<std::size_t>(field_height_ - y_begin)) {
         throw std::logic_error("thumbnail: rows outside the field");
     }
@@ -49,16 +50,17 @@ void Thumbnail::add_rows(int y_begin, std::span<const Rgb8> samples) {
     for (std::size_t i = 0; i < rows; ++i) {
         add_row(y_begin + static_cast<int>(i), samples.subspan(i * width, width));
     }
-    rows_ += static_cast<int>(rows);
-    if (complete() && factor_ == 0 && shrink_ == Shrink::average) resolve();
+    added_rows_ += static_cast<int>(rows);
+    if (is_complete() && factor_ == 0 && shrink_ == Shrink::average) resolve();
 }
 
-/// Pixel i of an axis takes sample ⌊(2i + 1)·f/(2·t)⌋ of f. If t ≤ f, no two pixels take the same sample.
+/// Along each axis, pixel i of `thumbnail` pixels takes sample ⌊(2i + 1)·field/(2·thumbnail)⌋ of `field` samples. If
+/// thumbnail ≤ field, no two pixels take the same sample.
 void Thumbnail::pick_row(int y, std::span<const Rgb8> samples) {
     const auto middle = [](std::int64_t i, std::int64_t field, std::int64_t thumbnail) {
         return (2 * i + 1) * field / (2 * thumbnail);
     };
-    // The pixel whose middle lies in this row, if any, is the one in which the top of the row lies, or the next one.
+    // The pixel whose middle lies in this row, if any, is the pixel in which the row begins, or the next one.
     std::int64_t j = static_cast<std::int64_t>(y) * height_ / field_height_;
     if (middle(j, field_height_, height_) != y) ++j;
     if (j >= height_ || middle(j, field_height_, height_) != y) return;
@@ -78,41 +80,45 @@ void Thumbnail::add_row(int y, std::span<const Rgb8> samples) {
         return;
     }
     if (shrink_ == Shrink::pick) return pick_row(y, samples);
-    // Sum a row once, then add its sums to one or two rows of pixels, because the weights are products.
-    static const auto lights = [] {
-        std::array<std::uint64_t, 256> all{};
-        for (std::size_t i = 0; i < all.size(); ++i) all[i] = linear_light(static_cast<std::uint8_t>(i));
-        return all;
+    // A row of samples is summed once; its sums are then added to one or two rows of pixels, because the weights are
+    // products.
+    static const auto light_of_byte = [] {
+        std::array<std::uint64_t, 256> values{};
+        for (std::size_t i = 0; i < values.size(); ++i) values[i] = linear_light(static_cast<std::uint8_t>(i));
+        return values;
     }();
     row_sums_.assign(3 * (out_width + 1), 0);
     for (std::size_t x = 0; x < samples.size(); ++x) {
-        const Overlap& fall = across_[x];
+        const Overlap& overlap = across_[x];
         const Rgb8 sample = samples[x];
-        std::uint64_t* const out = row_sums_.data() + 3 * fall.pixel;
-        const std::array<std::uint64_t, 3> light{lights[sample.r], lights[sample.g], lights[sample.b]};
-        for (std::size_t c = 0; c < 3; ++c) out[c] += fall.weight * light[c];
-        if (fall.rest == 0) continue;
-        for (std::size_t c = 0; c < 3; ++c) out[c + 3] += fall.rest * light[c];
+        std::uint64_t* const out = row_sums_.data() + 3 * overlap.pixel;
+        const std::array<std::uint64_t, 3> light{light_of_byte[sample.r], light_of_byte[sample.g],
+                                                 light_of_byte[sample.b]};
+        for (std::size_t c = 0; c < 3; ++c) out[c] += overlap.weight * light[c];
+        if (overlap.rest == 0) continue;
+        for (std::size_t c = 0; c < 3; ++c) out[c + 3] += overlap.rest * light[c];
     }
-    const Overlap& fall = down_[static_cast<std::size_t>(y)];
-    for (const auto& [pixel, weight] : {std::pair(fall.pixel, fall.weight), std::pair(fall.pixel + 1, fall.rest)}) {
+    const Overlap& overlap = down_[static_cast<std::size_t>(y)];
+    for (const auto& [pixel, weight] :
+         {std::pair(overlap.pixel, overlap.weight), std::pair(overlap.pixel + 1, overlap.rest)}) {
         if (weight == 0) continue;
         std::uint64_t* const out = sums_.data() + 3 * out_width * pixel;
         for (std::size_t i = 0; i < 3 * out_width; ++i) out[i] += weight * row_sums_[i];
     }
 }
 
-/// On an axis cut into field · thumbnail parts, sample x covers [x·t, (x+1)·t) and pixel i covers [i·f, (i+1)·f). All
-/// overlaps are whole numbers, and those of one pixel sum to f. If t ≤ f, a sample meets at most two pixels.
+/// On an axis cut into field · thumbnail parts, sample x covers [x·thumbnail, (x+1)·thumbnail) and pixel i covers
+/// [i·field, (i+1)·field). All overlaps are whole numbers, and the overlaps of one pixel sum to `field`. If thumbnail
+/// ≤ field, a sample meets at most two pixels.
 std::vector<Thumbnail::Overlap> Thumbnail::overlaps(std::int64_t field, std::int64_t thumbnail) {
-    std::vector<Overlap> all;
+    std::vector<Overlap> list;
     for (std::int64_t x = 0; x < field; ++x) {
         const std::int64_t pixel = x * thumbnail / field, end = (pixel + 1) * field;
         const std::int64_t weight = std::min((x + 1) * thumbnail, end) - x * thumbnail;
-        all.push_back({static_cast<std::size_t>(pixel), static_cast<std::uint64_t>(weight),
-                       static_cast<std::uint64_t>(thumbnail - weight)});
+        list.push_back({static_cast<std::size_t>(pixel), static_cast<std::uint64_t>(weight),
+                        static_cast<std::uint64_t>(thumbnail - weight)});
     }
-    return all;
+    return list;
 }
 
 void Thumbnail::resolve() {
@@ -127,7 +133,7 @@ void Thumbnail::resolve() {
 }
 
 const std::vector<Rgb8>& Thumbnail::pixels() const {
-    if (!complete()) throw std::logic_error("thumbnail: rows are lacking");
+    if (!is_complete()) throw std::logic_error("thumbnail: rows are lacking");
     return pixels_;
 }
 

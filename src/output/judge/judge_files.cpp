@@ -1,3 +1,4 @@
+// Writes the files of judged rays.
 #include "output/judge/judge_files.hpp"
 
 #include <fmt/format.h>
@@ -38,39 +39,40 @@ scene::file::Scene scene_of(const JudgeRequest& request, const Dump& dump, const
 }
 
 /// Arguments of `lostbits explain` that name a ray; empty if its primitives are too many to be named.
-std::string name_of(const measure::evaluate::WorstRay& ray) { return attribution::name_of_ray(ray.given.get()); }
+std::string ray_arguments(const measure::evaluate::WorstRay& ray) { return attribution::name_of_ray(ray.given.get()); }
 
 std::string case_name(const TestedForm& row, const ReportedRay& ray) {
-    const std::string what = ray.outcome == measure::answer::Outcome::agree_hit
-                                 ? fmt::format("{:.6g} ulp", ray.ulps)
-                                 : std::string(measure::answer::outcome_names[static_cast<std::size_t>(ray.outcome)]);
-    return fmt::format("{} in {}: ray {}, {}", row.form->info->name, row.format.name, ray.place, what);
+    const std::string error_text =
+        ray.outcome == measure::answer::Outcome::agree_hit
+            ? fmt::format("{:.6g} ulp", ray.ulps)
+            : std::string(measure::answer::outcome_names[static_cast<std::size_t>(ray.outcome)]);
+    return fmt::format("{} in {}: ray {}, {}", row.form->info->name, row.format.name, ray.place, error_text);
 }
 
 /// A ray in a chunk of the file.
 struct JudgedRay {
     const scene::dump::Chunk* chunk;
-    map::BandRay found;
+    map::BandRay band_ray;
 };
 
-bool has_hit(const JudgedRay& r) { return !r.chunk->hit.empty() && r.chunk->hit[r.found.i] != 0; }
+bool has_hit(const JudgedRay& r) { return !r.chunk->hit.empty() && r.chunk->hit[r.band_ray.i] != 0; }
 
 /// Columns with the file's data on a ray and its primitive.
 Table<JudgedRay> given_columns(const Dump& dump) {
     using R = JudgedRay;
     const scene::dump::Layout& layout = dump.layout();
     Table<R> table{
-        {"ray", "index of the ray in the file, from 0", [](const R& r) { return r.chunk->first + r.found.i; }}};
+        {"ray", "index of the ray in the file, from 0", [](const R& r) { return r.chunk->first + r.band_ray.i; }}};
     // Numbers of files of floats are written as short as floats allow.
-    const bool narrow = dump.format().engine == Format::Engine::native32;
-    const auto number = [narrow](double x) { return narrow ? Cell(static_cast<float>(x)) : Cell(x); };
+    const bool is_f32 = dump.format().engine == Format::Engine::native32;
+    const auto number = [is_f32](double x) { return is_f32 ? Cell(static_cast<float>(x)) : Cell(x); };
     const auto add = [&](std::size_t s, const char* type, const char* meaning, table::CellOf<R> value) {
         if (layout.has(s))
             table.add(
                 {{std::string(scene::dump::name_of_slot(s, layout.primitive())), type, "", meaning}, std::move(value)});
     };
     const auto add_number = [&](std::size_t s, const char* meaning, const auto& value) {
-        add(s, "number", meaning, [=](const R& r) { return number(value(*r.chunk, r.found.i)); });
+        add(s, "number", meaning, [=](const R& r) { return number(value(*r.chunk, r.band_ray.i)); });
     };
     for (int k = 0; k < 6; ++k)
         add_number(slot::origin + static_cast<std::size_t>(k), "number of the ray, as it was judged",
@@ -89,30 +91,30 @@ Table<JudgedRay> given_columns(const Dump& dump) {
                    [k = s - slot::matrix](const Chunk& c, std::size_t i) { return c.primitives[i].placed->matrix[k]; });
     add(slot::hit, "boolean", "true if the file has a hit for this ray", has_hit);
     add(slot::t, "number", "the file's answer; missing if it has no hit",
-        [number](const R& r) { return has_hit(r) ? number(r.chunk->t[r.found.i]) : Cell(); });
+        [number](const R& r) { return has_hit(r) ? number(r.chunk->t[r.band_ray.i]) : Cell(); });
     return table;
 }
 
-/// Columns of the table of one row. `decides`: its answers have no t.
+/// Columns of the table of one series. `has_no_t`: its answers are only hit or miss.
 Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::metric::Metric*>& metrics,
-                           bool decides = false) {
+                           bool has_no_t = false) {
     using Found = map::BandRay;
-    Table<Found> found{map::outcome_column()};
-    found.add_exact({"answer", "t", "the answer that was judged, in its own unit",
-                     [decides](const Found& r) { return table::when(r.hit() && !decides, r.t()); }});
-    found.add(map::found_columns(metrics));
+    Table<Found> answer_columns{map::outcome_column()};
+    answer_columns.add_exact({"answer", "t", "the answer that was judged, in its own unit",
+                              [has_no_t](const Found& r) { return table::when(r.hit() && !has_no_t, r.t()); }});
+    answer_columns.add(map::found_columns(metrics));
     Table<JudgedRay> table = given_columns(dump);
-    const std::size_t kept = dump.layout().kept().size();
-    for (std::size_t k = 0; k < kept; ++k) {
+    const std::size_t kept_count = dump.layout().kept().size();
+    for (std::size_t k = 0; k < kept_count; ++k) {
         std::string name = file::without_formula(dump.layout().kept()[k]);  // a column may have the name of a formula
-        while (name.empty() || table.find(name) || found.find(name)) name = "file_" + name;
+        while (name.empty() || table.find(name) || answer_columns.find(name)) name = "file_" + name;
         table.add({name, "this column of the file, unchanged",
-                   [k, kept](const JudgedRay& r) { return r.chunk->kept[r.found.i * kept + k]; }});
+                   [k, kept_count](const JudgedRay& r) { return r.chunk->kept[r.band_ray.i * kept_count + k]; }});
     }
-    return table.add(found, &JudgedRay::found);
+    return table.add(answer_columns, &JudgedRay::found);
 }
 
-/// Files of one row.
+/// Files of one series.
 class RowParts {
 public:
     RowParts(const TestedForm& row, WorstRays worst) : row_(row), worst_(std::move(worst)) {}
@@ -151,7 +153,7 @@ struct JudgeFiles::Parts {
     std::optional<file::AtomicFile> worst = {};
     std::vector<std::unique_ptr<RowParts>> rows = {};
 
-    /// For a shard: adds the lines of the row's table to the map's piece of the row.
+    /// For a shard: adds the lines of the series' table to the map's piece of the series.
     [[nodiscard]] pixel::KeepPiece keep_of_map() {
         if (!options.keep) return {};
         return [this](std::size_t row, pixel::Piece&& piece) {
@@ -161,8 +163,8 @@ struct JudgeFiles::Parts {
     }
 };
 
-JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFilesOptions given) {
-    parts_.reset(new Parts{.request = request, .options = std::move(given), .scene = {}});
+JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFilesOptions options) {
+    parts_.reset(new Parts{.request = request, .options = std::move(options), .scene = {}});
     Parts& p = *parts_;
     p.scene = scene_of(request, dump, p.options);
     p.map_request = {.scene = &p.scene, .rows = request.rows, .metrics = request.metrics};
@@ -179,7 +181,7 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
                                                       .single_pictures = p.options.single_pictures,
                                                       .scene_arguments = "",
                                                       .other_tables = tables,
-                                                      .name_of_ray = name_of,
+                                                      .name_of_ray = ray_arguments,
                                                       .listed = !request.picture,
                                                       .keep = p.keep_of_map(),
                                                       .by = request.by ? dump.layout().kept()[*request.by] : ""});
@@ -201,13 +203,13 @@ void JudgeFiles::put(std::size_t row, pixel::Piece&& piece) {
 }
 
 std::vector<WorstRays> JudgeFiles::worst() const {
-    std::vector<WorstRays> all;
-    for (const auto& row : parts_->rows) all.push_back(row->worst());
-    return all;
+    std::vector<WorstRays> worst_rays;
+    for (const auto& row : parts_->rows) worst_rays.push_back(row->worst());
+    return worst_rays;
 }
 
-void JudgeFiles::append(std::vector<WorstRays>&& after) {
-    for (std::size_t r = 0; r < parts_->rows.size(); ++r) parts_->rows[r]->worst().append(std::move(after.at(r)));
+void JudgeFiles::append(std::vector<WorstRays>&& later_rays) {
+    for (std::size_t r = 0; r < parts_->rows.size(); ++r) parts_->rows[r]->worst().append(std::move(later_rays.at(r)));
 }
 
 bool JudgeFiles::finish(const measure::judge::JudgeResult& result) {
@@ -219,16 +221,16 @@ bool JudgeFiles::finish(const measure::judge::JudgeResult& result) {
         }
         p.rows[r]->close();
     }
-    const bool any = p.worst && !cases.empty();
-    if (any) {
+    const bool has_cases = p.worst && !cases.empty();
+    if (has_cases) {
         p.worst->write(sweep::head_of_cases("The worst rays of " + p.options.title, p.options.command) + cases);
         p.worst->commit();
     }
     // A worst.toml of an earlier run is about other answers.
     std::error_code ignored;
-    if (!any) std::filesystem::remove(p.options.folder / "worst.toml", ignored);
+    if (!has_cases) std::filesystem::remove(p.options.folder / "worst.toml", ignored);
     p.map->finish(result.summaries, result.groups);
-    return any;
+    return has_cases;
 }
 
 }  // namespace lostbits::output::judge

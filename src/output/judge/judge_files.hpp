@@ -1,5 +1,5 @@
-// Files of judged rays: those of a map, worst.toml with the rays that deserve a second look, and one row per ray as
-// CSV.
+// Files of judged rays: the files of a map, worst.toml with the rays that deserve a second look, and one row per ray
+// as CSV.
 #pragma once
 
 #include <filesystem>
@@ -26,7 +26,7 @@ struct JudgeFilesOptions {
     pixel::KeepPiece keep = {};                              ///< receives the pieces of a shard
 };
 
-/// Opens every file before any work and gives all their final names in `finish`, like `MapFiles`.
+/// Opens every file before any work and gives all files their final names in `finish`, like `MapFiles`.
 class JudgeFiles {
 public:
     /// All three arguments must outlive the object.
@@ -35,13 +35,13 @@ public:
     JudgeFiles(const JudgeFiles&) = delete;
     JudgeFiles& operator=(const JudgeFiles&) = delete;
 
-    /// Takes the next rays of a row.
+    /// Adds the next judged rays of a series (a form in a format). `row` is its index in the request.
     void piece(std::size_t row, const scene::dump::Chunk& chunk, const measure::evaluate::BandResult& result);
-    /// Writes the next piece of a row, which another run kept.
+    /// Writes the next piece of a series, which another run kept.
     void put(std::size_t row, pixel::Piece&& piece);
-    /// Worst rays of each row. `append` adds those that another run found in the rays that follow.
+    /// Worst rays of each series. `append` adds the worst rays that another run found among later rays of the file.
     [[nodiscard]] std::vector<WorstRays> worst() const;
-    void append(std::vector<WorstRays>&& after);
+    void append(std::vector<WorstRays>&& later_rays);
     /// Returns true if there is a worst.toml, that is, rays that deserve a second look.
     bool finish(const measure::judge::JudgeResult& result);
 

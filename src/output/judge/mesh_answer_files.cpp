@@ -1,3 +1,4 @@
+// Writes the files of judged answers about the surface of a mesh.
 #include "output/judge/mesh_answer_files.hpp"
 
 #include <array>
@@ -16,12 +17,12 @@ namespace {
 
 constexpr const char *summary_file = "summary.csv", *faults_file = "faults.csv";
 
-const char* one_of(AnswerKind kind) { return kind == AnswerKind::inside ? "point" : "ray"; }
+const char* record_noun(AnswerKind kind) { return kind == AnswerKind::inside ? "point" : "ray"; }
 
 Table<MeshFaultRow> fault_table(AnswerKind kind) {
     Table<MeshFaultRow> table{
         {"outcome", "fault", [](const MeshFaultRow& r) { return std::string(measure::judge::name_of(r.outcome)); }},
-        {"count", std::string("number of ") + one_of(kind) + "s with it", &MeshFaultRow::count},
+        {"count", std::string("number of ") + record_noun(kind) + "s with it", &MeshFaultRow::count},
         {"first_record", "index of the first record of the first of them in the file, from 0",
          [](const MeshFaultRow& r) { return r.first->record; }}};
     if (kind != AnswerKind::inside)
@@ -32,7 +33,7 @@ Table<MeshFaultRow> fault_table(AnswerKind kind) {
     return table;
 }
 
-void add_of_lists(Table<MeshSummaryRow>& table) {
+void add_list_columns(Table<MeshSummaryRow>& table) {
     const auto add = [&table](const char* name, const char* meaning, std::uint64_t MeshAnswersResult::*count) {
         table.add({name, meaning, [count](const MeshSummaryRow& r) { return r.result->*count; }});
     };
@@ -42,11 +43,11 @@ void add_of_lists(Table<MeshSummaryRow>& table) {
     add("double_hits", "hits of a crossing that has an earlier hit", &MeshAnswersResult::doubled);
     add("neighbour_hits", "hits of a triangle beside the triangle that is met", &MeshAnswersResult::neighbours);
     const auto add_numbers = [&table](const std::string& name, const char* unit, const std::string& meaning,
-                                      measure::metric::Distribution MeshAnswersResult::*of) {
+                                      measure::metric::Distribution MeshAnswersResult::*distribution) {
         for (const auto& statistic : measure::metric::statistics)
             table.add({name + "_" + std::string(statistic.name), unit, meaning + ": " + std::string(statistic.meaning),
-                       [of, &statistic](const MeshSummaryRow& r) {
-                           return file::number_or_missing(statistic.of(r.result->*of));
+                       [distribution, &statistic](const MeshSummaryRow& r) {
+                           return file::number_or_missing(statistic.of(r.result->*distribution));
                        }});
     };
     table.add({"measured", "hits whose triangle the ray meets, and whose t is a number",
@@ -58,7 +59,7 @@ void add_of_lists(Table<MeshSummaryRow>& table) {
 }  // namespace
 
 Table<MeshSummaryRow> mesh_summary_table(AnswerKind kind) {
-    const std::string things = std::string(one_of(kind)) + "s";
+    const std::string records = std::string(record_noun(kind)) + "s";
     Table<MeshSummaryRow> table{
         {"form", "the answers of the file", &MeshSummaryRow::name},
         {"format", "format that they were computed in", &MeshSummaryRow::format},
@@ -66,18 +67,18 @@ Table<MeshSummaryRow> mesh_summary_table(AnswerKind kind) {
          [](const MeshSummaryRow& r) {
              return std::string(scene::dump::answer_kind_names[static_cast<std::size_t>(r.result->kind)]);
          }},
-        {things, things + " in the file", [](const MeshSummaryRow& r) { return r.result->rays; }}};
+        {records, records + " in the file", [](const MeshSummaryRow& r) { return r.result->rays; }}};
     for (std::size_t o = 0; o < measure::judge::mesh_outcome_rows.size(); ++o) {
         const auto outcome = static_cast<MeshOutcome>(o);
         if (!measure::judge::can_be(outcome, kind)) continue;
         const auto& [name, meaning] = measure::judge::mesh_outcome_rows[o];
-        table.add({std::string(name), things + ": " + std::string(meaning),
+        table.add({std::string(name), records + ": " + std::string(meaning),
                    [outcome](const MeshSummaryRow& r) { return r.result->of(outcome); }});
     }
     if (kind != AnswerKind::inside)
         table.add({"crossings", "true crossings of the surface by all rays",
                    [](const MeshSummaryRow& r) { return r.result->crossings; }});
-    if (kind == AnswerKind::all_hits) add_of_lists(table);
+    if (kind == AnswerKind::all_hits) add_list_columns(table);
     return table;
 }
 
@@ -88,21 +89,21 @@ std::vector<MeshFaultRow> mesh_fault_rows(const MeshAnswersResult& result) {
     return rows;
 }
 
-std::string words_of(const JudgedAnswer& answer, bool point) {
-    const Vec<double>& o = answer.ray.origin;
-    if (point) return file::listed(std::array{o.x, o.y, o.z}, file::hex, ",");
-    scene::rays::RayGroup one = scene::rays::group_of(answer.ray);
-    one.rays.tmin = {answer.range.tmin}, one.rays.tmax = {answer.range.tmax}, one.rays.open = answer.range.open;
-    return attribution::name_of_ray(&one);
+std::string words_of(const JudgedAnswer& answer, bool is_point) {
+    const Vec<double>& origin = answer.ray.origin;
+    if (is_point) return file::listed(std::array{origin.x, origin.y, origin.z}, file::hex, ",");
+    scene::rays::RayGroup group = scene::rays::group_of(answer.ray);
+    group.rays.tmin = {answer.range.tmin}, group.rays.tmax = {answer.range.tmax}, group.rays.open = answer.range.open;
+    return attribution::name_of_ray(&group);
 }
 
 Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
-    const bool point = kind == AnswerKind::inside;
+    const bool is_point = kind == AnswerKind::inside;
     using R = JudgedAnswer;
     Table<R> table{{"record", "index of its first record in the file, from 0", &R::record}};
     constexpr std::array rays{"ox", "oy", "oz", "dx", "dy", "dz"}, points{"px", "py", "pz", "", "", ""};
-    for (int k = 0; k < (point ? 3 : 6); ++k)
-        table.add({(point ? points : rays).at(static_cast<std::size_t>(k)), "number of it, as judged",
+    for (int k = 0; k < (is_point ? 3 : 6); ++k)
+        table.add({(is_point ? points : rays).at(static_cast<std::size_t>(k)), "number of it, as judged",
                    [k](const R& r) { return k < 3 ? r.ray.origin[k] : r.ray.direction[k - 3]; }});
     table.add({"outcome", "the last of its faults in the order of summary.csv",
                [](const R& r) { return std::string(measure::judge::name_of(r.judgement.outcome)); }});
@@ -110,9 +111,9 @@ Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
                    ? "listed"
                    : std::string(scene::dump::answer_kind_names.at(static_cast<std::size_t>(kind))),
                kind == AnswerKind::all_hits ? "hits in the file" : "answer of the file", &R::count});
-    if (point) return table.add({"winding", "layers of the surface that enclose the point", &R::winding});
-    const auto count = [](std::size_t measure::judge::ListJudgement::*of) {
-        return [of](const R& r) { return r.judgement.*of; };
+    if (is_point) return table.add({"winding", "layers of the surface that enclose the point", &R::winding});
+    const auto count = [](std::size_t measure::judge::ListJudgement::*number) {
+        return [number](const R& r) { return r.judgement.*number; };
     };
     using J = measure::judge::ListJudgement;
     table.add({"true_crossings", "crossings of the surface", count(&J::crossings)});
@@ -122,20 +123,21 @@ Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
     table.add({"double_hits", "hits of a crossing that has an earlier hit", count(&J::doubled)});
     table.add({"neighbour_hits", "hits of a triangle beside the triangle that is met", count(&J::neighbours)});
     return table.add({"ulp_error", "ulp", "largest |t - t*|/ulp(t*) of its hits", [](const R& r) {
-                          double most = measure::truth::missing;
-                          for (const double ulps : r.ulps) most = std::fmax(most, std::fabs(ulps));
-                          return file::number_or_missing(most);
+                          double largest = measure::truth::missing;
+                          for (const double ulps : r.ulps) largest = std::fmax(largest, std::fabs(ulps));
+                          return file::number_or_missing(largest);
                       }});
 }
 
 MeshAnswerFiles::MeshAnswerFiles(MeshAnswerFilesOptions options)
     : options_(std::move(options)),
       summary_(options_.folder, summary_file, "The answers of the file", mesh_summary_table(options_.kind)),
-      faults_(options_.folder, faults_file, std::string("One row per fault, with the first ") + one_of(options_.kind),
+      faults_(options_.folder, faults_file,
+              std::string("One row per fault, with the first ") + record_noun(options_.kind),
               fault_table(options_.kind)) {
     if (options_.rows)
         rows_.emplace(options_.folder, options_.name + "." + options_.format + ".csv",
-                      std::string("One row per ") + one_of(options_.kind), mesh_answer_table(options_.kind));
+                      std::string("One row per ") + record_noun(options_.kind), mesh_answer_table(options_.kind));
 }
 
 void MeshAnswerFiles::add(std::span<const JudgedAnswer> answers) {

@@ -18,7 +18,8 @@ using scene::dump::AnswerKind;
 
 struct MeshAnswerFilesOptions {
     std::filesystem::path folder;
-    std::string name, format, title;  ///< of the file of answers, and the format that they were computed in
+    std::string name, format,
+        title;  ///< name of the file of answers, the format in which they were computed, and a title
     AnswerKind kind;
     bool rows = false;  ///< one row per ray or point in `<name>.<format>.csv`
 };
@@ -37,13 +38,13 @@ struct MeshFaultRow {
     const JudgedAnswer* first;
 };
 std::vector<MeshFaultRow> mesh_fault_rows(const MeshAnswersResult& result);
-/// `--ray=…`, with the ends of its range, or the coordinates of a point.
-std::string words_of(const JudgedAnswer& answer, bool point);
+/// `--ray=…` with the ends of its range, or the coordinates of a point: the arguments that name a judged ray or point.
+std::string words_of(const JudgedAnswer& answer, bool is_point);
 
 /// Columns of a ray or a point.
 table::Table<JudgedAnswer> mesh_answer_table(AnswerKind kind);
 
-/// Opens every file before any work, and gives all their final names in `finish`.
+/// Opens every file before any work, and gives all files their final names in `finish`.
 class MeshAnswerFiles {
 public:
     explicit MeshAnswerFiles(MeshAnswerFilesOptions options);

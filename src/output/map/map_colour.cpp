@@ -1,3 +1,4 @@
+// Colour scales of metrics, and colours of pixels.
 #include "output/map/map_colour.hpp"
 
 #include <algorithm>
@@ -13,8 +14,11 @@ using image::LegendEntry;
 using image::Rgb8;
 
 Rgb8 paler(Rgb8 c) {
-    const auto mixed = [](std::uint8_t x, std::uint8_t page) { return static_cast<std::uint8_t>((x + page) / 2); };
-    return {mixed(c.r, image::style::page.r), mixed(c.g, image::style::page.g), mixed(c.b, image::style::page.b)};
+    const auto mix_with_page = [](std::uint8_t x, std::uint8_t page) {
+        return static_cast<std::uint8_t>((x + page) / 2);
+    };
+    return {mix_with_page(c.r, image::style::page.r), mix_with_page(c.g, image::style::page.g),
+            mix_with_page(c.b, image::style::page.b)};
 }
 
 std::string plain_name(Outcome o) {
@@ -26,11 +30,11 @@ std::string plain_name(Outcome o) {
 
 ColourScale metric_scale(const Metric& metric, const FloatFormat& format, const std::optional<BarRange>& range) {
     using measure::metric::Ramp;
-    const bool magnitude = metric.ramp == Ramp::magnitude;
+    const bool is_magnitude = metric.ramp == Ramp::magnitude;
     const double p = format.precision;
-    const double low = magnitude && metric.low == 0 ? std::exp2(-(p + 6)) : metric.low;
-    const double high = metric.high == 0 ? (magnitude ? std::exp2(p) : p) : metric.high;
-    const image::Spacing spacing = magnitude                             ? image::Spacing::log2
+    const double low = is_magnitude && metric.low == 0 ? std::exp2(-(p + 6)) : metric.low;
+    const double high = metric.high == 0 ? (is_magnitude ? std::exp2(p) : p) : metric.high;
+    const image::Spacing spacing = is_magnitude                          ? image::Spacing::log2
                                    : metric.ramp == Ramp::lost && !range ? image::Spacing::root
                                                                          : image::Spacing::linear;
     return {"viridis", image::image_backend().ramp("viridis", 256), range ? range->lo : low, range ? range->hi : high,
@@ -41,9 +45,11 @@ namespace {
 
 /// The precision of all rows, in bits; 0 if they differ or there are none.
 int common_precision(std::span<const TestedForm> rows) {
-    const int first = rows.empty() ? 0 : rows.front().format.parameters.precision;
-    const auto same = [first](const TestedForm& row) { return row.format.parameters.precision == first; };
-    return std::ranges::all_of(rows, same) ? first : 0;
+    const int first_precision = rows.empty() ? 0 : rows.front().format.parameters.precision;
+    const auto has_first_precision = [first_precision](const TestedForm& row) {
+        return row.format.parameters.precision == first_precision;
+    };
+    return std::ranges::all_of(rows, has_first_precision) ? first_precision : 0;
 }
 
 }  // namespace

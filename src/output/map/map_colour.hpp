@@ -32,9 +32,9 @@ struct BarRange {
 image::ColourScale metric_scale(const Metric& metric, const FloatFormat& format,
                                 const std::optional<BarRange>& range = {});
 
-/// Colours of lost bits in one picture with rows in any formats. They are shares of the significand, so equal shares
-/// have equal colours, which are those of `metric_scale` in each format. The bar shows bits if all rows have the same
-/// precision, otherwise percent.
+/// Colours of lost bits in one picture with rows in any formats. The colours are shares of the significand: equal
+/// shares have equal colours, the colours of `metric_scale` in each format. The bar shows bits if all rows have the
+/// same precision, otherwise percent.
 class LostBitsScale {
 public:
     explicit LostBitsScale(std::span<const TestedForm> rows);
@@ -44,7 +44,7 @@ public:
     [[nodiscard]] const std::string& unit() const { return unit_; }
 
 private:
-    int precision_;  ///< of all rows; 0: they differ
+    int precision_;  ///< precision of all rows; 0 if the rows differ
     image::ColourScale bar_;
     std::string unit_;
 };
@@ -52,8 +52,8 @@ private:
 /// Colour of one pixel. `value` is the metric with its sign; magnitudes are drawn.
 image::Rgb8 pixel_colour(const image::ColourScale& scale, Outcome outcome, double value);
 
-/// True if the problem explains a loss: bits are lost, and less than one of them lies beyond the envelope.
-inline bool inside_envelope(double lost, double excess) { return lost >= 1 && excess < 1; }
+/// True if the problem explains a loss: bits are lost, and less than one bit lies beyond the envelope.
+inline bool is_inside_envelope(double lost, double excess) { return lost >= 1 && excess < 1; }
 /// A paler colour, half of it page. It marks a loss that the problem causes, and not the form.
 image::Rgb8 paler(image::Rgb8 colour);
 inline constexpr const char* paler_means = "paler colour: half an ulp in each input would cost as much";
@@ -69,9 +69,9 @@ public:
     MetricPaint(const Metric& metric, const FloatFormat& format, const std::optional<BarRange>& range = {});
 
     [[nodiscard]] const Metric& metric() const { return *metric_; }
-    /// None for categories.
+    /// The scale; missing for categories.
     [[nodiscard]] const std::optional<image::ColourScale>& scale() const { return look_.scale; }
-    /// True if a row has such a picture.
+    /// True if the metric has a picture for this series.
     [[nodiscard]] bool applies_to(const TestedForm& row) const;
     /// True if both metrics are drawn alike, so that they may share a bar.
     [[nodiscard]] bool shares_with(const Metric& other) const;
@@ -79,30 +79,30 @@ public:
     [[nodiscard]] image::Rgb8 colour(Outcome outcome, double value) const {
         return look_.colour(pixel(outcome, value));
     }
-    /// Categories of the picture: first those with a value (several, or one on the ramp), then the outcomes, with
-    /// correct hits without a value last, then everything else without a value. `of_mesh` names the outcomes of meshes
-    /// too.
-    [[nodiscard]] pixel::Look look(bool of_mesh) const;
+    /// Categories of the picture: first those with a value (several, or one on the ramp), then the
+    /// outcomes, with correct hits without a value last, then everything else without a value. `has_mesh` names the
+    /// outcomes of meshes too.
+    [[nodiscard]] pixel::Look look(bool has_mesh) const;
     /// Value of one pixel of the picture.
     [[nodiscard]] pixel::PixelValue pixel(Outcome outcome, double value) const;
     /// Index of an outcome among the categories.
     [[nodiscard]] std::size_t index_of(Outcome o) const {
         const auto k = static_cast<std::size_t>(o);
-        return values_ + (k == 0 ? image::outcome_colours.size() : k) - 1;
+        return value_categories_ + (k == 0 ? image::outcome_colours.size() : k) - 1;
     }
 
-    /// Meaning of the colours in one line, for one format or for a sheet of `several`.
-    [[nodiscard]] std::string note(bool several = false) const;
-    /// Meaning of `p99` in a glance, for a sheet; empty if no glance has one.
+    /// Meaning of the colours in one line, for one format, or for a sheet if `has_several_formats`.
+    [[nodiscard]] std::string note(bool has_several_formats = false) const;
+    /// Meaning of `p99` in a glance, for a sheet; empty if no glance contains a p99.
     [[nodiscard]] std::string quantile_note() const;
     /// Summary of a row in at most four short lines: wrong decisions as shares of all pixels, then the errors of the
     /// agreed hits, then the number of those hits.
     [[nodiscard]] std::string glance(const FormSummary& summary, std::size_t m) const;
-    /// True if the worst ray of a row is the one with the largest value of what is drawn.
+    /// True if the worst ray of a row is the one with the largest value of the drawn metric.
     [[nodiscard]] bool names_worst() const { return is_of_hits() && look_.scale; }
-    /// The same as a sentence, for below a picture.
+    /// The summary of `glance` as a sentence, for the caption of a picture.
     [[nodiscard]] std::string caption(const FormSummary& summary, std::size_t m) const;
-    /// The longest caption that a picture of so many pixels can get.
+    /// The longest caption that a picture with this number of pixels can get.
     [[nodiscard]] std::string widest_caption(std::uint64_t pixels) const;
 
 private:
@@ -111,14 +111,14 @@ private:
     [[nodiscard]] bool is_distance() const {
         return metric_->domain == measure::metric::MetricDomain::pairs && look_.scale;
     }
-    [[nodiscard]] std::vector<image::LegendEntry> culprit_legend(const pixel::CategoryCounts& all) const;
+    [[nodiscard]] std::vector<image::LegendEntry> culprit_legend(const pixel::CategoryCounts& category_counts) const;
     [[nodiscard]] std::vector<image::LegendEntry> widest_culprit_legend(std::uint64_t pixels) const;
 
     const Metric* metric_;
     int precision_;
-    bool ranged_;
+    bool has_range_;
     pixel::Look look_;
-    std::size_t values_ = 0;  ///< number of categories with a value
+    std::size_t value_categories_ = 0;  ///< number of categories with a value
 };
 
 }  // namespace lostbits::output::map

@@ -1,3 +1,4 @@
+// Layers and parts of a map's EXR.
 #include "output/map/map_exr.hpp"
 
 #include <algorithm>
@@ -13,8 +14,8 @@ using image::Channel;
 using image::ExrPart;
 using measure::truth::missing;
 
-/// Data that rows with the same truth share. The first of these rows fills it.
-struct MapExr::Truths {
+/// The part with a truth that several series share. The first of these series fills it.
+struct MapExr::TruthPart {
     TruthKind kind;
     const TestedForm* filled_by;
     pixel::ExrLayers<MapStrip> layers;
@@ -46,29 +47,29 @@ bool is_within_float(const Format& format) {
     return f.precision <= binary32.precision && f.emax <= binary32.emax && f.emin >= binary32.emin;
 }
 
-template <class Band, class Of>
-void add_exactly(pixel::ExrLayers<Band>& layers, const std::string& name, bool within_float, Of of) {
-    if (within_float) return layers.add_number(name + ".hi", of);
+template <class Band, class ValueOf>
+void add_exactly(pixel::ExrLayers<Band>& layers, const std::string& name, bool within_float, ValueOf value_of) {
+    if (within_float) return layers.add_number(name + ".hi", value_of);
     layers.add(
         {{name + ".hi"}, {name + ".lo"}, {name + ".word1", Channel::Type::u32}, {name + ".word0", Channel::Type::u32}},
-        [of](const Band& band, std::size_t i, std::uint32_t* at) {
-            const double x = of(band, i);
+        [value_of](const Band& band, std::size_t i, std::uint32_t* samples) {
+            const double x = value_of(band, i);
             const auto hi = static_cast<float>(x);
-            const auto word = std::bit_cast<std::uint64_t>(x);
-            at[0] = std::bit_cast<std::uint32_t>(hi);
-            at[1] = image::float_word(std::isfinite(hi) ? x - static_cast<double>(hi) : 0.0);
-            at[2] = static_cast<std::uint32_t>(word >> 32);
-            at[3] = static_cast<std::uint32_t>(word);
+            const auto bits = std::bit_cast<std::uint64_t>(x);
+            samples[0] = std::bit_cast<std::uint32_t>(hi);
+            samples[1] = image::float_word(std::isfinite(hi) ? x - static_cast<double>(hi) : 0.0);
+            samples[2] = static_cast<std::uint32_t>(bits >> 32);
+            samples[3] = static_cast<std::uint32_t>(bits);
         });
 }
 
 template <class Band>
 void add_truth(pixel::ExrLayers<Band>& layers) {
     layers.add({{"class.truth", Channel::Type::u32}, {"class.truth_object", Channel::Type::u32}},
-               [](const Band& band, std::size_t i, std::uint32_t* at) {
+               [](const Band& band, std::size_t i, std::uint32_t* samples) {
                    const measure::truth::Truth truth = band.result->truth(i);
-                   at[0] = static_cast<std::uint32_t>(truth.decision);
-                   at[1] = truth.is_hit() ? static_cast<std::uint32_t>(truth.object + 1) : 0;
+                   samples[0] = static_cast<std::uint32_t>(truth.decision);
+                   samples[1] = truth.is_hit() ? static_cast<std::uint32_t>(truth.object + 1) : 0;
                });
 }
 
@@ -85,8 +86,8 @@ ExrPart part_of(const MapExrRequest& request, std::string name, const char* sche
                                     image::objects_attribute()}}};
 }
 
-void add(Attributes& attributes, const Attributes& more) {
-    attributes.insert(attributes.end(), more.begin(), more.end());
+void append(Attributes& attributes, const Attributes& added) {
+    attributes.insert(attributes.end(), added.begin(), added.end());
 }
 
 pixel::ExrLayers<MapStrip> layers_of(const MapExrRequest& request, const TestedForm& row) {
@@ -103,8 +104,8 @@ pixel::ExrLayers<MapStrip> layers_of(const MapExrRequest& request, const TestedF
     });
     for (const Metric* metric : request.layers)
         layers.add_number(std::string(metric->layer),
-                          [m = measure::metric::index_of(request.map.metrics, metric->name)](
-                              const MapStrip& strip, std::size_t i) { return strip.result->metrics[m][i]; });
+                          [metric_index = measure::metric::index_of(request.map.metrics, metric->name)](
+                              const MapStrip& strip, std::size_t i) { return strip.result->metrics[metric_index][i]; });
     return layers;
 }
 
@@ -131,10 +132,10 @@ pixel::ExrLayers<NeededStrip> needed_layers() {
 ExrPart row_part(const MapExrRequest& request, const TestedForm& row, const std::string& truth,
                  std::vector<Channel> channels) {
     ExrPart part = part_of(request, row_name(row), "lostbits-map/2", std::move(channels));
-    add(part.spec.attributes, {{"lostbits:form", std::string(row.form->info->name)},
-                               {"lostbits:format", row.format.name},
-                               {"lostbits:truth", truth},
-                               {"lostbits:outcomes", pixel::numbered(measure::answer::outcome_names)}});
+    append(part.spec.attributes, {{"lostbits:form", std::string(row.form->info->name)},
+                                  {"lostbits:format", row.format.name},
+                                  {"lostbits:truth", truth},
+                                  {"lostbits:outcomes", pixel::numbered(measure::answer::outcome_names)}});
     for (const Metric* m : request.layers) {
         if (m->by_run && !m->categories.empty())
             part.spec.attributes.emplace_back("lostbits:culprits", pixel::numbered(m->categories, "; "));
@@ -147,16 +148,16 @@ ExrPart needed_part(const MapExrRequest& request, const Info& form) {
         part_of(request, std::string(form.name) + ".needed", "lostbits-needed/2", needed_layers().channels());
     part.run = 1;  // after the map
     using measure::evaluate::least_width, measure::evaluate::most_width;
-    add(part.spec.attributes,
-        {{"lostbits:form", std::string(form.name)},
-         {"lostbits:format", "p" + std::to_string(least_width) + "..p" + std::to_string(most_width)},
-         {"lostbits:bits", std::to_string(request.needed->bits)},
-         {"lostbits:truths", pixel::numbered(measure::truth::decision_names)}});
+    append(part.spec.attributes,
+           {{"lostbits:form", std::string(form.name)},
+            {"lostbits:format", "p" + std::to_string(least_width) + "..p" + std::to_string(most_width)},
+            {"lostbits:bits", std::to_string(request.needed->bits)},
+            {"lostbits:truths", pixel::numbered(measure::truth::decision_names)}});
     return part;
 }
 
-std::size_t place_in(const auto& all, const auto& is_it) {
-    return static_cast<std::size_t>(std::ranges::find_if(all, is_it) - all.begin());
+std::size_t index_in(const auto& list, const auto& matches) {
+    return static_cast<std::size_t>(std::ranges::find_if(list, matches) - list.begin());
 }
 
 template <class Band>
@@ -170,18 +171,18 @@ MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) 
     std::vector<ExrPart> parts;
     for (const TestedForm& row : request.map.rows) {
         rows_.push_back({&row, layers_of(request, row)});
-        const std::size_t truths =
-            place_in(truths_, [kind = truth_kind(row)](const Truths& t) { return t.kind == kind; });
-        if (truths == truths_.size()) truths_.push_back({truth_kind(row), &row, truth_layers(row)});
-        parts.push_back(row_part(request, row, truths_[truths].name(), rows_.back().layers.channels()));
+        const std::size_t truth_index =
+            index_in(truth_parts_, [kind = truth_kind(row)](const TruthPart& t) { return t.kind == kind; });
+        if (truth_index == truth_parts_.size()) truth_parts_.push_back({truth_kind(row), &row, truth_layers(row)});
+        parts.push_back(row_part(request, row, truth_parts_[truth_index].name(), rows_.back().layers.channels()));
     }
-    for (const Truths& t : truths_) {
+    for (const TruthPart& t : truth_parts_) {
         parts.push_back(part_of(request, t.name(), "lostbits-map/2", t.layers.channels()));
         parts.back().spec.attributes.emplace_back("lostbits:truths", pixel::numbered(measure::truth::decision_names));
     }
     if (request.needed) {
         for (const intersect::table::Intersector* form : request.needed->rows) {
-            needed_.push_back(form->info);
+            needed_forms_.push_back(form->info);
             parts.push_back(needed_part(request, *form->info));
         }
     }
@@ -193,16 +194,17 @@ MapExr::~MapExr() = default;
 std::vector<ExrRows> MapExr::rows_of(const TestedForm& row, const BandResult& result,
                                      std::span<const image::Rgb8> preview) const {
     const MapStrip strip{&result, preview};
-    const std::size_t place = place_in(rows_, [&row](const Row& r) { return r.row == &row; });
-    std::vector<ExrRows> pieces{rows_in(place, rows_[place].layers, strip)};
-    const std::size_t truths = place_in(truths_, [&row](const Truths& t) { return t.filled_by == &row; });
-    if (truths < truths_.size()) pieces.push_back(rows_in(rows_.size() + truths, truths_[truths].layers, strip));
+    const std::size_t index = index_in(rows_, [&row](const Row& r) { return r.row == &row; });
+    std::vector<ExrRows> pieces{rows_in(index, rows_[index].layers, strip)};
+    const std::size_t truth_index = index_in(truth_parts_, [&row](const TruthPart& t) { return t.filled_by == &row; });
+    if (truth_index < truth_parts_.size())
+        pieces.push_back(rows_in(rows_.size() + truth_index, truth_parts_[truth_index].layers, strip));
     return pieces;
 }
 
 std::vector<ExrRows> MapExr::rows_of(const NeededBand& result, std::span<const image::Rgb8> preview) const {
-    const std::size_t place = place_in(needed_, [&result](const Info* form) { return form == result.form; });
-    return {rows_in(rows_.size() + truths_.size() + place, needed_layers(), NeededStrip{&result, preview})};
+    const std::size_t index = index_in(needed_forms_, [&result](const Info* form) { return form == result.form; });
+    return {rows_in(rows_.size() + truth_parts_.size() + index, needed_layers(), NeededStrip{&result, preview})};
 }
 
 void MapExr::write(const std::vector<ExrRows>& pieces) {

@@ -1,4 +1,4 @@
-// The EXR of a scene's map: every value that the pictures were made of, with one part per row.
+// The EXR of a scene's map: every value that the pictures show, with one part per series (a form in a format).
 #pragma once
 
 #include <filesystem>
@@ -29,10 +29,10 @@ struct MapExrRequest {
     const MapStudy& map;
     std::vector<const Metric*> layers;                       ///< a selection of the map's metrics
     std::string command;                                     ///< the command that makes the file again
-    const measure::evaluate::NeededStudy* needed = nullptr;  ///< null: bits needed are not asked for
+    const measure::evaluate::NeededStudy* needed = nullptr;  ///< null: the bits needed are not measured
 };
 
-/// A band and the preview of all its pixels, which a part takes.
+/// A band of results and the preview of its pixels, which become rows of a part.
 template <class Result>
 struct Previewed {
     const Result* result;
@@ -60,12 +60,12 @@ public:
     MapExr(const MapExr&) = delete;
     MapExr& operator=(const MapExr&) = delete;
 
-    /// Rows of the file for a band of a row of the map, with its truth unless another row has it; or for a band of the
-    /// bits needed by a form.
+    /// Rows of the file for one band: of a series of the map, with its truth unless another series writes that truth;
+    /// or of the bits needed by a form.
     [[nodiscard]] std::vector<ExrRows> rows_of(const TestedForm& row, const BandResult& result,
                                                std::span<const image::Rgb8> preview) const;
     [[nodiscard]] std::vector<ExrRows> rows_of(const NeededBand& result, std::span<const image::Rgb8> preview) const;
-    /// Writes the next rows of their parts. Different parts may be written concurrently.
+    /// Writes the next rows of the parts. Different parts may be written concurrently.
     void write(const std::vector<ExrRows>& pieces);
     void close();
 
@@ -74,10 +74,10 @@ private:
         const TestedForm* row;
         pixel::ExrLayers<MapStrip> layers;
     };
-    struct Truths;
+    struct TruthPart;
     std::vector<Row> rows_;
-    std::vector<Truths> truths_;
-    std::vector<const intersect::Info*> needed_;
+    std::vector<TruthPart> truth_parts_;
+    std::vector<const intersect::Info*> needed_forms_;
     std::unique_ptr<image::ExrBook> book_;
 };
 

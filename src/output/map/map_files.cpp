@@ -1,3 +1,4 @@
+// Opens, fills and finishes the files of a map.
 #include "output/map/map_files.hpp"
 
 #include <fmt/format.h>
@@ -18,8 +19,8 @@ namespace {
 
 using MapRowFiles = pixel::RowFiles<BandResult, BandRay>;
 
-/// Preview of a row to which none of the metrics applies.
-std::vector<image::Rgb8> outcomes_of(const BandResult& result) {
+/// Preview of a series to which none of the metrics applies: the colours of its outcomes.
+std::vector<image::Rgb8> outcome_colours_of(const BandResult& result) {
     std::vector<image::Rgb8> field(result.outcomes.size());
     std::ranges::transform(result.outcomes, field.begin(), pixel::colour_of);
     return field;
@@ -39,8 +40,8 @@ struct MapFiles::Parts {
         auto table =
             summary_table(request.metrics, request.scene->shapes(), request.scene->mesh != nullptr, options.by);
         if (!options.listed) return table;
-        for (auto& c : table)
-            if (c.about.unit == "pixel") c.about.unit = "";
+        for (auto& column : table)
+            if (column.about.unit == "pixel") column.about.unit = "";
         table.set_meaning("rays", "number of rays in the file");
         table.set_meaning("worst_x", "index in the file, from 0, of the ray with the largest |ulp_error|");
         table.set_meaning("worst_y", "0");
@@ -54,15 +55,17 @@ struct MapFiles::Parts {
                 options.keep ? "" : options.folder, row_name(row) + ".csv",
                 fmt::format("One row per pixel: {} in {}", row.form->info->name, row.format.name),
                 pixel_table(request.metrics));
-        MapRowFiles::Writers writers{.add_pixel =
-                                         [&row](table::TableFile<BandRay>& to, const BandResult& band, std::size_t i) {
-                                             to.add({&band, i, &row});
-                                         },
-                                     .pixels = [](const BandResult& band) { return band.outcomes.size(); }};
+        MapRowFiles::Writers writers{
+            .add_pixel =
+                [&row](table::TableFile<BandRay>& file, const BandResult& band, std::size_t i) {
+                    file.add({&band, i, &row});
+                },
+            .pixels = [](const BandResult& band) { return band.outcomes.size(); }};
         pixel::BandFiles<BandResult> files{pictures->files(), {}, options.keep};
         if (MapExr* const exr = options.exr) {
             writers.exr_rows = [&row, exr](const BandResult& band, std::span<const image::Rgb8> preview) {
-                return preview.empty() ? exr->rows_of(row, band, outcomes_of(band)) : exr->rows_of(row, band, preview);
+                return preview.empty() ? exr->rows_of(row, band, outcome_colours_of(band))
+                                       : exr->rows_of(row, band, preview);
             };
             files.write_exr = [exr](const std::vector<ExrRows>& pieces) { exr->write(pieces); };
         }
@@ -73,16 +76,17 @@ struct MapFiles::Parts {
 MapFiles::MapFiles(const MapStudy& request, const MapFilesOptions& options)
     : parts_(new Parts{.request = request, .options = options}) {
     Parts& p = *parts_;
-    // Check before an hour of work is spent.
-    const std::size_t of_row = (options.single_pictures ? options.drawn.size() : 0) + (options.pixels_csv ? 1 : 0);
-    file::require_open_files(request.rows.size() * of_row + options.drawn.size() + 2, options.folder.string(),
+    // The limit on open files is checked before an hour of work is spent.
+    const std::size_t files_per_row =
+        (options.single_pictures ? options.drawn.size() : 0) + (options.pixels_csv ? 1 : 0);
+    file::require_open_files(request.rows.size() * files_per_row + options.drawn.size() + 2, options.folder.string(),
                              "select fewer forms, formats or metrics");
-    const bool tabled = !options.keep && options.sheet_alone.empty();
-    if (tabled)
+    const bool has_tables = !options.keep && options.sheet_alone.empty();
+    if (has_tables)
         p.summary.emplace(options.folder, "summary.csv",
                           options.by.empty() ? "One row per form and format" : "One row per form, format and group",
                           p.summary_columns());
-    if (tabled && asks_for_culprits(request.metrics))
+    if (has_tables && asks_for_culprits(request.metrics))
         p.culprits.emplace(options.folder, "culprits.csv", "One row per form, format and operation that is a culprit",
                            culprit_table());
     p.pictures.emplace(request, p.options);
@@ -93,19 +97,19 @@ MapFiles::~MapFiles() = default;
 
 measure::evaluate::ShowRows MapFiles::show() { return measure::evaluate::show_to_each(parts_->rows); }
 
-void MapFiles::put(std::size_t row, pixel::Piece&& piece) { parts_->rows.at(row).put(piece); }
+void MapFiles::put(std::size_t row, pixel::Piece&& piece) { parts_->rows.at(row).write_piece(piece); }
 
 void MapFiles::finish(const std::vector<FormSummary>& summaries, const measure::evaluate::Groups& groups) {
     Parts& p = *parts_;
     p.pictures->finish(summaries);
     if (!p.summary) return;
-    const auto name_of = [&p](const measure::evaluate::WorstRay& ray) {
+    const auto ray_arguments = [&p](const measure::evaluate::WorstRay& ray) {
         return p.options.name_of_ray
                    ? p.options.name_of_ray(ray)
                    : attribution::name_of_pixel(p.options.scene_arguments, static_cast<int>(ray.x), ray.y);
     };
     for (std::size_t r = 0; r < summaries.size(); ++r) {
-        p.summary->add_all(summary_rows(r, p.request.rows[r], summaries[r], groups, name_of));
+        p.summary->add_all(summary_rows(r, p.request.rows[r], summaries[r], groups, ray_arguments));
         if (p.culprits) p.culprits->add_all(culprits_of(p.request.metrics, p.request.rows[r], summaries[r]));
     }
     if (p.options.exr) p.options.exr->close();

@@ -18,13 +18,13 @@ namespace lostbits::output::map {
 struct MapFilesOptions {
     std::filesystem::path folder;  ///< folder of the scene; created if missing
     std::vector<const Metric*>
-        drawn;  ///< metrics on sheets; those that are drawn alike share one. The first is also that of the preview
+        drawn;  ///< metrics on sheets; metrics that are drawn alike share a sheet. The first metric is also the preview
     bool single_pictures = false;  ///< also a picture of each metric of each row
     bool pixels_csv = false;       ///< a row per pixel in `<form>.<format>.csv`
     std::string scene_arguments;   ///< names the scene to `lostbits explain`: an id and perhaps options
     std::string explaining_sheet =
         {};  ///< the sheet of this run that explains p99, orders and worst pixels; empty: this one
-    /// Draws lost bits in a paler colour where the problem explains them (`inside_envelope`). Needs `excess_bits`.
+    /// Draws lost bits in a paler colour where the problem explains them (`is_inside_envelope`). Needs `excess_bits`.
     bool envelope = false;
     MapExr* exr = nullptr;  ///< for the same request; filled, and closed before summary.csv; null: no EXR is written
     std::vector<file::DataResource> other_tables =
@@ -34,13 +34,13 @@ struct MapFilesOptions {
     std::optional<BarRange> range = {};  ///< for every colour bar; absent: what fits each format
     pixel::KeepPiece keep = {};          ///< receives the pieces of a shard
     std::string by = {};                 ///< column whose values group the rays; empty: none
-    /// If set, the only file: the sheet of lost bits, and nothing else is drawn. Its legend leaves out correct hits
-    /// without a value.
+    /// If set, the path of the only file: the sheet of lost bits. Nothing else is drawn, and the legend leaves out
+    /// correct hits without a value.
     std::filesystem::path sheet_alone = {};
 };
 
-/// Opens every file of a map at once, before any work. Takes the bands of its rows, and gives all files their final
-/// names in `finish`. If it is destroyed without `finish`, nothing has a final name.
+/// Opens every file of a map at once, before any work. Receives the bands of all series, and gives all files their
+/// final names in `finish`. If the object is destroyed without `finish`, no file gets its final name.
 class MapFiles {
 public:
     MapFiles(const MapStudy& request, const MapFilesOptions& options);
@@ -48,7 +48,7 @@ public:
     MapFiles(const MapFiles&) = delete;
     MapFiles& operator=(const MapFiles&) = delete;
 
-    /// Returns the function that takes the bands of the request's rows.
+    /// Returns the function that receives the bands of the request's rows.
     [[nodiscard]] measure::evaluate::ShowRows show();
     /// Writes the next piece of a row, which another run kept.
     void put(std::size_t row, pixel::Piece&& piece);

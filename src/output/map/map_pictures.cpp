@@ -1,3 +1,4 @@
+// Draws the pictures of a map.
 #include "output/map/map_pictures.hpp"
 
 #include <fmt/format.h>
@@ -20,27 +21,27 @@ namespace {
 
 constexpr std::uint64_t most_kept_pixels = std::uint64_t{512} * 512;  // limit of each cell of a sheet that zooms
 
-std::size_t index_of(const std::vector<const Metric*>& all, const Metric* one) {
-    return static_cast<std::size_t>(std::ranges::find(all, one) - all.begin());
+std::size_t index_of(const std::vector<const Metric*>& metrics, const Metric* metric) {
+    return static_cast<std::size_t>(std::ranges::find(metrics, metric) - metrics.begin());
 }
 
 /// `contribution.c`: name of a metric for a file, without colons.
-std::string file_word(const Metric& metric) {
-    std::string word(metric.name);
-    std::ranges::replace(word, ':', '.');
-    return word;
+std::string file_name_part(const Metric& metric) {
+    std::string name(metric.name);
+    std::ranges::replace(name, ':', '.');
+    return name;
 }
 
 std::vector<MapSheet> sheets_of(const MapStudy& request, const MapFilesOptions& options) {
     std::vector<MapSheet> sheets;
     for (const Metric* m : options.drawn) {
-        const auto draws = [m](const TestedForm& row) {
+        const auto applies = [m](const TestedForm& row) {
             return MetricPaint(*m, row.format.parameters).applies_to(row);
         };
-        const auto first = std::ranges::find_if(request.rows, draws);
+        const auto first = std::ranges::find_if(request.rows, applies);
         if (first == request.rows.end()) continue;
-        const auto same = std::ranges::find_if(sheets, [m](const MapSheet& s) { return s.paint.shares_with(*m); });
-        if (same != sheets.end()) same->metrics.push_back(m);
+        const auto sheet = std::ranges::find_if(sheets, [m](const MapSheet& s) { return s.paint.shares_with(*m); });
+        if (sheet != sheets.end()) sheet->metrics.push_back(m);
         else sheets.push_back({MetricPaint(*m, first->format.parameters, options.range), {m}});
     }
     return sheets;
@@ -51,8 +52,8 @@ std::vector<MapSheet> sheets_of(const MapStudy& request, const MapFilesOptions& 
 MapPictures::MapPictures(const MapStudy& request, const MapFilesOptions& options)
     : request_(request),
       options_(options),
-      lost_(index_of(request.metrics, measure::metric::find_metric("lost_bits"))),
-      excess_(index_of(request.metrics, measure::metric::find_metric("excess_bits"))),
+      lost_bits_index_(index_of(request.metrics, measure::metric::find_metric("lost_bits"))),
+      excess_index_(index_of(request.metrics, measure::metric::find_metric("excess_bits"))),
       sheets_(sheets_of(request, options)),
       files_{pages(), add_columns()} {}
 
@@ -77,26 +78,27 @@ pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
         }
     }
     const auto differs = [&scales](const image::ColourScale& s) { return !s.is_as(scales.front()); };
-    const bool alone = !options_.sheet_alone.empty();
-    const bool several = alone ? scales.size() > 1 : std::ranges::any_of(scales, differs);
-    if (!scales.empty() && !several) scales.resize(1, scales.front());
-    const std::string name =
-        &sheet == sheets_.data() ? "contact.png" : fmt::format("contact.{}.png", file_word(*sheet.metrics.front()));
+    const bool is_only_file = !options_.sheet_alone.empty();
+    const bool has_several_bars = is_only_file ? scales.size() > 1 : std::ranges::any_of(scales, differs);
+    if (!scales.empty() && !has_several_bars) scales.resize(1, scales.front());
+    const std::string name = &sheet == sheets_.data()
+                                 ? "contact.png"
+                                 : fmt::format("contact.{}.png", file_name_part(*sheet.metrics.front()));
     const scene::file::Scene& scene = *request_.scene;
-    const auto said_of = options_.listed ? std::span<const TestedForm>() : request_.rows;
-    return {
-        alone ? options_.sheet_alone : options_.folder / name,
-        {.title = scene.title,
-         .subtitle = sheet_subtitle({scene, options_.scene_arguments, said_of, sheet.paint, several, zooms(sheet.paint),
-                                     &sheet == sheets_.data() ? options_.explaining_sheet : "contact"}),
-         .forms = sheet.forms,
-         .formats = sheet.lines,
-         .scales = std::move(scales),
-         .unit = alone ? "lost bits" : std::string(sheet.paint.metric().unit),
-         .categories = !sheet.paint.scale(),
-         .note_lines = cell_note_lines,
-         .collapses = !alone,
-         .zooms = zooms(sheet.paint)}};
+    const auto described_rows = options_.listed ? std::span<const TestedForm>() : request_.rows;
+    return {is_only_file ? options_.sheet_alone : options_.folder / name,
+            {.title = scene.title,
+             .subtitle =
+                 sheet_subtitle({scene, options_.scene_arguments, described_rows, sheet.paint, has_several_bars,
+                                 zooms(sheet.paint), &sheet == sheets_.data() ? options_.explaining_sheet : "contact"}),
+             .forms = sheet.forms,
+             .formats = sheet.lines,
+             .scales = std::move(scales),
+             .unit = is_only_file ? "lost bits" : std::string(sheet.paint.metric().unit),
+             .categories = !sheet.paint.scale(),
+             .note_lines = cell_note_lines,
+             .collapses = !is_only_file,
+             .zooms = zooms(sheet.paint)}};
 }
 
 bool MapPictures::zooms(const MetricPaint& paint) const {
@@ -114,10 +116,10 @@ std::vector<MapPictures::Column> MapPictures::add_columns() {
             if (!paint->applies_to(row)) continue;
             const auto sheet = std::ranges::find_if(
                 sheets_, [m](const MapSheet& s) { return std::ranges::find(s.metrics, m) != s.metrics.end(); });
-            const pixel::SheetPosition place{find_or_add(sheet->forms, short_name(*row.form->info)),
-                                             find_or_add(sheet->lines, sheet->line_name(row, *m)),
-                                             static_cast<std::size_t>(sheet - sheets_.begin())};
-            drawings_.push_back({r, index_of(request_.metrics, m), paint, place});
+            const pixel::SheetPosition position{find_or_add(sheet->forms, short_name(*row.form->info)),
+                                                find_or_add(sheet->lines, sheet->line_name(row, *m)),
+                                                static_cast<std::size_t>(sheet - sheets_.begin())};
+            drawings_.push_back({r, index_of(request_.metrics, m), paint, position});
             columns.push_back(column_of(drawings_.back()));
         }
     }
@@ -129,13 +131,13 @@ MapPictures::Column MapPictures::column_of(const Drawing& drawing) const {
     const TestedForm& row = request_.rows[drawing.row];
     const Metric& m = drawing.paint->metric();
     pixel::ColumnSpec spec{
-        .file = row_name(row) + (options_.drawn.size() == 1 ? "" : "." + file_word(m)) + ".png",
+        .file = row_name(row) + (options_.drawn.size() == 1 ? "" : "." + file_name_part(m)) + ".png",
         .title = fmt::format(
             "{} in {}: {}{}", row.form->info->name, row.format.name, m.name,
             m.domain == measure::metric::MetricDomain::pairs ? fmt::format(" {}", row.against->info->name) : ""),
         .subtitle = {title_of(*row.form->info), drawing.paint->note()},
         .look = std::make_shared<const pixel::Look>(look_of(drawing)),
-        .places = {drawing.place},
+        .places = {drawing.position},
         .widest_caption = drawing.paint->widest_caption(scene.pixels()) +
                           worst_pixel_text(drawing, {.x = scene.width, .y = scene.height})};
     if (std::string note = input_note(scene, std::span(&row, 1)); !note.empty() && !options_.listed)
@@ -144,11 +146,11 @@ MapPictures::Column MapPictures::column_of(const Drawing& drawing) const {
         return paint->pixel(band.outcomes[i], band.metrics[metric][i]);
     };
     if (!is_enveloped(m)) return {std::move(spec), drawing.row, pixel::drawn_by<BandResult>(pixel_of)};
-    const auto paler_of = [pixel_of, look = spec.look, lost = lost_, excess = excess_](const BandResult& band,
-                                                                                       std::size_t i) {
+    const auto paler_of = [pixel_of, look = spec.look, lost = lost_bits_index_, excess = excess_index_](
+                              const BandResult& band, std::size_t i) {
         const pixel::PixelValue pixel = pixel_of(band, i);
-        // NaN, an undefined metric, is never inside.
-        if (!inside_envelope(band.metrics[lost][i], band.metrics[excess][i])) return pixel;
+        // A NaN, which is an undefined metric, is never inside the envelope.
+        if (!is_inside_envelope(band.metrics[lost][i], band.metrics[excess][i])) return pixel;
         return pixel::PixelValue{.category = look->categories.size() - 1, .colour = paler(look->colour(pixel))};
     };
     return {std::move(spec), drawing.row, pixel::drawn_by<BandResult>(paler_of)};
@@ -163,8 +165,8 @@ pixel::Look MapPictures::look_of(const Drawing& drawing) const {
     return look;
 }
 
-bool MapPictures::is_enveloped(const Metric& drawn) const {
-    return options_.envelope && &drawn == measure::metric::find_metric("lost_bits");
+bool MapPictures::is_enveloped(const Metric& metric) const {
+    return options_.envelope && &metric == measure::metric::find_metric("lost_bits");
 }
 
 /// `; worst pixel 100,90: lostbits explain near-benign --pixel 100,90 -i sphere.press -f f32`. Without the command for
@@ -172,9 +174,9 @@ bool MapPictures::is_enveloped(const Metric& drawn) const {
 std::string MapPictures::worst_pixel_text(const Drawing& drawing, const measure::evaluate::WorstRay& worst) const {
     if (!drawing.paint->names_worst()) return "";
     const TestedForm& row = request_.rows[drawing.row];
-    const std::string place = fmt::format("; worst pixel {},{}", worst.x, worst.y);
-    if (!row.form->record || options_.scene_arguments.empty()) return place;
-    return place + ": " +
+    const std::string text = fmt::format("; worst pixel {},{}", worst.x, worst.y);
+    if (!row.form->record || options_.scene_arguments.empty()) return text;
+    return text + ": " +
            attribution::explain_command(
                attribution::name_of_pixel(options_.scene_arguments, static_cast<int>(worst.x), worst.y), row);
 }
@@ -183,15 +185,15 @@ pixel::SheetEnd MapPictures::end_of(std::size_t sheet, const std::vector<FormSum
     std::vector<SheetCell> cells;
     bool nothing_hit = options_.sheet_alone.empty();
     for (const Drawing& d : drawings_) {
-        if (d.place.sheet != sheet) continue;
+        if (d.position.sheet != sheet) continue;
         const FormSummary& summary = summaries[d.row];
-        cells.push_back({d.place.across, &summary});
+        cells.push_back({d.position.across, &summary});
         nothing_hit &= summary.count(Outcome::agree_miss) == summary.rays;
     }
-    // The sheet of a claim stands below the claim's sentence.
+    // The sheet of a claim needs no headline, because it stands below the claim's sentence.
     const bool has_headline = options_.sheet_alone.empty() && sheets_[sheet].paint.metric().name == "lost_bits";
-    return {best_first(sheets_[sheet].forms.size(), cells, lost_), nothing_hit ? ": no ray hits anything" : "",
-            has_headline ? finding_text(request_, summaries) : ""};
+    return {best_first(sheets_[sheet].forms.size(), cells, lost_bits_index_),
+            nothing_hit ? ": no ray hits anything" : "", has_headline ? finding_text(request_, summaries) : ""};
 }
 
 void MapPictures::finish(const std::vector<FormSummary>& summaries) {
@@ -200,8 +202,8 @@ void MapPictures::finish(const std::vector<FormSummary>& summaries) {
         const measure::evaluate::WorstRay* const worst = summaries[d.row].worst_ray();
         files_.writer().set_caption(
             c, d.paint->caption(summaries[d.row], d.metric) + (worst ? worst_pixel_text(d, *worst) : ""));
-        files_.writer().set_note(d.place, cell_note(*d.paint, summaries[d.row], d.metric));
-        if (worst && zooms(*d.paint)) files_.writer().set_zoom(d.place, static_cast<int>(worst->x), worst->y);
+        files_.writer().set_note(d.position, cell_note(*d.paint, summaries[d.row], d.metric));
+        if (worst && zooms(*d.paint)) files_.writer().set_zoom(d.position, static_cast<int>(worst->x), worst->y);
     }
     std::vector<pixel::SheetEnd> ends;
     for (std::size_t s = 0; s < sheets_.size(); ++s) ends.push_back(end_of(s, summaries));
@@ -211,20 +213,21 @@ void MapPictures::finish(const std::vector<FormSummary>& summaries) {
 std::string input_note(const scene::file::Scene& scene, std::span<const TestedForm> rows) {
     if (scene.inputs == scene::file::Inputs::own)
         return "each format rounds the ideal scene itself, and errors include that rounding (metric input_error)";
-    std::vector<std::string> narrow;
+    std::vector<std::string> narrow_formats;
     for (const TestedForm& row : rows) {
-        if (!holds_shared_inputs(row.format.parameters)) static_cast<void>(find_or_add(narrow, row.format.name));
+        if (!holds_shared_inputs(row.format.parameters))
+            static_cast<void>(find_or_add(narrow_formats, row.format.name));
     }
-    if (narrow.empty()) return "";
+    if (narrow_formats.empty()) return "";
     return fmt::format("in {} the inputs are rounded too, and errors include that rounding (metric input_error)",
-                       file::enumerated(narrow));
+                       file::enumerated(narrow_formats));
 }
 
 std::vector<std::string> sheet_subtitle(const SheetSubject& sheet) {
-    const auto& [scene, scene_arguments, rows, paint, several, zooms, explaining_sheet] = sheet;
+    const auto& [scene, scene_arguments, rows, paint, has_several_bars, zooms, explaining_sheet] = sheet;
     std::vector<std::string> lines{fmt::format("{}, {} x {} rays{}", scene.id, scene.width, scene.height,
                                                paint.metric().by_run ? "" : "; percentages are of all rays"),
-                                   paint.note(several), explaining_sheet.empty() ? paint.quantile_note() : "",
+                                   paint.note(has_several_bars), explaining_sheet.empty() ? paint.quantile_note() : "",
                                    rows.empty() ? "" : input_note(scene, rows)};
     if (!explaining_sheet.empty()) {
         lines.push_back(fmt::format("p99, the order of forms and worst pixels: as explained in {}", explaining_sheet));
@@ -251,20 +254,20 @@ std::string cell_note(const MetricPaint& paint, const FormSummary& summary, std:
     return paint.glance(summary, m) + (worst ? fmt::format("\nworst pixel {},{}", worst->x, worst->y) : "");
 }
 
-std::vector<std::size_t> best_first(std::size_t forms, std::span<const SheetCell> cells, std::size_t lost) {
-    constexpr double none = std::numeric_limits<double>::infinity();  // with too few hits: after all others
+std::vector<std::size_t> best_first(std::size_t forms, std::span<const SheetCell> cells, std::size_t lost_bits_index) {
+    constexpr double worst_p99 = std::numeric_limits<double>::infinity();  // with too few hits: after all others
     std::vector<std::optional<std::pair<std::uint64_t, double>>> quality(forms);
     for (const auto& [form, summary] : cells) {
         if (quality[form]) continue;
-        const double p99 = lost < summary->metrics.size() && summary->agreement().is_enough()
-                               ? summary->metrics[lost].quantile(0.99)
-                               : none;
-        quality[form].emplace(summary->wrong_count(), std::isnan(p99) ? none : p99);
+        const double p99 = lost_bits_index < summary->metrics.size() && summary->agreement().is_enough()
+                               ? summary->metrics[lost_bits_index].quantile(0.99)
+                               : worst_p99;
+        quality[form].emplace(summary->wrong_count(), std::isnan(p99) ? worst_p99 : p99);
     }
     std::vector<std::size_t> order(forms);
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order, {}, [&](std::size_t form) {
-        return quality[form].value_or(std::pair{std::numeric_limits<std::uint64_t>::max(), none});
+        return quality[form].value_or(std::pair{std::numeric_limits<std::uint64_t>::max(), worst_p99});
     });
     return order;
 }

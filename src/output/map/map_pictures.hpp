@@ -1,5 +1,5 @@
-// The pictures of a map: one column of pixels for each row and metric, on contact sheets and alone; and the text above
-// and below them: bases of percentages, meanings of colours and words, and earlier roundings.
+// The pictures of a map: one column of pixels for each series and metric, on contact sheets and alone; and the text
+// above and below them: bases of percentages, meanings of colours and words, and earlier roundings.
 #pragma once
 
 #include <memory>
@@ -27,19 +27,19 @@ using measure::evaluate::MapStudy;
 /// every format holds them.
 [[nodiscard]] std::string input_note(const scene::file::Scene& scene, std::span<const TestedForm> rows);
 
-/// Properties of a contact sheet that the lines below its title tell.
+/// What the lines below the title of a contact sheet describe.
 struct SheetSubject {
     const scene::file::Scene& scene;
     std::string scene_arguments;       ///< see `MapFilesOptions`; empty for rays of a file
-    std::span<const TestedForm> rows;  ///< without rows nothing is said about inputs
+    std::span<const TestedForm> rows;  ///< empty: no line is about the inputs
     const MetricPaint& paint;
-    bool several = false;               ///< it has several colour bars
-    bool zooms = false;                 ///< its cells enlarge the worst pixel
+    bool has_several_bars = false;      ///< the sheet has several colour bars
+    bool zooms = false;                 ///< the cells enlarge the worst pixel
     std::string explaining_sheet = {};  ///< see `MapFilesOptions`
 };
 [[nodiscard]] std::vector<std::string> sheet_subtitle(const SheetSubject& sheet);
 
-/// Four lines of a glance, and one that names the worst pixel.
+/// Lines below a cell: four of a glance, and one that names the worst pixel.
 inline constexpr std::size_t cell_note_lines = 5;
 /// Text below a cell of a sheet: a glance, and `worst pixel 100,90` if a ray is worse than another.
 [[nodiscard]] std::string cell_note(const MetricPaint& paint, const FormSummary& summary, std::size_t m);
@@ -49,10 +49,10 @@ struct SheetCell {
     std::size_t form;
     const FormSummary* summary;
 };
-/// Order of `forms` forms: fewest wrong decisions first, then the least p99 of lost bits (metric `lost` of the
-/// request), then the given order. Of several cells of a form the first counts.
+/// Order of `forms` forms: fewest wrong decisions first, then the least p99 of lost bits (metric `lost_bits_index` of
+/// the request), then the given order. If a form has several cells, the first one counts.
 [[nodiscard]] std::vector<std::size_t> best_first(std::size_t forms, std::span<const SheetCell> cells,
-                                                  std::size_t lost);
+                                                  std::size_t lost_bits_index);
 
 struct MapFilesOptions;
 
@@ -84,13 +84,13 @@ private:
     struct Drawing {
         std::size_t row, metric;  ///< indices in the request
         std::shared_ptr<const MetricPaint> paint;
-        pixel::SheetPosition place;
+        pixel::SheetPosition position;
     };
     [[nodiscard]] pixel::Pages pages();
     [[nodiscard]] std::vector<Column> add_columns();
     [[nodiscard]] Column column_of(const Drawing& drawing) const;
     [[nodiscard]] pixel::Look look_of(const Drawing& drawing) const;
-    [[nodiscard]] bool is_enveloped(const Metric& drawn) const;
+    [[nodiscard]] bool is_enveloped(const Metric& metric) const;
     [[nodiscard]] pixel::Sheet page_of(MapSheet& sheet) const;
     [[nodiscard]] bool zooms(const MetricPaint& paint) const;
     [[nodiscard]] std::string worst_pixel_text(const Drawing& drawing, const measure::evaluate::WorstRay& worst) const;
@@ -98,8 +98,8 @@ private:
 
     const MapStudy& request_;
     const MapFilesOptions& options_;
-    std::size_t lost_,
-        excess_;  ///< indices of metrics in the request; `excess_` is the number of metrics without an envelope
+    std::size_t lost_bits_index_,
+        excess_index_;  ///< indices of metrics in the request; the index of a missing metric is the number of metrics
     std::vector<MapSheet> sheets_;
     std::vector<Drawing> drawings_;  ///< one per column
     pixel::ColumnFiles<BandResult> files_;

@@ -1,3 +1,4 @@
+// Columns and rows of the tables of a map.
 #include "output/map/map_tables.hpp"
 
 #include <algorithm>
@@ -45,7 +46,7 @@ void add_columns(Table<SummaryRow>& table, const std::vector<SummaryColumn>& col
             {{c.name, type_of(c), c.unit, c.meaning}, [c](const SummaryRow& r) { return cell_of(c, *r.summary); }});
 }
 
-std::string command(const SummaryRow& r, const measure::evaluate::WorstRay* ray) {
+std::string worst_ray_command(const SummaryRow& r, const measure::evaluate::WorstRay* ray) {
     const std::string name = ray != nullptr && ray->x >= 0 ? r.name_of_ray(*ray) : "";
     return name.empty() ? "" : attribution::explain_command(name, r.row);
 }
@@ -53,24 +54,26 @@ std::string command(const SummaryRow& r, const measure::evaluate::WorstRay* ray)
 }  // namespace
 
 Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes,
-                                bool meshes, std::string by) {
+                                bool has_meshes, std::string group_column) {
     using R = SummaryRow;
-    std::vector<SummaryColumn> of_rays = measure::evaluate::summary_columns(metrics);
-    std::erase_if(of_rays, [meshes](const SummaryColumn& c) { return !c.tabled || (c.of_meshes && !meshes); });
+    std::vector<SummaryColumn> ray_columns = measure::evaluate::summary_columns(metrics);
+    std::erase_if(ray_columns,
+                  [has_meshes](const SummaryColumn& c) { return !c.tabled || (c.of_meshes && !has_meshes); });
     Table<R> table;
     table.add(table::subject_columns(), &R::row);
-    add_columns(table, of_rays);
+    add_columns(table, ray_columns);
     add_columns(table, measure::evaluate::worst_columns(shapes));
     table.add({"worst_explain", "the command that explains the worst ray and prints these numbers again",
-               [](const R& r) { return command(r, &r.summary->worst); }});
+               [](const R& r) { return worst_ray_command(r, &r.summary->worst); }});
     add_columns(table, measure::evaluate::wrong_decision_columns());
     table.add({"fault_explain", "the command that explains that ray",
-               [](const R& r) { return command(r, r.summary->fault()); }});
-    if (by.empty()) return table;
-    by = file::without_formula(by);  // a column may have the name of a formula, or of a column of ours
-    while (table.find(by) != nullptr) by = "file_" + by;
-    return Table<R>{{by, "value that the rays of this row have in that column; missing: all rays", &R::group}}.add(
-        std::move(table));
+               [](const R& r) { return worst_ray_command(r, r.summary->fault()); }});
+    if (group_column.empty()) return table;
+    // A column may have the name of a formula, or of a column of ours.
+    group_column = file::without_formula(group_column);
+    while (table.find(group_column) != nullptr) group_column = "file_" + group_column;
+    return Table<R>{{group_column, "value that the rays of this row have in that column; missing: all rays", &R::group}}
+        .add(std::move(table));
 }
 
 std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& row, const FormSummary& summary,

@@ -17,7 +17,7 @@ using measure::evaluate::FormSummary;
 using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 
-/// Arguments of `lostbits explain` that name a ray of a summary: `near-benign --pixel 3,4`; empty if there are none.
+/// Arguments of `lostbits explain` that name a ray of a summary: `near-benign --pixel 3,4`; empty if the ray has none.
 using NameOfRay = std::function<std::string(const measure::evaluate::WorstRay&)>;
 
 /// A row of a map, or a group of its rays.
@@ -28,12 +28,12 @@ struct SummaryRow {
     std::optional<std::string> group = {};  ///< missing: all rays
 };
 
-/// Columns of a row of the map: those of `measure::evaluate::summary_columns`, `worst_columns` and
+/// Columns of a row of summary.csv: those of `measure::evaluate::summary_columns`, `worst_columns` and
 /// `wrong_decision_columns`; the last two have the command that explains the ray. A cell without a sample is empty.
-/// `meshes`: the rays are at meshes and have the outcomes of meshes. `by`: the column whose values group the rays,
-/// which stands first; empty: none.
+/// `has_meshes`: the rays are at meshes and have the outcomes of meshes. `group_column`: the column whose values group
+/// the rays, which stands first; empty: no groups.
 table::Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes,
-                                       bool meshes = false, std::string by = {});
+                                       bool has_meshes = false, std::string group_column = {});
 /// A row for all rays, then one for each group. `row` is row `r` of the run.
 std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& row, const FormSummary& summary,
                                      const measure::evaluate::Groups& groups, const NameOfRay& name_of_ray);
@@ -51,12 +51,12 @@ table::Table<Culprit> culprit_table();
 /// True if `culprit` is among the metrics.
 [[nodiscard]] bool asks_for_culprits(const std::vector<const Metric*>& metrics);
 
-/// The most frequent first.
+/// The culprits of a row, the most frequent first.
 std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const TestedForm& row,
                                  const FormSummary& summary);
 
-/// Categories of the operations that are the culprit of any ray, the most frequent first; of equally frequent ones the
-/// first on the tape.
+/// Categories of the operations that are the culprit of any ray, the most frequent first; equally frequent operations
+/// in the order of the tape.
 std::vector<std::size_t> culprits_by_count(const std::vector<std::uint64_t>& counts);
 
 /// A ray of a band, as answered by a row of the run.

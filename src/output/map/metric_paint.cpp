@@ -1,3 +1,4 @@
+// Legends, notes and glances of a metric in pictures.
 #include "output/map/map_colour.hpp"
 
 #include <fmt/format.h>
@@ -20,8 +21,8 @@ using measure::metric::MetricDomain;
 
 namespace {
 
-std::string percent(std::uint64_t part, std::uint64_t whole) {
-    const double share = 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+std::string percent(std::uint64_t count, std::uint64_t total) {
+    const double share = 100.0 * static_cast<double>(count) / static_cast<double>(total);
     if (share < 0.1) return "<0.1%";
     if (share > 99 && share < 100) return ">99%";
     return fmt::format(fmt::runtime(share < 10 ? "{:.1f}%" : "{:.0f}%"), share);
@@ -33,22 +34,22 @@ std::string short_number(double x) { return file::short_decimal(x, 3); }
 constexpr Rgb8 no_culprit = image::outcome_colours[0];  ///< a hit to which no operation adds an error
 constexpr const char* hit_without_value = "correct hit without a value";
 constexpr const char* not_both_hit = "not both hit: nothing to compare";
-constexpr std::size_t most_culprits = 6;     ///< culprits that a legend names
-constexpr std::size_t longest_culprit = 44;  ///< letters
+constexpr std::size_t max_culprits = 6;          ///< culprits that a legend names
+constexpr std::size_t max_culprit_letters = 44;  ///< letters
 
 std::string shortened(std::string_view text, std::size_t letters) {
     return text.size() <= letters ? std::string(text) : std::string(text.substr(0, letters - 2)) + "..";
 }
 
-constexpr std::size_t two_lines = 50;  ///< letters below a cell of a sheet
+constexpr std::size_t two_line_letters = 50;  ///< letters below a cell of a sheet
 
 /// Wrong decisions as shares of all pixels, the most frequent first. All are named if two lines hold them; otherwise
-/// two are named and the others are one share: `1.2% double hit, 1.0% crack, 0.3% other`.
+/// two are named, and the others are added up: `1.2% double hit, 1.0% crack, 0.3% other`.
 std::string faults_of(const FormSummary& s) {
     auto order = measure::evaluate::wrong_decisions;
     std::ranges::stable_sort(order, std::greater<>(), [&s](Outcome o) { return s.count(o); });
-    const auto share = [&s](std::uint64_t n, std::string_view what) {
-        return fmt::format("{} {}", percent(n, s.rays), what);
+    const auto share = [&s](std::uint64_t n, std::string_view name) {
+        return fmt::format("{} {}", percent(n, s.rays), name);
     };
     std::vector<std::string> faults;
     std::uint64_t less_frequent = 0;  // less frequent than the first two
@@ -59,13 +60,13 @@ std::string faults_of(const FormSummary& s) {
         faults.push_back(share(n, o == Outcome::not_a_number ? "NaN" : plain_name(o)));
     }
     std::string text = fmt::format("{}", fmt::join(faults, ", "));
-    if (faults.size() > 2 && text.size() > two_lines)
+    if (faults.size() > 2 && text.size() > two_line_letters)
         text = fmt::format("{}, {}, {}", faults[0], faults[1], share(less_frequent, "other"));
     return text;
 }
 
-/// `22.7 lost, 30.3/53 kept`, which fits below a cell of a sheet. Bits that are kept are rounded down, as in tables,
-/// and lost ones up.
+/// `22.7 lost, 30.3/53 kept`, which fits below a cell of a sheet. Kept bits are rounded down, as in tables, and lost
+/// bits up.
 std::string lost_and_kept(double lost, int precision) {
     const std::string kept = file::kept_text(precision - lost);
     return fmt::format("{:.1f} lost, {}/{} kept", precision - file::number_in(kept).value(), kept, precision);
@@ -82,7 +83,7 @@ Rgb8 category_colour(const Metric& metric, std::size_t category) {
 }  // namespace
 
 MetricPaint::MetricPaint(const Metric& metric, const FloatFormat& format, const std::optional<BarRange>& range)
-    : metric_(&metric), precision_(format.precision), ranged_(range.has_value()) {
+    : metric_(&metric), precision_(format.precision), has_range_(range.has_value()) {
     auto& categories = look_.categories;
     if (metric.ramp != measure::metric::Ramp::categories) {
         look_.scale = metric_scale(metric, format, range);
@@ -90,27 +91,28 @@ MetricPaint::MetricPaint(const Metric& metric, const FloatFormat& format, const 
     }
     for (std::size_t c = 0; c < metric.categories.size(); ++c)
         categories.push_back({in_words(metric.categories[c]), category_colour(metric, c)});
-    values_ = categories.size();
+    value_categories_ = categories.size();
     for (std::size_t o = 0; o < image::outcome_colours.size(); ++o) {
         const auto outcome = static_cast<Outcome>(o);
         const std::string name = outcome == Outcome::agree_hit ? hit_without_value : plain_name(outcome);
         categories.push_back({is_of_hits() ? name : "", image::outcome_colours[o]});
     }
-    // Nothing is wrong if two forms do not both hit, so this colour recedes.
+    // This colour recedes, because nothing is wrong if two forms do not both hit.
     categories.push_back(
         {is_distance() ? not_both_hit : "",
          pixel::colour_of(metric.domain == MetricDomain::pairs ? Outcome::agree_miss : Outcome::not_a_number)});
     // Correct hits without a value come last of the outcomes in legends.
-    std::rotate(categories.begin() + static_cast<std::ptrdiff_t>(values_),
-                categories.begin() + static_cast<std::ptrdiff_t>(values_) + 1, categories.end() - 1);
+    std::rotate(categories.begin() + static_cast<std::ptrdiff_t>(value_categories_),
+                categories.begin() + static_cast<std::ptrdiff_t>(value_categories_) + 1, categories.end() - 1);
 }
 
 bool MetricPaint::applies_to(const TestedForm& row) const {
     if (metric_->domain == MetricDomain::pairs)  // distances exist only between values of t with the same meaning
         return row.against != nullptr &&
                (!metric_->categories.empty() || measure::answer::are_comparable(*row.form->info, *row.against->info));
-    const bool machine = row.format.engine != Format::Engine::rounded;
-    if ((metric_->needs & measure::metric::needs_bound) && (row.form->bounded == nullptr || !machine)) return false;
+    const bool is_machine_format = row.format.engine != Format::Engine::rounded;
+    if ((metric_->needs & measure::metric::needs_bound) && (row.form->bounded == nullptr || !is_machine_format))
+        return false;
     if ((metric_->needs & measure::metric::needs_filter_arithmetic) && row.form->filter_arithmetic == nullptr)
         return false;
     return metric_->domain != MetricDomain::marches || !is_primitive(row.form->shape);
@@ -127,70 +129,73 @@ pixel::PixelValue MetricPaint::pixel(Outcome outcome, double value) const {
         if (!look_.scale) return {static_cast<std::size_t>(value)};
         return {0, is_of_hits() ? std::fabs(value) : value};
     }
-    const bool by_outcome = is_of_hits() || metric_->domain == MetricDomain::blamed ||
-                            (metric_->domain == MetricDomain::every && look_.scale);
-    return {by_outcome ? index_of(outcome) : look_.categories.size() - 1};
+    const bool has_outcome_category = is_of_hits() || metric_->domain == MetricDomain::blamed ||
+                                      (metric_->domain == MetricDomain::every && look_.scale);
+    return {has_outcome_category ? index_of(outcome) : look_.categories.size() - 1};
 }
 
-pixel::Look MetricPaint::look(bool of_mesh) const {
+pixel::Look MetricPaint::look(bool has_mesh) const {
     pixel::Look look = look_;
     if (metric_->by_run)
         look.own_legend = [*this](const pixel::CategoryCounts* counts, std::uint64_t pixels) {
             return counts ? culprit_legend(*counts) : widest_culprit_legend(pixels);
         };
-    for (std::size_t o = measure::answer::outcomes_without_mesh; !of_mesh && o < image::outcome_colours.size(); ++o)
+    for (std::size_t o = measure::answer::outcomes_without_mesh; !has_mesh && o < image::outcome_colours.size(); ++o)
         look.categories[index_of(static_cast<Outcome>(o))].name.clear();
     return look;
 }
 
 std::vector<LegendEntry> MetricPaint::widest_culprit_legend(std::uint64_t pixels) const {
     const std::string count = pixel::widest_count(pixels);
-    std::vector<LegendEntry> entries(most_culprits + 2, {std::string(longest_culprit, '+'), no_culprit, count});
+    std::vector<LegendEntry> entries(max_culprits + 2, {std::string(max_culprit_letters, '+'), no_culprit, count});
     for (const Outcome o : {Outcome::agree_miss, Outcome::not_a_number, Outcome::unresolved})
         entries.push_back({plain_name(o), pixel::colour_of(o), count});
     return entries;
 }
 
-std::vector<LegendEntry> MetricPaint::culprit_legend(const pixel::CategoryCounts& all) const {
-    const pixel::CategoryCounts counts(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(values_));
-    const std::uint64_t blamed = measure::attribution::rays_with_culprit(counts);
+std::vector<LegendEntry> MetricPaint::culprit_legend(const pixel::CategoryCounts& category_counts) const {
+    const pixel::CategoryCounts counts(category_counts.begin(),
+                                       category_counts.begin() + static_cast<std::ptrdiff_t>(value_categories_));
+    const std::uint64_t blamed_rays = measure::attribution::rays_with_culprit(counts);
     std::vector<LegendEntry> entries;
-    std::uint64_t rest = 0;
+    std::uint64_t other_rays = 0;
     for (const std::size_t c : culprits_by_count(counts)) {
-        if (entries.size() < most_culprits)
-            entries.push_back({shortened(metric_->categories[c], longest_culprit), category_colour(*metric_, c),
-                               pixel::count_text(counts[c], blamed)});
-        else rest += counts[c];
+        if (entries.size() < max_culprits)
+            entries.push_back({shortened(metric_->categories[c], max_culprit_letters), category_colour(*metric_, c),
+                               pixel::count_text(counts[c], blamed_rays)});
+        else other_rays += counts[c];
     }
     if (counts.front() > 0)
         entries.push_back(
-            {shortened(metric_->categories.front(), longest_culprit), no_culprit, std::to_string(counts.front())});
-    if (rest > 0)
-        entries.push_back(
-            {"other operations, each in its own colour", image::style::page, pixel::count_text(rest, blamed)});
+            {shortened(metric_->categories.front(), max_culprit_letters), no_culprit, std::to_string(counts.front())});
+    if (other_rays > 0)
+        entries.push_back({"other operations, each in its own colour", image::style::page,
+                           pixel::count_text(other_rays, blamed_rays)});
     // Rays with other outcomes may have a culprit.
     for (const Outcome o : {Outcome::agree_miss, Outcome::not_a_number, Outcome::unresolved}) {
-        if (const std::uint64_t n = all[index_of(o)])
+        if (const std::uint64_t n = category_counts[index_of(o)])
             entries.push_back({plain_name(o), pixel::colour_of(o), std::to_string(n)});
     }
     return entries;
 }
 
-std::string MetricPaint::note(bool several) const {
+std::string MetricPaint::note(bool has_several_formats) const {
     if (metric_->by_run)
         return fmt::format("colour: {}; percentages are of the rays that have a culprit", metric_->meaning);
     if (!look_.scale) return fmt::format("colour: {}", metric_->meaning);
     const std::string name(metric_->name);
-    if (ranged_)
+    if (has_range_)
         return fmt::format("colour: {} from {} to {}, as requested; values beyond have the colour of the end",
                            metric_->ramp == measure::metric::Ramp::magnitude ? "|" + name + "|" : name,
                            short_number(look_.scale->lo()), short_number(look_.scale->hi()));
     if (metric_->ramp == measure::metric::Ramp::magnitude)
         return fmt::format("colour: |{}|{}, clamped at both ends of the bar{}", name,
-                           is_distance() ? ", where both forms hit" : "", several ? ", whose ends fit the format" : "");
-    const std::string all = several ? std::string("all bits of each format's significand")
-                                    : fmt::format("all {} bits of the format's significand", precision_);
-    return fmt::format("colour: {} from 0 to {}{}", name, all,
+                           is_distance() ? ", where both forms hit" : "",
+                           has_several_formats ? ", whose ends fit the format" : "");
+    const std::string bits_phrase = has_several_formats
+                                        ? std::string("all bits of each format's significand")
+                                        : fmt::format("all {} bits of the format's significand", precision_);
+    return fmt::format("colour: {} from 0 to {}{}", name, bits_phrase,
                        metric_->ramp == measure::metric::Ramp::lost
                            ? "; the bar is spaced by square roots, so that the first bits show"
                            : "");
@@ -207,8 +212,8 @@ std::string MetricPaint::glance(const FormSummary& s, std::size_t m) const {
     if (metric_->by_run) {
         const auto order = culprits_by_count(s.categories[m]);
         if (order.empty()) return "no culprit";
-        const std::uint64_t blamed = measure::attribution::rays_with_culprit(s.categories[m]);
-        return fmt::format("{} of {} culprits:\n{}", percent(s.categories[m][order.front()], blamed), blamed,
+        const std::uint64_t blamed_rays = measure::attribution::rays_with_culprit(s.categories[m]);
+        return fmt::format("{} of {} culprits:\n{}", percent(s.categories[m][order.front()], blamed_rays), blamed_rays,
                            shortened(metric_->categories[order.front()], 48));
     }
     if (!metric_->categories.empty()) {
@@ -247,12 +252,12 @@ std::string MetricPaint::glance(const FormSummary& s, std::size_t m) const {
 std::string MetricPaint::caption(const FormSummary& s, std::size_t m) const {
     std::string text;
     for (const char c : glance(s, m)) text += c != '\n' ? std::string(1, c) : text.ends_with(':') ? " " : "; ";
-    // A single picture has space below it for what a sheet says once.
-    constexpr std::string_view short_word = "p99 ";
-    const std::size_t at = text.find(short_word);
-    const bool is_word = at == 0 || (at != std::string::npos && text[at - 1] == ' ');
-    if (is_word && !text.substr(0, at).ends_with("no "))
-        text.replace(at, short_word.size(), "99 of 100 hits: at most ");
+    // The caption of a single picture has space to spell out what a sheet explains once.
+    constexpr std::string_view marker = "p99 ";
+    const std::size_t position = text.find(marker);
+    const bool is_word = position == 0 || (position != std::string::npos && text[position - 1] == ' ');
+    if (is_word && !text.substr(0, position).ends_with("no "))
+        text.replace(position, marker.size(), "99 of 100 hits: at most ");
     return text;
 }
 

@@ -1,3 +1,4 @@
+// Draws and tabulates the significand bits that each form needs.
 #include "output/map/needed_files.hpp"
 
 #include <fmt/format.h>
@@ -23,9 +24,9 @@ using table::when;
 
 namespace {
 
-std::string stem(const Info& form) { return std::string(form.name) + ".needed"; }
+std::string file_stem(const Info& form) { return std::string(form.name) + ".needed"; }
 
-/// Colours of the width that a pixel needs, and of what is not on the scale.
+/// Colours of the width that a pixel needs, and of pixels without a width on the scale.
 pixel::Look needed_look() {
     using measure::evaluate::least_width, measure::evaluate::most_width;
     return {{{""},
@@ -48,7 +49,7 @@ NeededColumns pictures_of(const NeededStudy& request, const NeededFilesOptions& 
     std::vector<pixel::PixelColumn<NeededBand>> columns;
     for (const intersect::table::Intersector* form : request.rows)
         columns.push_back(
-            {{.file = stem(*form->info) + ".png",
+            {{.file = file_stem(*form->info) + ".png",
               .title = fmt::format("{}: significand bits needed for {} correct {}", form->info->name, request.bits,
                                    request.bits == 1 ? "bit" : "bits"),
               .subtitle = {std::string(form->info->title),
@@ -72,7 +73,7 @@ struct NeededRow {
     std::string_view form;
     int bits;
     const NeededSummary* summary;
-    WidthCounts all;
+    WidthCounts widths;
 };
 
 Table<NeededRow> needed_table() {
@@ -83,16 +84,17 @@ Table<NeededRow> needed_table() {
                     "significand bits",
                     &R::bits},
                    {"pixels", "rays, one per pixel", [](const R& r) { return r.summary->pixels(); }}};
-    const auto add = [&table](const std::string& prefix, const char* over, const auto& counts_of) {
+    const auto add = [&table](const std::string& prefix, const char* population, const auto& counts_of) {
         for (const measure::metric::Statistic& s : statistics)
-            table.add({prefix + std::string(s.name), "bits", std::string(s.meaning) + over, [s, counts_of](const R& r) {
-                           const WidthCounts& counts = counts_of(r);
-                           return when(counts.count() != 0, static_cast<double>(s.of(counts)));
-                       }});
+            table.add(
+                {prefix + std::string(s.name), "bits", std::string(s.meaning) + population, [s, counts_of](const R& r) {
+                     const WidthCounts& counts = counts_of(r);
+                     return when(counts.count() != 0, static_cast<double>(s.of(counts)));
+                 }});
     };
     add(
         "needed_", " of the widths needed, over the pixels that have one",
-        [](const R& r) -> const auto& { return r.all; });
+        [](const R& r) -> const auto& { return r.widths; });
     add(
         "hit_needed_", " of the widths needed, over the rays that truly hit",
         [](const R& r) -> const auto& { return r.summary->hits; });
@@ -140,17 +142,17 @@ struct NeededFiles::Parts {
     NeededColumns pictures = pictures_of(request, options);
     std::vector<std::unique_ptr<NeededFormFiles>> forms = {};
 
-    void add_form(std::size_t place) {
-        const Info& form = *request.rows[place]->info;
+    void add_form(std::size_t form_index) {
+        const Info& form = *request.rows[form_index]->info;
         std::unique_ptr<table::TableFile<NeededPixel>> pixels;
         if (options.pixels_csv)
             pixels = std::make_unique<table::TableFile<NeededPixel>>(
-                options.keep_piece ? "" : options.folder, stem(form) + ".csv",
+                options.keep_piece ? "" : options.folder, file_stem(form) + ".csv",
                 fmt::format("One row per pixel: bits needed by {}", form.name), needed_pixel_table(request.bits));
         NeededFormFiles::Writers writers{
             .add_pixel =
-                [](table::TableFile<NeededPixel>& to, const NeededBand& band, std::size_t i) {
-                    to.add({&band, i, band.truth(i)});
+                [](table::TableFile<NeededPixel>& file, const NeededBand& band, std::size_t i) {
+                    file.add({&band, i, band.truth(i)});
                 },
             .pixels = [](const NeededBand& band) { return band.needed.size(); }};
         pixel::BandFiles<NeededBand> files{pictures, {}, options.keep_piece};
@@ -160,7 +162,7 @@ struct NeededFiles::Parts {
             };
             files.write_exr = [exr](const std::vector<ExrRows>& pieces) { exr->write(pieces); };
         }
-        forms.push_back(std::make_unique<NeededFormFiles>(place, files, std::move(writers), std::move(pixels)));
+        forms.push_back(std::make_unique<NeededFormFiles>(form_index, files, std::move(writers), std::move(pixels)));
     }
 };
 
@@ -176,7 +178,7 @@ NeededFiles::NeededFiles(const NeededStudy& request, const NeededFilesOptions& o
 NeededFiles::~NeededFiles() = default;
 
 measure::study::ShowBand<NeededStudy> NeededFiles::show() {
-    return [this](std::size_t form, const NeededBand& result) { parts_->forms.at(form)->band(result); };
+    return [this](std::size_t form, const NeededBand& band) { parts_->forms.at(form)->band(band); };
 }
 
 std::vector<file::DataResource> NeededFiles::resources() const {
@@ -187,7 +189,7 @@ std::vector<file::DataResource> NeededFiles::resources() const {
     return resources;
 }
 
-void NeededFiles::put(std::size_t form, pixel::Piece&& piece) { parts_->forms.at(form)->put(piece); }
+void NeededFiles::put(std::size_t form, pixel::Piece&& piece) { parts_->forms.at(form)->write_piece(piece); }
 
 void NeededFiles::finish(const std::vector<NeededSummary>& summaries) {
     Parts& p = *parts_;

@@ -13,7 +13,7 @@
 namespace lostbits::output::map {
 
 /// Colour of a pixel for which not even 53 bits suffice: dark green. It is as far from the ramp and from the colour of
-/// every outcome as those are from each other; a test checks this.
+/// every outcome as these colours are from each other; a test checks this.
 inline constexpr image::Rgb8 beyond_colour{0, 45, 0};
 
 struct NeededFilesOptions {
@@ -23,9 +23,9 @@ struct NeededFilesOptions {
     pixel::KeepPiece keep_piece = {};  ///< receives the pieces of a shard
 };
 
-/// Writes `<form>.needed.png`: the width on viridis from 2 to 53; `needed.csv`: a row per form; with an EXR also its
-/// parts `<form>.needed`. It is opened, filled and finished like MapFiles. Finish it before the map of the same folder,
-/// which closes the EXR and whose summary.csv marks the folder as complete.
+/// Writes `<form>.needed.png`, which shows the width on viridis from 2 to 53; `needed.csv`, a row per form; and the
+/// parts `<form>.needed` of an EXR, if there is one. The object is opened, filled and finished like MapFiles. Finish
+/// it before the map of the same folder, which closes the EXR and whose summary.csv marks the folder as complete.
 class NeededFiles {
 public:
     NeededFiles(const measure::evaluate::NeededStudy& request, const NeededFilesOptions& options);
@@ -33,7 +33,7 @@ public:
     NeededFiles(const NeededFiles&) = delete;
     NeededFiles& operator=(const NeededFiles&) = delete;
 
-    /// Returns the function that takes the bands of the forms.
+    /// Returns the function that receives the bands of the forms.
     [[nodiscard]] measure::study::ShowBand<measure::evaluate::NeededStudy> show();
     /// Writes the next piece of a form, which another run kept.
     void put(std::size_t form, pixel::Piece&& piece);

@@ -1,4 +1,5 @@
-// Names of forms and rows in pictures and file names, and their places in a table of forms by formats.
+// Names of forms and of series (forms in formats) in pictures and file names, and their cells in a table of forms by
+// formats.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +15,7 @@ namespace lostbits::output::map {
 using intersect::Info;
 using measure::evaluate::TestedForm;
 
-/// True if a form belongs to the catalogue. Its names begin with a shape; no name from outside does.
+/// True if a form belongs to the catalogue. Names in the catalogue begin with a shape; names from outside do not.
 [[nodiscard]] inline bool is_of_catalogue(const Info& info) {
     return std::ranges::find(shape_names, info.name.substr(0, info.name.find('.'))) != shape_names.end();
 }
@@ -39,19 +40,19 @@ using measure::evaluate::TestedForm;
 
 /// A name in words: `wrong primitive` for `wrong_primitive`.
 [[nodiscard]] inline std::string in_words(std::string_view name) {
-    std::string words(name);
-    std::ranges::replace(words, '_', ' ');
-    return words;
+    std::string text(name);
+    std::ranges::replace(text, '_', ' ');
+    return text;
 }
 
 /// Index of a name in a list; a new name is appended.
 [[nodiscard]] inline std::size_t find_or_add(std::vector<std::string>& names, const std::string& name) {
-    const auto at = static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
-    if (at == names.size()) names.push_back(name);
-    return at;
+    const auto index = static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+    if (index == names.size()) names.push_back(name);
+    return index;
 }
 
-/// Properties of a row that its true answers depend on: rows with equal properties share the truth of every ray.
+/// Properties of a series that its true answers depend on: series with equal properties share the truth of every ray.
 struct TruthKind {
     intersect::Direction direction;
     intersect::Convention convention;
@@ -68,11 +69,11 @@ struct RowGrid {
         std::size_t form, format;
     };
     std::vector<std::string> forms, formats;
-    std::vector<GridCell> places;  ///< one per row
+    std::vector<GridCell> cells;  ///< one per row of the constructor's argument
 
     explicit RowGrid(const std::vector<TestedForm>& rows) {
         for (const TestedForm& row : rows)
-            places.push_back({find_or_add(forms, short_name(*row.form->info)), find_or_add(formats, row.format.name)});
+            cells.push_back({find_or_add(forms, short_name(*row.form->info)), find_or_add(formats, row.format.name)});
     }
 };
 

@@ -1,3 +1,4 @@
+// Tables and plots of offsets along an axis of the scene.
 #include "output/offset/offset_files.hpp"
 
 #include <fmt/format.h>
@@ -10,15 +11,16 @@ using measure::offset::SideSummary;
 
 namespace {
 
-std::string subject(const OffsetRow& row, Side side) {
+std::string subject_text(const OffsetRow& row, Side side) {
     return fmt::format("{} in {}, {} points, rays {}", row.row.form->info->name, row.row.format.name,
                        name_of(row.point), in_words(side));
 }
 
-/// Look of a strategy in every plot: its row in the table of strategies. The look after these is for no strategy.
+/// Look of a strategy in every plot: its index in the table of strategies. The index after the last one is for the
+/// smallest safe offset, which belongs to no strategy.
 std::size_t look_of(const Strategy* strategy) {
-    const auto all = measure::offset::strategies();
-    return strategy ? static_cast<std::size_t>(strategy - all.data()) : all.size();
+    const auto strategies = measure::offset::strategies();
+    return strategy ? static_cast<std::size_t>(strategy - strategies.data()) : strategies.size();
 }
 
 }  // namespace
@@ -30,23 +32,23 @@ AlongFiles::AlongFiles(const std::filesystem::path& folder, const OffsetStudy& s
       table_(folder, fmt::format("along.{}.csv", name_of(along)),
              "One row per value on the axis, strategy, side, kind of point, form and format",
              table::Table<AlongRow>{
-                 {std::string(name_of(along)), std::string(measure::offset::meaning_of(along)), &AlongRow::place}}
-                 .add(OffsetView::summary_table(), &AlongRow::of)) {}
+                 {std::string(name_of(along)), std::string(measure::offset::meaning_of(along)), &AlongRow::axis_value}}
+                 .add(OffsetView::summary_table(), &AlongRow::strategy_row)) {}
 
-void AlongFiles::add(double k, std::vector<OffsetSummary> summaries) {
-    for (const StrategyRow& row : OffsetView::summary_rows(study_, summaries)) table_.add({k, row});
-    steps_.push_back(k);
+void AlongFiles::add(double axis_value, std::vector<OffsetSummary> summaries) {
+    for (const StrategyRow& row : OffsetView::summary_rows(study_, summaries)) table_.add({axis_value, row});
+    steps_.push_back(axis_value);
     summaries_.push_back(std::move(summaries));
 }
 
-std::filesystem::path AlongFiles::file_of(std::size_t row, Side side, const char* what) const {
+std::filesystem::path AlongFiles::file_of(std::size_t row, Side side, const char* kind) const {
     return folder_ /
-           fmt::format("along.{}.{}.{}.{}.png", name_of(along_), row_name(study_.rows[row]), name_of(side), what);
+           fmt::format("along.{}.{}.{}.{}.png", name_of(along_), row_name(study_.rows[row]), name_of(side), kind);
 }
 
 plot::LinePlotSpec AlongFiles::spec_of(std::size_t row, Side side, const std::string& title, plot::AxisSpec y) const {
     return {.title = fmt::format("{} along {}", title, name_of(along_)),
-            .subtitle = {study_.scene.title, subject(study_.rows[row], side)},
+            .subtitle = {study_.scene.title, subject_text(study_.rows[row], side)},
             .x = {std::string(measure::offset::meaning_of(along_)), plot::AxisSpec::Scale::log2, {}, {}},
             .y = std::move(y)};
 }

@@ -1,3 +1,4 @@
+// Pictures, tables and sentences of offsets over a scene.
 #include "output/offset/offset_files.hpp"
 
 #include <fmt/format.h>
@@ -41,12 +42,14 @@ pixel::Look strategy_result_look() {
 
 StrategyResult strategy_result_of(const OffsetBand& band, std::size_t pixel, Side side, std::size_t strategy) {
     if (band.is_point[pixel] == 0) return StrategyResult::nowhere;
-    const measure::offset::StrategyAtPoint& at = band.at(pixel, side, strategy);
-    if (at[Fault::self_hit] > 0) return StrategyResult::self_hit;
-    if (at[Fault::lost_occluder] + at[Fault::begins_in_neighbour] + at[Fault::lost_exit] + at[Fault::not_finite] > 0)
+    const measure::offset::StrategyAtPoint& faults = band.at(pixel, side, strategy);
+    if (faults[Fault::self_hit] > 0) return StrategyResult::self_hit;
+    if (faults[Fault::lost_occluder] + faults[Fault::begins_in_neighbour] + faults[Fault::lost_exit] +
+            faults[Fault::not_finite] >
+        0)
         return StrategyResult::lost;
-    if (at[Fault::self_hit_by_form] + at[Fault::lost_exit_by_form] > 0) return StrategyResult::by_form;
-    return at[Fault::wrong_side] > 0 ? StrategyResult::wrong_side : StrategyResult::safe;
+    if (faults[Fault::self_hit_by_form] + faults[Fault::lost_exit_by_form] > 0) return StrategyResult::by_form;
+    return faults[Fault::wrong_side] > 0 ? StrategyResult::wrong_side : StrategyResult::safe;
 }
 
 /// Colours of the smallest safe offset, and of pixels that are not on its scale.
@@ -69,7 +72,7 @@ PixelValue safe_offset(const OffsetBand& band, std::size_t pixel, Side side) {
 
 std::size_t line_of(std::size_t row, Side side) { return 2 * row + static_cast<std::size_t>(side); }
 
-/// Adds the texts below a line of the sheet.
+/// Adds the notes below the cells of a line of the sheet.
 void add_notes(const OffsetStudy& study, std::size_t line, const measure::offset::SideSummary& side,
                std::vector<study::Note>& notes) {
     if (side.safe.count() > 0)
@@ -77,11 +80,12 @@ void add_notes(const OffsetStudy& study, std::size_t line, const measure::offset
                          fmt::format("p50 {}, max {}\n(world units)", file::short_decimal(side.safe.quantile(0.5), 2),
                                      file::short_decimal(side.safe.quantile(1), 2))});
     for (std::size_t k = 0; k < study.strategies.size(); ++k) {
-        const auto& of = side.strategies[k];
-        std::string note =
-            side.rays > 0 && of.bad == 0 ? "every ray right" : pixel::share_text(of.bad, side.rays) + " of rays wrong";
-        if (const double much = of.oversize.quantile(0.5); much > 0)
-            note += fmt::format("\n{} x needed", file::short_decimal(much, 3));
+        const auto& strategy = side.strategies[k];
+        std::string note = side.rays > 0 && strategy.bad == 0
+                               ? "every ray right"
+                               : pixel::share_text(strategy.bad, side.rays) + " of rays wrong";
+        if (const double oversize = strategy.oversize.quantile(0.5); oversize > 0)
+            note += fmt::format("\n{} x needed", file::short_decimal(oversize, 3));
         notes.push_back({{k + 1, line}, std::move(note)});
     }
 }
@@ -101,21 +105,21 @@ std::string OffsetView::row_name(const OffsetStudy& study, std::size_t row) {
 std::string in_words(Side side) { return side == Side::outside ? "away from the primitive" : "into the primitive"; }
 
 std::vector<PixelColumn<OffsetBand>> OffsetView::columns(const OffsetStudy& study) {
-    const auto of_fates = std::make_shared<const pixel::Look>(strategy_result_look()),
-               of_safe = std::make_shared<const pixel::Look>(safe_look());
+    const auto result_look = std::make_shared<const pixel::Look>(strategy_result_look()),
+               safe_offset_look = std::make_shared<const pixel::Look>(safe_look());
     std::vector<PixelColumn<OffsetBand>> columns;
     for (std::size_t r = 0; r < study.rows.size(); ++r) {
         const OffsetRow& row = study.rows[r];
-        const std::string of_row =
+        const std::string row_text =
             fmt::format("{} in {}, {} points", row.row.form->info->name, row.row.format.name, name_of(row.point));
         for (const Side side : both_sides) {
-            const std::string stem = fmt::format("{}.{}.", offset::row_name(row), name_of(side));
+            const std::string file_prefix = fmt::format("{}.{}.", offset::row_name(row), name_of(side));
             for (std::size_t k = 0; k < study.strategies.size(); ++k) {
-                const Strategy& s = *study.strategies[k];
-                columns.push_back({{.file = stem + short_name(s) + ".png",
-                                    .title = fmt::format("{} {}", s.name, in_words(side)),
-                                    .subtitle = {of_row, fmt::format("the new origin: {}", s.title)},
-                                    .look = of_fates,
+                const Strategy& strategy = *study.strategies[k];
+                columns.push_back({{.file = file_prefix + short_name(strategy) + ".png",
+                                    .title = fmt::format("{} {}", strategy.name, in_words(side)),
+                                    .subtitle = {row_text, fmt::format("the new origin: {}", strategy.title)},
+                                    .look = result_look,
                                     .places = {{k + 1, line_of(r, side)}}},
                                    r,
                                    pixel::drawn_by<OffsetBand>([side, k](const OffsetBand& band, std::size_t i) {
@@ -123,12 +127,12 @@ std::vector<PixelColumn<OffsetBand>> OffsetView::columns(const OffsetStudy& stud
                                            static_cast<std::size_t>(strategy_result_of(band, i, side, k))};
                                    })});
             }
-            columns.push_back({{.file = stem + "safe.png",
+            columns.push_back({{.file = file_prefix + "safe.png",
                                 .title = fmt::format("The smallest safe offset {}", in_words(side)),
-                                .subtitle = {of_row,
+                                .subtitle = {row_text,
                                              "colour: the smallest offset along the normal for which every ray is "
                                              "right by truth, clamped at both ends of the bar"},
-                                .look = of_safe,
+                                .look = safe_offset_look,
                                 .places = {{0, line_of(r, side)}}},
                                r,
                                pixel::drawn_by<OffsetBand>([side](const OffsetBand& band, std::size_t i) {
@@ -180,11 +184,11 @@ Table<study::PixelInBand<OffsetBand>> OffsetView::pixel_table(const OffsetStudy&
               "smallest offset that is safe by truth and by the form's arithmetic; inf if none is", &P::quiet}},
             [side](const R& r) -> const P& { return r.band->sides[r.i][static_cast<std::size_t>(side)]; });
         for (std::size_t k = 0; k < study.strategies.size(); ++k) {
-            const Strategy& s = *study.strategies[k];
-            const std::string rays = "rays of " + std::string(s.name);
-            table.add({{short_name(s) + "_self_hits_" + name, rays + " that by truth hit what they leave",
+            const Strategy& strategy = *study.strategies[k];
+            const std::string rays = "rays of " + std::string(strategy.name);
+            table.add({{short_name(strategy) + "_self_hits_" + name, rays + " that by truth hit what they leave",
                         [side, k](const R& r) { return r.band->at(r.i, side, k)[Fault::self_hit]; }},
-                       {short_name(s) + "_bad_" + name,
+                       {short_name(strategy) + "_bad_" + name,
                         rays + " with any fault except a start on the wrong side, which alone does no harm",
                         [side, k](const R& r) { return r.band->at(r.i, side, k).bad; }}});
         }
@@ -225,16 +229,18 @@ std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t r, 
     std::vector<std::string> lines;
     if (summary.points == 0) return lines;
     const OffsetRow& row = study.rows[r];
-    const std::string of = fmt::format("{} {} {}", row.row.form->info->name, row.row.format.name, name_of(row.point));
+    const std::string row_text =
+        fmt::format("{} {} {}", row.row.form->info->name, row.row.format.name, name_of(row.point));
     for (const Side side : measure::offset::both_sides) {
         const measure::offset::SideSummary& side_summary = summary.side_summary(side);
-        std::string right;
+        std::string right_strategies;
         for (std::size_t k = 0; k < study.strategies.size(); ++k) {
             if (side_summary.strategies[k].bad > 0) continue;
-            right += fmt::format("{}{}", right.empty() ? "" : ", ", short_name(*study.strategies[k]));
+            right_strategies +=
+                fmt::format("{}{}", right_strategies.empty() ? "" : ", ", short_name(*study.strategies[k]));
         }
         const double largest = side_summary.safe.quantile(1);
-        const std::string safe =
+        const std::string safe_text =
             std::isnan(largest)
                 ? fmt::format("no offset is safe at any of {}", scene::toml::counted(side_summary.never_safe, "point"))
                 : fmt::format("smallest safe offset up to {}{}", file::short_decimal(largest, 3),
@@ -242,16 +248,16 @@ std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t r, 
                               : side_summary.never_safe == 1
                                   ? " (1 point has none)"
                                   : fmt::format(" ({} points have none)", side_summary.never_safe));
-        lines.push_back(fmt::format("{} {}: {}; right for all {}: {}", of, name_of(side), safe,
+        lines.push_back(fmt::format("{} {}: {}; right for all {}: {}", row_text, name_of(side), safe_text,
                                     scene::toml::counted(side_summary.rays, "ray"),
-                                    right.empty() ? "no strategy" : right));
+                                    right_strategies.empty() ? "no strategy" : right_strategies));
     }
-    const auto safe =
+    const auto safe_strategies_of_both =
         measure::offset::safe_strategies(summary, study.strategies, row.row.form->shape, measure::offset::both_sides);
-    if (!safe.empty())
-        lines.push_back(fmt::format("{}: the cheapest strategy that is right on both sides is {}, with {}", of,
-                                    safe.front().strategy->name,
-                                    scene::toml::counted(safe.front().operations, "operation")));
+    if (!safe_strategies_of_both.empty())
+        lines.push_back(fmt::format("{}: the cheapest strategy that is right on both sides is {}, with {}", row_text,
+                                    safe_strategies_of_both.front().strategy->name,
+                                    scene::toml::counted(safe_strategies_of_both.front().operations, "operation")));
     return lines;
 }
 

@@ -1,5 +1,5 @@
 // Files of offsets over a scene: pictures, the contact sheet, one row per pixel, and summary.csv. For offsets along an
-// axis: a table, and two plots for each row and side.
+// axis: a table, and two plots for each series (a form in a format) and side.
 #pragma once
 
 #include <filesystem>
@@ -23,9 +23,9 @@ using measure::offset::Strategy;
 
 /// Name without its prefix: `integer` for `offset.integer`.
 [[nodiscard]] std::string short_name(const Strategy& strategy);
-/// Name of a row, such as `sphere.half_b.f32.computed`.
+/// Name of a series, such as `sphere.half_b.f32.computed`.
 [[nodiscard]] std::string row_name(const OffsetRow& row);
-/// Words for a side: `away from the primitive`, `into the primitive`.
+/// Phrase for a side: `away from the primitive`, `into the primitive`.
 [[nodiscard]] std::string in_words(Side side);
 
 /// A strategy on one side.
@@ -67,18 +67,19 @@ struct OffsetView {
 
 /// A strategy at a value on the axis.
 struct AlongRow {
-    double place;
-    StrategyRow of;
+    double axis_value;
+    StrategyRow strategy_row;
 };
 
-/// `along.<axis>.csv` is the summary preceded by the value on the axis. `along.<axis>.<row>.<side>.wrong.png` plots the
-/// share of rays that go wrong, and `….size.png` the offsets together with the smallest safe one.
+/// Writes `along.<axis>.csv`, which is the summary preceded by the value on the axis, and two plots per series and
+/// side: `along.<axis>.<row>.<side>.wrong.png` with the share of rays that go wrong, and `….size.png` with the offsets
+/// and the smallest safe offset.
 class AlongFiles {
 public:
-    /// Opens the table. `study`, for the unchanged scene, must outlive it.
+    /// Opens the table. `study`, for the unchanged scene, must outlive the object.
     AlongFiles(const std::filesystem::path& folder, const OffsetStudy& study, SceneAxis along);
 
-    void add(double k, std::vector<OffsetSummary> summaries);
+    void add(double axis_value, std::vector<OffsetSummary> summaries);
     /// Draws the plots and gives the table its final name.
     void finish();
     [[nodiscard]] const file::DataResource& resource() const { return table_.about(); }
@@ -88,11 +89,11 @@ private:
     void plot_size(std::size_t row, Side side) const;
     [[nodiscard]] plot::LinePlotSpec spec_of(std::size_t row, Side side, const std::string& title,
                                              plot::AxisSpec y) const;
-    /// The line of a strategy; without one, of the smallest safe offset.
+    /// The line of a strategy in a plot; without a strategy, the line of the smallest safe offset.
     [[nodiscard]] plot::Series series_of(std::size_t row, Side side,
                                          const std::function<double(const measure::offset::SideSummary&)>& value,
                                          const Strategy* strategy = nullptr) const;
-    [[nodiscard]] std::filesystem::path file_of(std::size_t row, Side side, const char* what) const;
+    [[nodiscard]] std::filesystem::path file_of(std::size_t row, Side side, const char* kind) const;
 
     std::filesystem::path folder_;
     const OffsetStudy& study_;

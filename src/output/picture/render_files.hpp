@@ -17,10 +17,11 @@ using measure::picture::RenderSummary;
 /// A pixel of a picture. NaN and a colour that is not proved have colours that no picture has.
 [[nodiscard]] pixel::PixelValue pixel_of(const measure::picture::Painted& painted);
 [[nodiscard]] const pixel::Look& picture_look();
-/// Categories of difference maps, in the order of `Seen`. Where both see the same, the map shows a number, or black if
-/// it is not one.
+/// Categories of difference maps, in the order of `Seen`. Where both pictures show the same, the map shows a number,
+/// or black if the difference is not a number.
 [[nodiscard]] std::vector<pixel::Category> seen_categories();
-/// Categories in the order of `Shadow`, and one more: a pixel on which both see different things is black like NaN.
+/// Categories in the order of `Shadow`, and one more: a pixel that shows different things in both pictures is black
+/// like NaN.
 [[nodiscard]] std::vector<pixel::Category> shadow_categories();
 
 /// The note under a thumbnail, for a first glance.

@@ -1,3 +1,4 @@
+// Draws rendered scenes and their difference maps.
 #include "output/picture/render_files.hpp"
 
 #include <fmt/format.h>
@@ -25,7 +26,7 @@ namespace {
 
 using SharedLook = std::shared_ptr<const Look>;
 
-constexpr Rgb8 nan_colour{255, 0, 255}, lit{255, 255, 125};
+constexpr Rgb8 nan_colour{255, 0, 255}, lit_colour{255, 255, 125};
 
 /// Categories of a picture, in the order of `picture_look`.
 namespace picture_category {
@@ -40,22 +41,22 @@ struct ErrorMap {
     const char* note;
     double low, high;
 };
-constexpr ErrorMap of_colour{"difference of colour", "8-bit steps",
-                             "colour: largest |channel - true channel| x 255, clamped at both ends of the bar", 0x1p-18,
-                             0x1p8},
-    of_normal{"angle of the normal", "radians",
-              "colour: angle between the computed and the true normal, clamped at both ends of the bar", 0x1p-30, 1},
-    of_residual{"hit point off the surface", "radii",
-                "colour: ||P - G| - r|/r of the computed point P, clamped at both ends of the bar", 0x1p-30, 1};
+constexpr ErrorMap colour_map{"difference of colour", "8-bit steps",
+                              "colour: largest |channel - true channel| x 255, clamped at both ends of the bar",
+                              0x1p-18, 0x1p8},
+    normal_map{"angle of the normal", "radians",
+               "colour: angle between the computed and the true normal, clamped at both ends of the bar", 0x1p-30, 1},
+    residual_map{"hit point off the surface", "radii",
+                 "colour: ||P - G| - r|/r of the computed point P, clamped at both ends of the bar", 0x1p-30, 1};
 
 SharedLook error_look(const ErrorMap& map) {
     return std::make_shared<const Look>(Look{seen_categories(), pixel::magnitude_scale(map.low, map.high), map.unit});
 }
 
-/// An unchanged background stays grey.
+/// Value of a pixel of a difference map. An unchanged background stays grey.
 PixelValue error_of(Seen seen, double value) {
-    const bool drawn = seen == Seen::same_sphere || (seen == Seen::background && value > 0);
-    return {static_cast<std::size_t>(seen), drawn ? value : measure::truth::missing};
+    const bool has_number = seen == Seen::same_sphere || (seen == Seen::background && value > 0);
+    return {static_cast<std::size_t>(seen), has_number ? value : measure::truth::missing};
 }
 
 PixelValue shadow_of(Seen seen, Shadow shadow) {
@@ -64,12 +65,12 @@ PixelValue shadow_of(Seen seen, Shadow shadow) {
                                      : measure::picture::shadow_names.size()};
 }
 
-PixelValue certified(const measure::picture::TrueColour& c) {
+PixelValue certified_pixel(const measure::picture::TrueColour& c) {
     return c.certain ? PixelValue{.colour = Rgb8{c.byte[0], c.byte[1], c.byte[2]}}
                      : PixelValue{picture_category::not_proved};
 }
 
-constexpr const char* glance_means =
+constexpr const char* glance_note =
     "wrong colour: a byte differs from the certified picture; wrong sphere: another sphere is seen, none where there "
     "is "
     "one, or one where there is none";
@@ -80,7 +81,7 @@ image::SheetSpec sheet_spec(const RenderStudy& study, const map::RowGrid& grid) 
                           .subtitle = {fmt::format("{}, {} x {} pixels; percentages are of all pixels", scene.id,
                                                    scene.width, scene.height),
                                        "the picture of each form in each format, next to the certified one",
-                                       glance_means, map::input_note(scene, study.rows)},
+                                       glance_note, map::input_note(scene, study.rows)},
                           .forms = {"certified"}};
     std::erase(spec.subtitle, "");
     spec.forms.insert(spec.forms.end(), grid.forms.begin(), grid.forms.end());
@@ -90,7 +91,7 @@ image::SheetSpec sheet_spec(const RenderStudy& study, const map::RowGrid& grid) 
     return spec;
 }
 
-/// Columns of a study.
+/// Collects the pixel columns of a study.
 class RenderColumns {
 public:
     explicit RenderColumns(const RenderStudy& study) : study_(study), grid_(study.rows) {
@@ -107,7 +108,7 @@ private:
         for (std::size_t f = 0; f < grid_.formats.size(); ++f) spec.places.push_back({0, s * grid_.formats.size() + f});
         add(std::move(spec), 0,
             [stage = static_cast<std::size_t>(study_.stages[s])](const RenderBand& band, std::size_t i) {
-                return certified(band.truth[i].colours[stage]);
+                return certified_pixel(band.truth[i].colours[stage]);
             });
     }
 
@@ -115,24 +116,24 @@ private:
         const std::string name = map::row_name(study_.rows[r]);
         for (std::size_t s = 0; s < study_.stages.size(); ++s) {
             const std::string stage(name_of(study_.stages[s]));
-            const map::RowGrid::GridCell at = grid_.places[r];
+            const map::RowGrid::GridCell cell = grid_.cells[r];
             add({.file = fmt::format("{}.{}.png", stage, name),
                  .look = pictures_,
-                 .places = {{1 + at.form, s * grid_.formats.size() + at.format}},
+                 .places = {{1 + cell.form, s * grid_.formats.size() + cell.format}},
                  .bare = true},
                 r, [s](const RenderBand& band, std::size_t i) { return pixel_of(band.painted[s][i]); });
-            add(map_spec(r, fmt::format("{}.{}.colour.png", stage, name), fmt::format("{}, {}", stage, of_colour.title),
-                         of_colour.note, colours_),
+            add(map_spec(r, fmt::format("{}.{}.colour.png", stage, name),
+                         fmt::format("{}, {}", stage, colour_map.title), colour_map.note, colours_),
                 r, [s](const RenderBand& band, std::size_t i) {
                     return error_of(band.seen[i], band.painted[s][i].error);
                 });
         }
-        add(map_spec(r, name + ".residual.png", of_residual.title, of_residual.note, residuals_), r,
+        add(map_spec(r, name + ".residual.png", residual_map.title, residual_map.note, residuals_), r,
             [](const RenderBand& band, std::size_t i) { return error_of(band.seen[i], band.residual[i]); });
-        if (any_stage(&ShadeRule::diffuse))
-            add(map_spec(r, name + ".normal.png", of_normal.title, of_normal.note, normals_), r,
+        if (any_stage_has(&ShadeRule::diffuse))
+            add(map_spec(r, name + ".normal.png", normal_map.title, normal_map.note, normals_), r,
                 [](const RenderBand& band, std::size_t i) { return error_of(band.seen[i], band.normal_angle[i]); });
-        if (any_stage(&ShadeRule::shadows))
+        if (any_stage_has(&ShadeRule::shadows))
             add(map_spec(r, name + ".shadow.png", "shadow decisions",
                          "shadow decisions where both see the same: on the lit sides of spheres, and on the "
                          "background if it is a plane",
@@ -149,21 +150,21 @@ private:
                 .look = std::move(look)};
     }
 
-    [[nodiscard]] bool any_stage(bool ShadeRule::*asks) const {
+    [[nodiscard]] bool any_stage_has(bool ShadeRule::*property) const {
         return std::ranges::any_of(
-            study_.stages, [&](Stage s) { return measure::picture::shade_rule(study_.scene.appearance, s).*asks; });
+            study_.stages, [&](Stage s) { return measure::picture::shade_rule(study_.scene.appearance, s).*property; });
     }
 
-    template <class Of>
-    void add(pixel::ColumnSpec spec, std::size_t row, Of of) {
-        columns_.push_back({std::move(spec), row, pixel::drawn_by<RenderBand>(of)});
+    template <class ValueOf>
+    void add(pixel::ColumnSpec spec, std::size_t row, ValueOf value_of) {
+        columns_.push_back({std::move(spec), row, pixel::drawn_by<RenderBand>(value_of)});
     }
 
     const RenderStudy& study_;
     map::RowGrid grid_;
     SharedLook pictures_ = std::make_shared<const Look>(picture_look()),
-               shadows_ = std::make_shared<const Look>(Look{shadow_categories()}), colours_ = error_look(of_colour),
-               normals_ = error_look(of_normal), residuals_ = error_look(of_residual);
+               shadows_ = std::make_shared<const Look>(Look{shadow_categories()}), colours_ = error_look(colour_map),
+               normals_ = error_look(normal_map), residuals_ = error_look(residual_map);
     std::vector<PixelColumn<RenderBand>> columns_;
 };
 
@@ -181,7 +182,7 @@ std::vector<pixel::Category> seen_categories() {
 
 std::vector<pixel::Category> shadow_categories() {
     return {{"not compared", colour_of(Outcome::agree_miss)},
-            {"both lit", lit},
+            {"both lit", lit_colour},
             {"both in shadow", colour_of(Outcome::agree_hit)},
             {"false shadow", colour_of(Outcome::false_hit)},
             {"own shadow (acne)", colour_of(Outcome::wrong_primitive)},
@@ -216,7 +217,7 @@ std::vector<study::Note> RenderView::notes(const RenderStudy& study,
     for (std::size_t r = 0; r < summaries.size(); ++r)
         for (std::size_t s = 0; s < summaries[r].size(); ++s)
             notes.push_back(
-                {{1 + grid.places[r].form, s * grid.formats.size() + grid.places[r].format}, glance(summaries[r][s])});
+                {{1 + grid.cells[r].form, s * grid.formats.size() + grid.cells[r].format}, glance(summaries[r][s])});
     return notes;
 }
 

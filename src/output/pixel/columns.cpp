@@ -1,3 +1,4 @@
+// Writes columns of pixels to sheets and to pictures of their own.
 #include "output/pixel/columns.hpp"
 
 #include <algorithm>
@@ -32,7 +33,7 @@ ColumnWriter::ColumnWriter(Pages pages, std::vector<ColumnSpec> columns)
 void ColumnWriter::open_single(const Pages& pages, const ColumnSpec& column) {
     const scene::file::Scene& scene = pages.scene;
     const auto path = pages.single_picture_folder / column.file;
-    Single& single = single_pictures_.emplace_back();
+    SinglePicture& single = single_pictures_.emplace_back();
     if (column.bare) {
         single.bare = image::image_backend().open_png(path, scene.width, scene.height);
         return;
@@ -53,28 +54,28 @@ Strip ColumnWriter::strip(std::size_t column, std::size_t pixels) const {
     return {std::vector<image::Rgb8>(pixels), CategoryCounts(counts_[column].size())};
 }
 
-void ColumnWriter::put(std::size_t column, int y0, const Strip& strip) {
+void ColumnWriter::write_strip(std::size_t column, int y0, const Strip& strip) {
     for (std::size_t k = 0; k < counts_[column].size(); ++k) counts_[column][k] += strip.counts.at(k);
     for (const auto& [across, down, sheet] : columns_[column].places)
         sheets_[sheet]->add_rows(across, down, y0, strip.colours);
     if (single_pictures_.empty()) return;
-    const Single& single = single_pictures_[column];
+    const SinglePicture& single = single_pictures_[column];
     if (single.heatmap) single.heatmap->write_rows(strip.colours);
     else single.bare->write_rows(static_cast<int>(strip.colours.size() / width_), strip.colours);
 }
 
-/// Lists each name once, in the order of the columns.
+/// Lists each name once, in the order of the columns. A column whose look makes its own legend replaces the list.
 std::vector<LegendEntry> ColumnWriter::sheet_legend(std::size_t sheet) const {
     std::vector<LegendEntry> entries;
     std::vector<bool> occurs;
-    const Look* summed = nullptr;
-    CategoryCounts sum;
+    const Look* own_look = nullptr;
+    CategoryCounts own_counts;
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         if (std::ranges::count(columns_[c].places, sheet, &SheetPosition::sheet) == 0) continue;
         if (look(c).own_legend) {
-            summed = &look(c);
-            sum.resize(counts_[c].size());
-            std::ranges::transform(sum, counts_[c], sum.begin(), std::plus());
+            own_look = &look(c);
+            own_counts.resize(counts_[c].size());
+            std::ranges::transform(own_counts, counts_[c], own_counts.begin(), std::plus());
             continue;
         }
         const auto& categories = look(c).categories;
@@ -82,20 +83,20 @@ std::vector<LegendEntry> ColumnWriter::sheet_legend(std::size_t sheet) const {
             const auto& [name, colour, on_sheet] = categories[k];
             if (name.empty()) continue;
             const std::string& label = on_sheet.empty() ? name : on_sheet;
-            const auto at =
+            const auto index =
                 static_cast<std::size_t>(std::ranges::find(entries, label, &LegendEntry::label) - entries.begin());
-            if (at == entries.size()) {
+            if (index == entries.size()) {
                 entries.push_back({label, colour, ""});
                 occurs.push_back(false);
             }
-            if (counts_[c][k] > 0) occurs[at] = true;
+            if (counts_[c][k] > 0) occurs[index] = true;
         }
     }
-    std::vector<LegendEntry> shown = summed ? summed->legend(sum, pixels_) : std::vector<LegendEntry>();
-    for (LegendEntry& entry : shown) entry.count.clear();
-    for (std::size_t k = 0; !summed && k < entries.size(); ++k)
-        if (occurs[k]) shown.push_back(entries[k]);
-    return shown;
+    std::vector<LegendEntry> legend = own_look ? own_look->legend(own_counts, pixels_) : std::vector<LegendEntry>();
+    for (LegendEntry& entry : legend) entry.count.clear();
+    for (std::size_t k = 0; !own_look && k < entries.size(); ++k)
+        if (occurs[k]) legend.push_back(entries[k]);
+    return legend;
 }
 
 void ColumnWriter::finish_single(std::size_t c) {
@@ -105,7 +106,7 @@ void ColumnWriter::finish_single(std::size_t c) {
 }
 
 void ColumnWriter::finish(const std::vector<SheetEnd>& ends) {
-    // In parallel: each picture has its own legend and its own file.
+    // The pictures are finished in parallel: each has its own legend and its own file.
     intersect::process::in_parallel(std::size_t{0}, single_pictures_.size(),
                                     [this](std::size_t c) { finish_single(c); });
     for (std::size_t s = 0; s < sheets_.size(); ++s) {

@@ -1,5 +1,5 @@
 // Columns of pixels and their files. A column has one value per pixel of a scene; it is drawn as cells of contact
-// sheets and, if asked for, as a picture of its own.
+// sheets and, if the run draws single pictures, as a picture of its own.
 #pragma once
 
 #include <filesystem>
@@ -24,13 +24,13 @@ struct SheetPosition {
 
 /// Description of a column: its file, the texts of its picture, and how its pixels are drawn.
 struct ColumnSpec {
-    std::string file;  ///< name of its own picture
+    std::string file;  ///< name of the column's own picture
     std::string title = {};
     std::vector<std::string> subtitle = {};  ///< below the scene's title
     std::shared_ptr<const Look> look;
-    std::vector<SheetPosition> places = {};  ///< its cells on sheets; empty: none
-    bool bare = false;                       ///< its own picture has only the pixels, without texts, and not enlarged
-    std::string widest_caption = {};         ///< space for the caption below its own picture; see `HeatmapSpec`
+    std::vector<SheetPosition> places = {};  ///< the column's cells on sheets; empty: none
+    bool bare = false;  ///< the column's own picture has only the pixels, without texts, and is not enlarged
+    std::string widest_caption = {};  ///< space for the caption below the column's own picture; see `HeatmapSpec`
 };
 
 /// Colours of some scanlines of a column, and the number of pixels of each category in them.
@@ -70,9 +70,9 @@ struct SceneFilesOptions {
 
 /// Properties of a sheet that are known only at the end.
 struct SheetEnd {
-    std::vector<std::size_t> order = {};  ///< order of its cells across; see `ContactSheet::finish`
-    std::string remark = {};              ///< appended to the first entry of its legend
-    std::string headline = {};            ///< what it shows; see `ContactSheet::finish`
+    std::vector<std::size_t> order = {};  ///< order of the sheet's cells across; see `ContactSheet::finish`
+    std::string remark = {};              ///< appended to the first entry of the sheet's legend
+    std::string headline = {};            ///< what the sheet shows; see `ContactSheet::finish`
 };
 
 /// The sheets of a scene's columns, and the folder of the columns' own pictures.
@@ -96,15 +96,17 @@ public:
         return has_single_pictures_ || !columns_[column].places.empty();
     }
     [[nodiscard]] Strip strip(std::size_t column, std::size_t pixels) const;
-    void put(std::size_t column, int y0, const Strip& strip);
+    void write_strip(std::size_t column, int y0, const Strip& strip);
     /// Number of pixels of each category that were written so far.
     [[nodiscard]] const CategoryCounts& counts(std::size_t column) const { return counts_[column]; }
     /// Sets the text below a cell of a sheet.
-    void set_note(SheetPosition place, std::string note) {
-        sheets_[place.sheet]->set_note(place.across, place.down, std::move(note));
+    void set_note(SheetPosition position, std::string note) {
+        sheets_[position.sheet]->set_note(position.across, position.down, std::move(note));
     }
     /// Enlarges the pixels around a pixel of a cell.
-    void set_zoom(SheetPosition place, int x, int y) { sheets_[place.sheet]->set_zoom(place.across, place.down, x, y); }
+    void set_zoom(SheetPosition position, int x, int y) {
+        sheets_[position.sheet]->set_zoom(position.across, position.down, x, y);
+    }
     /// Sets the text below a column's own picture. The picture shows it only if its `widest_caption` reserved space.
     void set_caption(std::size_t column, std::string caption) { captions_[column] = std::move(caption); }
     /// Gives all files their final names. `ends` has one entry per sheet, or is empty.
@@ -116,7 +118,7 @@ private:
     void open_single(const Pages& pages, const ColumnSpec& column);
     void finish_single(std::size_t column);
 
-    struct Single {
+    struct SinglePicture {
         std::unique_ptr<image::HeatmapWriter> heatmap = {};
         std::unique_ptr<image::PngWriter> bare = {};
     };
@@ -124,9 +126,9 @@ private:
     std::uint64_t pixels_;
     bool has_single_pictures_;
     std::vector<ColumnSpec> columns_;
-    std::vector<CategoryCounts> counts_;   ///< one per column
-    std::vector<std::string> captions_;    ///< one per column
-    std::vector<Single> single_pictures_;  ///< one per column, or empty
+    std::vector<CategoryCounts> counts_;          ///< one per column
+    std::vector<std::string> captions_;           ///< one per column
+    std::vector<SinglePicture> single_pictures_;  ///< one per column, or empty
     std::vector<std::unique_ptr<image::ContactSheet>> sheets_;
 };
 
@@ -134,48 +136,50 @@ private:
 template <class Band>
 struct PixelColumn {
     ColumnSpec about;
-    std::size_t row = 0;  ///< the row whose bands it draws
+    std::size_t row = 0;  ///< the row of the study whose bands it draws
     std::function<void(const Band&, const Look&, Strip&)> draw;
 };
 
-/// Returns a function that draws a band: `of(band, i)` is the `PixelValue` of pixel i.
-template <class Band, class Of>
-std::function<void(const Band&, const Look&, Strip&)> drawn_by(Of of) {
-    return [of](const Band& band, const Look& look, Strip& strip) {
+/// Returns a function that draws a band: `pixel_of(band, i)` is the `PixelValue` of pixel i.
+template <class Band, class PixelOf>
+std::function<void(const Band&, const Look&, Strip&)> drawn_by(PixelOf pixel_of) {
+    return [pixel_of](const Band& band, const Look& look, Strip& strip) {
         for (std::size_t i = 0; i < strip.colours.size(); ++i) {
-            const PixelValue pixel = of(band, i);
+            const PixelValue pixel = pixel_of(band, i);
             strip.colours[i] = look.colour(pixel);
             ++strip.counts[pixel.category];
         }
     };
 }
 
-/// The columns of all rows and the files that show them.
+/// The columns of all rows of a study, and the files that show them.
 template <class Band>
 class ColumnFiles {
 public:
     ColumnFiles(Pages pages, std::vector<PixelColumn<Band>> columns)
         : columns_(std::move(columns)), writer_(std::move(pages), specs_of(columns_)) {}
 
-    /// Draws this number of pixels of a row, one strip for each of its columns that a file shows.
+    /// Draws this number of pixels of a row, one strip for each column of the row that a file shows.
     [[nodiscard]] std::vector<Strip> draw(std::size_t row, const Band& band, std::size_t pixels) const {
         std::vector<Strip> strips;
-        for (const std::size_t c : shown_of(row)) {
+        for (const std::size_t c : shown_columns(row)) {
             strips.push_back(writer_.strip(c, pixels));
             columns_[c].draw(band, writer_.look(c), strips.back());
         }
         return strips;
     }
     /// Writes these strips to the files from scanline `y0` on. Different rows may be written at the same time.
-    void put(std::size_t row, int y0, const std::vector<Strip>& strips) {
-        std::size_t next = 0;
-        for (const std::size_t c : shown_of(row)) writer_.put(c, y0, strips.at(next++));
+    void write_strips(std::size_t row, int y0, const std::vector<Strip>& strips) {
+        std::size_t strip_index = 0;
+        for (const std::size_t c : shown_columns(row)) writer_.write_strip(c, y0, strips.at(strip_index++));
     }
-    void take(std::size_t row, const Band& band, int y0, std::size_t pixels) { put(row, y0, draw(row, band, pixels)); }
+    void take(std::size_t row, const Band& band, int y0, std::size_t pixels) {
+        write_strips(row, y0, draw(row, band, pixels));
+    }
     [[nodiscard]] ColumnWriter& writer() { return writer_; }
 
 private:
-    [[nodiscard]] std::vector<std::size_t> shown_of(std::size_t row) const {
+    [[nodiscard]] std::vector<std::size_t> shown_columns(std::size_t row) const {
         std::vector<std::size_t> shown;
         for (std::size_t c = 0; c < columns_.size(); ++c)
             if (columns_[c].row == row && writer_.shows(c)) shown.push_back(c);

@@ -46,8 +46,8 @@ std::string count_text(std::uint64_t count, std::uint64_t total) {
 
 std::string widest_count(std::uint64_t pixels) { return fmt::format("{} (>99.9%)", pixels); }
 
-std::string share_text(std::uint64_t part, std::uint64_t whole) {
-    return whole == 0 ? "-" : percent_text(100 * measure::truth::fraction(part, whole));
+std::string share_text(std::uint64_t count, std::uint64_t total) {
+    return total == 0 ? "-" : percent_text(100 * measure::truth::fraction(count, total));
 }
 
 }  // namespace lostbits::output::pixel

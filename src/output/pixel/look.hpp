@@ -21,13 +21,13 @@ namespace lostbits::output::pixel {
 
 /// A kind of pixel: instead of a number, or in addition to one.
 struct Category {
-    std::string name;  ///< its name in legends; empty: no legend lists it
+    std::string name;  ///< name in legends; empty: no legend lists the category
     image::Rgb8 colour = {};
-    std::string on_sheet = {};  ///< its name in the legend of a sheet; empty: `name`
+    std::string on_sheet = {};  ///< name in the legend of a sheet; empty: `name`
 };
 
-/// A pixel of a column. It is counted in its category. Its colour is that of `value` on the scale, or else `colour`, or
-/// else the colour of its category.
+/// A pixel of a column, which is counted in its category. The pixel has the colour of `value` on the scale if there is
+/// a value, or else `colour`, or else the colour of its category.
 struct PixelValue {
     std::size_t category = 0;
     double value = std::numeric_limits<double>::quiet_NaN();
@@ -63,7 +63,7 @@ struct Look {
 [[nodiscard]] std::string count_text(std::uint64_t count, std::uint64_t total);
 /// The widest text that `count_text` returns for a picture of this number of pixels.
 [[nodiscard]] std::string widest_count(std::uint64_t pixels);
-/// A share: `3.1%` or `<0.1%`; `-` if `whole` is 0.
-[[nodiscard]] std::string share_text(std::uint64_t part, std::uint64_t whole);
+/// A share: `3.1%` or `<0.1%`; `-` if `total` is 0.
+[[nodiscard]] std::string share_text(std::uint64_t count, std::uint64_t total);
 
 }  // namespace lostbits::output::pixel

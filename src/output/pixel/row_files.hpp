@@ -1,4 +1,5 @@
-// Files that take the bands of one row: strips of pictures, lines of a table of pixels, rows of an EXR.
+// Files that receive the bands of one series (a form in a format): strips of pictures, lines of a table of pixels,
+// rows of an EXR.
 #pragma once
 
 #include <cstdint>
@@ -27,10 +28,10 @@ void fields(Bits& bits, ExrRows& piece) {
     bits(part, y0, rows, samples);
 }
 
-/// Everything that files take from a band of a row. A shard keeps it; otherwise it is written.
+/// Everything that files receive from one band of a series. A shard keeps the piece; other runs write it.
 struct Piece {
     int y0 = 0;
-    std::vector<Strip> strips = {};  ///< of each picture that is drawn, in their order
+    std::vector<Strip> strips = {};  ///< strips of the pictures that are drawn, in the pictures' order
     std::vector<ExrRows> exr = {};
     std::string lines = {};  ///< lines of the table of pixels
 
@@ -54,7 +55,7 @@ struct BandFiles {
     const KeepPiece& keep;                                       ///< receives the pieces of a shard
 };
 
-/// `Pixel` is the record of a row of the table of pixels.
+/// Files of one series. `Pixel` is the record of a row of the table of pixels.
 template <class Band, class Pixel>
 class RowFiles {
 public:
@@ -78,11 +79,11 @@ public:
         for (std::size_t i = 0; table_ && i < pixels; ++i) writers_.add_pixel(*table_, result, i);
         if (table_ && files_.keep) piece.lines = table_->take_lines();
         if (files_.keep) files_.keep(row_, std::move(piece));
-        else put(piece);
+        else write_piece(piece);
     }
 
-    void put(const Piece& piece) {
-        files_.pictures.put(row_, piece.y0, piece.strips);
+    void write_piece(const Piece& piece) {
+        files_.pictures.write_strips(row_, piece.y0, piece.strips);
         if (files_.write_exr) files_.write_exr(piece.exr);
         if (table_) table_->add_lines(piece.lines);
     }

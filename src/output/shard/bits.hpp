@@ -29,41 +29,41 @@ class BitWriter {
 public:
     template <class... T>
     void operator()(const T&... values) {
-        (put(values), ...);
+        (write(values), ...);
     }
     [[nodiscard]] std::string take() { return std::move(bytes_); }
 
 private:
     template <class T>
-    void put(const T& x) {
+    void write(const T& x) {
         if constexpr (PlainBits<T>) bytes_.append(reinterpret_cast<const char*>(&x), sizeof x);
         else fields(*this, const_cast<T&>(x));  // BitReader changes it, BitWriter does not
     }
     template <class T>
-    void put_list(const T* begin, std::size_t size) {
+    void write_list(const T* begin, std::size_t size) {
         if constexpr (PlainBits<T>) bytes_.append(reinterpret_cast<const char*>(begin), size * sizeof(T));
         else
-            for (std::size_t i = 0; i < size; ++i) put(begin[i]);
+            for (std::size_t i = 0; i < size; ++i) write(begin[i]);
     }
-    void put(const std::string& x) {
-        put(std::uint64_t{x.size()});
+    void write(const std::string& x) {
+        write(std::uint64_t{x.size()});
         bytes_ += x;
     }
     template <class T>
-    void put(const std::vector<T>& x) {
-        put(std::uint64_t{x.size()});
-        put_list(x.data(), x.size());
+    void write(const std::vector<T>& x) {
+        write(std::uint64_t{x.size()});
+        write_list(x.data(), x.size());
     }
     template <class T, std::size_t n>
-    void put(const std::array<T, n>& x) {
-        put_list(x.data(), n);
+    void write(const std::array<T, n>& x) {
+        write_list(x.data(), n);
     }
     /// Pointers and optionals: a bool, and the value if there is one.
     template <class T>
     requires requires(const T& x) { *x, static_cast<bool>(x); }
-    void put(const T& x) {
-        put(static_cast<bool>(x));
-        if (x) put(*x);
+    void write(const T& x) {
+        write(static_cast<bool>(x));
+        if (x) write(*x);
     }
 
     std::string bytes_;
@@ -76,91 +76,91 @@ public:
 
     template <class... T>
     void operator()(T&... values) {
-        (get(values), ...);
+        (read(values), ...);
     }
-    [[nodiscard]] bool is_at_end() const { return at_ == bytes_.size(); }
+    [[nodiscard]] bool is_at_end() const { return position_ == bytes_.size(); }
 
 private:
-    const char* take(std::uint64_t size) {
-        if (size > bytes_.size() - at_) throw std::out_of_range("the bits of a shard end too early");
-        const char* const from = bytes_.data() + at_;
-        at_ += size;
-        return from;
+    const char* take_bytes(std::uint64_t size) {
+        if (size > bytes_.size() - position_) throw std::out_of_range("the bits of a shard end too early");
+        const char* const begin = bytes_.data() + position_;
+        position_ += size;
+        return begin;
     }
     template <class T>
-    void get(T& x) {
-        if constexpr (PlainBits<T>) std::memcpy(&x, take(sizeof x), sizeof x);
+    void read(T& x) {
+        if constexpr (PlainBits<T>) std::memcpy(&x, take_bytes(sizeof x), sizeof x);
         else fields(*this, x);
     }
     /// Refuses every byte but 0 and 1: another value in a bool is undefined behaviour.
-    void get(bool& x) {
-        const char byte = *take(1);
+    void read(bool& x) {
+        const char byte = *take_bytes(1);
         if (byte != 0 && byte != 1) throw std::out_of_range("a bool of a shard is neither yes nor no");
         x = byte == 1;
     }
-    std::uint64_t size() {
-        std::uint64_t n = 0;
-        get(n);
-        if (n > bytes_.size() - at_) throw std::out_of_range("a list of a shard is longer than what follows");
-        return n;
+    std::uint64_t read_size() {
+        std::uint64_t count = 0;
+        read(count);
+        if (count > bytes_.size() - position_) throw std::out_of_range("a list of a shard is longer than what follows");
+        return count;
     }
     template <class T>
-    void get_list(T* begin, std::size_t n) {
+    void read_list(T* begin, std::size_t n) {
         if constexpr (PlainBits<T>) {
-            const char* const from = take(n * sizeof(T));
-            if (n > 0) std::memcpy(begin, from, n * sizeof(T));
+            const char* const source = take_bytes(n * sizeof(T));
+            if (n > 0) std::memcpy(begin, source, n * sizeof(T));
         } else {
-            for (std::size_t i = 0; i < n; ++i) get(begin[i]);
+            for (std::size_t i = 0; i < n; ++i) read(begin[i]);
         }
     }
-    void get(std::string& x) {
-        const std::uint64_t n = size();
-        x.assign(take(n), n);
+    void read(std::string& x) {
+        const std::uint64_t n = read_size();
+        x.assign(take_bytes(n), n);
     }
     /// Takes no more memory than the rest of the file can fill, whatever size the list claims.
     template <class T>
-    void get(std::vector<T>& x) {
-        const std::uint64_t n = size();
+    void read(std::vector<T>& x) {
+        const std::uint64_t n = read_size();
         x.clear();
         if constexpr (PlainBits<T>) {
-            if (n > (bytes_.size() - at_) / sizeof(T))
+            if (n > (bytes_.size() - position_) / sizeof(T))
                 throw std::out_of_range("a list of a shard is longer than what follows");
             x.resize(n);
-            get_list(x.data(), n);
+            read_list(x.data(), n);
         } else {
-            for (std::uint64_t i = 0; i < n; ++i) get(x.emplace_back());
+            for (std::uint64_t i = 0; i < n; ++i) read(x.emplace_back());
         }
     }
     template <class T, std::size_t n>
-    void get(std::array<T, n>& x) {
-        get_list(x.data(), n);
+    void read(std::array<T, n>& x) {
+        read_list(x.data(), n);
     }
-    bool is_there() {
-        bool there = false;
-        get(there);
-        return there;
+    bool read_flag() {
+        bool flag = false;
+        read(flag);
+        return flag;
     }
     template <class T>
-    void get(std::optional<T>& x) {
+    void read(std::optional<T>& x) {
         x.reset();
-        if (is_there()) get(x.emplace());
+        if (read_flag()) read(x.emplace());
     }
     template <class T>
-    void get(std::unique_ptr<T>& x) {
-        x = is_there() ? std::make_unique<T>() : nullptr;
-        if (x) get(*x);
+    void read(std::unique_ptr<T>& x) {
+        x = read_flag() ? std::make_unique<T>() : nullptr;
+        if (x) read(*x);
     }
     template <class T>
-    void get(std::shared_ptr<const T>& x) {
+    void read(std::shared_ptr<const T>& x) {
         x.reset();
-        if (!is_there()) return;
-        auto made = std::make_shared<T>();
-        get(*made);
-        x = std::move(made);
+        if (!read_flag()) return;
+        auto value = std::make_shared<T>();
+        read(*value);
+        x = std::move(value);
     }
 
     std::string bytes_;
-    std::size_t at_ = 0;
+    std::size_t position_ = 0;
 };
 
 }  // namespace lostbits::output::shard

@@ -18,8 +18,8 @@ namespace lostbits::output::shard {
 
 /// A type with a member function that lists its fields.
 template <class Bits, class T>
-requires requires(Bits& bits, T& whole) { whole.fields(bits); }
-void fields(Bits& bits, T& whole) { whole.fields(bits); }
+requires requires(Bits& bits, T& value) { value.fields(bits); }
+void fields(Bits& bits, T& value) { value.fields(bits); }
 
 LOSTBITS_FIELDS(Vec<double>, x, y, z)
 LOSTBITS_FIELDS(Ray<double>, origin, direction)

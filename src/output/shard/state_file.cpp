@@ -1,3 +1,4 @@
+// Writes and reads the files of shards and of stopped runs.
 #include "output/shard/state_file.hpp"
 
 #include <fmt/format.h>
@@ -16,25 +17,25 @@ namespace {
 
 constexpr std::string_view heading = "lostbits-shard/3";
 
-template <class Whole>
-std::string_view bytes_of(const Whole& x) {
+template <class Value>
+std::string_view bytes_of(const Value& x) {
     return {reinterpret_cast<const char*>(&x), sizeof x};
 }
 
-template <class Whole>
-bool parse(std::string_view text, Whole& x, int base = 10) {
+template <class Value>
+bool parse_integer(std::string_view text, Value& x, int base = 10) {
     const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), x, base);
     return error == std::errc{} && stop == text.data() + text.size();
 }
 
 /// Writes text on one line: a line break, which a path may hold, becomes `\n`, and a backslash becomes two.
-std::string on_one_line(std::string_view text) {
+std::string to_one_line(std::string_view text) {
     std::string line;
     for (const char c : text) line += c == '\n' ? "\\n" : c == '\\' ? "\\\\" : std::string(1, c);
     return line;
 }
 
-/// Reads text that `on_one_line` wrote.
+/// Reads text that `to_one_line` wrote.
 std::string from_one_line(std::string_view line) {
     std::string text;
     for (std::size_t i = 0; i < line.size(); ++i) {
@@ -52,20 +53,20 @@ void InputHash::add(std::string_view bytes) {
 }
 
 void InputHash::add_file(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
+    std::ifstream stream(path, std::ios::binary);
     std::vector<char> chunk(1 << 16);
     std::uint64_t size = 0;
-    while (in.read(chunk.data(), static_cast<std::streamsize>(chunk.size())), in.gcount() > 0) {
-        add({chunk.data(), static_cast<std::size_t>(in.gcount())});
-        size += static_cast<std::uint64_t>(in.gcount());
+    while (stream.read(chunk.data(), static_cast<std::streamsize>(chunk.size())), stream.gcount() > 0) {
+        add({chunk.data(), static_cast<std::size_t>(stream.gcount())});
+        size += static_cast<std::uint64_t>(stream.gcount());
     }
-    if (!in.eof()) throw EnvironmentError(path.string() + ": cannot be read");
+    if (!stream.eof()) throw EnvironmentError(path.string() + ": cannot be read");
     add(bytes_of(size));  // two files one after the other must not hash as one
 }
 
 StateFileWriter::StateFileWriter(const fs::path& path, const StateHead& head) : file_(path) {
     write(fmt::format("{}\nprogram {}\ncommand {}\ninputs {:016x}\nshard {}/{}\n\n", heading, head.program,
-                      on_one_line(head.command), head.inputs, head.share.number, head.share.count));
+                      to_one_line(head.command), head.inputs, head.share.number, head.share.count));
 }
 
 void StateFileWriter::write(std::string_view bytes) {
@@ -89,7 +90,7 @@ void StateFileWriter::close() {
 StateFileReader::StateFileReader(fs::path path, std::string damaged)
     : path_(std::move(path)), damaged_(std::move(damaged)), in_(path_, std::ios::binary) {
     if (!in_) throw InputError(path_.string() + ": cannot be read; check the path and its permissions");
-    check_hash();
+    require_matching_hash();
     read_head();
     read_names();
     rest();
@@ -97,85 +98,86 @@ StateFileReader::StateFileReader(fs::path path, std::string damaged)
 
 void StateFileReader::damaged() const { throw InputError(path_.string() + ": " + damaged_); }
 
-void StateFileReader::check_hash() {
+void StateFileReader::require_matching_hash() {
     std::error_code ignored;
     const std::uint64_t size = fs::file_size(path_, ignored);
     if (ignored || size < heading.size() + sizeof(std::uint64_t)) damaged();
     end_ = size - sizeof(std::uint64_t);
     InputHash hash;
-    while (at_ < end_) hash.add(bytes(std::min<std::uint64_t>(end_ - at_, 1 << 16)));
-    std::uint64_t kept = 0;
-    if (!in_.read(reinterpret_cast<char*>(&kept), sizeof kept) || kept != hash.value()) damaged();
+    while (position_ < end_) hash.add(read_bytes(std::min<std::uint64_t>(end_ - position_, 1 << 16)));
+    std::uint64_t stored_hash = 0;
+    if (!in_.read(reinterpret_cast<char*>(&stored_hash), sizeof stored_hash) || stored_hash != hash.value()) damaged();
     in_.seekg(0);
-    at_ = 0;
+    position_ = 0;
 }
 
-std::string StateFileReader::bytes(std::uint64_t size) {
-    if (size > end_ - at_) damaged();
+std::string StateFileReader::read_bytes(std::uint64_t size) {
+    if (size > end_ - position_) damaged();
     std::string text(size, '\0');
     if (!in_.read(text.data(), static_cast<std::streamsize>(size))) damaged();
-    at_ += size;
+    position_ += size;
     return text;
 }
 
-std::string StateFileReader::line(std::string_view name) {
+std::string StateFileReader::read_line(std::string_view name) {
     std::string text;
     if (!std::getline(in_, text)) damaged();
-    at_ += text.size() + 1;
-    if (at_ > end_ || !text.starts_with(name)) damaged();  // a head that never ends would run into the hash behind it
+    position_ += text.size() + 1;
+    if (position_ > end_ || !text.starts_with(name))
+        damaged();  // a head that never ends would run into the hash behind it
     return text.substr(std::min(text.size(), name.size() + 1));
 }
 
 void StateFileReader::read_head() {
-    const std::string rest = line(heading);
-    head_.program = line("program");
-    head_.command = from_one_line(line("command"));
-    if (!rest.empty() || !parse(line("inputs"), head_.inputs, 16)) damaged();
-    const std::string shard = line("shard");
+    const std::string excess = read_line(heading);
+    head_.program = read_line("program");
+    head_.command = from_one_line(read_line("command"));
+    if (!excess.empty() || !parse_integer(read_line("inputs"), head_.inputs, 16)) damaged();
+    const std::string shard = read_line("shard");
     const std::size_t slash = std::min(shard.find('/'), shard.size() - 1);
-    if (!parse(std::string_view(shard).substr(0, slash), head_.share.number) ||
-        !parse(std::string_view(shard).substr(slash + 1), head_.share.count))
+    if (!parse_integer(std::string_view(shard).substr(0, slash), head_.share.number) ||
+        !parse_integer(std::string_view(shard).substr(slash + 1), head_.share.count))
         damaged();
-    const auto [number, of] = head_.share;
-    if (number < 1 || number > of || of > measure::shard::Share::most) damaged();
-    if (!line("").empty()) damaged();
+    const auto [number, count] = head_.share;
+    if (number < 1 || number > count || count > measure::shard::Share::most) damaged();
+    if (!read_line("").empty()) damaged();
 }
 
 void StateFileReader::read_names() {
-    const std::uint64_t start = at_;
+    const std::uint64_t start = position_;
     while (!is_at_end()) {
-        const std::string name = bytes(number());
+        const std::string name = read_bytes(read_number());
         if (names_.empty() || names_.back() != name) names_.push_back(name);
-        const std::uint64_t size = number();
-        if (size > end_ - at_ || !in_.seekg(static_cast<std::streamoff>(size), std::ios::cur)) damaged();
-        at_ += size;
+        const std::uint64_t size = read_number();
+        if (size > end_ - position_ || !in_.seekg(static_cast<std::streamoff>(size), std::ios::cur)) damaged();
+        position_ += size;
     }
-    at_ = start;
+    position_ = start;
 }
 
-std::uint64_t StateFileReader::number() {
-    const std::string text = bytes(sizeof(std::uint64_t));
+std::uint64_t StateFileReader::read_number() {
+    const std::string text = read_bytes(sizeof(std::uint64_t));
     std::uint64_t n = 0;
     std::memcpy(&n, text.data(), sizeof n);
     return n;
 }
 
-bool StateFileReader::next(std::string_view name, const std::function<void(BitReader&)>& take) {
+bool StateFileReader::next(std::string_view name, const std::function<void(BitReader&)>& read_record) {
     if (is_at_end()) return false;
-    const std::uint64_t start = at_;
+    const std::uint64_t start = position_;
     if (!in_.is_open()) {
         in_.open(path_, std::ios::binary);
         in_.seekg(static_cast<std::streamoff>(start));
         if (!in_) throw EnvironmentError(path_.string() + ": cannot be opened again");
     }
-    if (bytes(number()) != name) {
+    if (read_bytes(read_number()) != name) {
         in_.seekg(static_cast<std::streamoff>(start));
-        at_ = start;
+        position_ = start;
         return false;
     }
     try {
-        BitReader reader(bytes(number()));
-        take(reader);
+        BitReader reader(read_bytes(read_number()));
+        read_record(reader);
         if (!reader.is_at_end()) damaged();
     } catch (const std::out_of_range&) {
         damaged();
@@ -189,8 +191,8 @@ void UnfinishedFile::write(std::string_view bits) const {
     file.close();
 }
 
-void UnfinishedFile::read(const std::function<void(BitReader&)>& take) const {
-    const auto refuse = [this](const std::string& why) { throw InputError(path_.string() + ": " + why); };
+void UnfinishedFile::read(const std::function<void(BitReader&)>& read_record) const {
+    const auto refuse = [this](const std::string& reason) { throw InputError(path_.string() + ": " + reason); };
     if (!is_there()) refuse("does not exist, so there is no unfinished run to continue; leave out --resume");
     StateFileReader file(path_,
                          "is damaged or from another version, so the run cannot continue from it; leave out --resume "
@@ -210,7 +212,7 @@ void UnfinishedFile::read(const std::function<void(BitReader&)>& take) const {
         refuse(
             "belongs to a run that read other files: the sweep, its scene or a library has changed since; leave out "
             "--resume to start over");
-    if (!file.next(job_, take) || !file.is_at_end()) file.damaged();
+    if (!file.next(job_, read_record) || !file.is_at_end()) file.damaged();
 }
 
 }  // namespace lostbits::output::shard

@@ -33,7 +33,7 @@ struct StateHead {
 class InputHash {
 public:
     void add(std::string_view bytes);
-    /// Adds the contents of a file. EnvironmentError if it cannot be read.
+    /// Adds the contents of a file. Throws EnvironmentError if the file cannot be read.
     void add_file(const std::filesystem::path& path);
     [[nodiscard]] std::uint64_t value() const { return hash_; }
 
@@ -41,8 +41,8 @@ private:
     std::uint64_t hash_ = 14695981039346656037U;
 };
 
-/// Writes a head as lines of text, then records (a name, a size and bits), then the hash of everything before it. The
-/// file gets its name when it is complete.
+/// Writes a state file: a head as lines of text, then records (a name, a size and bits), then the hash of everything
+/// before it. The file gets its final name when it is complete.
 class StateFileWriter {
 public:
     StateFileWriter(const std::filesystem::path& path, const StateHead& head);
@@ -58,9 +58,9 @@ private:
     std::mutex mutex_;
 };
 
-/// Reads such a file record by record. Throws InputError, with the path and the text `damaged`, if it is not such a
-/// file or was changed. The file is open only from the first call of `next` until `rest`, so that a thousand readers do
-/// not keep a thousand files open.
+/// Reads a state file record by record. Throws InputError, with the path and the text `damaged`, if the file is not a
+/// state file or was changed. The file is open only from the first call of `next` until `rest`, so that a thousand
+/// readers do not keep a thousand files open.
 class StateFileReader {
 public:
     explicit StateFileReader(std::filesystem::path path,
@@ -68,32 +68,32 @@ public:
     [[nodiscard]] const std::filesystem::path& path() const { return path_; }
     [[nodiscard]] const StateHead& head() const { return head_; }
 
-    /// The names of its records in their order; consecutive records of the same name count as one.
+    /// The names of the records in the file's order; consecutive records of the same name count as one.
     [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
 
-    /// Passes the bits of the next record to `take` if it has this name; otherwise returns false. InputError if `take`
-    /// needs more bits, leaves some, or throws std::out_of_range.
-    [[nodiscard]] bool next(std::string_view name, const std::function<void(BitReader&)>& take);
+    /// Passes the bits of the next record to `read_record` if the record has this name; otherwise returns false.
+    /// Throws InputError if `read_record` needs more bits, leaves some, or throws std::out_of_range.
+    [[nodiscard]] bool next(std::string_view name, const std::function<void(BitReader&)>& read_record);
     /// Closes the file until the next call of `next`, which continues at the same record.
     void rest() { in_.close(); }
     /// True if all records were read.
-    [[nodiscard]] bool is_at_end() const { return at_ == end_; }
+    [[nodiscard]] bool is_at_end() const { return position_ == end_; }
     [[noreturn]] void damaged() const;
 
 private:
-    void check_hash();
+    void require_matching_hash();
     void read_head();
     void read_names();
-    std::uint64_t number();
-    std::string line(std::string_view name);
-    std::string bytes(std::uint64_t size);
+    std::uint64_t read_number();
+    std::string read_line(std::string_view name);
+    std::string read_bytes(std::uint64_t size);
 
     std::filesystem::path path_;
     std::string damaged_;
     std::ifstream in_;
     StateHead head_;
     std::vector<std::string> names_;
-    std::uint64_t at_ = 0, end_ = 0;
+    std::uint64_t position_ = 0, end_ = 0;
 };
 
 /// The file that --resume continues from: the state of a stopped run, as its only record.
@@ -107,9 +107,9 @@ public:
     [[nodiscard]] bool is_there() const { return std::filesystem::exists(path_); }
 
     void write(std::string_view bits) const;
-    /// Passes the bits to `take`, as `StateFileReader::next` does. InputError if there is no such file, if it belongs
-    /// to another run (the message says what differs), or if it is damaged.
-    void read(const std::function<void(BitReader&)>& take) const;
+    /// Passes the bits to `read_record`, as `StateFileReader::next` does. Throws InputError if the file does not
+    /// exist, if it belongs to another run (the message says what differs), or if it is damaged.
+    void read(const std::function<void(BitReader&)>& read_record) const;
 
 private:
     std::filesystem::path path_;

@@ -1,3 +1,4 @@
+// Columns that name and time a kernel, and the points of the plane of time and accuracy.
 #include "output/speed/trade_files.hpp"
 
 #include <algorithm>
@@ -23,26 +24,26 @@ table::Table<Timing> time_columns(const std::string& median, const std::string& 
 std::size_t colour_of(const Format& format) { return format.engine == Format::Engine::native64 ? 1 : 0; }
 
 void add_front(plot::ScatterPlotSpec& spec, const std::vector<FrontPoint>& points) {
-    std::vector<ParetoPoint> worths;
-    for (const FrontPoint& p : points) worths.push_back(p.quality);
-    const auto beaten = measure::speed::dominated(worths);
+    std::vector<ParetoPoint> qualities;
+    for (const FrontPoint& p : points) qualities.push_back(p.quality);
+    const auto is_dominated = measure::speed::dominated(qualities);
     std::vector<std::size_t> front;
     for (std::size_t k = 0; k < points.size(); ++k) {
         const FrontPoint& p = points[k];
-        const bool named = !beaten[k] || p.named;
+        const bool is_named = !is_dominated[k] || p.named;
         spec.points.push_back({.x = p.quality.time_ns,
                                .y = p.quality.kept_bits,
                                .x_low = p.time ? p.time->low_quartile * 1e9 : p.quality.time_ns,
                                .x_high = p.time ? p.time->high_quartile * 1e9 : p.quality.time_ns,
                                .marker = p.marker,
                                .colour = colour_of(p.row.format),
-                               .faint = !named,
+                               .faint = !is_named,
                                .hollow = p.hollow,
-                               .label = !named            ? std::string()
+                               .label = !is_named         ? std::string()
                                         : p.label.empty() ? map::short_name(*p.row.form->info)
                                                           : p.label,
                                .key = map::row_name(p.row) + " " + std::to_string(k)});
-        if (!beaten[k] && !std::isnan(p.quality.kept_bits)) front.push_back(k);
+        if (!is_dominated[k] && !std::isnan(p.quality.kept_bits)) front.push_back(k);
     }
     std::ranges::stable_sort(front, {}, [&points](std::size_t k) { return points[k].quality.time_ns; });
     for (const std::size_t k : front)

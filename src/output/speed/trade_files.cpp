@@ -1,3 +1,4 @@
+// Tables, plots and texts of time against accuracy.
 #include "output/speed/trade_files.hpp"
 
 #include <fmt/format.h>
@@ -69,9 +70,9 @@ Table<TimeRow> time_table() {
 
 Table<ParetoRow> pareto_table() {
     using R = ParetoRow;
-    const auto fraction = [](Outcome o, const auto& whole) {
-        return or_missing([o, whole](const R& r) {
-            return measure::truth::fraction(r.accuracy->count(o), std::invoke(whole, *r.accuracy));
+    const auto fraction = [](Outcome o, const auto& denominator) {
+        return or_missing([o, denominator](const R& r) {
+            return measure::truth::fraction(r.accuracy->count(o), std::invoke(denominator, *r.accuracy));
         });
     };
     const auto quantile = [](const measure::metric::Distribution* R::*metric, double q) {
@@ -127,11 +128,11 @@ std::string timing_text(const TradeRequest& request, const TradeResult& result) 
         scene::toml::counted(timed.rays, "ray"), timed.primitives);
 }
 
-KernelKey name_of(const TradeKernel& kernel) {
+KernelKey kernel_key(const TradeKernel& kernel) {
     return {kernel.measured.form->info->name, kernel.measured.format.name, kernel.isa};
 }
 
-std::string in_words(const TradeKernel& kernel) {
+std::string kernel_phrase(const TradeKernel& kernel) {
     const std::string width = kernel.isa == "scalar" ? "one ray at a time" : fmt::format("at {} bits", kernel.isa);
     return fmt::format("{} in {} {}", kernel.measured.form->info->name, kernel.measured.format.name, width);
 }
@@ -139,13 +140,13 @@ std::string in_words(const TradeKernel& kernel) {
 }  // namespace
 
 std::vector<ParetoPoint> pareto_points_of(const TradeRequest& request, const TradeResult& result, std::size_t set) {
-    std::vector<ParetoPoint> all;
+    std::vector<ParetoPoint> points;
     const std::size_t load = measure::speed::reference_load(request.loads);
     for (std::size_t k = 0; k < request.kernels.size(); ++k) {
-        all.push_back(measure::speed::pareto_point(result.times[k][load].timing, request.kernels[k].measured,
-                                                   result.accuracy(set, k), request.metrics));
+        points.push_back(measure::speed::pareto_point(result.times[k][load].timing, request.kernels[k].measured,
+                                                      result.accuracy(set, k), request.metrics));
     }
-    return all;
+    return points;
 }
 
 namespace {
@@ -162,17 +163,17 @@ constexpr KernelMarker kernel_markers[] = {
 bool has_marker(const TradeKernel& kernel, const KernelMarker& mark) { return kernel.isa == mark.isa; }
 
 int marker_of(const TradeKernel& kernel) {
-    const auto found =
+    const auto entry =
         std::ranges::find_if(kernel_markers, [&kernel](const KernelMarker& mark) { return has_marker(kernel, mark); });
-    return found == std::end(kernel_markers) ? 0 : found->marker;
+    return entry == std::end(kernel_markers) ? 0 : entry->marker;
 }
 
 std::vector<ScatterPlotSpec::Key> keys_of(const TradeRequest& request) {
     std::vector<ScatterPlotSpec::Key> keys;
     for (const auto& [engine, name] : {std::pair{Format::Engine::native32, "f32"}, {Format::Engine::native64, "f64"}}) {
-        const auto in = [engine = engine](const TradeKernel& k) { return k.measured.format.engine == engine; };
-        if (std::ranges::any_of(request.kernels, in))
-            keys.push_back({name, 0, colour_of(std::ranges::find_if(request.kernels, in)->measured.format)});
+        const auto has_engine = [engine = engine](const TradeKernel& k) { return k.measured.format.engine == engine; };
+        if (std::ranges::any_of(request.kernels, has_engine))
+            keys.push_back({name, 0, colour_of(std::ranges::find_if(request.kernels, has_engine)->measured.format)});
     }
     for (const KernelMarker& mark : kernel_markers) {
         if (std::ranges::any_of(request.kernels, [&mark](const TradeKernel& k) { return has_marker(k, mark); }))
@@ -183,21 +184,22 @@ std::vector<ScatterPlotSpec::Key> keys_of(const TradeRequest& request) {
     return keys;
 }
 
-/// The rays whose accuracy and time a picture shows.
+/// Sentence on the rays whose accuracy and time a picture shows.
 std::string shown_rays(const TradeRequest& request, const TradeResult& result, std::size_t set) {
     const auto& timed = result.times.front()[measure::speed::reference_load(request.loads)];
-    const std::string repeated = fmt::format("median of {}, bars from quartile to quartile.",
-                                             scene::toml::counted(request.plan.repetitions, "interleaved repetition"));
-    const std::uint64_t judged = result.accuracy(set, 0).rays;
+    const std::string repetition_text =
+        fmt::format("median of {}, bars from quartile to quartile.",
+                    scene::toml::counted(request.plan.repetitions, "interleaved repetition"));
+    const std::uint64_t judged_rays = result.accuracy(set, 0).rays;
     if (request.scene)
         return fmt::format("Accuracy: {} of the scene. Time: {} of its rays against {} of its primitives; {}",
-                           scene::toml::counted(judged, "ray"), timed.rays, timed.primitives, repeated);
+                           scene::toml::counted(judged_rays, "ray"), timed.rays, timed.primitives, repetition_text);
     const auto sets = measure::speed::trade_sets(request);
     return fmt::format(
         "Accuracy: {} rays of the set {}. Time{}: rays like those of the set {}, {:.0f} KiB of them and of answers in "
         "the L1 cache, every other ray a hit; {}",
-        judged, sets[set].name, set == 0 ? "" : ", the same in the pictures of all sets", sets.front().name,
-        static_cast<double>(timed.bytes) / 1024, repeated);
+        judged_rays, sets[set].name, set == 0 ? "" : ", the same in the pictures of all sets", sets.front().name,
+        static_cast<double>(timed.bytes) / 1024, repetition_text);
 }
 
 }  // namespace
@@ -207,7 +209,7 @@ std::string registers_of(const TradeKernel& kernel) {
 }
 
 ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& result, std::size_t set) {
-    const auto all = pareto_points_of(request, result, set);
+    const auto qualities = pareto_points_of(request, result, set);
     const std::size_t load = measure::speed::reference_load(request.loads);
     ScatterPlotSpec spec;
     spec.title = fmt::format("Time against kept bits: {}", measure::speed::trade_sets(request)[set].title);
@@ -217,15 +219,15 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& resul
     spec.x = {request.scene ? scene_time_title : time_title, plot::AxisSpec::Scale::log2, {}, {}, false, true};
     spec.y = {kept_title, plot::AxisSpec::Scale::linear, {}, {}};
     std::vector<FrontPoint> points;
-    for (std::size_t k = 0; k < all.size(); ++k) {
+    for (std::size_t k = 0; k < qualities.size(); ++k) {
         const TradeKernel& kernel = request.kernels[k];
         points.push_back({.row = kernel.measured,
-                          .quality = all[k],
+                          .quality = qualities[k],
                           .time = result.times[k][load].timing,
                           .marker = marker_of(kernel),
                           // A form from outside is always named, because its author looks for it.
                           .named = !map::is_of_catalogue(*kernel.measured.form->info),
-                          .hollow = !all[k].never_wrong()});
+                          .hollow = !qualities[k].never_wrong()});
     }
     add_front(spec, points);
     spec.keys = keys_of(request);
@@ -234,37 +236,40 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& resul
 
 namespace {
 
-/// The kernels on a set of rays, the fastest register width of each form and format, by time.
-std::string ranking_text(const TradeRequest& request, const TradeResult& result, const std::vector<ParetoPoint>& all) {
-    const auto dominated = measure::speed::dominated(all);
+/// Table of the kernels on a set of rays by time, with the fastest register width of each form and format.
+std::string ranking_text(const TradeRequest& request, const TradeResult& result,
+                         const std::vector<ParetoPoint>& qualities) {
+    const auto is_dominated = measure::speed::dominated(qualities);
     const auto timing = [&](std::size_t k) {
         return result.times[k][measure::speed::reference_load(request.loads)].timing;
     };
-    std::vector<std::size_t> order(all.size());
+    std::vector<std::size_t> order(qualities.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, {}, [&all](std::size_t k) { return all[k].time_ns; });
-    std::set<std::pair<std::string_view, std::string_view>> seen;
+    std::ranges::stable_sort(order, {}, [&qualities](std::size_t k) { return qualities[k].time_ns; });
+    std::set<std::pair<std::string_view, std::string_view>> listed;
     std::string text = fmt::format("    {:<28} {:<5} {:>9} {:>9} {:>6} {:>15} {:>8}\n", "form", "fmt", "registers",
                                    "ns", "+-", "bits kept (p99)", "wrong");
     for (const std::size_t k : order) {
-        const auto [form, format, isa] = name_of(request.kernels[k]);
-        if (!seen.emplace(form, format).second) continue;
+        const auto [form, format, isa] = kernel_key(request.kernels[k]);
+        if (!listed.emplace(form, format).second) continue;
         const Timing t = timing(k);
-        const double kept = all[k].kept_bits;
-        text += fmt::format("  {} {:<28} {:<5} {:>9} {:>9.2f} {:>5.1f}% {:>15} {:>7.3g}%\n", dominated[k] ? ' ' : '*',
-                            form, format, isa, all[k].time_ns, 50 * (t.high_quartile - t.low_quartile) / t.median,
-                            std::isnan(kept) ? "-" : file::kept_text(kept), 100 * all[k].wrong_fraction);
+        const double kept_bits = qualities[k].kept_bits;
+        text +=
+            fmt::format("  {} {:<28} {:<5} {:>9} {:>9.2f} {:>5.1f}% {:>15} {:>7.3g}%\n", is_dominated[k] ? ' ' : '*',
+                        form, format, isa, qualities[k].time_ns, 50 * (t.high_quartile - t.low_quartile) / t.median,
+                        std::isnan(kept_bits) ? "-" : file::kept_text(kept_bits), 100 * qualities[k].wrong_fraction);
     }
     return text + "  * on the Pareto front; +-: half the distance between the quartiles\n";
 }
 
-/// The cheapest kernel for each number of bits; numbers of bits with the same answer are one line.
-std::string cheapest_text(const TradeRequest& request, const std::vector<ParetoPoint>& all) {
+/// The cheapest kernel for each number of bits; numbers of bits with the same answer share a line.
+std::string cheapest_text(const TradeRequest& request, const std::vector<ParetoPoint>& qualities) {
     std::vector<std::pair<std::string, std::string>> lines;  // bits, answer
     for (const int bits : measure::speed::asked_bits) {
-        const auto best = measure::speed::cheapest(all, bits);
+        const auto best = measure::speed::cheapest(qualities, bits);
         const std::string answer =
-            best ? fmt::format("{}: {:.2f} ns", in_words(request.kernels[*best]), all[*best].time_ns) : "none";
+            best ? fmt::format("{}: {:.2f} ns", kernel_phrase(request.kernels[*best]), qualities[*best].time_ns)
+                 : "none";
         if (!lines.empty() && lines.back().second == answer) lines.back().first += fmt::format(", {}", bits);
         else lines.emplace_back(std::to_string(bits), answer);
     }
@@ -279,10 +284,10 @@ std::string trade_text(const TradeRequest& request, const TradeResult& result) {
     std::string text;
     const auto sets = measure::speed::trade_sets(request);
     for (std::size_t s = 0; s < sets.size(); ++s) {
-        const auto all = pareto_points_of(request, result, s);
+        const auto qualities = pareto_points_of(request, result, s);
         text += fmt::format("{}: {}, {}\n", sets[s].name, sets[s].title,
                             scene::toml::counted(result.accuracy(s, 0).rays, "ray"));
-        text += ranking_text(request, result, all) + cheapest_text(request, all) + "\n";
+        text += ranking_text(request, result, qualities) + cheapest_text(request, qualities) + "\n";
     }
     return text + timing_text(request, result);
 }
@@ -300,7 +305,7 @@ std::vector<TimeRow> time_rows(const TradeRequest& request, const TradeResult& r
     std::vector<TimeRow> rows;
     for (std::size_t k = 0; k < request.kernels.size(); ++k)
         for (std::size_t l = 0; l < request.loads.size(); ++l)
-            rows.push_back({name_of(request.kernels[k]), &request.loads[l], &result.times[k][l],
+            rows.push_back({kernel_key(request.kernels[k]), &request.loads[l], &result.times[k][l],
                             request.plan.repetitions, &result.operations[k]});
     return rows;
 }
@@ -309,13 +314,13 @@ std::vector<ParetoRow> pareto_rows(const TradeRequest& request, const TradeResul
     std::vector<ParetoRow> rows;
     const auto sets = measure::speed::trade_sets(request);
     for (std::size_t s = 0; s < sets.size(); ++s) {
-        const auto all = pareto_points_of(request, result, s);
-        const auto beaten = measure::speed::dominated(all);
-        for (std::size_t k = 0; k < all.size(); ++k) {
+        const auto qualities = pareto_points_of(request, result, s);
+        const auto is_dominated = measure::speed::dominated(qualities);
+        for (std::size_t k = 0; k < qualities.size(); ++k) {
             const measure::evaluate::FormSummary& accuracy = result.accuracy(s, k);
-            rows.push_back({sets[s].name, name_of(request.kernels[k]), all[k], &accuracy,
+            rows.push_back({sets[s].name, kernel_key(request.kernels[k]), qualities[k], &accuracy,
                             &metric_of(request, accuracy, "lost_bits"), &metric_of(request, accuracy, "excess_bits"),
-                            static_cast<bool>(beaten[k])});
+                            static_cast<bool>(is_dominated[k])});
         }
     }
     return rows;

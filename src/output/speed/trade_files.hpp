@@ -25,7 +25,7 @@ using measure::speed::TradeResult;
 struct KernelKey {
     std::string_view form, format, isa;
 };
-/// The columns form, format and isa. `form` is the meaning of the first.
+/// The columns form, format and isa. `form` is the meaning of the column form.
 table::Table<KernelKey> kernel_columns(const std::string& form);
 
 /// The columns time_ns, time_ns_q1 and time_ns_q3.
@@ -35,10 +35,10 @@ table::Table<Timing> time_columns(const std::string& median, const std::string& 
 struct FrontPoint {
     const measure::evaluate::TestedForm& row;
     ParetoPoint quality;
-    std::optional<Timing> time;  ///< none: it has no quartiles
+    std::optional<Timing> time;  ///< missing: the time has no quartiles
     int marker = 0;
-    bool named = false;      ///< wherever it lies; points on the front are always named
-    bool hollow = false;     ///< it decides too many rays wrongly
+    bool named = false;      ///< named wherever the point lies; points on the front are always named
+    bool hollow = false;     ///< the kernel decides too many rays wrongly
     std::string label = {};  ///< replaces the form's name
 };
 
@@ -48,7 +48,7 @@ void add_front(plot::ScatterPlotSpec& spec, const std::vector<FrontPoint>& point
 /// Colour of points in a format.
 std::size_t colour_of(const Format& format);
 
-/// A kernel with one of the loads.
+/// Time of a kernel with one of the loads.
 struct TimeRow {
     KernelKey name;
     const measure::speed::TradeLoad* load;
@@ -56,7 +56,7 @@ struct TimeRow {
     int repetitions;
     const OperationCounts* operations;
 };
-/// A kernel on one of the sets of rays.
+/// Accuracy of a kernel on one of the sets of rays, and its time.
 struct ParetoRow {
     std::string set;
     KernelKey name;
@@ -71,7 +71,7 @@ struct ParetoRow {
 [[nodiscard]] table::Table<ParetoRow> pareto_table();
 [[nodiscard]] std::vector<ParetoRow> pareto_rows(const TradeRequest& request, const TradeResult& result);
 
-/// Opens its files before the work and gives them their final names when they are complete.
+/// Files of a trade. They are opened before the work and get their final names when they are complete.
 class TradeFiles {
 public:
     TradeFiles(const TradeRequest& request, const std::filesystem::path& folder);
@@ -87,8 +87,8 @@ private:
 /// Accuracy of every kernel on a set of rays, with its time under the reference load.
 std::vector<ParetoPoint> pareto_points_of(const TradeRequest& request, const TradeResult& result, std::size_t set);
 
-/// For each set of rays: a table of the forms by time, and the cheapest that keeps each number of bits. Then how the
-/// times were measured.
+/// Lists for each set of rays the forms by time, and the cheapest form that keeps each number of bits. Ends with how
+/// the times were measured.
 std::string trade_text(const TradeRequest& request, const TradeResult& result);
 
 /// Titles of the axes of the picture, here and on the page.
@@ -99,9 +99,9 @@ inline constexpr const char *time_title = "time per ray of the easy set, ns",
 /// `one ray at a time`, `256-bit registers`
 std::string registers_of(const measure::speed::TradeKernel& kernel);
 
-/// Plot of a trade: markers by register width, colours by format. Dominated kernels are grey, and those that decide any
-/// ray wrongly are hollow. A stepped line joins the kernels that are not dominated; it is dashed between those that are
-/// sometimes wrong.
+/// Plot of a trade: markers by register width, colours by format. Dominated kernels are grey, and kernels that decide
+/// any ray wrongly are hollow. A stepped line joins the kernels that are not dominated; the line is dashed between
+/// kernels that are sometimes wrong.
 plot::ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& result, std::size_t set);
 
 }  // namespace lostbits::output::speed

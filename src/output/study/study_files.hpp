@@ -1,5 +1,5 @@
-// Files of a study of one scene: the contact sheet and its pictures, one row per pixel, an EXR of each row, and
-// summary.csv. A view describes them. It is a struct with
+// Files of a study of one scene: the contact sheet and its pictures, one row per pixel, an EXR of each series (a form
+// in a format), and summary.csv. A view describes the files. A view is a struct with
 //
 //   Study, SummaryRow                     the study, and a row of its summary.csv
 //   summary_title, summary_table(), summary_rows(study, summaries)
@@ -54,7 +54,8 @@ public:
     using Study = typename View::Study;
     using Band = typename Study::Band;
 
-    /// `study` must outlive it. If `keep` is not empty, it receives the pieces of a shard, and no file is opened.
+    /// `study` must outlive the object. If `keep` is not empty, it receives the pieces of a shard, and no file is
+    /// opened.
     StudyFiles(const Study& study, pixel::SceneFilesOptions options, pixel::KeepPiece keep = {})
         : study_(study),
           options_(std::move(options)),
@@ -71,12 +72,12 @@ public:
     StudyFiles(const StudyFiles&) = delete;
     StudyFiles& operator=(const StudyFiles&) = delete;
 
-    /// Returns the function that takes the bands of the study.
+    /// Returns the function that receives the bands of the study.
     [[nodiscard]] measure::study::ShowBand<Study> show() {
         return [this](std::size_t row, const Band& band) { rows_[row].band(band); };
     }
     /// Writes the next piece of a row. Another run kept the piece.
-    void put(std::size_t row, pixel::Piece&& piece) { rows_.at(row).put(piece); }
+    void put(std::size_t row, pixel::Piece&& piece) { rows_.at(row).write_piece(piece); }
 
     void finish(const std::vector<typename Study::Summary>& summaries) {
         for (const auto& book : books_) book->close();
@@ -100,10 +101,10 @@ private:
                 table = std::make_unique<table::TableFile<Pixel>>(keep_ ? "" : options_.folder,
                                                                   View::row_name(study_, r) + ".csv", View::pixel_title,
                                                                   View::pixel_table(study_));
-            writers.add_pixel = [](table::TableFile<Pixel>& to, const Band& band, std::size_t i) {
+            writers.add_pixel = [](table::TableFile<Pixel>& file, const Band& band, std::size_t i) {
                 if constexpr (requires { View::has_row(band, i); })
                     if (!View::has_row(band, i)) return;
-                to.add({&band, i});
+                file.add({&band, i});
             };
         }
         if constexpr (requires { View::layers(study_); }) {

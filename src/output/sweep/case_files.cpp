@@ -1,3 +1,4 @@
+// Tables and matrices of named cases.
 #include "output/sweep/case_files.hpp"
 
 #include <fmt/format.h>
@@ -55,35 +56,37 @@ struct CellLook {
     const map::LostBitsScale& scale;
     const FloatFormat& format;
 
-    [[nodiscard]] plot::MatrixCell of(const FormSummary& s, Verdict verdict) const {
+    [[nodiscard]] plot::MatrixCell cell(const FormSummary& s, Verdict verdict) const {
         switch (verdict) {
             case Verdict::right: return {case_right_colour, {}};
-            case Verdict::within_inputs: return valued(s, true);
-            case Verdict::wrong_value: return valued(s, false);
-            case Verdict::false_hit: return wrong(s, Outcome::false_hit);
-            case Verdict::false_miss: return wrong(s, Outcome::false_miss);
-            case Verdict::not_a_number: return wrong(s, Outcome::not_a_number);
-            case Verdict::wrong_primitive: return wrong(s, Outcome::wrong_primitive);
+            case Verdict::within_inputs: return value_cell(s, true);
+            case Verdict::wrong_value: return value_cell(s, false);
+            case Verdict::false_hit: return wrong_cell(s, Outcome::false_hit);
+            case Verdict::false_miss: return wrong_cell(s, Outcome::false_miss);
+            case Verdict::not_a_number: return wrong_cell(s, Outcome::not_a_number);
+            case Verdict::wrong_primitive: return wrong_cell(s, Outcome::wrong_primitive);
             case Verdict::unresolved: break;
         }
-        return wrong(s, Outcome::unresolved);
+        return wrong_cell(s, Outcome::unresolved);
     }
 
 private:
-    /// A part of the rays is written as a number; all of them show by the colour alone.
-    [[nodiscard]] static plot::MatrixCell wrong(const FormSummary& s, Outcome o) {
+    /// If only some of the rays have the outcome, their number is written; otherwise the colour alone shows the
+    /// outcome.
+    [[nodiscard]] static plot::MatrixCell wrong_cell(const FormSummary& s, Outcome o) {
         const std::uint64_t n = s.count(o);
         return {image::outcome_colours[static_cast<std::size_t>(o)],
                 n < s.rays ? fmt::format("{}/{}", n, s.rays) : std::string()};
     }
 
-    [[nodiscard]] plot::MatrixCell valued(const FormSummary& s, bool within) const {
-        const double lost = s.metrics[measure::metric::index_of(metrics, "lost_bits")].quantile(1);
-        const std::size_t inherent = measure::metric::index_of(metrics, "inherent_bits");
-        if (!within) return {scale.colour(lost, format), fmt::format("{:.0f} b", lost)};
-        return {map::paler(scale.colour(lost, format)),
-                inherent < metrics.size() ? fmt::format("{:.0f}/{:.0f} b", lost, s.metrics[inherent].quantile(1))
-                                          : fmt::format("{:.0f} b", lost)};
+    [[nodiscard]] plot::MatrixCell value_cell(const FormSummary& s, bool is_within) const {
+        const double lost_bits = s.metrics[measure::metric::index_of(metrics, "lost_bits")].quantile(1);
+        const std::size_t inherent_index = measure::metric::index_of(metrics, "inherent_bits");
+        if (!is_within) return {scale.colour(lost_bits, format), fmt::format("{:.0f} b", lost_bits)};
+        return {map::paler(scale.colour(lost_bits, format)),
+                inherent_index < metrics.size()
+                    ? fmt::format("{:.0f}/{:.0f} b", lost_bits, s.metrics[inherent_index].quantile(1))
+                    : fmt::format("{:.0f} b", lost_bits)};
     }
 };
 
@@ -115,13 +118,14 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
     }
     for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number, Outcome::wrong_primitive,
                             Outcome::unresolved}) {
-        const bool seen = std::ranges::any_of(cases, [&](const auto& rows) {
+        const bool occurs = std::ranges::any_of(cases, [&](const auto& rows) {
             return std::ranges::any_of(order, [&](std::size_t r) { return rows[r].count(o) > 0; });
         });
-        if (seen) spec.legend.push_back({map::plain_name(o), image::outcome_colours[static_cast<std::size_t>(o)], {}});
+        if (occurs)
+            spec.legend.push_back({map::plain_name(o), image::outcome_colours[static_cast<std::size_t>(o)], {}});
     }
-    const auto look = [&](const FormSummary& s, Verdict verdict, const FloatFormat& format) {
-        return CellLook{request.metrics, scale, format}.of(s, verdict);
+    const auto cell_of = [&](const FormSummary& s, Verdict verdict, const FloatFormat& format) {
+        return CellLook{request.metrics, scale, format}.cell(s, verdict);
     };
     bool any_wrong_value = false, any_within = false;
     for (std::size_t i = 0; i < cases.size(); ++i) {
@@ -131,7 +135,7 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
                 measure::sweep::verdict_of(cases[i][r], request.metrics, request.file.right_within_bits);
             any_wrong_value |= verdict == Verdict::wrong_value;
             any_within |= verdict == Verdict::within_inputs;
-            spec.cells.push_back(look(cases[i][r], verdict, request.rows[r].format.parameters));
+            spec.cells.push_back(cell_of(cases[i][r], verdict, request.rows[r].format.parameters));
         }
     }
     if (any_within) {
@@ -141,18 +145,18 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
     return plot::matrix_plot(spec);
 }
 
-CaseFiles::CaseFiles(const CaseRequest& request, const std::filesystem::path& folder, std::string named)
+CaseFiles::CaseFiles(const CaseRequest& request, const std::filesystem::path& folder, std::string file_argument)
     : request_(request),
       folder_(folder),
-      named_(std::move(named)),
+      file_argument_(std::move(file_argument)),
       csv_(folder, "cases.csv", "One row per case, form and format", case_table(request)) {}
 
 void CaseFiles::finish(const std::vector<std::vector<FormSummary>>& cases) {
     for (std::size_t i = 0; i < cases.size(); ++i) {
         const std::string name = request_.file.name(i);
         const auto name_of_ray = [&](const measure::evaluate::WorstRay& ray) {
-            const std::int64_t place = std::int64_t{ray.group} * request_.file.rays_of(i) + ray.x;
-            return named_ + " --case " + attribution::shell_word(fmt::format("{}:{}", name, place));
+            const std::int64_t ray_index = std::int64_t{ray.group} * request_.file.rays_of(i) + ray.x;
+            return file_argument_ + " --case " + attribution::shell_word(fmt::format("{}:{}", name, ray_index));
         };
         for (std::size_t r = 0; r < request_.rows.size(); ++r)
             csv_.add({name,

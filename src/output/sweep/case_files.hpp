@@ -17,11 +17,11 @@ using measure::sweep::CaseRequest;
 /// Colour of a case that a form answers right.
 inline constexpr image::Rgb8 case_right_colour{226, 238, 226};
 
-/// Meaning of the verdict `right`: `every decision is right, and no answer loses more than 3 bits`.
+/// Text for the verdict `right`: `every decision is right, and no answer loses more than 3 bits`.
 [[nodiscard]] std::string right_means(const scene::sweep::CaseFile& file);
-/// Meaning of `within_inputs`: `within 3 bits of what the inputs allow`.
+/// Text for the verdict `within_inputs`: `within 3 bits of what the inputs allow`.
 [[nodiscard]] std::string within_means(const scene::sweep::CaseFile& file);
-/// Meaning of the numbers in the cells of a matrix.
+/// Text for the numbers in the cells of a matrix.
 inline constexpr const char* numbers_mean =
     "24/48: 24 of the case's 48 rays; 22 b: bits that the worst ray loses; 22/21 b: those, and the bits that the "
     "inputs cost";
@@ -32,17 +32,17 @@ struct CaseRow {
     map::SummaryRow summary;
 };
 
-/// Opens its files before the work and gives them their final names when they are complete.
+/// Files of named cases. They are opened before the work and get their final names when they are complete.
 class CaseFiles {
 public:
-    /// `named` names the file to `lostbits explain`.
-    CaseFiles(const CaseRequest& request, const std::filesystem::path& folder, std::string named);
+    /// `file_argument` names the file to `lostbits explain`.
+    CaseFiles(const CaseRequest& request, const std::filesystem::path& folder, std::string file_argument);
     void finish(const std::vector<std::vector<FormSummary>>& cases);
 
 private:
     const CaseRequest& request_;
     std::filesystem::path folder_;
-    std::string named_;
+    std::string file_argument_;
     table::TableFile<CaseRow> csv_;
 };
 

@@ -1,3 +1,4 @@
+// Tables and sentences of an exhaustive sweep.
 #include "output/sweep/exhaustive_files.hpp"
 
 #include <fmt/format.h>
@@ -21,10 +22,10 @@ using measure::sweep::FloatTally;
 using scene::sweep::float_at;
 using table::Table;
 
-/// Some of the floats of a ray, as answered by a form in a format.
+/// Floats of a ray in one range, as answered by a form in a format.
 struct FloatsRow {
     struct Worst {
-        std::uint32_t place;
+        std::uint32_t float_index;
         double ulps, at_most;
         measure::sweep::FloatAnswer answer;
     };
@@ -34,8 +35,8 @@ struct FloatsRow {
             worst = {w->place, w->ulps, tally.at_most, answer_at(request, ray, row, w->place)};
     }
     /// The command that explains the form on the ray at a float.
-    [[nodiscard]] std::string explain(std::uint32_t place) const {
-        const scene::rays::RayGroup group = request.sweep.group_at(ray, float_at(place));
+    [[nodiscard]] std::string explain(std::uint32_t float_index) const {
+        const scene::rays::RayGroup group = request.sweep.group_at(ray, float_at(float_index));
         const std::string scene = request.sweep.mesh ? request.scene + " " : "";
         return attribution::explain_command(scene + attribution::name_of_ray(&group), request.rows[row]);
     }
@@ -49,11 +50,11 @@ struct FloatsRow {
     std::optional<std::string> right_up_to = {};
 };
 
-/// First float among them at which an event happens, if any.
+/// The first float of a range at which an event happens, if there is one.
 struct FloatEventRow {
-    FloatsRow of;
+    FloatsRow floats_row;
     std::size_t event;
-    std::optional<std::uint32_t> bad, good;  ///< the first float, and the one before it
+    std::optional<std::uint32_t> first_bad, last_good;  ///< the first float with the event, and the float before it
 
     [[nodiscard]] bool is_of_bits() const { return first_events[event].lost_bits > 0; }
 };
@@ -61,11 +62,11 @@ struct FloatEventRow {
 namespace {
 
 /// The 32 bits of a float: `0x40400000`.
-std::string float_bits(std::uint32_t place) {
-    return fmt::format("{:#010x}", std::bit_cast<std::uint32_t>(float_at(place)));
+std::string float_bits(std::uint32_t float_index) {
+    return fmt::format("{:#010x}", std::bit_cast<std::uint32_t>(float_at(float_index)));
 }
 
-std::string hex_of(std::uint32_t place) { return file::hex(static_cast<double>(float_at(place))); }
+std::string hex_of(std::uint32_t float_index) { return file::hex(static_cast<double>(float_at(float_index))); }
 
 std::string_view outcome_name(Outcome o) { return measure::answer::outcome_names[static_cast<std::size_t>(o)]; }
 
@@ -96,9 +97,9 @@ table::TableColumn<FloatsRow> count_column() {
 /// Columns with the number of floats for each outcome that can occur.
 Table<FloatsRow> outcome_columns(const ExhaustiveRequest& request) {
     Table<FloatsRow> table{count_column()};
-    const std::size_t outcomes =
+    const std::size_t outcome_count =
         request.sweep.mesh ? measure::answer::outcome_names.size() : measure::answer::outcomes_of_one_primitive;
-    for (std::size_t o = 0; o < outcomes; ++o)
+    for (std::size_t o = 0; o < outcome_count; ++o)
         table.add({std::string(measure::answer::outcome_names[o]), "floats with this outcome",
                    [o](const FloatsRow& r) { return r.tally.outcomes[o]; }});
     return table;
@@ -117,28 +118,29 @@ Table<FloatsRow> worst_columns(const std::string& unit) {
           "if thousands "
           "of floats are equally bad",
           &W::at_most},
-         {"worst_at", unit, "the worst float", [](const W& w) { return float_at(w.place); }},
-         {"worst_hex", unit, "the worst float, exactly", [](const W& w) { return hex_of(w.place); }},
-         {"worst_bits", "bits of the worst float", [](const W& w) { return float_bits(w.place); }},
+         {"worst_at", unit, "the worst float", [](const W& w) { return float_at(w.float_index); }},
+         {"worst_hex", unit, "the worst float, exactly", [](const W& w) { return hex_of(w.float_index); }},
+         {"worst_bits", "bits of the worst float", [](const W& w) { return float_bits(w.float_index); }},
          {"worst_t_hex", "t", "the form's answer at the worst float", [](const W& w) { return file::hex(w.answer.t); }},
          {"worst_truth_hex", "t", "t*, correctly rounded to binary64",
           [](const W& w) { return file::hex(w.answer.truth); }}},
         &FloatsRow::worst);
     return table.add({"worst_explain", "the command that explains the worst float",
-                      [](const FloatsRow& r) { return r.worst ? r.explain(r.worst->place) : ""; }});
+                      [](const FloatsRow& r) { return r.worst ? r.explain(r.worst->float_index) : ""; }});
 }
 
 Table<FloatsRow> wrong_columns(const std::string& unit) {
     using R = FloatsRow;
     using Wrong = FloatTally::Wrong;
     Table<R> table;
-    const auto add = [&](const std::string& w, std::optional<Wrong> FloatTally::*wrong) {
+    const auto add = [&](const std::string& position, std::optional<Wrong> FloatTally::*member) {
         table.add<Wrong>(
-            {{w + "_wrong_hex", unit, "the " + w + " float with a wrong decision, exactly",
+            {{position + "_wrong_hex", unit, "the " + position + " float with a wrong decision, exactly",
               [](const Wrong& x) { return hex_of(x.place); }},
-             {w + "_wrong_bits", "bits of that float", [](const Wrong& x) { return float_bits(x.place); }},
-             {w + "_wrong_outcome", "outcome of that float", [](const Wrong& x) { return outcome_name(x.outcome); }}},
-            [wrong](const R& r) -> const auto& { return r.tally.*wrong; });
+             {position + "_wrong_bits", "bits of that float", [](const Wrong& x) { return float_bits(x.place); }},
+             {position + "_wrong_outcome", "outcome of that float",
+              [](const Wrong& x) { return outcome_name(x.outcome); }}},
+            [member](const R& r) -> const auto& { return r.tally.*member; });
     };
     add("first", &FloatTally::first_wrong);
     add("last", &FloatTally::last_wrong);
@@ -184,41 +186,42 @@ Table<FloatsRow> statement_table(const ExhaustiveRequest& request) {
 Table<FloatEventRow> onset_table(const ExhaustiveRequest& request) {
     using R = FloatEventRow;
     const std::string& unit = request.sweep.axis.unit;
-    const auto value = [](std::uint32_t place) { return float_at(place); };
+    const auto float_value = [](std::uint32_t float_index) { return float_at(float_index); };
     Table<R> table;
-    table.add(subject_columns().add(end_columns(unit)), &R::of);
-    table.add(
-        {{"event", "the event: lost_bits reach the threshold, or an outcome occurs",
-          [](const R& r) {
-              return r.is_of_bits() ? std::string_view("lost_bits") : outcome_name(first_events[r.event].outcome);
-          }},
-         {"threshold", "bits", "threshold of the lost bits; 1 for an outcome",
-          [](const R& r) { return r.is_of_bits() ? first_events[r.event].lost_bits : 1; }},
-         {"found", "true if the event happens at any of the floats", [](const R& r) { return r.bad.has_value(); }}});
+    table.add(subject_columns().add(end_columns(unit)), &R::floats_row);
+    table.add({{"event", "the event: lost_bits reach the threshold, or an outcome occurs",
+                [](const R& r) {
+                    return r.is_of_bits() ? std::string_view("lost_bits") : outcome_name(first_events[r.event].outcome);
+                }},
+               {"threshold", "bits", "threshold of the lost bits; 1 for an outcome",
+                [](const R& r) { return r.is_of_bits() ? first_events[r.event].lost_bits : 1; }},
+               {"found", "true if the event happens at any of the floats",
+                [](const R& r) { return r.first_bad.has_value(); }}});
     using P = std::uint32_t;
-    table.add<P>({{"last_good", unit, "the float before the event; missing if the first float is bad already", value}},
-                 &R::good);
-    table.add<P>({{"first_bad", unit, "the first float at which it happens, the neighbour of last_good", value}},
-                 &R::bad);
-    table.add<P>({{"last_good_hex", unit, "last_good, exactly", hex_of}}, &R::good);
+    table.add<P>(
+        {{"last_good", unit, "the float before the event; missing if the first float is bad already", float_value}},
+        &R::last_good);
+    table.add<P>({{"first_bad", unit, "the first float at which it happens, the neighbour of last_good", float_value}},
+                 &R::first_bad);
+    table.add<P>({{"last_good_hex", unit, "last_good, exactly", hex_of}}, &R::last_good);
     table.add<P>(
         {{"first_bad_hex", unit, "first_bad, exactly", hex_of}, {"first_bad_bits", "bits of first_bad", float_bits}},
-        &R::bad);
+        &R::first_bad);
     table.add({"ulp_error", "ulp", "(t − t*)/ulp(t*) at first_bad; missing for an outcome",
                [](const R& r) -> std::optional<double> {
-                   if (!r.bad || !r.is_of_bits()) return {};
-                   return answer_at(r.of.request, r.of.ray, r.of.row, *r.bad).ulps;
+                   if (!r.first_bad || !r.is_of_bits()) return {};
+                   return answer_at(r.floats_row.request, r.floats_row.ray, r.floats_row.row, *r.first_bad).ulps;
                }});
-    table.add(Table<FloatsRow>{count_column()}, &R::of);
+    table.add(Table<FloatsRow>{count_column()}, &R::floats_row);
     return table.add({"explain", "the command that explains the first bad float",
-                      [](const R& r) { return r.bad ? r.of.explain(*r.bad) : ""; }});
+                      [](const R& r) { return r.first_bad ? r.floats_row.explain(*r.first_bad) : ""; }});
 }
 
 }  // namespace
 
 namespace {
 
-std::string_view failure(Outcome o) {
+std::string_view failure_phrase(Outcome o) {
     switch (o) {
         case Outcome::false_hit: return "a false hit";
         case Outcome::false_miss: return "a false miss";
@@ -241,9 +244,9 @@ std::string kinds_text(const FloatTally& tally) {
 }
 
 /// `0x1.8p+1 (3)`; a NaN with its bits: `nan (0x7fc00000)`.
-std::string float_text(std::uint32_t place) {
-    const float x = float_at(place);
-    if (std::isnan(x)) return fmt::format("nan ({})", float_bits(place));
+std::string float_text(std::uint32_t float_index) {
+    const float x = float_at(float_index);
+    if (std::isnan(x)) return fmt::format("nan ({})", float_bits(float_index));
     const std::string hex = file::hex(static_cast<double>(x)), decimal = file::decimal(x);
     return std::isinf(x) ? hex : fmt::format("{} ({})", hex, decimal);
 }
@@ -270,8 +273,8 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& f) {
     const auto good = f.before(wrong.place);
     text += good ? fmt::format(" decides correctly for every float {} {}, and first fails at {}: {}",
                                f.floats.falls() ? "down to" : "up to", float_text(*good), float_text(wrong.place),
-                               failure(wrong.outcome))
-                 : fmt::format(" already fails at the first of them: {}", failure(wrong.outcome));
+                               failure_phrase(wrong.outcome))
+                 : fmt::format(" already fails at the first of them: {}", failure_phrase(wrong.outcome));
     text += fmt::format("; it is wrong for {} in all{}, the last at {}", scene::toml::counted(tally.wrong(), "float"),
                         sweep.mesh ? kinds_text(tally) : "", float_text(tally.last_wrong->place));
     if (tally.padding)
@@ -291,10 +294,10 @@ void ExhaustiveFiles::add_binades(const ExhaustiveState& state) {
     for (std::size_t row = 0; row < request_.rows.size(); ++row) {
         for (std::size_t ray = 0; ray < request_.sweep.rays.size(); ++ray) {
             for (std::size_t b = 0; b < binades.size(); ++b) {
-                FloatsRow of{request_, ray, row, binades[b].floats, state.tallies[request_.place(b, ray, row)]};
-                of.find_worst();
-                of.binade = binades[b].binade.name();
-                binades_.add(of);
+                FloatsRow floats_row{request_, ray, row, binades[b].floats, state.tallies[request_.place(b, ray, row)]};
+                floats_row.find_worst();
+                floats_row.binade = binades[b].binade.name();
+                binades_.add(floats_row);
             }
         }
     }
@@ -312,12 +315,12 @@ void ExhaustiveFiles::finish(const ExhaustiveState& state, const std::vector<Ran
     add_binades(state);
     for (const RangeFinding& f : findings) {
         add_onsets(f);
-        FloatsRow of{request_, f.ray, f.row, f.floats, f.tally};
-        of.find_worst();
+        FloatsRow floats_row{request_, f.ray, f.row, f.floats, f.tally};
+        floats_row.find_worst();
         if (const auto& wrong = f.tally.first_wrong)
-            if (const auto good = f.before(wrong->place)) of.right_up_to = hex_of(*good);
-        of.statement = statement(request_, f);
-        statements_.add(of);
+            if (const auto good = f.before(wrong->place)) floats_row.right_up_to = hex_of(*good);
+        floats_row.statement = statement(request_, f);
+        statements_.add(floats_row);
     }
     if (const auto plots = exhaustive_plots(request_, state)) {
         image::save_figure(folder_ / "lost_bits_max.png", plot::line_plot(plots->lost_bits));

@@ -18,7 +18,7 @@ using measure::sweep::RangeFinding;
 struct FloatsRow;
 struct FloatEventRow;
 
-/// Opens the tables before the work and gives them their final names in `finish`.
+/// Files of an exhaustive sweep. The tables are opened before the work and get their final names in `finish`.
 class ExhaustiveFiles {
 public:
     ExhaustiveFiles(const ExhaustiveRequest& request, const std::filesystem::path& folder);
@@ -34,16 +34,16 @@ private:
     table::TableFile<FloatEventRow> onsets_;
 };
 
-/// Least share of a binade above 0: one float of a whole binade. A share of 0 is drawn below it.
+/// Least share of a binade above 0: one float of a whole binade. A share of 0 is drawn below this share.
 inline constexpr double least_share = 0x1p-23;
 
 struct ExhaustivePlots {
     plot::LinePlotSpec lost_bits;  ///< lost bits of the worst float of each binade
     plot::LinePlotSpec wrong;      ///< the share of a binade's tried floats with a wrong decision
 };
-/// Plots with a line for each form, ray and sign, which is level from the smallest float of a binade that was tried to
-/// the largest. Zeros, infinities and NaNs are not on the axis; the tables have them. Nothing if the other floats are
-/// of one binade of either sign.
+/// Plots with a line for each form, ray and sign. The line is level from the smallest to the largest float of a binade
+/// that was tried. Zeros, infinities and NaNs are not on the axis; the tables have them. Nothing if all floats on the
+/// axis belong to at most one binade of either sign.
 std::optional<ExhaustivePlots> exhaustive_plots(const ExhaustiveRequest& request, const ExhaustiveState& state);
 
 /// `all 8388608 floats between 0x1p+0 (1) and … were tried: sphere.schoolbook decides correctly for every float up to

@@ -1,3 +1,4 @@
+// Tables of a sweep.
 #include "output/sweep/sweep_files.hpp"
 
 #include <fmt/format.h>
@@ -15,15 +16,15 @@ using table::when;
 
 namespace {
 
-template <class Known>
-Table<AtStep<Known>> along_axes(const SweepRequest& request, const Table<Known>& columns) {
-    using R = AtStep<Known>;
+template <class Row>
+Table<AtStep<Row>> along_axes(const SweepRequest& request, const Table<Row>& columns) {
+    using R = AtStep<Row>;
     Table<R> table;
-    std::size_t place = 0;
+    std::size_t axis_index = 0;
     for (const scene::sweep::Axis& axis : request.sweep.axes)
         table.add_exact(
-            {axis.name, axis.unit, "value of the axis", [k = place++](const R& r) { return r.step->values[k]; }});
-    return table.add(columns, &R::known);
+            {axis.name, axis.unit, "value of the axis", [k = axis_index++](const R& r) { return r.step->values[k]; }});
+    return table.add(columns, &R::row);
 }
 
 constexpr const char* views_meaning =
@@ -59,11 +60,11 @@ Table<Onset> onset_table(const SweepRequest& request) {
     const auto first_bad = [](const R& r) { return when(r.found, r.first_bad); };
     const auto last_good_after = [](const R& r) { return when(r.recovers, r.last_good_after); };
     const auto bad_again = [=](const R& r) { return when(is_bad_again(r), r.bad_again); };
-    const auto exactly = [](const auto& value) { return [value](const R& r) { return table::exactly(value(r)); }; };
-    const auto of_draws = [](double measure::metric::Spread::*part) {
-        return [part](const R& r) {
+    const auto exact = [](const auto& value) { return [value](const R& r) { return table::exactly(value(r)); }; };
+    const auto of_draws = [](double measure::metric::Spread::*member) {
+        return [member](const R& r) {
             const auto spread = r.spread();
-            return when(spread.draws > 0, spread.*part);
+            return when(spread.draws > 0, spread.*member);
         };
     };
     Table<R> table;
@@ -88,8 +89,8 @@ Table<Onset> onset_table(const SweepRequest& request) {
           "first value at which it is seen: one of the steps, narrowed by bisection between two; it may happen earlier "
           "between samples",
           first_bad},
-         {"last_good_hex", axis.unit, "the last good value, exactly", exactly(last_good)},
-         {"first_bad_hex", axis.unit, "the first bad value, exactly", exactly(first_bad)},
+         {"last_good_hex", axis.unit, "the last good value, exactly", exact(last_good)},
+         {"first_bad_hex", axis.unit, "the first bad value, exactly", exact(first_bad)},
          {"value_at_first_bad", "the statistic at the first bad value",
           [](const R& r) { return when(r.found, r.value_at_first_bad); }},
          {"recovers", "true if a step after the first bad one is good again", &R::recovers},
@@ -97,8 +98,8 @@ Table<Onset> onset_table(const SweepRequest& request) {
           "the last good value after the first bad one; missing if there is none", last_good_after},
          {"bad_again_" + axis.name, axis.unit,
           "value from which it is bad to the end, narrowed by bisection; missing if the last step is good", bad_again},
-         {"last_good_after_hex", axis.unit, "that last good value, exactly", exactly(last_good_after)},
-         {"bad_again_hex", axis.unit, "that value, exactly", exactly(bad_again)},
+         {"last_good_after_hex", axis.unit, "that last good value, exactly", exact(last_good_after)},
+         {"bad_again_hex", axis.unit, "that value, exactly", exact(bad_again)},
          {"rays", "number of rays in each step; with more rays the first failure comes earlier", &R::rays},
          {"views", views_meaning, &R::views},
          {"draws", "sets of rays tried, one per seed; the columns above are for the file's own seed",
@@ -120,13 +121,13 @@ void SweepFiles::require_own_columns(const SweepRequest& request) {
         for (const file::Column& column : columns) {
             if (names.insert(column.name).second) continue;
             const auto& axes = request.sweep.axes;
-            const auto at = std::ranges::find_if(
+            const auto named_axis = std::ranges::find_if(
                 axes, [&column](const auto& axis) { return column.name.find(axis.name) != std::string::npos; });
-            if (at == axes.end()) throw std::logic_error("column " + column.name + " appears twice");
+            if (named_axis == axes.end()) throw std::logic_error("column " + column.name + " appears twice");
             scene::toml::fail(
-                at->where,
+                named_axis->where,
                 fmt::format("an axis named \"{}\" would give the results two columns named \"{}\"; choose another name",
-                            at->name, column.name));
+                            named_axis->name, column.name));
         }
     }
 }

@@ -1,4 +1,5 @@
-// Files of a sweep: samples.csv, onsets.csv (for one axis), culprits.csv (if asked for) and datapackage.json.
+// Files of a sweep: samples.csv, onsets.csv (for one axis), culprits.csv (if culprits are measured) and
+// datapackage.json.
 #pragma once
 
 #include <filesystem>
@@ -13,11 +14,11 @@ using measure::sweep::Onset;
 using measure::sweep::SweepRequest;
 using measure::sweep::SweepStep;
 
-/// Results of a row, or of one of its culprits, at a step.
-template <class Known>
+/// A row of results for a form, or for one of its culprits, at a step of the sweep.
+template <class Row>
 struct AtStep {
     const SweepStep* step;
-    Known known;
+    Row row;
 };
 using SampleRow = AtStep<map::SummaryRow>;
 
@@ -26,7 +27,7 @@ table::Table<SampleRow> sample_table(const SweepRequest& request);
 std::vector<SampleRow> sample_rows(const SweepRequest& request, const std::vector<SweepStep>& steps);
 table::Table<Onset> onset_table(const SweepRequest& request);
 
-/// Opens the tables before the work and gives them their final names in `finish`.
+/// Files of a sweep. The tables are opened before the work and get their final names in `finish`.
 class SweepFiles {
 public:
     SweepFiles(const SweepRequest& request, const std::filesystem::path& folder);

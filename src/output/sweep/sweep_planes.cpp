@@ -1,3 +1,4 @@
+// Pictures, sheets and EXR files of sweeps over two axes.
 #include "output/sweep/sweep_plots.hpp"
 
 #include <fmt/format.h>
@@ -93,38 +94,38 @@ const FormSummary& SweepGrid::at(std::size_t row, std::size_t column, std::size_
 
 namespace {
 
-/// The picture of a row on a plane.
+/// The picture of a series (a form in a format) on a plane.
 struct DrawnPlane {
     std::vector<plot::PlaneCell> cells = {};  ///< in the order of `PlanePlotSpec`
-    std::vector<bool> is_explained = {};      ///< for each cell, see `map::inside_envelope`
+    std::vector<bool> is_explained = {};      ///< for each cell, see `map::is_inside_envelope`
     FormSummary wrong = {};                   ///< counts of cells with an outcome's colour
-    bool any_outlined = false, any_few = false;
+    bool has_outlined = false, has_few = false;
 };
 
 DrawnPlane drawn_plane(const SweepRequest& request, const SweepGrid& plane, std::size_t row) {
-    const std::size_t lost = measure::metric::index_of(request.metrics, "lost_bits"),
-                      excess = measure::metric::index_of(request.metrics, "excess_bits");
+    const std::size_t lost_index = measure::metric::index_of(request.metrics, "lost_bits"),
+                      excess_index = measure::metric::index_of(request.metrics, "excess_bits");
     DrawnPlane drawn;
     for (std::size_t line = 0; line < plane.y.size(); ++line) {
         for (std::size_t column = 0; column < plane.x.size(); ++column) {
             const FormSummary& s = plane.at(row, column, line);
             plot::PlaneCell cell;
-            bool explained = false;
+            bool is_explained = false;
             ++drawn.wrong.rays;
             if (wrong_share(s) <= 0.5) {
-                cell.value = drawn_quantile(s, lost, 0.99);
-                drawn.any_few |= s.true_hits > 0 && !s.agreement().is_enough();
-                const double beyond = s.metrics[excess].quantile(0.99);
-                cell.outlined = cell.value >= 1 && beyond >= 1;
-                explained = map::inside_envelope(cell.value, beyond);
-                drawn.any_outlined |= cell.outlined;
+                cell.value = drawn_quantile(s, lost_index, 0.99);
+                drawn.has_few |= s.true_hits > 0 && !s.agreement().is_enough();
+                const double excess_bits = s.metrics[excess_index].quantile(0.99);
+                cell.outlined = cell.value >= 1 && excess_bits >= 1;
+                is_explained = map::is_inside_envelope(cell.value, excess_bits);
+                drawn.has_outlined |= cell.outlined;
             } else {
-                const Outcome worst = s.wrong().value();
-                cell.colour = pixel::colour_of(worst);
-                ++drawn.wrong.outcomes[static_cast<std::size_t>(worst)];
+                const Outcome worst_outcome = s.wrong().value();
+                cell.colour = pixel::colour_of(worst_outcome);
+                ++drawn.wrong.outcomes[static_cast<std::size_t>(worst_outcome)];
             }
             drawn.cells.push_back(cell);
-            drawn.is_explained.push_back(explained);
+            drawn.is_explained.push_back(is_explained);
         }
     }
     return drawn;
@@ -133,7 +134,7 @@ DrawnPlane drawn_plane(const SweepRequest& request, const SweepGrid& plane, std:
 constexpr image::Rgb8 no_value =
     image::outcome_colours[0];  // the colour of a correct hit without a value on other sheets
 
-/// Colours of the cells from the top, for a sheet, which has no space for outlines.
+/// Colours of the cells from the top, for a sheet; outlines have no space there.
 std::vector<image::Rgb8> colours_of(const DrawnPlane& drawn, std::size_t width, const map::LostBitsScale& scale,
                                     const FloatFormat& format) {
     std::vector<image::Rgb8> colours;
@@ -167,21 +168,21 @@ std::string note_of(const DrawnPlane& drawn) {
 
 image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row) {
     const auto& axes = request.sweep.axes;
-    const TestedForm& what = request.rows[row];
+    const TestedForm& tested = request.rows[row];
     const SweepGrid plane(request, steps);
     const DrawnPlane drawn = drawn_plane(request, plane, row);
     return plot::plane_plot(
-        {.title = fmt::format("{} in {}: lost bits, p99", what.form->info->name, what.format.name),
-         .subtitle = {request.sweep.title, std::string(drawn.any_outlined ? outlined_means : nowhere_outlined) + "."},
+        {.title = fmt::format("{} in {}: lost bits, p99", tested.form->info->name, tested.format.name),
+         .subtitle = {request.sweep.title, std::string(drawn.has_outlined ? outlined_means : nowhere_outlined) + "."},
          .x_axis = plot_axis(axes[0]),
          .y_axis = plot_axis(axes[1]),
          .x = plane.x,
          .y = plane.y,
          .cells = drawn.cells,
-         .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), what.format.parameters),
+         .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), tested.format.parameters),
          .unit = "lost bits",
          .legend = map::outcome_legend(drawn.wrong),
-         .none_means = drawn.any_few ? gap_means() : "no value"});
+         .none_means = drawn.has_few ? gap_means() : "no value"});
 }
 
 void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& request,
@@ -189,42 +190,43 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
     const SweepGrid plane(request, steps);
     const map::LostBitsScale scale(request.rows);
     const map::RowGrid grid(request.rows);
-    std::vector<DrawnPlane> all;
+    std::vector<DrawnPlane> planes;
     FormSummary wrong;
-    bool any_none = false, any_explained = false;
+    bool has_gap = false, has_explained = false;
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const DrawnPlane& drawn = all.emplace_back(drawn_plane(request, plane, r));
+        const DrawnPlane& drawn = planes.emplace_back(drawn_plane(request, plane, r));
         for (std::size_t o = 0; o < wrong.outcomes.size(); ++o) wrong.outcomes[o] += drawn.wrong.outcomes[o];
         wrong.rays += drawn.wrong.rays;
-        any_none |= std::ranges::any_of(drawn.cells, [](const auto& c) { return !c.colour && std::isnan(c.value); });
-        any_explained |= std::ranges::find(drawn.is_explained, true) != drawn.is_explained.end();
+        has_gap |= std::ranges::any_of(drawn.cells, [](const auto& c) { return !c.colour && std::isnan(c.value); });
+        has_explained |= std::ranges::find(drawn.is_explained, true) != drawn.is_explained.end();
     }
     std::vector<image::LegendEntry> legend = map::outcome_legend(wrong);
     for (image::LegendEntry& entry : legend) entry.count.clear();
-    if (any_none) legend.push_back({gap_means(), no_value, ""});
-    if (any_explained) legend.push_back({map::paler_means, map::paler(scale.bar().at(0.5)), ""});
-    const auto along = [](const scene::sweep::Axis& axis, const std::vector<double>& values) {
+    if (has_gap) legend.push_back({gap_means(), no_value, ""});
+    if (has_explained) legend.push_back({map::paler_means, map::paler(scale.bar().at(0.5)), ""});
+    const auto axis_text = [](const scene::sweep::Axis& axis, const std::vector<double>& values) {
         return fmt::format("{}, from {} to {}", plot_axis(axis).title, file::short_decimal(values.front(), 3),
                            file::short_decimal(values.back(), 3));
     };
     const auto& axes = request.sweep.axes;
     image::ContactSheet sheet(
-        path,
-        {.title = request.sweep.title,
-         .subtitle = {fmt::format("to the right: {}; upwards: {}", along(axes[0], plane.x), along(axes[1], plane.y)),
-                      "colour: the most that 99 of 100 agreed hits lose; or, if most rays are wrong, the "
-                      "most frequent wrong outcome"},
-         .forms = grid.forms,
-         .formats = grid.formats,
-         .field_width = static_cast<int>(plane.x.size()),
-         .field_height = static_cast<int>(plane.y.size()),
-         .scales = {scale.bar()},
-         .unit = scale.unit(),
-         .note_lines = 2});
-    for (std::size_t r = 0; r < all.size(); ++r) {
-        const auto& [form, format] = grid.places[r];
-        sheet.add_rows(form, format, 0, colours_of(all[r], plane.x.size(), scale, request.rows[r].format.parameters));
-        sheet.set_note(form, format, note_of(all[r]));
+        path, {.title = request.sweep.title,
+               .subtitle = {fmt::format("to the right: {}; upwards: {}", axis_text(axes[0], plane.x),
+                                        axis_text(axes[1], plane.y)),
+                            "colour: the most that 99 of 100 agreed hits lose; or, if most rays are wrong, the "
+                            "most frequent wrong outcome"},
+               .forms = grid.forms,
+               .formats = grid.formats,
+               .field_width = static_cast<int>(plane.x.size()),
+               .field_height = static_cast<int>(plane.y.size()),
+               .scales = {scale.bar()},
+               .unit = scale.unit(),
+               .note_lines = 2});
+    for (std::size_t r = 0; r < planes.size(); ++r) {
+        const auto& [form, format] = grid.cells[r];
+        sheet.add_rows(form, format, 0,
+                       colours_of(planes[r], plane.x.size(), scale, request.rows[r].format.parameters));
+        sheet.set_note(form, format, note_of(planes[r]));
     }
     sheet.finish(legend);
 }
@@ -234,9 +236,9 @@ void write_planes(const std::filesystem::path& folder, const SweepRequest& reque
     const SweepGrid plane(request, steps);
     write_plane_sheet(folder / "contact.png", request, steps);
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const std::string stem = map::row_name(request.rows[r]);
-        if (single_pictures) image::save_figure(folder / (stem + ".png"), plane_picture(request, steps, r));
-        write_exr(folder / (stem + ".exr"), request, plane, r);
+        const std::string file_stem = map::row_name(request.rows[r]);
+        if (single_pictures) image::save_figure(folder / (file_stem + ".png"), plane_picture(request, steps, r));
+        write_exr(folder / (file_stem + ".exr"), request, plane, r);
     }
 }
 

@@ -1,3 +1,4 @@
+// Plots of sweeps along one axis.
 #include "output/sweep/sweep_plots.hpp"
 
 #include <fmt/format.h>
@@ -42,7 +43,7 @@ using scene::sweep::Axis;
 
 const plot::AxisSpec share_axis{"share of rays", plot::AxisSpec::Scale::linear, 0.0, {}, false, false, 1};
 
-/// One value of a row along the sweep, by rising parameter.
+/// One value of a row of the request along the sweep, by rising parameter.
 Series series_of(const std::vector<SweepStep>& steps, std::size_t row, const std::string& label,
                  const std::function<double(const FormSummary&)>& value) {
     Series series{label};
@@ -61,24 +62,27 @@ struct Quantity {
     std::string title;
     plot::AxisSpec axis;
     std::function<double(const FormSummary&)> value;
-    std::function<double(const FormSummary&)> envelope = {};  ///< empty: none
+    std::function<double(const FormSummary&)> envelope = {};  ///< empty: no envelope
     bool over_hits = false;                                   ///< a quantile over agreed hits, withheld if they are few
-    std::string note = {};                                    ///< ends the subtitle
+    std::string note = {};                                    ///< text that ends the subtitle
     bool (*shows)(const TestedForm&) = [](const TestedForm&) { return true; };
-    std::string empty_text = {};  ///< reason why there is nothing to draw; empty: there is
+    std::string empty_text = {};  ///< reason why there is nothing to draw; empty: there is something to draw
 };
 
-bool marches(const TestedForm& row) { return !is_primitive(row.form->shape); }
+bool is_marching(const TestedForm& row) { return !is_primitive(row.form->shape); }
 
 /// Number of rays per step, and how many of them are independent.
 std::string rays_text(const MeasuredSweep& sweep) {
-    const FormSummary& any = sweep.steps.front().rows.front();
-    if (!sweep.request.sweep.has_random_rays()) return scene::toml::counted(any.rays, "ray") + " per step";
-    if (any.views == any.rays) return scene::toml::counted(any.rays, "independent ray") + " per step";
-    return fmt::format("{} rays per step, of {}", any.rays, scene::toml::counted(any.views, "independent view"));
+    const FormSummary& first_summary = sweep.steps.front().rows.front();
+    if (!sweep.request.sweep.has_random_rays()) return scene::toml::counted(first_summary.rays, "ray") + " per step";
+    if (first_summary.views == first_summary.rays)
+        return scene::toml::counted(first_summary.rays, "independent ray") + " per step";
+    return fmt::format("{} rays per step, of {}", first_summary.rays,
+                       scene::toml::counted(first_summary.views, "independent view"));
 }
 
-/// Plot with the parts common to all plots along a sweep: its title, its axis, and the number of rays per step.
+/// Plot with the parts common to all plots along a sweep: the sweep's title, its axis, and the number of rays per
+/// step.
 LinePlotSpec plot_along(const MeasuredSweep& sweep, const std::string& title, const plot::AxisSpec& y) {
     const scene::sweep::SweepFile& file = sweep.request.sweep;
     return {.title = title, .subtitle = {file.title, rays_text(sweep)}, .x = plot_axis(file.axes.front()), .y = y};
@@ -95,8 +99,8 @@ image::Canvas lines_of(const MeasuredSweep& sweep, const Format& format, const Q
         spec.series.push_back(series_of(sweep.steps, r, map::short_name(*request.rows[r].form->info), quantity.value));
         spec.series.back().look = plot::form_look(*request.rows[r].form);
         spec.series.back().key = map::row_name(request.rows[r]);
-        // The envelope belongs to the problem and not to a form, so any row with hits all along gives it, if its line
-        // is drawn to compare it with. A form without t has an envelope but no line.
+        // The envelope belongs to the problem and not to a form, so it is taken from any row that has hits all along.
+        // It is drawn only if the row has a line to compare with it: a form without t has an envelope but no line.
         const auto& line = spec.series.back().y;
         if (quantity.envelope && !spec.envelope && std::ranges::any_of(line, [](double y) { return !std::isnan(y); })) {
             Series envelope = series_of(sweep.steps, r, "envelope: half an ulp in each input", quantity.envelope);
@@ -113,19 +117,18 @@ image::Canvas lines_of(const MeasuredSweep& sweep, const Format& format, const Q
     for (const auto& mark : request.sweep.marks) {
         if (!mark.format.empty() && mark.format != format.name) continue;
         spec.marks.push_back({mark.at, mark.label});
-        const auto measured = std::ranges::find_if(sweep.onsets, [&](const Onset& o) {
+        const auto onset = std::ranges::find_if(sweep.onsets, [&](const Onset& o) {
             const TestedForm& row = sweep.request.rows[o.row];
             return o.found && !o.from_last && row.form->info->name == mark.form && row.format == format &&
                    o.event == mark.event && o.statistic == mark.statistic && o.threshold == mark.threshold;
         });
-        if (measured != sweep.onsets.end())
+        if (onset != sweep.onsets.end())
             spec.marks.push_back(
-                {measured->first_bad,
+                {onset->first_bad,
                  mark.event == "lost_bits"
-                     ? fmt::format("{}: its {} reaches {} bits",
-                                   map::short_name(*request.rows[measured->row].form->info),
+                     ? fmt::format("{}: its {} reaches {} bits", map::short_name(*request.rows[onset->row].form->info),
                                    mark.statistic == "p50" ? "median" : mark.statistic, file::decimal(mark.threshold))
-                     : fmt::format("{}: measured", map::short_name(*request.rows[measured->row].form->info))});
+                     : fmt::format("{}: measured", map::short_name(*request.rows[onset->row].form->info))});
     }
     return plot::line_plot(spec);
 }
@@ -134,32 +137,34 @@ image::Canvas lines_of(const MeasuredSweep& sweep, const Format& format, const Q
 
 image::Canvas lost_bits_plot(const MeasuredSweep& sweep, const Format& format, double q, PlotSize size) {
     const SweepRequest& request = sweep.request;
-    const std::size_t lost = measure::metric::index_of(request.metrics, "lost_bits"),
-                      inherent = measure::metric::index_of(request.metrics, "inherent_bits");
+    const std::size_t lost_index = measure::metric::index_of(request.metrics, "lost_bits"),
+                      inherent_index = measure::metric::index_of(request.metrics, "inherent_bits");
     Quantity quantity{.title = fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
                       .axis = lost_bits_axis(format.parameters, format.name),
-                      .value = [lost, q](const FormSummary& s) { return drawn_quantile(s, lost, q); },
+                      .value = [lost_index, q](const FormSummary& s) { return drawn_quantile(s, lost_index, q); },
                       .over_hits = true};
-    if (inherent < request.metrics.size())
-        quantity.envelope = [inherent, q](const FormSummary& s) { return drawn_quantile(s, inherent, q); };
+    if (inherent_index < request.metrics.size())
+        quantity.envelope = [inherent_index, q](const FormSummary& s) { return drawn_quantile(s, inherent_index, q); };
     return lines_of(sweep, format, quantity, size);
 }
 
 image::Canvas wrong_plot(const MeasuredSweep& sweep, const Format& format, Outcome outcome, PlotSize size) {
     const auto share = [outcome](const FormSummary& s) { return measure::truth::fraction(s.count(outcome), s.rays); };
-    std::uint64_t most = 1;
+    std::uint64_t max_rays = 1;
     for (const SweepStep& step : sweep.steps) {
-        for (const FormSummary& s : step.rows) most = std::max(most, s.rays);
+        for (const FormSummary& s : step.rows) max_rays = std::max(max_rays, s.rays);
     }
-    // Only 0 is less than one ray of a step.
-    Quantity quantity{wrong_title(outcome),
-                      {"share of rays", plot::AxisSpec::Scale::log10, 1.0 / static_cast<double>(2 * most), 1.0, true},
-                      share};
+    // The axis begins at half the share of one ray, so only a share of 0 lies below it.
+    Quantity quantity{
+        wrong_title(outcome),
+        {"share of rays", plot::AxisSpec::Scale::log10, 1.0 / static_cast<double>(2 * max_rays), 1.0, true},
+        share};
     const auto truly_misses = [](const FormSummary& s) { return s.true_misses() > 0; };
-    const bool possible = outcome != Outcome::false_hit || std::ranges::any_of(sweep.steps, [&](const SweepStep& step) {
-                              return std::ranges::any_of(step.rows, truly_misses);
-                          });
-    if (possible) quantity.note = "a line at 0, below the log scale, means no such ray in that step";
+    const bool is_possible =
+        outcome != Outcome::false_hit || std::ranges::any_of(sweep.steps, [&](const SweepStep& step) {
+            return std::ranges::any_of(step.rows, truly_misses);
+        });
+    if (is_possible) quantity.note = "a line at 0, below the log scale, means no such ray in that step";
     else quantity.empty_text = "No ray of this sweep truly misses, so none can be a false hit.";
     return lines_of(sweep, format, quantity, size);
 }
@@ -173,11 +178,11 @@ bool occurs(const MeasuredSweep& sweep, const Format& format, Outcome outcome) {
 }
 
 std::vector<Outcome> wrong_outcomes(const MeasuredSweep& sweep, const Format& format) {
-    std::vector<Outcome> shown{Outcome::false_hit, Outcome::false_miss};
+    std::vector<Outcome> outcomes{Outcome::false_hit, Outcome::false_miss};
     for (const Outcome o :
          {Outcome::wrong_primitive, Outcome::crack, Outcome::double_hit, Outcome::out_of_order, Outcome::not_a_number})
-        if (occurs(sweep, format, o)) shown.push_back(o);
-    return shown;
+        if (occurs(sweep, format, o)) outcomes.push_back(o);
+    return outcomes;
 }
 
 std::string wrong_title(Outcome outcome) {
@@ -197,7 +202,8 @@ namespace {
 /// Metrics of one plot, each with the label of its line.
 using Parts = std::vector<std::pair<std::string, std::string>>;
 
-/// Plots medians of the parts of one row's error side by side, and where each step of a transform first loses an ulp.
+/// Plots the medians of the parts of one row's error side by side, and where each step of a transform first loses an
+/// ulp.
 image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t r, const std::string& title, const Parts& parts) {
     const SweepRequest& request = sweep.request;
     const TestedForm& row = request.rows[r];
@@ -230,72 +236,77 @@ Parts steps_of(const SweepRequest& request) {
 /// Saves a plot of a format under a name.
 using SaveAs = std::function<void(const std::string& name, const image::Canvas& plot)>;
 
-/// Plots that a sweep has in addition if forms march; none otherwise.
+/// Saves the plots that a sweep has in addition if forms march; saves none otherwise.
 void write_march_plots(const SaveAs& save, const MeasuredSweep& sweep, const Format& format) {
     const SweepRequest& request = sweep.request;
-    const std::size_t stop = measure::metric::index_of(request.metrics, "stop"),
-                      iterations = measure::metric::index_of(request.metrics, "iterations");
-    if (stop == request.metrics.size()) return;
-    const auto unfinished = [stop](const FormSummary& s) {
-        const auto of = [&](intersect::Stop why) { return s.categories[stop][static_cast<std::size_t>(why)]; };
-        return static_cast<double>(of(intersect::Stop::max_steps) + of(intersect::Stop::stagnated)) /
+    const std::size_t stop_index = measure::metric::index_of(request.metrics, "stop"),
+                      iterations_index = measure::metric::index_of(request.metrics, "iterations");
+    if (stop_index == request.metrics.size()) return;
+    const auto unfinished = [stop_index](const FormSummary& s) {
+        const auto count_of = [&](intersect::Stop reason) {
+            return s.categories[stop_index][static_cast<std::size_t>(reason)];
+        };
+        return static_cast<double>(count_of(intersect::Stop::max_steps) + count_of(intersect::Stop::stagnated)) /
                static_cast<double>(s.rays);
     };
     save("unfinished",
-         lines_of(sweep, format,
-                  {.title = "Marches that did not finish", .axis = share_axis, .value = unfinished, .shows = marches}));
+         lines_of(
+             sweep, format,
+             {.title = "Marches that did not finish", .axis = share_axis, .value = unfinished, .shows = is_marching}));
     save("iterations",
-         lines_of(sweep, format,
-                  {.title = "Samples of the field, 99th percentile",
-                   .axis = {"samples", plot::AxisSpec::Scale::log2, 1.0, {}},
-                   .value = [iterations](const FormSummary& s) { return s.metrics[iterations].quantile(0.99); },
-                   .shows = marches}));
+         lines_of(
+             sweep, format,
+             {.title = "Samples of the field, 99th percentile",
+              .axis = {"samples", plot::AxisSpec::Scale::log2, 1.0, {}},
+              .value = [iterations_index](const FormSummary& s) { return s.metrics[iterations_index].quantile(0.99); },
+              .shows = is_marching}));
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const TestedForm& row = request.rows[r];
-        if (row.format == format && marches(row))
+        if (row.format == format && is_marching(row))
             save(fmt::format("split.{}", row.form->info->name),
                  parts_plot(sweep, r, "Model and rounding error",
                             {{"model_error", "model"}, {"rounding_error", "rounding"}, {"ulp_error", "total error"}}));
     }
 }
 
-/// Plots the culprits of one row along the axis: the shares of the operations that are blamed most anywhere, and of all
-/// others together. Nothing if no operation is blamed.
+/// Plots the culprits of one row along the axis: the shares of the operations that are blamed most at any step, and
+/// the share of all other operations together. Nothing if no operation is blamed.
 std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_t r) {
     const SweepRequest& request = sweep.request;
-    constexpr std::size_t most = 7;
-    constexpr std::size_t longest = 70;
+    constexpr std::size_t max_operations = 7;
+    constexpr std::size_t max_letters = 70;
     const TestedForm& row = request.rows[r];
     const auto m = static_cast<std::size_t>(std::ranges::find_if(request.metrics, &measure::metric::Metric::by_run) -
                                             request.metrics.begin());
-    std::vector<double> peak(request.metrics[m]->categories.size());
+    std::vector<double> peak_share(request.metrics[m]->categories.size());
     for (const SweepStep& step : sweep.steps) {
-        for (std::size_t c = 1; c < peak.size(); ++c)
-            peak[c] =
-                std::fmax(peak[c], measure::attribution::culprit_share(step.rows[r].categories[m], std::array{c}));
+        for (std::size_t c = 1; c < peak_share.size(); ++c)
+            peak_share[c] = std::fmax(peak_share[c],
+                                      measure::attribution::culprit_share(step.rows[r].categories[m], std::array{c}));
     }
     std::vector<std::size_t> order;
-    for (std::size_t c = 1; c < peak.size(); ++c) {
-        if (peak[c] > 0) order.push_back(c);
+    for (std::size_t c = 1; c < peak_share.size(); ++c) {
+        if (peak_share[c] > 0) order.push_back(c);
     }
     if (order.empty()) return {};
-    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return peak[a] > peak[b]; });
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return peak_share[a] > peak_share[b]; });
     LinePlotSpec spec =
         plot_along(sweep, fmt::format("Culprits of {} in {}", row.form->info->name, row.format.name), share_axis);
     spec.subtitle.back() += "; an operation's share of the rays that have a culprit";
-    const auto add = [&](const std::string& label, std::span<const std::size_t> places) {
+    const auto add = [&](const std::string& label, std::span<const std::size_t> categories) {
         spec.series.push_back(series_of(sweep.steps, r, label, [&](const FormSummary& s) {
-            return measure::attribution::culprit_share(s.categories[m], places);
+            return measure::attribution::culprit_share(s.categories[m], categories);
         }));
     };
-    const std::size_t named = order.size() <= most + 1 ? order.size() : most;
-    for (std::size_t k = 0; k < named; ++k) {
+    const std::size_t named_count = order.size() <= max_operations + 1 ? order.size() : max_operations;
+    for (std::size_t k = 0; k < named_count; ++k) {
         const std::string_view operation = request.metrics[m]->categories[order[k]];
-        add(operation.size() <= longest ? std::string(operation) : std::string(operation.substr(0, longest - 2)) + "..",
+        add(operation.size() <= max_letters ? std::string(operation)
+                                            : std::string(operation.substr(0, max_letters - 2)) + "..",
             std::span(order).subspan(k, 1));
     }
-    if (named < order.size())
-        add(scene::toml::counted(order.size() - named, "other operation"), std::span(order).subspan(named));
+    if (named_count < order.size())
+        add(scene::toml::counted(order.size() - named_count, "other operation"), std::span(order).subspan(named_count));
     return plot::line_plot(spec);
 }
 

@@ -23,7 +23,7 @@ struct MeasuredSweep {
     const std::vector<measure::sweep::Onset>& onsets;
 };
 
-/// The formats of the rows, each once.
+/// The formats of the rows of a sweep, each once.
 [[nodiscard]] std::vector<Format> formats_of(const MeasuredSweep& sweep);
 /// Axis of a plot for an axis of a sweep.
 plot::AxisSpec plot_axis(const scene::sweep::Axis& axis);
@@ -45,7 +45,7 @@ struct PlotSize {
     int width = 1100, height = 620;
 };
 
-/// One of these plots: the quantile q (0.5 or 0.99) of lost bits in one format.
+/// Plot of the quantile q (0.5 or 0.99) of lost bits in one format.
 image::Canvas lost_bits_plot(const MeasuredSweep& sweep, const Format& format, double q, PlotSize size = {});
 
 /// Plot of the share of rays with one wrong outcome in one format, on a log axis with 0 drawn below it.
@@ -53,7 +53,7 @@ image::Canvas wrong_plot(const MeasuredSweep& sweep, const Format& format, Outco
 
 /// True if any ray of a form in the format has the outcome.
 [[nodiscard]] bool occurs(const MeasuredSweep& sweep, const Format& format, Outcome outcome);
-/// Outcomes that have such a plot: false hits, false misses, and other wrong outcomes that occur.
+/// Outcomes that have a plot of their own: false hits, false misses, and other wrong outcomes that occur.
 [[nodiscard]] std::vector<Outcome> wrong_outcomes(const MeasuredSweep& sweep, const Format& format);
 /// `False hits`
 [[nodiscard]] std::string wrong_title(Outcome outcome);
@@ -62,7 +62,7 @@ image::Canvas wrong_plot(const MeasuredSweep& sweep, const Format& format, Outco
 class SweepGrid {
 public:
     SweepGrid(const SweepRequest& request, const std::vector<SweepStep>& steps);
-    /// Results of one row of the request.
+    /// Results of one row of the request at a cell of the plane.
     [[nodiscard]] const FormSummary& at(std::size_t row, std::size_t column, std::size_t line) const;
     std::vector<double> x, y;
 
@@ -79,15 +79,15 @@ inline constexpr const char* nowhere_outlined =
 
 /// Writes `contact.png`: a plane of each form and format. With `single_pictures` also each plane alone, as
 /// `<form>.<format>.png`: the 99th percentile of lost bits, or the colour of the most frequent wrong outcome if most
-/// rays are wrong. It is outlined where the form loses the bits, and hatched where too few hits agree. In
-/// `<form>.<format>.exr` columns are the first axis's values in rising order, and rows the second's from the top, the
-/// highest first; the attributes hold the values.
+/// rays are wrong. A cell is outlined where the form, not the problem, loses the bits, and hatched where too few hits
+/// agree. In `<form>.<format>.exr` the columns are the values of the first axis in rising order, and the rows the
+/// values of the second axis from the top, the highest first; the attributes hold the values.
 void write_planes(const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
                   bool single_pictures);
-/// One of the single pictures.
+/// The plane of one row of the request, as `write_planes` saves it.
 image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row);
-/// Writes the sheet. A step has one colour there. Cells that the outline would not enclose are paler instead
-/// (`map::paler_means`).
+/// Writes the contact sheet of `write_planes`. On the sheet a step is one colour, and cells that the outline would not
+/// enclose are paler instead (`map::paler_means`).
 void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& request,
                        const std::vector<SweepStep>& steps);
 

@@ -1,3 +1,4 @@
+// The part of a sweep in which an ulp is as long as the sphere is wide.
 #include "output/sweep/sweep_plots.hpp"
 
 #include <fmt/format.h>
@@ -10,8 +11,8 @@ namespace lostbits::output::sweep {
 
 namespace {
 
-constexpr double bracket = 0x1p-9;
-constexpr int most_steps = 60;  // steps of a bisection: more than any axis has octaves, and nine bits
+constexpr double relative_bracket = 0x1p-9;
+constexpr int max_steps = 60;  // steps of a bisection: more than any axis has octaves, and nine bits
 
 bool is_too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format, double value) {
     const auto groups = sweep.rays({value});
@@ -19,9 +20,9 @@ bool is_too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format,
     const Primitive<double>& primitive = groups.front().primitives.front();
     if (!row_of(primitive.shape).round) return false;
     const auto [centre, radius] = ball_around(primitive);
-    const Vec<double> to = centre - groups.front().rays[0].origin;
+    const Vec<double> to_centre = centre - groups.front().rays[0].origin;
     // The nearest point is |distance to the centre − r| away, also for an eye inside the sphere.
-    const double distance = std::fabs(std::hypot(to.x, to.y, to.z) - radius);
+    const double distance = std::fabs(std::hypot(to_centre.x, to_centre.y, to_centre.z) - radius);
     if (!(distance > 0) || !std::isfinite(distance)) return false;
     return std::ldexp(1, static_cast<int>(ulp_exponent(format, std::ilogb(distance)))) >= 2 * radius;
 }
@@ -39,22 +40,22 @@ std::string gap_means() {
 std::optional<AxisPart> too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format) {
     const scene::sweep::Axis& axis = sweep.axes.front();
     const auto [low, high] = std::ranges::minmax(axis.values);
-    const auto far = [&](double value) { return is_too_far(sweep, format, value); };
-    const bool at_low = far(low), at_high = far(high);
-    if (at_low && at_high) return AxisPart{low, high};
-    if (!at_low && !at_high) return {};
-    double near_end = at_low ? high : low, far_end = at_low ? low : high;
-    for (int k = 0; k < most_steps && std::fabs(far_end - near_end) > bracket * std::fabs(far_end); ++k) {
+    const auto is_far = [&](double value) { return is_too_far(sweep, format, value); };
+    const bool is_far_at_low = is_far(low), is_far_at_high = is_far(high);
+    if (is_far_at_low && is_far_at_high) return AxisPart{low, high};
+    if (!is_far_at_low && !is_far_at_high) return {};
+    double near_end = is_far_at_low ? high : low, far_end = is_far_at_low ? low : high;
+    for (int k = 0; k < max_steps && std::fabs(far_end - near_end) > relative_bracket * std::fabs(far_end); ++k) {
         const double middle = axis.middle(near_end, far_end);
         if (middle == near_end || middle == far_end) break;
-        (far(middle) ? far_end : near_end) = middle;
+        (is_far(middle) ? far_end : near_end) = middle;
     }
-    return at_low ? AxisPart{low, far_end} : AxisPart{far_end, high};
+    return is_far_at_low ? AxisPart{low, far_end} : AxisPart{far_end, high};
 }
 
 void shade_and_note(plot::LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& format, bool over_hits) {
     if (const auto part = too_far(sweep.request.sweep, format.parameters)) {
-        // In place, because gcc 12 warns without cause about a moved temporary.
+        // Built in place, because gcc 12 warns without cause about a moved temporary.
         plot::PlotShade& shade = spec.shades.emplace_back();
         shade.from = part->from;
         shade.to = part->to;

@@ -1,3 +1,4 @@
+// Tables and cases of the worst rays that searches find.
 #include "output/sweep/worst_files.hpp"
 
 #include <fmt/format.h>
@@ -47,19 +48,19 @@ std::string head_of_cases(const std::string& title, const std::string& source) {
                        file::toml_string(source));
 }
 
-std::string case_text(const std::string& name, const scene::rays::RayGroup& one) {
+std::string case_text(const std::string& name, const scene::rays::RayGroup& group) {
     std::vector<std::pair<Shape, std::string>> lists;  // a shape stands where its first primitive stands
-    for (const Primitive<double>& primitive : one.primitives) {
+    for (const Primitive<double>& primitive : group.primitives) {
         auto list = std::ranges::find(lists, primitive.shape, &std::pair<Shape, std::string>::first);
         if (list == lists.end()) list = lists.insert(list, {primitive.shape, ""});
         list->second += (list->second.empty() ? "" : ", ") + primitive_text(primitive);
     }
     std::string primitives;
     for (const auto& [shape, list] : lists) primitives += fmt::format("{} = [{}]\n", row_of(shape).plural, list);
-    const Ray<double> ray = one.rays[0];
+    const Ray<double> ray = group.rays[0];
     const std::array origin{ray.origin.x, ray.origin.y, ray.origin.z};
     const std::array direction{ray.direction.x, ray.direction.y, ray.direction.z};
-    const Range<double> range = one.rays.range(0);
+    const Range<double> range = group.rays.range(0);
     const std::string_view open = name_of(range.open);
     return fmt::format("\n[[case]]\nname = {}\n{}{}rays = [{{ origin = {}, direction = {}{}{} }}]\n",
                        file::toml_string(name), open == "none" ? "" : fmt::format("open_ends = \"{}\"\n", open),
@@ -75,10 +76,10 @@ struct WorstRow {
     const std::optional<WorstResult>& worst;
 };
 
-scene::rays::RayGroup alone(const WorstResult& w) {
-    scene::rays::RayGroup one = scene::rays::group_of(w.ray);
-    one.primitives = {w.primitive};
-    return one;
+scene::rays::RayGroup group_of_worst(const WorstResult& w) {
+    scene::rays::RayGroup group = scene::rays::group_of(w.ray);
+    group.primitives = {w.primitive};
+    return group;
 }
 
 table::Table<WorstRow> worst_table(const WorstRequest& request) {
@@ -91,7 +92,7 @@ table::Table<WorstRow> worst_table(const WorstRequest& request) {
     table.add(table::subject_columns(), &R::row);
     table.add(
         {"found", "true if the form hit anything within the ranges", [](const R& r) { return r.worst.has_value(); }});
-    table::Table<W> of_worst{
+    table::Table<W> columns{
         {"outcome", "outcome of the worst ray",
          [](const W& w) { return measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]; }},
         {std::string(metric.name), std::string(metric.unit),
@@ -101,37 +102,40 @@ table::Table<WorstRow> worst_table(const WorstRequest& request) {
          "distance from the ray's origin to the centre of the sphere; missing for other primitives",
          or_missing(&W::distance)},
         {"evaluations", "rays tried", &W::evaluations}};
-    of_worst.add_exact({"t", "t", "the form's answer, in its own unit",
-                        [](const W& w) { return table::when(w.outcome != Outcome::false_miss, w.t); }});
-    of_worst.add_exact({"truth", "t", "t*, correctly rounded to binary64, in the same unit; missing for a miss",
-                        or_missing(&W::truth)});
-    of_worst.add(table::ray_columns("of the worst ray"), &W::ray);
-    of_worst.add(table::primitive_columns(request.search.shape, "of its primitive"), &W::primitive);
-    table.add(of_worst, worst);
+    columns.add_exact({"t", "t", "the form's answer, in its own unit",
+                       [](const W& w) { return table::when(w.outcome != Outcome::false_miss, w.t); }});
+    columns.add_exact({"truth", "t", "t*, correctly rounded to binary64, in the same unit; missing for a miss",
+                       or_missing(&W::truth)});
+    columns.add(table::ray_columns("of the worst ray"), &W::ray);
+    columns.add(table::primitive_columns(request.search.shape, "of its primitive"), &W::primitive);
+    table.add(columns, worst);
     return table.add(
         {"explain", "the command that explains the worst ray and prints these numbers again", [](const R& r) {
              if (!r.worst) return std::string();
-             const scene::rays::RayGroup one = alone(*r.worst);
-             return attribution::explain_command(attribution::name_of_ray(&one), r.row);
+             const scene::rays::RayGroup group = group_of_worst(*r.worst);
+             return attribution::explain_command(attribution::name_of_ray(&group), r.row);
          }});
 }
 
-std::string case_of(const WorstRequest& request, const measure::evaluate::TestedForm& row, const WorstResult& w) {
-    const bool decided = w.outcome == Outcome::agree_hit;
-    std::string what = decided ? fmt::format("{} {:.6g}", request.search.metric, w.value)
-                               : std::string(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]);
-    if (!decided && request.search.nearest) what += fmt::format(" at {:.6g} radii", w.distance);
-    return case_text(fmt::format("{} in {}: {}", row.form->info->name, row.format.name, what), alone(w));
+std::string worst_case_text(const WorstRequest& request, const measure::evaluate::TestedForm& row,
+                            const WorstResult& w) {
+    const bool is_agreed_hit = w.outcome == Outcome::agree_hit;
+    std::string result_text = is_agreed_hit
+                                  ? fmt::format("{} {:.6g}", request.search.metric, w.value)
+                                  : std::string(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]);
+    if (!is_agreed_hit && request.search.nearest) result_text += fmt::format(" at {:.6g} radii", w.distance);
+    return case_text(fmt::format("{} in {}: {}", row.form->info->name, row.format.name, result_text),
+                     group_of_worst(w));
 }
 
 }  // namespace
 
 void write_worst(const std::filesystem::path& folder, const WorstRequest& request,
-                 const std::vector<std::optional<WorstResult>>& found) {
+                 const std::vector<std::optional<WorstResult>>& results) {
     const scene::sweep::SearchFile& search = request.search;
     table::TableFile<WorstRow> csv(folder, "worst.csv", "One row per form and format: the worst ray found",
                                    worst_table(request));
-    file::AtomicFile hard(folder / "hard.toml");
+    file::AtomicFile hard_cases(folder / "hard.toml");
     const std::string title = "The worst rays of each form: " + search.title;
     std::string text =
         head_of_cases(title.size() > scene::toml::TableReader::most_title_bytes ? search.title : title,
@@ -139,18 +143,18 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
                                   search.id, search.seed, search.starts, search.generations,
                                   search.smallest ? "smallest" : "largest", search.metric) +
                           (search.nearest ? ", nearest wrong decision" : ""));
-    for (std::size_t r = 0; r < found.size(); ++r) {
-        csv.add({request.rows[r], found[r]});
-        if (found[r]) text += case_of(request, request.rows[r], *found[r]);
+    for (std::size_t r = 0; r < results.size(); ++r) {
+        csv.add({request.rows[r], results[r]});
+        if (results[r]) text += worst_case_text(request, request.rows[r], *results[r]);
     }
-    hard.write(text);
-    hard.commit();
+    hard_cases.write(text);
+    hard_cases.commit();
     table::close_tables(folder, search.title, csv);
 }
 
 namespace {
 
-std::string sought_name(std::size_t outcome) {
+std::string searched_name(std::size_t outcome) {
     return std::string(measure::answer::outcome_names[static_cast<std::size_t>(searched_outcomes.at(outcome))]);
 }
 
@@ -208,11 +212,11 @@ table::Table<CensusRow> census_table() {
     return table;
 }
 
-/// The counts of a row in words: `12 cracks and 3 double hits of 15000 rays at edges, none of 5000 at vertices`.
-std::string census_phrase(const measure::edges::EdgeFinding& found) {
+/// The counts of a census in words: `12 cracks and 3 double hits of 15000 rays at edges, none of 5000 at vertices`.
+std::string census_phrase(const measure::edges::EdgeFinding& finding) {
     std::string text;
-    for (std::size_t k = 0; k < found.census.size(); ++k) {
-        const auto& [rays, outcomes] = found.census.at(k);
+    for (std::size_t k = 0; k < finding.census.size(); ++k) {
+        const auto& [rays, outcomes] = finding.census.at(k);
         if (rays == 0) continue;
         const std::string counts = outcomes[0] + outcomes[1] == 0
                                        ? "none"
@@ -229,8 +233,8 @@ std::string census_phrase(const measure::edges::EdgeFinding& found) {
 
 void NearestFiles::write(const std::filesystem::path& folder) const {
     const auto explain = [this](std::size_t r, const NearestRay& nearest) {
-        const scene::rays::RayGroup one = scene::rays::group_of(nearest.ray);
-        return attribution::explain_command(scene + " " + attribution::name_of_ray(&one), request.rows[r]);
+        const scene::rays::RayGroup group = scene::rays::group_of(nearest.ray);
+        return attribution::explain_command(scene + " " + attribution::name_of_ray(&group), request.rows[r]);
     };
     table::TableFile<NearestRow> csv(
         folder, "worst.csv", "One row per form, format and outcome: the nearest ray found at an edge", nearest_table());
@@ -238,7 +242,7 @@ void NearestFiles::write(const std::filesystem::path& folder) const {
         for (std::size_t k = 0; k < searched_outcomes.size(); ++k) {
             const auto& nearest = found[r].nearest.at(k);
             csv.add(
-                {request.rows[r], sought_name(k), found[r].rays.at(k), nearest, nearest ? explain(r, *nearest) : ""});
+                {request.rows[r], searched_name(k), found[r].rays.at(k), nearest, nearest ? explain(r, *nearest) : ""});
         }
     }
     table::TableFile<CensusRow> census(folder, "census.csv",
@@ -256,13 +260,13 @@ std::string NearestFiles::sentence(std::size_t r) const {
     const std::string counts = census_phrase(found[r]);
     if (!counts.empty()) text += " " + counts + ";";
     for (std::size_t k = 0; k < searched_outcomes.size(); ++k) {
-        const std::string what = map::in_words(sought_name(k));
+        const std::string outcome_phrase = map::in_words(searched_name(k));
         const auto& nearest = found[r].nearest.at(k);
         text += nearest ? fmt::format("{} the nearest {} of {} rays is {:.4g} edge lengths away", k > 0 ? "," : "",
-                                      what, found[r].rays.at(k), nearest->distance)
+                                      outcome_phrase, found[r].rays.at(k), nearest->distance)
                         : fmt::format("{}{} no {} among {}", k > 0 ? "," : "",
-                                      counts.empty() || k > 0 ? "" : " the search for the nearest found", what,
-                                      scene::toml::counted(found[r].rays.at(k), "ray"));
+                                      counts.empty() || k > 0 ? "" : " the search for the nearest found",
+                                      outcome_phrase, scene::toml::counted(found[r].rays.at(k), "ray"));
     }
     return text;
 }

@@ -14,25 +14,25 @@ namespace lostbits::output::sweep {
 /// Text before the first case of a file of cases.
 std::string head_of_cases(const std::string& title, const std::string& source);
 
-/// A `[[case]]` with the first ray of a group, its end if it has one, and all primitives of the group. Every number is
-/// hexadecimal.
-std::string case_text(const std::string& name, const scene::rays::RayGroup& one);
+/// A `[[case]]` with the first ray of a group, the ends of its range if it has any, and all primitives of the group.
+/// Every number is hexadecimal.
+std::string case_text(const std::string& name, const scene::rays::RayGroup& group);
 
 /// Writes worst.csv, and hard.toml, a sweep of cases with one case per row.
 void write_worst(const std::filesystem::path& folder, const measure::sweep::WorstRequest& request,
-                 const std::vector<std::optional<measure::sweep::WorstResult>>& found);
+                 const std::vector<std::optional<measure::sweep::WorstResult>>& results);
 
 /// Results of a search along the edges of a mesh.
 struct NearestFiles {
     const measure::edges::EdgeRequest& request;
-    const std::vector<measure::edges::EdgeFinding>& found;  ///< one per row
-    std::string scene;                                      ///< name for a command line
+    const std::vector<measure::edges::EdgeFinding>& found;  ///< one per row of the request
+    std::string scene;                                      ///< name of the scene for a command line
 
-    /// Writes worst.csv with a row for each form, format and outcome, and census.csv with one for each form, format and
-    /// target.
+    /// Writes worst.csv with a row for each form, format and outcome, and census.csv with a row for each form, format
+    /// and target.
     void write(const std::filesystem::path& folder) const;
-    /// Findings of row r in words: `triangle.woop in f32: none of 15008 rays at edges, …; the search for the nearest
-    /// found no crack among 32768 rays, …`.
+    /// Findings of row r of the request in words: `triangle.woop in f32: none of 15008 rays at edges, …; the search
+    /// for the nearest found no crack among 32768 rays, …`.
     [[nodiscard]] std::string sentence(std::size_t r) const;
 };
 

@@ -11,12 +11,12 @@ Table<TestedForm> subject_columns(const std::string& form, const std::string& fo
             {"format", format, [](const TestedForm& row) { return row.format.name; }}};
 }
 
-Table<Ray<double>> ray_columns(const std::string& of) {
+Table<Ray<double>> ray_columns(const std::string& meaning) {
     using R = Ray<double>;
     Table<R> table;
     const auto add = [&](const std::string& part, Vec<double> R::*vector) {
         for (int k = 0; k < 3; ++k)
-            table.add({part + "_" + "xyz"[k] + "_hex", of,
+            table.add({part + "_" + "xyz"[k] + "_hex", meaning,
                        [vector, k](const R& ray) { return file::hex((ray.*vector)[k]); }});
     };
     add("origin", &R::origin);
@@ -24,13 +24,13 @@ Table<Ray<double>> ray_columns(const std::string& of) {
     return table;
 }
 
-Table<Primitive<double>> primitive_columns(Shape shape, const std::string& of) {
+Table<Primitive<double>> primitive_columns(Shape shape, const std::string& meaning) {
     using S = Primitive<double>;
     Table<S> table;
-    std::size_t place = 0;
+    std::size_t index = 0;
     for (const auto& name : number_names(shape))
-        table.add({std::string(name) + "_hex", of,
-                   [k = place++](const S& primitive) { return file::hex(primitive.used()[k]); }});
+        table.add({std::string(name) + "_hex", meaning,
+                   [k = index++](const S& primitive) { return file::hex(primitive.used()[k]); }});
     return table;
 }
 

@@ -24,7 +24,7 @@ using file::Cell;
 template <class R>
 using CellOf = std::function<Cell(const R&)>;
 
-/// Type of a column whose values are of type T, or optional ones.
+/// Type of a column whose values are of type T or optional values of type T.
 template <class T>
 constexpr const char* type_of_values() {
     if constexpr (requires(T x) { x.value(); }) return type_of_values<typename T::value_type>();
@@ -36,10 +36,10 @@ constexpr const char* type_of_values() {
                                                          : nullptr;
 }
 
-/// A column: its name, unit and meaning, and how a row's value in it is computed. The type is that of the values.
+/// A column: its name, unit and meaning, and how its value is computed from a row. Its type is the type of the values.
 template <class R>
 struct TableColumn {
-    /// `value` is a function of a row or a pointer to a member of it.
+    /// `compute` is a function of a row or a pointer to a member of a row.
     template <class Value>
     requires std::invocable<Value, const R&> TableColumn(std::string name, std::string unit, std::string meaning,
                                                          Value compute)
@@ -50,19 +50,20 @@ struct TableColumn {
     requires std::invocable<Value, const R&> TableColumn(std::string name, std::string meaning, Value compute)
         : TableColumn(std::move(name), "", std::move(meaning), std::move(compute)) {}
     /// For values whose type is known only at run time.
-    TableColumn(file::Column described, CellOf<R> compute) : about(std::move(described)), value(std::move(compute)) {}
+    TableColumn(file::Column description, CellOf<R> compute)
+        : about(std::move(description)), value(std::move(compute)) {}
 
     file::Column about;
     CellOf<R> value;
 };
 
-/// x if `there`, otherwise a missing cell.
+/// `x` if `is_present`, otherwise a missing cell.
 template <class T>
-std::optional<T> when(bool there, const T& x) {
-    return there ? std::optional(x) : std::nullopt;
+std::optional<T> when(bool is_present, const T& x) {
+    return is_present ? std::optional(x) : std::nullopt;
 }
 
-/// The number that `value` finds in a row; missing if it is NaN.
+/// Returns a function that gives the number that `value` finds in a row; missing if the number is NaN.
 template <class Value>
 auto or_missing(Value value) {
     return [value](const auto& row) { return file::number_or_missing(std::invoke(value, row)); };
@@ -73,8 +74,8 @@ inline std::optional<std::string> exactly(const Cell& cell) {
     return cell.is_missing() ? std::nullopt : std::optional(file::hex(cell.number()));
 }
 
-/// A column of numbers from the description `column` of a measured quantity, which must outlive it. A cell is
-/// `value(column, row)`; NaN is missing.
+/// A column of numbers from the description `column` of a measured quantity, which must outlive the returned column. A
+/// cell is `value(column, row)`; NaN is missing.
 template <class R, class Measured, class Value>
 TableColumn<R> measured_column(const Measured& column, const Value& value) {
     return {{std::string(column.name), column.whole ? "integer" : "number", std::string(column.unit),
@@ -101,8 +102,8 @@ public:
         for (TableColumn<R>& column : columns.columns_) add(std::move(column));
         return *this;
     }
-    /// Adds the columns of a part of the row. `find(row)` returns the part as a reference, an optional or a pointer; if
-    /// there is none, all its cells are missing.
+    /// Adds the columns of a part of the row. `find(row)` returns the part as a reference, an optional or a pointer;
+    /// if there is no part, all cells are missing.
     template <class Part, class Find>
     Table& add(const Table<Part>& columns, const Find& find) {
         for (const TableColumn<Part>& column : columns) {
@@ -120,11 +121,11 @@ public:
                     [value = column.value](const R& row) { return exactly(value(row)); }});
     }
 
-    /// The column of this name, or null.
+    /// The column of this name; null if there is none.
     [[nodiscard]] TableColumn<R>* find(const std::string& name) {
-        const auto named = [&name](const TableColumn<R>& column) { return column.about.name == name; };
-        const auto found = std::ranges::find_if(columns_, named);
-        return found == columns_.end() ? nullptr : &*found;
+        const auto has_name = [&name](const TableColumn<R>& column) { return column.about.name == name; };
+        const auto column = std::ranges::find_if(columns_, has_name);
+        return column == columns_.end() ? nullptr : &*column;
     }
     [[nodiscard]] auto begin() { return columns_.begin(); }
     [[nodiscard]] auto end() { return columns_.end(); }
@@ -132,9 +133,9 @@ public:
     [[nodiscard]] auto end() const { return columns_.end(); }
 
     [[nodiscard]] std::vector<file::Column> columns() const {
-        std::vector<file::Column> all;
-        for (const TableColumn<R>& column : columns_) all.push_back(column.about);
-        return all;
+        std::vector<file::Column> descriptions;
+        for (const TableColumn<R>& column : columns_) descriptions.push_back(column.about);
+        return descriptions;
     }
     /// Replaces the meaning of a column, if there is such a column.
     void set_meaning(const std::string& name, const std::string& meaning) {
@@ -162,7 +163,7 @@ private:
     std::vector<TableColumn<R>> columns_;
 };
 
-/// A CSV file of a table. It is opened at once and has its final name after `close`.
+/// A CSV file of a table. It is opened at once and gets its final name in `close`.
 template <class R>
 class TableFile {
 public:
@@ -178,7 +179,7 @@ public:
     }
     [[nodiscard]] const file::DataResource& about() const { return about_; }
     void add_lines(const std::string& lines) { csv_.add_lines(lines); }
-    /// Without a file: the rows that were added since the last call.
+    /// Returns the rows that were added since the last call, if there is no file.
     [[nodiscard]] std::string take_lines() { return csv_.take_lines(); }
     void close() { csv_.close(); }
 
@@ -188,8 +189,8 @@ private:
     file::CsvWriter csv_;
 };
 
-/// Closes a part of a folder and adds its description to `resources`. A part is a table, an optional one, a list of
-/// tables, or an object with `table()`. A DataResource describes a table that somebody else writes, and is only added.
+/// Closes a part of a folder and adds its description to `resources`. A part is a table, an optional table, a list of
+/// tables, or an object with `table()`. A DataResource describes a table that somebody else writes; it is only added.
 template <class Part>
 void close_part(Part& part, std::vector<file::DataResource>& resources) {
     if constexpr (std::is_same_v<std::remove_const_t<Part>, file::DataResource>) {
@@ -200,13 +201,13 @@ void close_part(Part& part, std::vector<file::DataResource>& resources) {
     } else if constexpr (requires { part.table(); }) {
         close_part(part.table(), resources);
     } else if constexpr (requires { part.begin(); }) {
-        for (auto& one : part) close_part(one, resources);
+        for (auto& element : part) close_part(element, resources);
     } else if (part) {
         close_part(*part, resources);
     }
 }
-/// Closes the tables of a folder and describes them in its `datapackage.json`. The summary is closed last: a folder
-/// that has one is finished.
+/// Closes the tables of a folder and describes them in its `datapackage.json`. The summary is closed last, because a
+/// folder that has a summary is finished.
 template <class R, class... Part>
 void close_tables(const std::filesystem::path& folder, const std::string& title, TableFile<R>& summary,
                   Part&... parts) {
