@@ -337,7 +337,7 @@ std::unique_ptr<lostbits_result> hits_of_rays(const lostbits_rays& rays, CallRun
         resolved.columns[0].numbers.push_back(found[i].is_resolved ? 1 : 0);
         for (const measure::crossing::MeshCrossing& crossing : found[i].in_order) {
             table.columns[0].numbers.push_back(static_cast<double>(i));
-            table.columns[1].numbers.push_back(crossing.place);
+            table.columns[1].numbers.push_back(crossing.rank);
             table.columns[2].numbers.push_back(crossing.triangle);
             const auto [hi, lo] = as_two_doubles(crossing.t);
             table.columns[3].numbers.push_back(hi), table.columns[4].numbers.push_back(lo);

@@ -94,8 +94,8 @@ std::pair<double, double> true_hits(const CsvTable& table, std::size_t row) {
     };
     const double smallest = number_of(table, row, "agree_hit") + number_of(table, row, "false_miss") +
                             count_or("wrong_primitive", 0) + count_or("double_hit", 0) +
-                            count_or("wrong_neighbour", 0) + count("out_of_order", 0);
-    return {smallest, smallest + count("crack", 0) + count("not_a_number", 0) + count("unresolved", 0)};
+                            count_or("wrong_neighbour", 0) + count_or("out_of_order", 0);
+    return {smallest, smallest + count_or("crack", 0) + count_or("not_a_number", 0) + count_or("unresolved", 0)};
 }
 
 /// Two rows with the same key, one of each table.
@@ -234,7 +234,7 @@ RowChanges compare_rows(const CsvTable& a, const CsvTable& b, const std::string&
     }
     for (const std::string& key : left.order) {
         const auto other = right.index_of.find(key);
-        if (other == right.row.end()) {
+        if (other == right.index_of.end()) {
             changes.only_a.push_back(subject + key);
             continue;
         }

@@ -98,7 +98,7 @@ private:
 
     void add(const CanvasMark::Fill& fill, const CanvasMark& mark) {
         clip_to({});
-        text_ += fmt::format("<path fill=\"{}\" d=\"", colour_text(mark.colour_text));
+        text_ += fmt::format("<path fill=\"{}\" d=\"", colour_text(mark.colour));
         for (const PixelBox& box : fill.boxes)
             text_ += fmt::format("M{} {}h{}v{}h-{}z", box.x, box.y, box.width, box.height, box.width);
         text_ += "\"/>\n";
@@ -119,7 +119,7 @@ private:
         };
         if (text.runs.size() == 1) text_ += run_attributes(text.runs.front());
         if (text.bold) text_ += " font-weight=\"bold\"";
-        text_ += fmt::format(" fill=\"{}\">", colour_text(mark.colour_text));
+        text_ += fmt::format(" fill=\"{}\">", colour_text(mark.colour));
         for (const TextRun& run : text.runs) {
             const std::string escaped_text = file::html(run.text);
             text_ += text.runs.size() == 1 ? escaped_text
@@ -130,7 +130,7 @@ private:
 
     void add(const CanvasMark::Coat& coat, const CanvasMark& mark) {
         clip_to(reaches_beyond(coat, mark.clip) ? std::optional(mark.clip) : std::nullopt);
-        const std::string ink = colour_text(mark.colour_text);
+        const std::string ink = colour_text(mark.colour);
         // A group blends overlapping figures only once.
         if (coat.opacity < 1) text_ += fmt::format("<g opacity=\"{}\">", number_text(coat.opacity));
         for (auto figure = coat.figures.begin(); figure != coat.figures.end(); ++figure) {

@@ -111,7 +111,7 @@ Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::me
         table.add({name, "this column of the file, unchanged",
                    [k, kept_count](const JudgedRay& r) { return r.chunk->kept[r.band_ray.i * kept_count + k]; }});
     }
-    return table.add(answer_columns, &JudgedRay::found);
+    return table.add(answer_columns, &JudgedRay::band_ray);
 }
 
 /// Files of one series.

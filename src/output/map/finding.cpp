@@ -95,7 +95,7 @@ std::string finding_text(const MapStudy& request, const std::vector<FormSummary>
     if (fault_text.empty() && worst.kept_bits < 0) return text;
     if (forms.size() == 1) return fault_text.empty() ? text : fmt::format("{} and {}", text, fault_text);
     return fault_text.empty() ? fmt::format("{}; {} keeps {}", text, worst.name, bits_text(worst.kept_bits))
-                              : fmt::format("{}; {} {}", text, worst.name, fault);
+                              : fmt::format("{}; {} {}", text, worst.name, fault_text);
 }
 
 }  // namespace lostbits::output::map

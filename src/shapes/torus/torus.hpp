@@ -56,7 +56,7 @@ struct Torus {
         const T x = 2 * u.x - 1, y = 2 * u.y - 1, size = sqrt(square(x) + square(y));
         const T r = major_radius + (2 * u.z - 1) * minor_radius;
         if (size == 0) return centre + r * across.side;
-        return centre + (r * x / size) * across.side + (r * y / size) * part_across_axis.other;
+        return centre + (r * x / size) * across.side + (r * y / size) * across.other;
     }
     /// Returns the torus scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
     /// there is no single nearest point.
