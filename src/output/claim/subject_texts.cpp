@@ -125,7 +125,7 @@ KindTexts kind_texts(const Claim& c, const MendSubject& subject) {
 KindTexts kind_texts(const Claim& c, const TableSubject& subject) {
     return {.command = checking_command(c, "", " --measure"),
             .part = " " + subject.row,
-            .axis_values = file::decimal(subject.value)};
+            .axis_values = file::decimal(subject.at)};
 }
 
 KindTexts kind_texts(const Claim& c, const TimingSubject& /*on*/) {
