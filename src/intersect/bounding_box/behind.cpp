@@ -196,8 +196,7 @@ const Intersector& behind(const BoxMethod& method, const Intersector& box, const
 BoxedFormParts boxed_parts_of(const Intersector& row) { return parts_in(rows().parts_of(row)); }
 
 bool has_box(const Intersector& row) {
-    if (row.is_set())
-        return std::ranges::any_of(row.parts, [](const Intersector* append_row) { return has_box(*append_row); });
+    if (row.is_set()) return std::ranges::any_of(row.parts, [](const Intersector* part) { return has_box(*part); });
     if (boxed_parts_of(row).form != nullptr) return true;
     const auto placed = transform::transformed_parts_of(row);
     return placed.form != nullptr && has_box(*placed.form);

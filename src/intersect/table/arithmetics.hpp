@@ -63,7 +63,7 @@ MarchLog logged(const Ray<double>& ray, const Target<double>& target) {
     const LiftedInputs<T> inputs(ray, target, 0.0);
     StepLog<T> log;
     const Hit<T> hit = intersect_target<Form>(inputs.ray, inputs.target.get(), inputs.tmax, log);
-    const Stop stop = log.stop(hit, *in.target.get().march);
+    const Stop stop = log.stop(hit, *inputs.target.get().march);
     return {log.take(), {hit.hit, as_double(hit.t), as_double(hit.near), as_double(hit.far)}, stop};
 }
 

@@ -84,7 +84,7 @@ void evaluate_rounded(void* context, const FloatFormat& format, const RayBatch<d
                       const Target<double>& target, const HitBatch<double>& hits) {
     const CurrentFormat::Scope scope(format);
     const auto kernel = [&](const auto&... a) { parts_of_row(context).form->rounded(format, a...); };
-    evaluate(parts_of_row(own).method->batch_rounded, kernel, rays, target, hits);
+    evaluate(parts_of_row(context).method->batch_rounded, kernel, rays, target, hits);
 }
 
 /// Runs a row in an enclosure. If the determinant is not known to differ from 0, the answer is unknown.

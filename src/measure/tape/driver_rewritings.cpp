@@ -14,7 +14,7 @@ class TapeCopy {
 public:
     explicit TapeCopy(const DerivedTape& source)
         : source_(source.tape), origins_(source.origins), uses_(source_.nodes.size()) {
-        const Tape& source_tape = all.tape;
+        const Tape& source_tape = source.tape;
         for (const TapeNode& n : source_tape.nodes)
             if (!is_given(n.op))
                 for (const NodeId o : n.operands)
