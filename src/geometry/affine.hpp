@@ -8,24 +8,26 @@
 
 namespace lostbits {
 
-/// p ↦ A p + τ, with the rows of A.
+/// The map p ↦ A p + τ, with the rows of A.
 template <class T>
 struct Affine {
     std::array<Vec<T>, 3> rows;
     Vec<T> shift;
 
-    /// Makes the map from `number(0)` to `number(11)`: a matrix of three rows and four columns, row by row.
+    /// Builds the map from `number_at(0)` to `number_at(11)`: a matrix of three rows and four columns, row by row.
     template <class Numbers>
-    static constexpr Affine of(const Numbers& number) {
-        const auto row = [&number](std::size_t k) { return Vec<T>(number(k), number(k + 1), number(k + 2)); };
-        return {{row(0), row(4), row(8)}, {number(3), number(7), number(11)}};
+    static constexpr Affine of(const Numbers& number_at) {
+        const auto row = [&number_at](std::size_t k) {
+            return Vec<T>(number_at(k), number_at(k + 1), number_at(k + 2));
+        };
+        return {{row(0), row(4), row(8)}, {number_at(3), number_at(7), number_at(11)}};
     }
-    /// Hands over the same numbers in the same order.
-    template <class Take>
-    constexpr void each(const Take& take) const {
+    /// Calls `visit` for the same numbers in the same order.
+    template <class Visit>
+    constexpr void each(const Visit& visit) const {
         for (int i = 0; i < 3; ++i) {
             const Vec<T>& row = rows[static_cast<std::size_t>(i)];
-            take(row.x), take(row.y), take(row.z), take(shift[i]);
+            visit(row.x), visit(row.y), visit(row.z), visit(shift[i]);
         }
     }
     static constexpr std::size_t numbers = 12;

@@ -1,4 +1,4 @@
-// The part of a line inside a quadric surface that two planes cut off, over any number: cylinders and cones with caps.
+// The part of a line inside a quadric surface with two planes as caps, over any number: cylinders and cones.
 #pragma once
 
 #include <optional>
@@ -8,14 +8,14 @@
 namespace lostbits {
 
 /// The t between two parallel planes, from `entry` to `exit`, at which P(t) = a t² + 2 h t + c ≤ 0. The primitive is
-/// convex, so they form one interval, although `a` may have any sign. If P < 0 beyond both roots (a < 0: a line steeper
-/// than a cone, which also meets the mirror image of the cone), one of the two parts lies between the planes. The line
-/// enters by the plane at `entry` if P ≤ 0 there; otherwise it enters where P falls through 0, at (−h − √q)/a. Likewise
-/// it leaves by the plane at `exit`, or where P rises through 0, at (−h + √q)/a. P and half of its slope at the planes
-/// decide all of this, so no decision takes a root.
+/// convex, so these t form one interval, although `a` may have any sign. If P < 0 beyond both roots (a < 0: a line
+/// steeper than a cone, which also meets the mirror image of the cone), one of the two parts lies between the planes.
+/// The line enters by the plane at `entry` if P ≤ 0 there; otherwise it enters where P falls through 0, at (−h − √q)/a.
+/// Likewise it leaves by the plane at `exit`, or where P rises through 0, at (−h + √q)/a. All these decisions use P and
+/// half of its slope at the planes, so no decision takes a root.
 ///
-/// A line parallel to the planes has −1/0 and 1/0 for entry and exit, and a > 0. `closed` and `open` then say whether
-/// it runs between the planes.
+/// A line parallel to the planes has the entry −1/0 and the exit 1/0, and a > 0. `closed` and `open` are then true if
+/// the line runs between the planes, with or without the planes themselves.
 template <class T>
 struct CappedSpan {
     QuadraticSpan<T> side;
@@ -28,46 +28,48 @@ struct CappedSpan {
 
     static constexpr bool may_hit_behind_touch = false;
 
-    /// True if some point of the line lies in the closed primitive. It is enough to examine the points at the planes
-    /// and at the minimum of P.
+    /// True if some point of the line lies in the closed primitive. It is enough to test the points at the planes and
+    /// at the minimum of P.
     [[nodiscard]] mask_t<T> is_hit() const {
         const T zero(0);
-        const auto through = side.q >= zero;
-        const auto met = enters_by_cap() || leaves_by_cap() || (is_least_between() && through);
-        return closed && ((crossed && met) || (!crossed && through));
+        const auto meets_quadric = side.q >= zero;
+        const auto is_met = enters_by_cap() || leaves_by_cap() || (is_least_between() && meets_quadric);
+        return closed && ((crossed && is_met) || (!crossed && meets_quadric));
     }
-    /// The same for the open primitive.
+    /// True if some point of the line lies in the open primitive.
     [[nodiscard]] mask_t<T> is_open() const {
         const T zero(0);
-        const auto through = side.q > zero;
-        const auto met = at_entry.value < zero || at_exit.value < zero || (is_least_between() && through);
-        return open && ((crossed && met) || (!crossed && through));
+        const auto meets_quadric = side.q > zero;
+        const auto is_met = at_entry.value < zero || at_exit.value < zero || (is_least_between() && meets_quadric);
+        return open && ((crossed && is_met) || (!crossed && meets_quadric));
     }
-    /// Compares entering and leaving with t (before, or no later), for a line that meets the closed primitive. If t is
-    /// past `entry` and P > 0, the line has left if it entered by the plane or if t is past the minimum of P, which
-    /// exists only for a > 0. Otherwise it has yet to enter.
+    /// Compares the entry of a line that meets the closed primitive with t: before t (`less`), or no later (`at_most`).
+    /// If t is past `entry` and P > 0, the line has left the primitive if it entered by the plane, or if t is past the
+    /// minimum of P, which exists only for a > 0. Otherwise it has yet to enter.
     template <class At = Fraction<T>>
     [[nodiscard]] Order<mask_t<T>> enters_to(const At& t) const {
         const T zero(0);
-        const auto cap = order_of(entry, t);
+        const auto entry_order = order_of(entry, t);
         const auto& [value, half_slope] = quadratic_at(side, t);
         const auto opens_upwards = side.a > zero, by_cap = crossed && enters_by_cap();
-        return {(!crossed || cap.less) && (by_cap || value < zero || (opens_upwards && half_slope > zero)),
-                (!crossed || cap.at_most) && (by_cap || value <= zero || (opens_upwards && half_slope >= zero))};
+        return {
+            (!crossed || entry_order.less) && (by_cap || value < zero || (opens_upwards && half_slope > zero)),
+            (!crossed || entry_order.at_most) && (by_cap || value <= zero || (opens_upwards && half_slope >= zero))};
     }
     template <class At = Fraction<T>>
     [[nodiscard]] Order<mask_t<T>> leaves_to(const At& t) const {
         const T zero(0);
-        const auto from = order_of(entry, t), to = order_of(exit, t);
+        const auto entry_order = order_of(entry, t), exit_order = order_of(exit, t);
         const auto& [value, half_slope] = quadratic_at(side, t);
-        const auto opens_upwards = side.a > zero, by_cap = crossed && enters_by_cap(), out = value > zero;
-        const auto out_behind = out && ((opens_upwards && half_slope > zero) || (by_cap && from.less));
-        const auto on_or_behind = value >= zero && ((opens_upwards && half_slope >= zero) ||
-                                                    (by_cap && from.at_most && (out || half_slope > zero)));
-        return {out_behind || (crossed && to.less), on_or_behind || (crossed && to.at_most)};
+        const auto opens_upwards = side.a > zero, by_cap = crossed && enters_by_cap(), is_outside = value > zero;
+        const auto has_left = is_outside && ((opens_upwards && half_slope > zero) || (by_cap && entry_order.less));
+        const auto has_left_by_now =
+            value >= zero && ((opens_upwards && half_slope >= zero) ||
+                              (by_cap && entry_order.at_most && (is_outside || half_slope > zero)));
+        return {has_left || (crossed && exit_order.less), has_left_by_now || (crossed && exit_order.at_most)};
     }
-    /// True if the line enters, or leaves, by a plane, for a line that meets the closed primitive. At a rim either
-    /// answer is possible.
+    /// True if a line that meets the closed primitive enters, or leaves, by a plane. At a rim either answer is
+    /// possible.
     [[nodiscard]] mask_t<T> enters_by_cap() const { return crossed && at_entry.value <= T(0); }
     [[nodiscard]] mask_t<T> leaves_by_cap() const { return crossed && at_exit.value <= T(0); }
 
@@ -75,17 +77,18 @@ private:
     [[nodiscard]] mask_t<T> is_least_between() const { return at_entry.half_slope < T(0) && at_exit.half_slope > T(0); }
 };
 
-/// Builds the span for the planes v·(p − base) = 0 and = v². `low` is v·(o − base), and
-/// `along_axis` is v·d.
+/// Builds the span for the planes v·(p − base) = 0 and v·(p − base) = v². `low` is v·(o − base), `along_axis` is v·d,
+/// and `v2` is v².
 template <class T>
 CappedSpan<T> capped(const QuadraticSpan<T>& side, const T& low, const T& along_axis, const T& v2) {
     const T zero(0), one(1);
-    const auto up = along_axis > zero, crossed = up || along_axis < zero;
-    const T size = select(up, along_axis, -along_axis);
-    const Fraction<T> to_base{-low, size}, to_top{v2 - low, size}, from_top{-to_top.n, size}, from_base{low, size};
-    const Fraction<T> before{-one, zero}, after{one, zero};
-    const Fraction<T> entry = select(crossed, select(up, to_base, from_top), before);
-    const Fraction<T> exit = select(crossed, select(up, to_top, from_base), after);
+    const auto is_upward = along_axis > zero, crossed = is_upward || along_axis < zero;
+    const T magnitude = select(is_upward, along_axis, -along_axis);
+    const Fraction<T> to_base{-low, magnitude}, to_top{v2 - low, magnitude}, from_top{-to_top.n, magnitude},
+        from_base{low, magnitude};
+    const Fraction<T> minus_infinity{-one, zero}, plus_infinity{one, zero};
+    const Fraction<T> entry = select(crossed, select(is_upward, to_base, from_top), minus_infinity);
+    const Fraction<T> exit = select(crossed, select(is_upward, to_top, from_base), plus_infinity);
     return {.side = side,
             .entry = entry,
             .exit = exit,
@@ -97,20 +100,20 @@ CappedSpan<T> capped(const QuadraticSpan<T>& side, const T& low, const T& along_
             .d2 = side.d2};
 }
 
-/// Both ends; nothing if the surfaces by which the line enters and leaves are not known.
+/// Both ends. Returns nothing if the surfaces by which the line enters and leaves are not known.
 template <Number T>
 std::optional<Ends<T>> ends_of(const CappedSpan<T>& s) {
     if (!is_certain(s.is_hit())) return std::nullopt;
     const T root = sqrt(s.side.q);
-    const bool past = is_certain(s.side.h > T(0));
-    const auto one_of = [](const auto& by_cap, const Fraction<T>& cap, const T& at_root) -> std::optional<T> {
+    const bool is_h_positive = is_certain(s.side.h > T(0));
+    const auto end_by = [](const auto& by_cap, const Fraction<T>& cap, const T& at_root) -> std::optional<T> {
         if (is_certain(by_cap)) return cap.n / cap.m;
         return is_certain(!by_cap) ? std::optional(at_root) : std::nullopt;
     };
-    const auto near =
-        one_of(s.enters_by_cap(), s.entry, past ? -(root + s.side.h) / s.side.a : s.side.c / (root - s.side.h));
+    const auto near = end_by(s.enters_by_cap(), s.entry,
+                             is_h_positive ? -(root + s.side.h) / s.side.a : s.side.c / (root - s.side.h));
     const auto far =
-        one_of(s.leaves_by_cap(), s.exit, past ? -s.side.c / (root + s.side.h) : (root - s.side.h) / s.side.a);
+        end_by(s.leaves_by_cap(), s.exit, is_h_positive ? -s.side.c / (root + s.side.h) : (root - s.side.h) / s.side.a);
     return near && far ? std::optional(Ends<T>{*near, *far}) : std::nullopt;
 }
 

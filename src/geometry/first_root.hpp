@@ -9,7 +9,8 @@ namespace lostbits {
 /// Number of Newton steps after the bisection.
 inline constexpr int newton_steps = 4;
 
-/// First root of f behind `begin`. It lies between `low` and `high`, where f changes sign; no root lies before `low`.
+/// First root of f behind `begin`. The root lies between `low` and `high`, where f has different signs; no root lies
+/// between `begin` and `low`.
 template <class E>
 struct FirstRoot {
     mask_t<typename E::P> found, none;
@@ -25,20 +26,20 @@ FirstRoot<number::wide::Running<W>> first_root(const Polynomial<number::wide::Ru
     using lostbits::max;
     using number::wide::is_unset;
     const QuarticChain<E> chain(f);
-    const auto from = changes_in(chain.at(begin));
-    const auto ahead = roots_between(from, changes_in(chain.at_infinity()), chain.last);
+    const auto begin_changes = changes_in(chain.at(begin));
+    const auto roots_ahead = roots_between(begin_changes, changes_in(chain.at_infinity()), chain.last);
     const E zero(0);
-    if (is_unset(ahead.some)) return {ahead.some, ahead.none, zero, zero, zero};
+    if (is_unset(roots_ahead.some)) return {roots_ahead.some, roots_ahead.none, zero, zero, zero};
     const QuarticChain<P> words(f.c[4].first(), f.c[2].first(), f.c[1].first(), f.c[0].first());
     E x(W(near_first_root(words, begin.first(), bound.first(), newton_steps)));
     for (int i = 0; i < 2; ++i) x = E((x - chain.value(x) / E(chain.slope(x).words())).words());
-    const E off = chain.value(x) / E(chain.slope(x).words());
-    const E away(W(P(2) * (abs(off.first()) + off.radius()) + P(0x1p-110) * bound.first()));
-    const E low((x - away).words()), high((x + away).words());
+    const E newton_step = chain.value(x) / E(chain.slope(x).words());
+    const E distance(W(P(2) * (abs(newton_step.first()) + newton_step.radius()) + P(0x1p-110) * bound.first()));
+    const E low((x - distance).words()), high((x + distance).words());
     const E to_low = x - low, to_high = high - x;
     const P radius = max(abs(to_low.first()) + to_low.radius(), abs(to_high.first()) + to_high.radius());
-    const auto found = ahead.some && (low > begin).yes() && is_first_between(chain, from, low, high);
-    return {found, ahead.none, low, high, E(x.words(), radius * P(1 + 0x1p-40))};
+    const auto is_found = roots_ahead.some && (low > begin).yes() && is_first_between(chain, begin_changes, low, high);
+    return {is_found, roots_ahead.none, low, high, E(x.words(), radius * P(1 + 0x1p-40))};
 }
 
 }  // namespace lostbits

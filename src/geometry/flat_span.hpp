@@ -1,4 +1,4 @@
-// The crossing of a line and a surface without thickness, over any number: the span of a shape that has no inside.
+// The crossing of a line and a surface without thickness, over any number: the span of a shape without an inside.
 #pragma once
 
 #include <optional>
@@ -7,27 +7,27 @@
 
 namespace lostbits {
 
-/// A decision about a crossing: for the surface with its rims (closed), and without them (open).
+/// A decision about a crossing: for the surface with its rim (closed), and without its rim (open).
 template <class Mask>
 struct SurfaceCrossing {
     Mask closed, open;
 };
 
-/// A span of a surface without an inside. It lists its candidate crossings in the order of t, and compares each with a
-/// fraction.
+/// A span of a surface without an inside. It lists its possible crossings in the order of t, and compares each crossing
+/// with a fraction.
 template <class S, class T>
 concept SurfaceSpan = requires(const S& s, const Fraction<T>& t) {
     S::crossings, s.crossing(0), s.order_to(0, t);
 };
 
-/// The one t at which a line crosses a flat piece of surface, and whether it does. A line parallel to the plane, or in
-/// it, crosses nothing: `closed` is false.
+/// The t at which a line crosses the plane of a flat surface, and whether it crosses the surface there. A line parallel
+/// to the plane, or in it, has no crossing: `closed` is false.
 template <class T>
 struct FlatSpan {
     Fraction<T> at;    ///< n/m, m > 0 where the line crosses the plane
-    mask_t<T> closed;  ///< it crosses the piece or its rim
-    mask_t<T> open;    ///< it crosses the piece, not its rim
-    mask_t<T> front;   ///< it comes from the side that the normal points to, d·n < 0; known if it crosses
+    mask_t<T> closed;  ///< the line crosses the surface or its rim
+    mask_t<T> open;    ///< the line crosses the surface, not its rim
+    mask_t<T> front;   ///< the line comes from the side that the normal points to, d·n < 0; valid if the line crosses
     T d2;              ///< d·d
 
     static constexpr int crossings = 1;
@@ -36,7 +36,7 @@ struct FlatSpan {
     [[nodiscard]] Order<mask_t<T>> order_to(int, const Fraction<T>& t) const { return order_of(at, t); }
 };
 
-/// Both ends are the crossing; nothing if the line is not known to cross.
+/// Both ends are the crossing. Returns nothing if the line is not known to cross.
 template <Number T>
 std::optional<Ends<T>> ends_of(const FlatSpan<T>& s) {
     if (!is_certain(s.closed)) return std::nullopt;

@@ -1,4 +1,4 @@
-// The part of a line inside a convex primitive made of several quadric surfaces, over any number: capsules.
+// The part of a line inside a convex primitive that joins several quadric surfaces, over any number: capsules.
 #pragma once
 
 #include <optional>
@@ -16,10 +16,11 @@ struct JoinedSpan {
 
     static constexpr bool may_hit_behind_touch = false;
 
-    /// True if some point of the line lies in the closed and in the open primitive.
+    /// True if some point of the line lies in the closed (`is_hit`) or in the open primitive (`is_open`).
     [[nodiscard]] mask_t<T> is_hit() const { return enter.q >= T(0) && leave.q >= T(0); }
     [[nodiscard]] mask_t<T> is_open() const { return enter.q > T(0) && leave.q > T(0); }
-    /// Compares entering and leaving with t (before, or no later), for a line that meets the closed primitive.
+    /// Compares the entry (`enters_to`) or the exit (`leaves_to`) of a line that meets the closed primitive with t:
+    /// before t (`less`), or no later (`at_most`).
     template <class At = Fraction<T>>
     [[nodiscard]] Order<mask_t<T>> enters_to(const At& t) const {
         return quadratic_at(enter, t).near_root();

@@ -1,4 +1,4 @@
-// Names and limits of a shape's numbers. Every file, option and table that names these numbers is derived from them.
+// Names and limits of a shape's numbers. Every file, option and table that names these numbers uses them.
 #pragma once
 
 #include <array>
@@ -10,17 +10,17 @@ namespace lostbits {
 /// One key of a primitive in a scene file, in world units: a point, a direction, one length, or one length per axis.
 struct Key {
     enum class Kind { point, direction, length, lengths };
-    /// A condition on the numbers, besides being finite.
+    /// A condition on the numbers of a key, besides being finite.
     enum class Limit {
         none,
         positive,                     ///< greater than 0
         not_negative,                 ///< 0 or more
-        non_negative_below_previous,  ///< 0 or more, and less than the length before it
-        positive_below_previous,      ///< greater than 0, and less than the length before it
-        not_zero,                     ///< a direction of some length
-        at_least_before,              ///< in each component at least the key before it
-        off_line_before,              ///< a point that does not lie on one line with the two keys before it
-        apart_from_before             ///< a point that is not the key before it
+        non_negative_below_previous,  ///< 0 or more, and less than the previous length
+        positive_below_previous,      ///< greater than 0, and less than the previous length
+        not_zero,                     ///< a direction whose length is not 0
+        at_least_before,              ///< in each component at least the previous key
+        off_line_before,              ///< a point that does not lie on one line with the two previous keys
+        apart_from_before             ///< a point that differs from the previous key
     };
 
     std::string_view name;    ///< such as `centre`: the key in TOML tables, paths and shaders
@@ -34,12 +34,13 @@ struct Key {
     [[nodiscard]] constexpr bool is_length() const { return kind == Kind::length || kind == Kind::lengths; }
 };
 
-/// Words for a shape and for its special cases, for messages and texts.
+/// Phrases about a shape and its special cases, for messages and texts.
 struct ShapeTexts {
-    std::string_view plainest;  ///< the simplest primitive, which reaches 2 from the origin
+    std::string_view plainest;  ///< the simplest primitive, all of which lies within 2 of the origin
     std::string_view touching;  ///< a ray that only touches the primitive
     std::string_view point;     ///< a primitive no larger than a point
-    std::string_view places;    ///< the points that say where it is, in the plural, such as `centres`
+    std::string_view
+        places;  ///< the points that determine the position of the primitive, in the plural, such as `centres`
 };
 
 }  // namespace lostbits

@@ -10,17 +10,17 @@
 
 namespace lostbits {
 
-/// Sign of a number: −1, 0 or +1; nothing if it is not known.
+/// Sign of a number: −1, 0 or +1. Returns nothing if the sign is not known.
 template <class E>
 std::optional<int> known_sign(const E& x) {
-    const auto told = [](const auto& mask) {
+    const auto is_yes = [](const auto& mask) {
         if constexpr (std::same_as<std::decay_t<decltype(mask)>, bool>) return mask;
         else return mask.is_yes();
     };
     const E zero(0);
-    if (told(x < zero)) return -1;
-    if (told(x > zero)) return 1;
-    if (told(x <= zero && x >= zero)) return 0;
+    if (is_yes(x < zero)) return -1;
+    if (is_yes(x > zero)) return 1;
+    if (is_yes(x <= zero && x >= zero)) return 0;
     return std::nullopt;
 }
 
@@ -50,7 +50,7 @@ struct Polynomial {
     }
 };
 
-/// Removes the leading powers whose coefficients are known to be 0; false if that is not known.
+/// Removes the leading powers whose coefficients are known to be 0. Returns false if a sign is not known.
 template <class T>
 bool trim(Polynomial<T>& f) {
     for (; f.degree >= 0; --f.degree) {
@@ -61,78 +61,80 @@ bool trim(Polynomial<T>& f) {
     return true;
 }
 
-/// Selects division by leading coefficients for numbers whose exponents are limited. If such numbers were multiplied by
-/// them instead, the numbers of a polynomial would soon be too large. They cannot prove an exact zero anyway.
+/// True for numbers whose exponents are limited; polynomials over such numbers are divided by leading coefficients. If
+/// they were multiplied by leading coefficients instead, their numbers would soon be too large. Such numbers cannot
+/// prove an exact zero anyway.
 template <class T>
 inline constexpr bool divides_polynomials = requires(const T& x) {
     x.hi();
 };
 
-/// Remainder of f divided by g, and the quotient. Without division, both are multiplied by the same power of the
+/// Quotient and remainder of f divided by g. Without division of numbers, both are multiplied by the same power of the
 /// leading coefficient of g. The factor of the remainder is positive.
 template <class T>
 struct PolynomialDivision {
-    Polynomial<T> quotient, rest;
+    Polynomial<T> quotient, remainder;
 };
 template <class T>
 PolynomialDivision<T> divide(const Polynomial<T>& f, const Polynomial<T>& g) {
     PolynomialDivision<T> d{{{}, f.degree - g.degree}, f};
     if constexpr (divides_polynomials<T>) {
         for (int k = d.quotient.degree; k >= 0; --k) {
-            const T top = d.rest.of(g.degree + k) / g.leading();
-            d.quotient.of(k) = top;
-            for (int i = k; i < g.degree + k; ++i) d.rest.of(i) = d.rest.of(i) - top * g.of(i - k);
+            const T coefficient = d.remainder.of(g.degree + k) / g.leading();
+            d.quotient.of(k) = coefficient;
+            for (int i = k; i < g.degree + k; ++i) d.remainder.of(i) = d.remainder.of(i) - coefficient * g.of(i - k);
         }
-        d.rest.degree = g.degree - 1;
+        d.remainder.degree = g.degree - 1;
         return d;
     }
     for (int k = d.quotient.degree; k >= 0; --k) {
-        const T top = d.rest.of(g.degree + k);
+        const T coefficient = d.remainder.of(g.degree + k);
         for (int i = k + 1; i <= d.quotient.degree; ++i) d.quotient.of(i) = g.leading() * d.quotient.of(i);
-        d.quotient.of(k) = top;
+        d.quotient.of(k) = coefficient;
         for (int i = 0; i < g.degree + k; ++i) {
-            const T scaled = g.leading() * d.rest.of(i);
-            d.rest.of(i) = i < k ? scaled : scaled - top * g.of(i - k);
+            const T scaled = g.leading() * d.remainder.of(i);
+            d.remainder.of(i) = i < k ? scaled : scaled - coefficient * g.of(i - k);
         }
     }
-    d.rest.degree = g.degree - 1;
-    const bool odd = d.quotient.degree % 2 == 0;  // one step more than the difference of the degrees
-    if (odd && known_sign(g.leading()) == -1) d.rest = -d.rest;
+    d.remainder.degree = g.degree - 1;
+    const bool is_odd_power = d.quotient.degree % 2 == 0;  // the power is the difference of the degrees plus one
+    if (is_odd_power && known_sign(g.leading()) == -1) d.remainder = -d.remainder;
     return d;
 }
 
-/// Number of distinct real roots of f, and the common divisor of f and its slope, which has degree 0 if every root is
-/// simple.
+/// Number of distinct real roots of f, and the common divisor of f and its slope. The divisor has degree 0 if every
+/// root is simple.
 template <class T>
 struct RootCount {
     int count;
-    Polynomial<T> repeated;
+    Polynomial<T> common_divisor;
 };
 /// Counts the roots by Sturm's theorem: the sign changes in f, f′, −remainder, −remainder, … at −∞, less those at ∞.
-/// Nothing if a leading coefficient may be 0 but is not known to be. The first remainder of n x⁴ + p x² + q x + r is (p
-/// x²)/2 + (3 q x)/4 + r; f must have no cubic term.
+/// Returns nothing if a leading coefficient may be 0 but is not known to be 0. The first remainder of n x⁴ + p x² + q x
+/// + r is (p x²)/2 + (3 q x)/4 + r; f must have no cubic term.
 template <class T>
 std::optional<RootCount<T>> count_roots(const Polynomial<T>& f) {
-    Polynomial<T> before = f, now = f.slope();
-    if (!trim(before) || !trim(now)) return std::nullopt;
-    int changes = 0, sign = 1, mirrored = 1;
-    const auto pass = [&](const Polynomial<T>& g) {
-        const int next = *known_sign(g.leading()), at_minus = g.degree % 2 == 0 ? next : -next;
-        changes += (at_minus != mirrored ? 1 : 0) - (next != sign ? 1 : 0);
-        sign = next, mirrored = at_minus;
+    Polynomial<T> previous = f, current = f.slope();
+    if (!trim(previous) || !trim(current)) return std::nullopt;
+    int changes = 0, sign = 1, sign_at_minus_infinity = 1;
+    const auto count_changes = [&](const Polynomial<T>& g) {
+        const int next_sign = *known_sign(g.leading()),
+                  next_at_minus_infinity = g.degree % 2 == 0 ? next_sign : -next_sign;
+        changes += (next_at_minus_infinity != sign_at_minus_infinity ? 1 : 0) - (next_sign != sign ? 1 : 0);
+        sign = next_sign, sign_at_minus_infinity = next_at_minus_infinity;
     };
-    sign = *known_sign(before.leading()), mirrored = before.degree % 2 == 0 ? sign : -sign;
-    pass(now);
-    while (now.degree > 0) {
-        Polynomial<T> rest{{}, 2};
-        if (before.degree == 4) rest = {{T(4) * f.c[0], T(3) * f.c[1], T(2) * f.c[2], T(0), T(0)}, 2};
-        else rest = divide(before, now).rest;
-        if (!trim(rest)) return std::nullopt;
-        if (rest.degree < 0) break;
-        before = now, now = -rest;
-        pass(now);
+    sign = *known_sign(previous.leading()), sign_at_minus_infinity = previous.degree % 2 == 0 ? sign : -sign;
+    count_changes(current);
+    while (current.degree > 0) {
+        Polynomial<T> remainder{{}, 2};
+        if (previous.degree == 4) remainder = {{T(4) * f.c[0], T(3) * f.c[1], T(2) * f.c[2], T(0), T(0)}, 2};
+        else remainder = divide(previous, current).remainder;
+        if (!trim(remainder)) return std::nullopt;
+        if (remainder.degree < 0) break;
+        previous = current, current = -remainder;
+        count_changes(current);
     }
-    return RootCount<T>{changes, now};
+    return RootCount<T>{changes, current};
 }
 
 }  // namespace lostbits

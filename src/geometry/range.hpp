@@ -1,4 +1,4 @@
-// The range of a ray in which hits count.
+// The range of t in which hits of a ray count.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace lostbits {
 
-/// Ends of a range that do not belong to it.
+/// The ends of a range that do not belong to the range.
 struct OpenEnds {
     bool tmin = false, tmax = false;
     friend auto operator<=>(const OpenEnds&, const OpenEnds&) = default;
@@ -21,31 +21,31 @@ inline constexpr std::array<std::pair<std::string_view, OpenEnds>, 4> open_ends_
 inline constexpr std::string_view name_of(OpenEnds open) {
     return open_ends_names[(open.tmin ? 1U : 0U) + (open.tmax ? 2U : 0U)].first;
 }
-/// Converts a name; it must be one of the above.
+/// Converts one of the names above.
 inline constexpr OpenEnds open_ends_named(std::string_view name) {
     for (const auto& [known, open] : open_ends_names)
         if (known == name) return open;
     return {};
 }
 
-/// The t at which hits of a ray count: tmin ≤ t ≤ tmax, with < at an open end. A ray looks ahead, so tmin is finite and
-/// at least 0. If tmax is infinity, the ray has no end.
+/// The t at which hits of a ray count: tmin ≤ t ≤ tmax, with < at an open end. A ray only goes forward, so tmin is
+/// finite and at least 0. If tmax is infinity, the ray has no end.
 template <class T>
 struct Range {
     T tmin = 0;
     T tmax = std::numeric_limits<T>::infinity();
     OpenEnds open = {};
 
-    /// The same numbers of this format as a range with both ends closed: t > tmin becomes t ≥ the next number above
-    /// tmin. A tmax of infinity stays infinity.
+    /// A range with both ends closed that holds the same numbers of this format: t > tmin becomes t ≥ the next number
+    /// above tmin. A tmax of infinity is not changed.
     [[nodiscard]] Range closed() const {
-        constexpr T nowhere = std::numeric_limits<T>::infinity();
-        Range all{tmin, tmax};
-        if (open.tmin) all.tmin = std::nextafter(tmin, nowhere);
-        if (open.tmax && tmax < nowhere) all.tmax = std::nextafter(tmax, -nowhere);
-        return all;
+        constexpr T infinity = std::numeric_limits<T>::infinity();
+        Range result{tmin, tmax};
+        if (open.tmin) result.tmin = std::nextafter(tmin, infinity);
+        if (open.tmax && tmax < infinity) result.tmax = std::nextafter(tmax, -infinity);
+        return result;
     }
-    /// True if the range holds everything ahead of the origin.
+    /// True if the range holds every t ≥ 0.
     [[nodiscard]] bool is_whole() const {
         return tmin == 0 && tmax == std::numeric_limits<T>::infinity() && !open.tmin;
     }

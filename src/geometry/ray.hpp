@@ -1,4 +1,4 @@
-// Rays and the answers of forms about them, over any number.
+// Rays, and the answers of forms about rays, over any number.
 #pragma once
 
 #include "geometry/vec.hpp"
@@ -12,9 +12,9 @@ struct Ray {
     Vec<T> direction;
 };
 
-/// A form's answer. `hit` is the form's own decision for "there is an intersection with t ≥ 0"; `t` is the first such.
-/// If the form yields both intersections (its `Info` says so), `near ≤ far` are their line parameters. If `hit` is
-/// false, the numbers mean nothing.
+/// A form's answer. `hit` is the form's own decision for "there is an intersection with t ≥ 0"; `t` is the first such
+/// intersection. If the form yields both intersections (its `Info` says so), `near ≤ far` are their line parameters. If
+/// `hit` is false, the numbers have no meaning.
 template <class T>
 struct Hit {
     mask_t<T> hit;

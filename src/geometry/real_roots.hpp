@@ -10,7 +10,7 @@ namespace lostbits {
 inline double middle(double x) { return x; }
 inline int precision_of(double) { return 53; }
 
-/// At most four numbers in ascending order.
+/// Approximate roots: at most four numbers in ascending order.
 template <class T>
 struct NearRoots {
     std::array<T, 4> x;
@@ -19,7 +19,8 @@ struct NearRoots {
     void add(const T& root) { x[static_cast<std::size_t>(count++)] = root; }
 };
 
-/// Finds the sign change of f between two numbers by Newton's method; bisects if a Newton step leaves the interval.
+/// Finds the root of f between two numbers at which f has different signs, by Newton's method. Bisects if a Newton step
+/// leaves the interval.
 template <class A>
 A near_root(const Polynomial<A>& f, A low, A high) {
     const Polynomial<A> slope = f.slope();
@@ -31,10 +32,10 @@ A near_root(const Polynomial<A>& f, A low, A high) {
         const auto sign = known_sign(value);
         if (!sign || *sign == 0) break;
         (rises == (*sign < 0) ? low : high) = x;
-        const A steep = middle(slope.at(x));
-        A next = known_sign(steep) == 0 ? x : middle(x - value / steep);
-        const bool between = known_sign(A(next - low)) == 1 && known_sign(A(high - next)) == 1;
-        if (!between) next = middle(half * (low + high));
+        const A slope_at_x = middle(slope.at(x));
+        A next = known_sign(slope_at_x) == 0 ? x : middle(x - value / slope_at_x);
+        const bool is_between = known_sign(A(next - low)) == 1 && known_sign(A(high - next)) == 1;
+        if (!is_between) next = middle(half * (low + high));
         if (known_sign(A(next - x)) == 0 || known_sign(A(next - low)) == 0 || known_sign(A(high - next)) == 0)
             return next;
         x = next;
@@ -42,26 +43,26 @@ A near_root(const Polynomial<A>& f, A low, A high) {
     return x;
 }
 
-/// Approximates the roots within ±bound at which f changes sign. They lie between neighbouring such roots of its slope:
-/// one between two neighbours, or none.
+/// Approximates the roots within ±bound at which f changes sign. Between two neighbouring roots of this kind of its
+/// slope, f has one such root or none.
 template <class A>
 NearRoots<A> near_roots(const Polynomial<A>& f, const A& bound) {
     NearRoots<A> turns, roots;
     if (f.degree > 1) turns = near_roots(f.slope(), bound);
     if (f.degree < 1) return roots;
     A low = -bound;
-    auto before = known_sign(middle(f.at(low)));
+    auto sign_before = known_sign(middle(f.at(low)));
     for (int i = 0; i <= turns.count; ++i) {
         const A high = i < turns.count ? turns.x[static_cast<std::size_t>(i)] : bound;
-        const auto after = known_sign(middle(f.at(high)));
-        if (before && after && *before * *after < 0) roots.add(near_root(f, low, high));
-        if (after != 0) low = high, before = after;
+        const auto sign_after = known_sign(middle(f.at(high)));
+        if (sign_before && sign_after && *sign_before * *sign_after < 0) roots.add(near_root(f, low, high));
+        if (sign_after != 0) low = high, sign_before = sign_after;
     }
     return roots;
 }
 
-/// An interval that holds exactly one root. `crosses` says whether the polynomial changes sign at the root; `behind` is
-/// its sign behind it.
+/// An interval that holds exactly one root. `crosses` is true if the polynomial changes sign at the root; `behind` is
+/// its sign behind the root.
 template <class E>
 struct EnclosedRoot {
     E low, high, root;
@@ -69,7 +70,7 @@ struct EnclosedRoot {
     int behind;
 };
 
-/// All real roots of f in order, and a polynomial that has each of them once.
+/// All real roots of f in order, and a polynomial `simple` that has each root of f once.
 template <class E>
 struct EnclosedRoots {
     Polynomial<E> f, simple;
@@ -77,20 +78,21 @@ struct EnclosedRoots {
     int count = 0;
 
     [[nodiscard]] const EnclosedRoot<E>& operator[](int i) const { return all[static_cast<std::size_t>(i)]; }
-    /// Compares root i with a point x: −1 below, 0 at, +1 above it; nothing if that is not known. `against(p)` is the
-    /// sign of p − x. `value` is the sign of `simple` at x: between the neighbouring roots it changes only at root i.
-    template <class Against, class Value>
-    [[nodiscard]] std::optional<int> order(int i, const Against& against, const Value& value) const {
-        const auto is = [](const std::optional<int>& sign, int wanted) { return sign && *sign * wanted >= 0; };
+    /// Compares root i with a point x: −1 if the root is below x, 0 if it is x, +1 if it is above x. Returns nothing if
+    /// that is not known. `sign_relative_to_x(p)` is the sign of p − x. `value()` is the sign of `simple` at x: between
+    /// the neighbouring roots it changes only at root i.
+    template <class SignRelativeToX, class Value>
+    [[nodiscard]] std::optional<int> order(int i, const SignRelativeToX& sign_relative_to_x, const Value& value) const {
+        const auto agrees = [](const std::optional<int>& sign, int expected) { return sign && *sign * expected >= 0; };
         const auto& [low, high, root, crosses, behind] = (*this)[i];
-        const auto from_low = against(low), from_high = against(high);
-        if (is(from_low, 1)) return 1;
-        if (is(from_high, -1)) return -1;
-        if (i > 0 && !is(against((*this)[i - 1].high), -1)) return std::nullopt;
-        if (i + 1 < count && !is(against((*this)[i + 1].low), 1)) return std::nullopt;
-        const auto here = value(), before = known_sign(simple.at(low));
-        if (!here || !before) return std::nullopt;
-        return *here * *before;
+        const auto sign_of_low = sign_relative_to_x(low), sign_of_high = sign_relative_to_x(high);
+        if (agrees(sign_of_low, 1)) return 1;
+        if (agrees(sign_of_high, -1)) return -1;
+        if (i > 0 && !agrees(sign_relative_to_x((*this)[i - 1].high), -1)) return std::nullopt;
+        if (i + 1 < count && !agrees(sign_relative_to_x((*this)[i + 1].low), 1)) return std::nullopt;
+        const auto sign_at_x = value(), sign_at_low = known_sign(simple.at(low));
+        if (!sign_at_x || !sign_at_low) return std::nullopt;
+        return *sign_at_x * *sign_at_low;
     }
     [[nodiscard]] std::optional<int> order(int i, const E& x) const {
         return order(
@@ -101,28 +103,29 @@ struct EnclosedRoots {
 namespace detail {
 
 /// Approximates the roots within ±bound of a polynomial in double. With y = x/bound, the coefficients divided by the
-/// leading one fit into the range of double, except for lines so far away that f has no root.
+/// leading one are in the range of double, except for lines so far away that f has no root.
 template <class E>
-NearRoots<E> near_in_double(const Polynomial<E>& f, const E& bound) {
-    Polynomial<double> quick{{}, f.degree};
+NearRoots<E> approximate_in_double(const Polynomial<E>& f, const E& bound) {
+    Polynomial<double> in_double{{}, f.degree};
     E power(1);
     for (int i = f.degree; i >= 0; --i) {
-        quick.of(i) = nearest_double(f.of(i) / (f.leading() * power));
+        in_double.of(i) = nearest_double(f.of(i) / (f.leading() * power));
         power = power * bound;
     }
-    const NearRoots<double> near = near_roots(quick, 1.0);
+    const NearRoots<double> approximations = near_roots(in_double, 1.0);
     NearRoots<E> roots;
-    for (int i = 0; i < near.count; ++i) roots.add(middle(E(near.x[static_cast<std::size_t>(i)]) * bound));
+    for (int i = 0; i < approximations.count; ++i)
+        roots.add(middle(E(approximations.x[static_cast<std::size_t>(i)]) * bound));
     return roots;
 }
 
-/// Approximates the roots in a few bits; each Newton step then doubles the number of correct bits.
+/// Improves approximations with `bits` correct bits by Newton steps, each of which doubles the number of correct bits.
 template <class E>
-NearRoots<E> refined(const Polynomial<E>& f, const NearRoots<E>& from, long bits) {
-    NearRoots<E> roots = from;
+NearRoots<E> refine(const Polynomial<E>& f, const NearRoots<E>& start, long bits) {
+    NearRoots<E> roots = start;
     const Polynomial<E> slope = f.slope();
-    for (const long all = precision_of(E(0)); bits < all; bits *= 2) {
-        const typename E::Precision more(std::min(2 * bits, all));
+    for (const long full_bits = precision_of(E(0)); bits < full_bits; bits *= 2) {
+        const typename E::Precision precision(std::min(2 * bits, full_bits));
         for (int i = 0; i < roots.count; ++i) {
             E& x = roots.x[static_cast<std::size_t>(i)];
             const E step = middle(f.at(x)) / middle(slope.at(x));
@@ -132,70 +135,71 @@ NearRoots<E> refined(const Polynomial<E>& f, const NearRoots<E>& from, long bits
     return roots;
 }
 
-/// Precision in which roots are searched if those found in double prove nothing.
+/// Precision of the second search for roots, which runs if the roots found in double prove nothing.
 inline constexpr long bits_of_search = 192;
 
 /// Approximates the roots in `bits_of_search`.
 template <class E>
-NearRoots<E> near_in_few_bits(const Polynomial<E>& f, const E& bound) {
-    const typename E::Precision few(bits_of_search);
-    Polynomial<E> short_f{{}, f.degree};
-    for (int i = 0; i <= f.degree; ++i) short_f.of(i) = middle(f.of(i));
-    return near_roots(short_f, E(middle(bound)));
+NearRoots<E> approximate_in_few_bits(const Polynomial<E>& f, const E& bound) {
+    const typename E::Precision precision(bits_of_search);
+    Polynomial<E> rounded_f{{}, f.degree};
+    for (int i = 0; i <= f.degree; ++i) rounded_f.of(i) = middle(f.of(i));
+    return near_roots(rounded_f, E(middle(bound)));
 }
 
-/// Approximates the roots of a polynomial over balls in double, which is a good enough start for most.
+/// Approximates the roots of a polynomial over balls in double, which is accurate enough for most polynomials.
 template <class E>
-NearRoots<E> near_first_words(const Polynomial<E>& f, const E& bound) {
-    Polynomial<double> quick{{}, f.degree};
-    for (int i = 0; i <= f.degree; ++i) quick.of(i) = f.of(i).hi();
-    const NearRoots<double> near = near_roots(quick, bound.hi());
+NearRoots<E> approximate_by_first_words(const Polynomial<E>& f, const E& bound) {
+    Polynomial<double> in_double{{}, f.degree};
+    for (int i = 0; i <= f.degree; ++i) in_double.of(i) = f.of(i).hi();
+    const NearRoots<double> approximations = near_roots(in_double, bound.hi());
     NearRoots<E> roots;
-    for (int i = 0; i < near.count; ++i) roots.add(E(near.x[static_cast<std::size_t>(i)]));
+    for (int i = 0; i < approximations.count; ++i) roots.add(E(approximations.x[static_cast<std::size_t>(i)]));
     return roots;
 }
 
-/// Encloses a root near an approximation. The interval extends to eight times the largest possible Newton step, where f
-/// is known to differ from 0. If the approximation is itself a root, it extends to bound·2^(−half of the bits), and the
+/// Encloses a root near an approximation x. The interval extends to eight times the largest possible Newton step, where
+/// f is known to differ from 0. If x is itself a root, the interval extends to bound·2^(−half of the bits), and the
 /// root is known without error.
 template <class E>
-EnclosedRoot<E> around(const Polynomial<E>& f, const Polynomial<E>& slope, E x, const E& bound) {
+EnclosedRoot<E> enclose_root(const Polynomial<E>& f, const Polynomial<E>& slope, E x, const E& bound) {
     for (int i = 0; i < 2; ++i) {
         const E step = f.at(x) / middle(slope.at(x));
         if (step.is_bounded()) x = middle(x - step);
     }
     const E value = f.at(x);
-    const bool exact = known_sign(value) == 0;
-    E away = exact ? bound : largest(value) / largest(middle(slope.at(x))) * E(8);
-    for (int i = 0; exact && i < precision_of(x) / 2; ++i) away = away / E(2);
-    const E low = middle(x - away), high = middle(x + away);
-    return {low, high, exact ? x : between(low, high), true, 1};
+    const bool is_root = known_sign(value) == 0;
+    E distance = is_root ? bound : largest(value) / largest(middle(slope.at(x))) * E(8);
+    for (int i = 0; is_root && i < precision_of(x) / 2; ++i) distance = distance / E(2);
+    const E low = middle(x - distance), high = middle(x + distance);
+    return {low, high, is_root ? x : between(low, high), true, 1};
 }
 
-/// Encloses the roots near their approximations; each is proved to lie between two points.
+/// Encloses the roots near their approximations. Each root is proved to lie between two points.
 template <class E>
-std::optional<EnclosedRoots<E>> enclosed_from(const NearRoots<E>& near, EnclosedRoots<E> roots, bool are_simple,
-                                              const E& bound) {
-    if (near.count != roots.count) return std::nullopt;
+std::optional<EnclosedRoots<E>> enclosed_from(const NearRoots<E>& approximations, EnclosedRoots<E> roots,
+                                              bool are_simple, const E& bound) {
+    if (approximations.count != roots.count) return std::nullopt;
     const Polynomial<E> slope = roots.simple.slope();
     for (int i = 0; i < roots.count; ++i) {
         EnclosedRoot<E>& root = roots.all[static_cast<std::size_t>(i)];
-        root = around(roots.simple, slope, near.x[static_cast<std::size_t>(i)], bound);
-        const auto before = known_sign(roots.simple.at(root.low)), behind = known_sign(roots.simple.at(root.high));
-        if (!before || !behind || *before * *behind >= 0) return std::nullopt;
+        root = enclose_root(roots.simple, slope, approximations.x[static_cast<std::size_t>(i)], bound);
+        const auto sign_before = known_sign(roots.simple.at(root.low)),
+                   sign_behind = known_sign(roots.simple.at(root.high));
+        if (!sign_before || !sign_behind || *sign_before * *sign_behind >= 0) return std::nullopt;
         if (i > 0 && known_sign(E(root.low - roots[i - 1].high)) != 1) return std::nullopt;
     }
-    // The sign behind the last root is that of the leading coefficient. Half way to the next root the sign is known,
-    // even if the sign of f beside a double root, the square of a small number, is not.
+    // The sign behind the last root is that of the leading coefficient. Half way between two roots the sign is known,
+    // even if the sign of f close to a double root, where f is the square of a small number, is not.
     for (int i = roots.count - 1, sign = known_sign(roots.f.leading()).value_or(1); i >= 0; --i) {
         EnclosedRoot<E>& root = roots.all[static_cast<std::size_t>(i)];
         root.behind = sign;
-        const bool first = i == 0;
-        const auto before = are_simple ? std::optional(-sign)
-                            : first    ? known_sign(roots.f.at(middle(-bound)))
-                                       : known_sign(roots.f.at(middle((roots[i - 1].high + root.low) / E(2))));
-        if (!before) return std::nullopt;
-        sign = *before;
+        const bool is_first = i == 0;
+        const auto sign_before = are_simple ? std::optional(-sign)
+                                 : is_first ? known_sign(roots.f.at(middle(-bound)))
+                                            : known_sign(roots.f.at(middle((roots[i - 1].high + root.low) / E(2))));
+        if (!sign_before) return std::nullopt;
+        sign = *sign_before;
         root.crosses = sign != root.behind;
     }
     return roots;
@@ -203,33 +207,37 @@ std::optional<EnclosedRoots<E>> enclosed_from(const NearRoots<E>& near, Enclosed
 
 }  // namespace detail
 
-/// Encloses all real roots of a polynomial; they must lie within ±bound. Their number follows from Sturm's theorem.
-/// Each lies between two points, and no two intervals hold the same root: f divided by its common divisor with its
-/// slope changes sign in each. Nothing if these numbers are not close enough to prove that. f must have no cubic term.
+/// Encloses all real roots of a polynomial, which must lie within ±bound. Their number follows from Sturm's theorem.
+/// Each root lies between two points, and no two intervals hold the same root: f divided by its common divisor with its
+/// slope has different signs at the ends of each interval. Returns nothing if the approximations are not close enough
+/// to prove that. f must have no cubic term.
 template <class E>
 std::optional<EnclosedRoots<E>> enclosed_roots(const Polynomial<E>& f, const E& bound) {
     const auto counted = count_roots(f);
     if (!counted) return std::nullopt;
     EnclosedRoots<E> roots{f, f, {}, counted->count};
     if (roots.count == 0) return roots;
-    const bool are_simple = counted->repeated.degree == 0;
+    const bool are_simple = counted->common_divisor.degree == 0;
     if (!are_simple) {
-        roots.simple = divide(f, counted->repeated).quotient;
+        roots.simple = divide(f, counted->common_divisor).quotient;
         if (!trim(roots.simple)) return std::nullopt;
     }
     const E end = middle(bound);
-    const auto from = [&](const NearRoots<E>& near) { return detail::enclosed_from(near, roots, are_simple, bound); };
+    const auto enclose_from = [&](const NearRoots<E>& approximations) {
+        return detail::enclosed_from(approximations, roots, are_simple, bound);
+    };
     if constexpr (requires { bound.hi(); }) {
-        return from(detail::near_first_words(roots.simple, end));
+        return enclose_from(detail::approximate_by_first_words(roots.simple, end));
     } else if constexpr (requires { typename E::Precision; }) {
-        if (auto found = from(detail::refined(roots.simple, detail::near_in_double(roots.simple, end), 53)))
-            return found;
-        if (auto found = from(
-                detail::refined(roots.simple, detail::near_in_few_bits(roots.simple, end), detail::bits_of_search)))
-            return found;
-        return from(near_roots(roots.simple, end));
+        if (auto enclosed =
+                enclose_from(detail::refine(roots.simple, detail::approximate_in_double(roots.simple, end), 53)))
+            return enclosed;
+        if (auto enclosed = enclose_from(detail::refine(
+                roots.simple, detail::approximate_in_few_bits(roots.simple, end), detail::bits_of_search)))
+            return enclosed;
+        return enclose_from(near_roots(roots.simple, end));
     } else {
-        return from(near_roots(roots.simple, end));
+        return enclose_from(near_roots(roots.simple, end));
     }
 }
 

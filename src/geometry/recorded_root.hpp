@@ -1,4 +1,4 @@
-// The search for the root of a quartic, recorded.
+// The search for the first root of a quartic, as a recorded operation.
 #pragma once
 
 #include "geometry/first_root.hpp"
@@ -6,13 +6,13 @@
 
 namespace lostbits {
 
-/// Records the search as one operation of a program; its steps are those of the function for packs.
+/// Records the search as one operation of a program; the operation performs the steps of `near_first_root` for packs.
 inline number::wide::ColumnWord near_first_root(const QuarticChain<number::wide::ColumnWord>& chain,
                                                 const number::wide::ColumnWord& begin,
                                                 const number::wide::ColumnWord& bound, int /*steps*/) {
-    using number::wide::ColumnOperation, number::wide::ColumnWord, number::wide::recorded;
-    return ColumnWord::at(recorded(ColumnOperation::near_root_of_quartic, chain.n.place(), chain.p.place(),
-                                   chain.q.place(), chain.r.place(), begin.place(), bound.place()));
+    using number::wide::ColumnOperation, number::wide::ColumnWord, number::wide::record_instruction;
+    return ColumnWord::at(record_instruction(ColumnOperation::near_root_of_quartic, chain.n.place(), chain.p.place(),
+                                             chain.q.place(), chain.r.place(), begin.place(), bound.place()));
 }
 
 }  // namespace lostbits

@@ -1,12 +1,12 @@
-// Published bounds on rounding errors: for forms and for offsets.
+// Published bounds on rounding errors, for forms and for offsets.
 #pragma once
 
 #include "geometry/vec.hpp"
 
 namespace lostbits {
 
-/// γ(n) = n u/(1 − n u), which bounds the relative error of n roundings (Higham, Accuracy and Stability of Numerical
-/// Algorithms, 2002, lemma 3.1) while n u < 1; computed in T, zero in exact arithmetic.
+/// γ(n) = n u/(1 − n u), which bounds the relative error of n roundings while n u < 1 (Higham, Accuracy and Stability
+/// of Numerical Algorithms, 2002, lemma 3.1). It is computed in T, and is zero in exact arithmetic.
 template <Number T>
 T gamma_bound(int n) {
     const T nu = T(n) * unit_roundoff<T>();

@@ -1,5 +1,5 @@
-// The part of a line o + t d inside a primitive, over any number. The truth of every shape is built from it. A shape
-// chooses one of these spans and fills in its coefficients; all questions are answered by the span.
+// The part of a line o + t d inside a primitive, over any number. The truth of every shape is built from spans. A shape
+// chooses one of these spans and sets its coefficients; the span answers all questions about the line.
 #pragma once
 
 #include <array>
@@ -13,39 +13,41 @@
 
 namespace lostbits {
 
-/// True if a mask is certain to hold. For numbers that always decide: true if it holds.
+/// True if a mask is certain to hold. For numbers whose comparisons are always decided, this is the mask itself.
 inline constexpr bool is_certain(bool mask) { return mask; }
 inline constexpr bool is_certain(Tri mask) { return mask.is_yes(); }
 
-/// Calls `act(i)` for each axis, with i a constant: in a loop, packs would go through memory.
-template <class Act>
-constexpr void for_each_axis(const Act& act) {
-    act(std::integral_constant<int, 0>{}), act(std::integral_constant<int, 1>{}), act(std::integral_constant<int, 2>{});
+/// Calls `visit(i)` for each axis, with i a constant: in a loop, packs would go through memory.
+template <class Visit>
+constexpr void for_each_axis(const Visit& visit) {
+    visit(std::integral_constant<int, 0>{}), visit(std::integral_constant<int, 1>{}),
+        visit(std::integral_constant<int, 2>{});
 }
 
-/// The t at which a t² + 2 h t + c ≤ 0: between (−h ∓ √q)/a, with q = h² − a c in the form that subtracts least. The
-/// surface is c(o) = 0; `a` is positive.
+/// The t at which a t² + 2 h t + c ≤ 0: between (−h ∓ √q)/a, with q = h² − a c computed by the expression that cancels
+/// least. The surface is c(o) = 0; `a` is positive.
 template <class T>
 struct QuadraticSpan {
     T h, c, a, q;
     T d2;  ///< d·d
 
-    /// True if a ray that only touches the surface may meet it again behind that point. Every span defines it.
+    /// True if a ray that only touches the surface may meet it again behind that point. Every span defines this
+    /// constant.
     static constexpr bool may_hit_behind_touch = false;
 };
 
-/// Compares a b with c d. Number types with a cheaper way overload it.
+/// Compares a b with c d. Number types that can compare products more cheaply overload this function.
 template <Number T>
 Order<mask_t<T>> order_of_products(const T& a, const T& b, const T& c, const T& d) {
     const T x = a * b, y = c * d;
     return {x < y, x <= y};
 }
 
-/// t = 0, where a ray begins: comparisons with it need no product.
+/// t = 0, where a ray begins. Comparisons with it need no product.
 struct Start {};
 
-/// n/m, m ≥ 0. Fractions are compared by n₁ m₂ and n₂ m₁: for equal fractions these become the same number at some
-/// precision, which need not happen with the quotients.
+/// The fraction n/m, m ≥ 0. Fractions are compared by n₁ m₂ and n₂ m₁: for equal fractions these products are the same
+/// number at some precision, which need not be true of the quotients.
 template <class T>
 struct Fraction {
     T n;
@@ -61,19 +63,20 @@ struct Fraction {
 };
 
 /// The part of the line inside all slabs: the t that are at least every `entry` and at most every `exit`. A slab that
-/// the line does not cross has −1/0 and 1/0 there. `closed` and `open` hold the conditions that do not depend on t.
+/// the line does not cross has the entry −1/0 and the exit 1/0. `closed` and `open` are the conditions that do not
+/// depend on t.
 template <class T>
 struct SlabSpan {
     std::array<Fraction<T>, 3> entry, exit;
     std::array<mask_t<T>, 3> crossed;
     mask_t<T> closed;  ///< o lies in each slab that the line does not cross
-    mask_t<T> open;    ///< o lies in each such open slab, and every slab has thickness
+    mask_t<T> open;    ///< o lies in each open slab that the line does not cross, and every slab has thickness
     T d2;              ///< d·d
 
     static constexpr bool may_hit_behind_touch = false;
 };
 
-/// A range in the form that spans are compared with. If it has no end, `end` is 1/0.
+/// A range of t in the form in which spans are compared with it. If the range has no end, `end` is 1/0.
 template <class T>
 struct RangeOfSpan {
     T begin;
@@ -81,7 +84,8 @@ struct RangeOfSpan {
     OpenEnds open;
 };
 
-/// True if a point lies before the end of a range, or at a closed end, given how it compares with that end.
+/// True if a point lies before the end of a range, or at a closed end. `to_end` is the comparison of the point with
+/// that end.
 template <class Mask, class T>
 Mask in_time(const Order<Mask>& to_end, const RangeOfSpan<T>& range) {
     return range.open.tmax ? to_end.less : to_end.at_most;
@@ -93,8 +97,8 @@ template <class T>
 struct QuadraticAt {
     T value, half_slope;
 
-    /// Compares the roots with t, if there are any. The near root comes before t if P(t) < 0 or the slope is positive;
-    /// the far root if both P(t) and the slope are positive. The same holds with equality included.
+    /// Compares the roots, if there are any, with t. The near root comes before t if P(t) < 0 or the slope is positive;
+    /// the far root comes before t if both P(t) and the slope are positive. The same holds with equality included.
     [[nodiscard]] Order<mask_t<T>> near_root() const {
         const T zero(0);
         return {value < zero || half_slope > zero, value <= zero || half_slope >= zero};
@@ -119,9 +123,9 @@ QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, const Fraction<T>& t) {
     return {(half_slope + h) * t.n + s.c * square(t.m), half_slope};
 }
 
-/// `closed`: true if some t of a range lies in the closed primitive; `open`: the same for the open primitive. Let a be
-/// the largest entry and b the smallest exit. The line is in the closed primitive for a ≤ t ≤ b and in the open one for
-/// a < t < b. For a range that holds some t:
+/// `closed`: true if some t of a range lies in the closed primitive; `open`: true if some t lies in the open primitive.
+/// Let a be the largest entry and b the smallest exit. The line is in the closed primitive for a ≤ t ≤ b and in the
+/// open one for a < t < b. For a range that holds some t:
 ///     closed:  a ≤ b,  tmin ≤ b,  a ≤ tmax          open:  a < b,  tmin < b,  a < tmax
 /// At an open end the closed primitive has < too (if a < 0 = tmax, the origin is inside). Each inequality between a
 /// largest and a smallest number holds exactly if it holds for every pair, so neither needs to be known. Entry and exit
@@ -131,54 +135,57 @@ struct InSlabs {
     mask_t<T> closed, open;
 };
 
-/// The same for everything ahead of the origin.
+/// The decisions for the range of all t ≥ 0.
 template <class T>
 InSlabs<T> in_slabs(const SlabSpan<T>& s) {
     const T zero(0);
-    InSlabs<T> in{s.closed, s.open};
+    InSlabs<T> result{s.closed, s.open};
     for_each_axis([&](auto i) {
-        in.closed = in.closed && zero <= s.exit[i].n;
-        in.open = in.open && zero < s.exit[i].n;
+        result.closed = result.closed && zero <= s.exit[i].n;
+        result.open = result.open && zero < s.exit[i].n;
         for_each_axis([&](auto j) {
             if constexpr (i != j) {
                 const auto order = order_of(s.entry[i], s.exit[j]);
-                const auto still = !(s.crossed[i] || s.crossed[j]);
-                in.closed = in.closed && (still || order.at_most);
-                in.open = in.open && (still || order.less);
+                const auto are_parallel = !(s.crossed[i] || s.crossed[j]);
+                result.closed = result.closed && (are_parallel || order.at_most);
+                result.open = result.open && (are_parallel || order.less);
             }
         });
     });
-    in.open = in.closed && in.open;
-    return in;
+    result.open = result.closed && result.open;
+    return result;
 }
 
 template <class T>
 InSlabs<T> in_slabs(const SlabSpan<T>& s, const RangeOfSpan<T>& range) {
-    InSlabs<T> in = in_slabs(s);
+    InSlabs<T> result = in_slabs(s);
     for_each_axis([&](auto i) {
-        const auto begun = order_of(Fraction<T>{range.begin, T(1)}, s.exit[i]), ended = order_of(s.entry[i], range.end);
-        const auto still = !s.crossed[i];
-        in.closed = in.closed && (still || ((range.open.tmin ? begun.less : begun.at_most) && in_time(ended, range)));
-        in.open = in.open && (still || (begun.less && ended.less));
+        const auto begin_to_exit = order_of(Fraction<T>{range.begin, T(1)}, s.exit[i]),
+                   entry_to_end = order_of(s.entry[i], range.end);
+        const auto is_parallel = !s.crossed[i];
+        result.closed =
+            result.closed && (is_parallel || ((range.open.tmin ? begin_to_exit.less : begin_to_exit.at_most) &&
+                                              in_time(entry_to_end, range)));
+        result.open = result.open && (is_parallel || (begin_to_exit.less && entry_to_end.less));
     });
-    in.open = in.closed && in.open;
-    return in;
+    result.open = result.closed && result.open;
+    return result;
 }
 
-/// Largest entry, or 0/1 if none is positive; of equal entries the first.
+/// Largest entry, or 0/1 if no entry is positive. Of equal entries, returns the first.
 template <class T>
 Fraction<T> first_entry(const SlabSpan<T>& s) {
     const T zero(0);
-    const auto positive = [&](const Fraction<T>& entry) { return entry.n > zero; };
-    Fraction<T> first = select(positive(s.entry[0]), s.entry[0], Fraction<T>{zero, T(1)});
-    const auto next = [&](const Fraction<T>& entry) {
-        first = select(positive(entry) && order_of(first, entry).less, entry, first);
+    const auto is_positive = [&](const Fraction<T>& entry) { return entry.n > zero; };
+    Fraction<T> first = select(is_positive(s.entry[0]), s.entry[0], Fraction<T>{zero, T(1)});
+    const auto take_larger = [&](const Fraction<T>& entry) {
+        first = select(is_positive(entry) && order_of(first, entry).less, entry, first);
     };
-    next(s.entry[1]), next(s.entry[2]);
+    take_larger(s.entry[1]), take_larger(s.entry[2]);
     return first;
 }
 
-/// Largest entry, or the beginning of the range if no entry is later; of equal entries the first.
+/// Largest entry, or the beginning of the range if no entry is later. Of equal entries, returns the first.
 template <class T>
 Fraction<T> first_entry(const SlabSpan<T>& s, const RangeOfSpan<T>& range) {
     Fraction<T> first{range.begin, T(1)};
@@ -186,7 +193,7 @@ Fraction<T> first_entry(const SlabSpan<T>& s, const RangeOfSpan<T>& range) {
     return first;
 }
 
-/// True if every entry comes before the beginning of the range, or no later.
+/// True if every entry comes before the beginning of the range (`less`), or no later (`at_most`).
 template <class T>
 Order<mask_t<T>> entries_to_begin(const SlabSpan<T>& s, const RangeOfSpan<T>& range) {
     const auto to_begin = [&](const Fraction<T>& entry) { return order_of(entry, Fraction<T>{range.begin, T(1)}); };
@@ -194,7 +201,7 @@ Order<mask_t<T>> entries_to_begin(const SlabSpan<T>& s, const RangeOfSpan<T>& ra
     return {x.less && y.less && z.less, x.at_most && y.at_most && z.at_most};
 }
 
-/// Smallest exit; of equal exits the first.
+/// Smallest exit. Of equal exits, returns the first.
 template <Number T>
 Fraction<T> first_exit(const SlabSpan<T>& s) {
     Fraction<T> first = s.exit[0];
@@ -202,8 +209,8 @@ Fraction<T> first_exit(const SlabSpan<T>& s) {
     return first;
 }
 
-/// A span of a primitive. It says whether the line meets the closed primitive and whether it meets the open one, and
-/// compares entering and leaving with a fraction.
+/// A span of a primitive with an inside. It says whether the line meets the closed primitive and whether it meets the
+/// open one, and compares the entry and the exit of the line with a fraction.
 template <class S, class T>
 concept ComparableSpan = requires(const S& s, const Fraction<T>& t) {
     s.is_hit(), s.is_open(), s.enters_to(t), s.leaves_to(t);
@@ -221,16 +228,16 @@ std::optional<Ends<T>> ends_of(const QuadraticSpan<T>& s) {
     return Ends<T>{(-s.h - root) / s.a, (root - s.h) / s.a};
 }
 
-/// Largest entry and smallest exit; enclosures of which neither is known to be the larger are joined. Nothing if the
-/// line crosses no slab, or is not known to be inside each slab that it does not cross.
+/// Largest entry and smallest exit. If it is not known which of two enclosures is the larger, they are joined. Returns
+/// nothing if the line crosses no slab, or is not known to be inside each slab that it does not cross.
 template <Number T>
 std::optional<Ends<T>> ends_of(const SlabSpan<T>& s) {
     std::optional<Ends<T>> ends;
     if (!is_certain(s.closed)) return ends;
     for (std::size_t i = 0; i < s.entry.size(); ++i) {
         if (is_certain(!s.crossed[i])) continue;
-        const T in = s.entry[i].n / s.entry[i].m, out = s.exit[i].n / s.exit[i].m;
-        ends = ends ? Ends<T>{max(ends->near, in), min(ends->far, out)} : Ends<T>{in, out};
+        const T t_in = s.entry[i].n / s.entry[i].m, t_out = s.exit[i].n / s.exit[i].m;
+        ends = ends ? Ends<T>{max(ends->near, t_in), min(ends->far, t_out)} : Ends<T>{t_in, t_out};
     }
     return ends;
 }

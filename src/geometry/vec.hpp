@@ -1,5 +1,5 @@
-// Three-vectors over any number. glm::vec carries the components; dot and cross are ours, because the order of
-// their additions is part of what is measured (and glm's assert IEEE types).
+// Three-vectors over any number. glm::vec holds the components. dot and cross are our own, because the order of their
+// additions is part of what is measured (and those of glm require IEEE types).
 #pragma once
 
 #ifndef GLM_FORCE_XYZW_ONLY
@@ -15,8 +15,8 @@ namespace lostbits {
 template <class T>
 using Vec = glm::vec<3, T>;
 
-/// a·b = (a.x b.x + a.y b.y) + a.z b.z, summed left to right. Numbers that carry a bound have one bound for the whole
-/// sum.
+/// a·b = (a.x b.x + a.y b.y) + a.z b.z, summed from left to right. Numbers with an error bound compute one bound for
+/// the whole sum.
 template <Number T>
 T dot(const Vec<T>& a, const Vec<T>& b) {
     if constexpr (requires { sum_of_products(a.x, b.x, a.y, b.y, a.z, b.z); })
@@ -24,14 +24,14 @@ T dot(const Vec<T>& a, const Vec<T>& b) {
     else return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-/// a·a, the squares summed in the same order.
+/// a·a, with the squares summed in the same order.
 template <Number T>
 T square(const Vec<T>& a) {
     if constexpr (requires { sum_of_squares(a.x, a.y, a.z); }) return sum_of_squares(a.x, a.y, a.z);
     else return square(a.x) + square(a.y) + square(a.z);
 }
 
-/// a × b, each component one difference of two products.
+/// a × b. Each component is one difference of two products.
 template <Number T>
 Vec<T> cross(const Vec<T>& a, const Vec<T>& b) {
     if constexpr (requires { difference_of_products(a.x, b.x, a.y, b.y); })
@@ -40,17 +40,17 @@ Vec<T> cross(const Vec<T>& a, const Vec<T>& b) {
     else return Vec<T>(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
 
-/// |a| = √(a·a). Overflows and underflows where a·a does: that, too, is measured.
+/// |a| = √(a·a). It overflows and underflows where a·a does; this is part of what is measured.
 template <Number T>
 T length(const Vec<T>& a) {
     return sqrt(square(a));
 }
 
-/// v/|v|, each component a quotient; 0/0 for v = 0.
+/// v/|v|, with a quotient for each component; 0/0 for v = 0.
 template <Number T>
 Vec<T> unit_of(const Vec<T>& v) {
-    const T size = length(v);
-    return Vec<T>(v.x / size, v.y / size, v.z / size);
+    const T length_of_v = length(v);
+    return Vec<T>(v.x / length_of_v, v.y / length_of_v, v.z / length_of_v);
 }
 
 /// Names each component `label`.
@@ -69,7 +69,7 @@ struct AcrossAxis {
 
 private:
     static Vec<T> unit(const Vec<T>& v) { return (T(1) / length(v)) * v; }
-    /// Unit vector of the axis in which v is smallest.
+    /// Unit vector along the axis in which |v| is smallest.
     static Vec<T> along_least(const Vec<T>& v) {
         const T x = abs(v.x), y = abs(v.y), z = abs(v.z);
         return Vec<T>(x <= y && x <= z ? T(1) : T(0), y < x && y <= z ? T(1) : T(0), z < x && z < y ? T(1) : T(0));

@@ -1,5 +1,5 @@
 // All forms: those of each shape, which the folder of the shape lists, and the closed list of those that march, with a
-// line and an include for each. Everything else follows from these lists.
+// line and an include for each. Every table of forms is generated from these lists.
 #pragma once
 
 #include <iterator>

@@ -1,4 +1,4 @@
-// The arithmetic in which a form settled a ray, and the bound on its error: reports beside the answer.
+// The arithmetic in which a form decided a ray, and the bound on its error. Both are reported beside the answer.
 #pragma once
 
 #include <array>
@@ -7,28 +7,28 @@
 
 namespace lostbits::intersect {
 
-/// The arithmetic in which a form that filters settled a ray: its own, the next wider one of one word (double for
+/// The arithmetic in which a form that filters decided a ray: its own, the next wider one of one word (double for
 /// float), two words, or sums without any rounding.
 enum class FilterArithmetic : std::uint8_t { own, wider, two_words, exact };
 
 inline constexpr std::array<std::string_view, 4> filter_arithmetic_names{"own", "wider", "two_words", "exact"};
 
-/// Keeps the widest arithmetic that it hears of.
+/// Keeps the widest arithmetic that is passed to it.
 struct ArithmeticWatch {
     FilterArithmetic widest = FilterArithmetic::own;
-    void operator()(FilterArithmetic way) {
-        if (way > widest) widest = way;
+    void operator()(FilterArithmetic arithmetic) {
+        if (arithmetic > widest) widest = arithmetic;
     }
 };
 
-/// Hears nothing, at no cost.
+/// Ignores the arithmetic, at no cost.
 struct NoWatch {
-    void operator()(FilterArithmetic /*way*/) const {}
+    void operator()(FilterArithmetic /*arithmetic*/) const {}
 };
 
-/// A form's answer over `Bounded`: its decision and t, to the bit those of the format; whether the bounds prove the
-/// decision; and a bound on the distance of t from that of the same formula without rounding, infinity if nothing is
-/// known.
+/// A form's answer over `Bounded`: its decision and t, with the bits of the format; whether the bounds prove the
+/// decision; and `error`, a bound on the distance of t from the t of the same formula without rounding (infinity if
+/// nothing is known).
 struct BoundedAnswer {
     bool hit, proved;
     double t, error;

@@ -1,4 +1,4 @@
-// The shape that a form's `intersect` takes, for translation units that may include nothing heavier (see
+// The shape that a form's `intersect` takes, for translation units that may include no larger headers (see
 // packed_batch.hpp).
 #pragma once
 
@@ -16,18 +16,18 @@ inline constexpr bool meets = [] {
         };
 }();
 
-/// The shape of a form, from the arguments of its `intersect`: a sphere, a box and the ray's end, …; `sdf` if it takes
-/// a field.
+/// The shape of a form, from the parameters of its `intersect`: `sphere` for a sphere, `box` for a box and the ray's
+/// end, …; `sdf` if it takes a distance field.
 template <class Form>
 inline constexpr Shape shape_of = [] {
-    Shape found = Shape::sdf;
-    Primitives::each([&found]<template <class> class S>() {
-        if constexpr (meets<Form, S>) found = shape_as<S>;
+    Shape shape = Shape::sdf;
+    Primitives::each([&shape]<template <class> class S>() {
+        if constexpr (meets<Form, S>) shape = shape_as<S>;
     });
-    return found;
+    return shape;
 }();
 
-/// True if the form marches a field of all primitives together.
+/// True if the form marches through the distance field of all primitives together.
 template <class Form>
 inline constexpr bool marches = !is_primitive(shape_of<Form>);
 
@@ -39,11 +39,12 @@ Hit<T> intersect_primitive(const Ray<T>& ray, const S<T>& primitive, const T& tm
     else return Form::intersect(ray, primitive, watch...);
 }
 
-/// The same on the primitive whose numbers are `number(0)`, `number(1)`, …
+/// Calls `Form::intersect` on the primitive whose numbers are `number_at(0)`, `number_at(1)`, …
 template <class Form, class T, class Numbers>
-Hit<T> intersect_numbers(const Ray<T>& ray, const Numbers& number, const T& tmax) {
-    return Primitives::of_shape<shape_of<Form>>(
-        [&]<template <class> class S>() { return intersect_primitive<Form>(ray, primitive_from<S, T>(number), tmax); });
+Hit<T> intersect_numbers(const Ray<T>& ray, const Numbers& number_at, const T& tmax) {
+    return Primitives::of_shape<shape_of<Form>>([&]<template <class> class S>() {
+        return intersect_primitive<Form>(ray, primitive_from<S, T>(number_at), tmax);
+    });
 }
 
 }  // namespace lostbits::intersect

@@ -1,4 +1,4 @@
-// The contract of a form, by which it is judged.
+// The contract of a form, with which its answers are compared.
 #pragma once
 
 #include <array>
@@ -17,23 +17,24 @@ enum class Direction { any, unit };
 enum class Roots {
     both,        ///< near and far
     near_only,   ///< the smaller root alone
-    first_only,  ///< the first with t ≥ 0, whichever it is; near = far = t
-    none,        ///< says only whether it hits: its t is NaN and has no error
+    first_only,  ///< the first root with t ≥ 0, near or far; near = far = t
+    none,        ///< yields only hit or miss: its t is NaN and has no error
 };
 
-/// The answer to a ray that touches in one point (discriminant exactly zero), by the form's own contract: the closed
-/// primitive counts it, the open one (its inside) does not. A ray that ends where it enters does not meet the open
-/// primitive either. For a box, the property decides a ray through a corner or along a face; as a miss, it also means
-/// that a box of zero thickness is never hit. For a surface without inside, it says whether the rim belongs to it; a
-/// ray may end on it. `AtOrigin` says whether a ray may begin on such a surface.
+/// The answer to a ray that touches the primitive in one point (discriminant exactly zero), by the form's own contract:
+/// the point belongs to the closed primitive, but not to the open one (its inside). A ray that ends where it enters
+/// does not meet the open primitive either. For a box, the property decides a ray through a corner or along a face;
+/// `miss` also means that a box of zero thickness is never hit. For a surface without inside, the property says whether
+/// the rim belongs to the surface; a ray may end on it. `AtOrigin` says whether a ray may begin on such a surface.
 enum class Touching { hit, miss };
 
-/// Says if a surface exactly at the ray's origin (t = 0) counts as its first intersection. A march samples the field at
-/// t = 0, so there it counts; it also counts for a box whose forms answer 0 from inside.
+/// Says whether a surface exactly at the ray's origin (t = 0) counts as its first intersection. It always counts for a
+/// march, which samples the distance field at t = 0, and for a box whose forms answer 0 from inside.
 enum class AtOrigin {
     hit,   ///< t = 0
-    miss,  ///< it is passed over: the answer is the other root if that lies ahead, and a miss if not
-    exit   ///< an entry there is passed over, an exit is not: the other root if the ray goes in, 0 if it goes out
+    miss,  ///< the surface is ignored: the answer is the other root if that lies ahead, otherwise a miss
+    exit   ///< an entry at the origin is ignored, an exit is not: the answer is the other root if the ray goes in, 0 if
+           ///< it goes out
 };
 
 /// The true answer for a ray that starts inside a primitive.
@@ -41,7 +42,7 @@ enum class Inside {
     usual,  ///< the exit for a sphere, 0 for a box
     exit,   ///< the t at which the ray leaves
     zero,   ///< t = 0
-    near,   ///< the near root, behind the origin: nothing ahead, so a miss
+    near,   ///< the near root, which is behind the origin; nothing lies ahead, so the ray misses
     miss
 };
 /// The side from which a triangle, a disc or a plane is hit; rays from the other side miss it. The normal points to the
@@ -53,16 +54,16 @@ inline constexpr std::array<std::string_view, 5> inside_names{"usual", "exit", "
 inline constexpr std::array<std::string_view, 3> facing_names{"both", "front", "back"};
 inline constexpr std::array<std::string_view, 3> at_origin_names{"hit", "miss", "exit"};
 
-/// The choice of what counts as a hit, in the questions that geometry leaves open. `Touching` alone means a convention
-/// in which t = 0 counts.
+/// The choice of what counts as a hit, in the questions that geometry leaves open. A `Touching` without further
+/// properties gives a convention in which t = 0 counts.
 struct Convention {
     Touching touching = Touching::hit;
     AtOrigin at_origin = AtOrigin::hit;
     Inside inside = Inside::usual;
     Facing facing = Facing::both;
     bool endless = false;  ///< the ray goes on beyond its stated end
-    /// For a set of forms whose contracts differ: the convention of each, in the order of the shapes. Null: the same
-    /// for all primitives.
+    /// For a set of forms whose contracts differ: the convention of each form, in the order of the shapes. Null if all
+    /// primitives have the same convention.
     const Convention* by_shape = nullptr;
 
     constexpr Convention() = default;
@@ -75,18 +76,18 @@ struct Convention {
         return by_shape ? by_shape[static_cast<std::size_t>(shape)] : *this;
     }
 
-    /// True if it differs from the closed primitive's in more than touching and an origin that is passed over, or from
-    /// shape to shape. Proofs for many rays at a time know those two alone.
+    /// True if this convention differs from that of the closed primitive in more than `touching` and an ignored origin,
+    /// or if it depends on the shape. Proofs for many rays at a time cover only those two properties.
     [[nodiscard]] constexpr bool is_special() const {
         return inside != Inside::usual || facing != Facing::both || endless || at_origin == AtOrigin::exit ||
                by_shape != nullptr;
     }
 };
 
-/// The convention by which a form is judged, as files and columns name it: its own, the closed primitive's (touching is
-/// a hit), or the open one's (a miss). With the latter two, t = 0 counts.
-inline constexpr std::string_view convention_name(std::optional<Touching> judged) {
-    return !judged ? "own" : *judged == Touching::hit ? "closed" : "open";
+/// The name, in files and columns, of the convention with which a form is compared: its own, that of the closed
+/// primitive (touching is a hit), or that of the open one (touching is a miss). With the latter two, t = 0 counts.
+inline constexpr std::string_view convention_name(std::optional<Touching> judged_touching) {
+    return !judged_touching ? "own" : *judged_touching == Touching::hit ? "closed" : "open";
 }
 
 enum class Formats { all, binary32_only };
@@ -103,23 +104,23 @@ struct Info {
     Inside inside = Inside::usual;
     Facing facing = Facing::both;
     bool endless = false;  ///< for a form that yields no t: it answers for rays without an end
-    bool ranged = false;   ///< it receives the beginning and end of rays, and answers within
+    bool ranged = false;   ///< it receives the beginning and end of rays, and yields only hits between them
     /// For a triangle: the named operations that are the weights of a, b and c (barycentric coordinates), which give
-    /// the point that the ray meets. Empty for a weight that the form leaves out.
+    /// the hit point. A weight that the form does not compute has an empty name.
     std::array<std::string_view, 3> weights = {};
-    /// For a set of forms: their conventions by shape, by their own contracts, as closed primitives and as open ones.
-    /// Null if these are the same for all shapes.
+    /// For a set of forms: their conventions by shape, three times: by their own contracts, as closed primitives, and
+    /// as open ones. Null if the convention is the same for all shapes.
     std::array<const Convention*, 3> by_shape = {};
 
-    /// The form's own, or the closed or open primitive's if `judged` names it. For rays from inside, sides and ends the
-    /// form's own properties stay.
-    [[nodiscard]] constexpr Convention convention(std::optional<Touching> judged = {}) const {
-        Convention asked{judged.value_or(touching), judged ? AtOrigin::hit : at_origin};
-        asked.inside = inside == Inside::near ? Inside::miss : inside;
-        asked.facing = facing;
-        asked.endless = endless;
-        asked.by_shape = by_shape[!judged ? 0 : *judged == Touching::hit ? 1 : 2];
-        return asked;
+    /// The form's own convention, or that of the closed or open primitive if `judged_touching` names it. The form's own
+    /// properties for rays from inside, sides and ends are kept in either case.
+    [[nodiscard]] constexpr Convention convention(std::optional<Touching> judged_touching = {}) const {
+        Convention result{judged_touching.value_or(touching), judged_touching ? AtOrigin::hit : at_origin};
+        result.inside = inside == Inside::near ? Inside::miss : inside;
+        result.facing = facing;
+        result.endless = endless;
+        result.by_shape = by_shape[!judged_touching ? 0 : *judged_touching == Touching::hit ? 1 : 2];
+        return result;
     }
 };
 

@@ -1,4 +1,4 @@
-// Sphere tracing: the constants of a march, and its record beside its answer.
+// Sphere tracing: the constants of a march, and the record of a march beside its answer.
 #pragma once
 
 #include <array>
@@ -8,25 +8,25 @@
 
 namespace lostbits::intersect {
 
-/// The constants of a march, numbers of the arithmetic in which it runs. Lengths are in world units, and so is t: forms
-/// that march are given unit directions. Each form says which constants it reads.
+/// The constants of a march, as numbers of the arithmetic in which it runs. Lengths and t are in world units, because
+/// forms that march receive unit directions. Each form says which constants it uses.
 template <class S>
 struct MarchConstants {
-    S hit_eps;              ///< a field below it is a hit
+    S hit_eps;              ///< a field value below it is a hit
     S max_dist;             ///< a t above it is a miss
-    S relative_eps;         ///< a field below relative_eps·t is a hit
-    S cone;                 ///< radius of a pixel at distance 1: a field below cone·t is a hit
-    S over_relaxation;      ///< ω: a step is ω times the field
-    int max_steps = 64;     ///< samples of the field after which the march gives up, a miss
-    int secant_steps = 2;   ///< refinement after the hit, by the secant
-    int bisect_steps = 16;  ///< and by bisection
+    S relative_eps;         ///< a field value below relative_eps·t is a hit
+    S cone;                 ///< radius of a pixel at distance 1; a field value below cone·t is a hit
+    S over_relaxation;      ///< ω: a step is ω times the field value
+    int max_steps = 64;     ///< number of samples of the field after which the march ends as a miss
+    int secant_steps = 2;   ///< steps of the secant method after the hit
+    int bisect_steps = 16;  ///< steps of bisection after the hit
 };
 
-/// The numbers among them, in their order.
+/// Names of the constants that are numbers, in the order of the struct.
 inline constexpr std::array<std::string_view, 5> march_number_names{"hit_eps", "max_dist", "relative_eps", "cone",
                                                                     "over_relaxation"};
 
-/// Passes each number through `lift`, in order; the counts are the same in any arithmetic.
+/// Converts each number by `lift`, in order. The counts are the same in any arithmetic.
 template <class S, class Lift>
 auto transformed(const MarchConstants<S>& c, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
@@ -54,10 +54,11 @@ inline constexpr std::array<std::string_view, 4> stop_names{"hit", "max_dist", "
 
 /// Record of a march beside its answer.
 struct MarchRecord {
-    int iterations = 0;  ///< samples of the field on the way; those of a refinement are not counted
+    int iterations = 0;  ///< number of samples of the field, without those of a refinement
     Stop stop = Stop::max_steps;
-    double least = 0;    ///< the smallest |field| sampled on the way; NaN if every sample was NaN
-    double deepest = 0;  ///< the smallest field, with its sign: below zero the march went through the surface
+    double least = 0;  ///< the smallest |field| of the samples; NaN if every sample was NaN
+    double deepest =
+        0;  ///< the smallest field value of the samples, with its sign: if negative, the march went through the surface
 };
 
 }  // namespace lostbits::intersect

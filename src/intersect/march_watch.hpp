@@ -1,4 +1,4 @@
-// Observation of a march while it runs, in arithmetics whose comparisons are decided.
+// Classes that observe a march while it runs, in arithmetics whose comparisons are decided.
 #pragma once
 
 #include <vector>
@@ -18,52 +18,53 @@ bool is_same(const Vec<T>& a, const Vec<T>& b) {
     return is_same(a.x, b.x) && is_same(a.y, b.y) && is_same(a.z, b.z);
 }
 
-/// Keeps the last sample and the step after it, which tell why the march ended.
+/// Keeps the last sample and the step after it, which determine why the march ended.
 template <class T>
 class LastStep {
 public:
     void sampled(const T& t, const Vec<T>& p) {
-        from_ = t;
-        from_point_ = p;
+        sample_t_ = t;
+        sample_point_ = p;
     }
     void stepped(bool active, const T& t) { stepped(active, t, false); }
-    void stepped(bool active, const T& t, bool changed) {
+    void stepped(bool active, const T& t, bool has_moved) {
         if (!active) return;
-        t_ = t;
-        stands_ = !changed && is_same(t, from_);
+        next_t_ = t;
+        is_stagnant_ = !has_moved && is_same(t, sample_t_);
     }
-    void stepped(bool active, const T& t, const Vec<T>& p) { stepped(active, t, !is_same(p, from_point_)); }
+    void stepped(bool active, const T& t, const Vec<T>& p) { stepped(active, t, !is_same(p, sample_point_)); }
 
-    [[nodiscard]] bool stands() const { return stands_; }
+    [[nodiscard]] bool is_stagnant() const { return is_stagnant_; }
     [[nodiscard]] Stop stop(const Hit<T>& hit, const MarchConstants<T>& c) const {
         if (hit.hit) return Stop::hit;
-        if (t_ > c.max_dist) return Stop::max_dist;
-        return stands_ ? Stop::stagnated : Stop::max_steps;
+        if (next_t_ > c.max_dist) return Stop::max_dist;
+        return is_stagnant_ ? Stop::stagnated : Stop::max_steps;
     }
 
 private:
-    bool stands_ = false;  ///< the step led nowhere
-    T from_ = T(0), t_ = T(0);
-    Vec<T> from_point_{T(0), T(0), T(0)};
+    bool is_stagnant_ = false;  ///< true if the last step changed neither t nor the point
+    T sample_t_ = T(0), next_t_ = T(0);
+    Vec<T> sample_point_{T(0), T(0), T(0)};
 };
 
-/// Counts the samples and keeps the smallest.
+/// Counts the samples, and keeps the smallest |field| and the smallest field value.
 template <class T>
 class Tally : public LastStep<T> {
 public:
     void operator()(bool active, const T& t, const Vec<T>& p, const T& d) {
         if (!active) return;
-        const T size = abs(d);
-        if (count_ == 0 || size < least_ || !(least_ <= least_)) least_ = size;
+        const T magnitude = abs(d);
+        if (count_ == 0 || magnitude < least_ || !(least_ <= least_)) least_ = magnitude;
         if (count_ == 0 || d < deepest_ || !(deepest_ <= deepest_)) deepest_ = d;
         this->sampled(t, p);
         ++count_;
     }
 
-    /// `drop(T)` gives a number that a double holds.
-    template <class Drop>
-    [[nodiscard]] MarchRecord record(const Hit<T>& hit, const MarchConstants<T>& c, Drop drop) const {
-        return {count_, this->stop(hit, c), static_cast<double>(drop(least_)), static_cast<double>(drop(deepest_))};
+    /// `to_double(T)` converts to a number that a double holds.
+    template <class ToDouble>
+    [[nodiscard]] MarchRecord record(const Hit<T>& hit, const MarchConstants<T>& c, ToDouble to_double) const {
+        return {count_, this->stop(hit, c), static_cast<double>(to_double(least_)),
+                static_cast<double>(to_double(deepest_))};
     }
 
 private:
@@ -76,8 +77,8 @@ struct MarchStep {
     double t;
     Vec<double> p;
     double size;          ///< |p|, computed in the format
-    double d;             ///< the field
-    bool stands = false;  ///< the step after it led nowhere
+    double d;             ///< field value at p
+    bool stands = false;  ///< true if the step after this sample changed nothing
 };
 
 /// Keeps every sample.
@@ -86,13 +87,13 @@ class StepLog : public LastStep<T> {
 public:
     void operator()(bool active, const T& t, const Vec<T>& p, const T& d) {
         if (!active) return;
-        const Vec<double> at{as_double(p.x), as_double(p.y), as_double(p.z)};
-        steps_.push_back({as_double(t), at, as_double(length(p)), as_double(d)});
+        const Vec<double> point{as_double(p.x), as_double(p.y), as_double(p.z)};
+        steps_.push_back({as_double(t), point, as_double(length(p)), as_double(d)});
         this->sampled(t, p);
     }
-    template <class... Led>
-    void stepped(bool active, const T& t, const Led&... led) {
-        LastStep<T>::stepped(active, t, led...);
+    template <class... Position>
+    void stepped(bool active, const T& t, const Position&... position) {
+        LastStep<T>::stepped(active, t, position...);
         if (active) steps_.back().stands = this->stands();
     }
     [[nodiscard]] std::vector<MarchStep> take() { return std::move(steps_); }

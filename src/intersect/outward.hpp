@@ -1,5 +1,5 @@
-// Interval arithmetic inside a form, as pbrt-v4 does it on the CPU: each bound computed to nearest and then moved one
-// neighbour outward. This is arithmetic under test, not the laboratory's own enclosures.
+// Interval arithmetic inside a form, as in pbrt-v4 on the CPU: each bound is computed to nearest and then moved one
+// neighbour outward. This is arithmetic under test; the laboratory's own enclosures are in number/.
 #pragma once
 
 #include "geometry/vec.hpp"
@@ -26,17 +26,17 @@ struct Outward {
         const T p = a.lo * b.lo, q = a.hi * b.lo, r = a.lo * b.hi, s = a.hi * b.hi;
         return {next_down(min(min(p, q), min(r, s))), next_up(max(max(p, q), max(r, s)))};
     }
-    /// If b contains zero, the quotient is the whole line, (-1/0, 1/0).
+    /// If b contains zero, the quotient is (−1/0, 1/0), the whole line.
     friend Outward operator/(const Outward& a, const Outward& b) {
         const mask_t<T> has_zero = b.lo <= T(0) && b.hi >= T(0);
         const T p = a.lo / b.lo, q = a.hi / b.lo, r = a.lo / b.hi, s = a.hi / b.hi;
         return {select(has_zero, T(-1) / T(0), next_down(min(min(p, q), min(r, s)))),
                 select(has_zero, T(1) / T(0), next_up(max(max(p, q), max(r, s))))};
     }
-    /// A sum of squares can have a lower bound just below zero, whose root is NaN; `max` then answers 0, as pbrt's
+    /// A sum of squares can have a lower bound just below zero, whose root is NaN. `max` then returns 0, as pbrt's
     /// max(0, NextFloatDown(sqrt(x))) does.
     friend Outward sqrt(const Outward& a) { return {max(next_down(sqrt(a.lo)), T(0)), next_up(sqrt(a.hi))}; }
-    /// x² ≥ 0 for every x; a product of two equal intervals would not know that.
+    /// x² ≥ 0 for every x. A product of two equal intervals would not be known to be nonnegative.
     friend Outward square(const Outward& a) {
         const T low = abs(a.lo), high = abs(a.hi);
         const mask_t<T> has_zero = a.lo <= T(0) && a.hi >= T(0);

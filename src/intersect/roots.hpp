@@ -1,4 +1,4 @@
-// The steps from the discriminant to the answer that forms of several shapes share.
+// Steps from the discriminant to the answer that forms of several shapes share.
 #pragma once
 
 #include "intersect/info.hpp"
@@ -21,7 +21,7 @@ struct RootPair {
 };
 
 /// The first root with t ≥ 0: near, or far if near is negative. `missed` is the form's own test of the discriminant, as
-/// its source writes it (`disc < 0`, …). A NaN fails every test, so it comes out as a hit at NaN, as in the published
+/// its source writes it (`disc < 0`, …). A NaN fails every test, so the answer is a hit at NaN, as in the published
 /// code.
 template <Number T>
 Hit<T> hit_unless(mask_t<T> missed, const RootPair<T>& roots) {
@@ -31,7 +31,7 @@ Hit<T> hit_unless(mask_t<T> missed, const RootPair<T>& roots) {
     return hit;
 }
 
-/// The near root alone: a ray from inside misses.
+/// A hit at the near root only: a ray from inside misses.
 template <Number T>
 Hit<T> near_hit(mask_t<T> missed, const T& near) {
     return Hit<T>{!(missed || near < T(0)), near, near, near};
@@ -54,23 +54,24 @@ RootPair<T> plain_half_roots(const T& a, const T& h, const T& root) {
 /// near root if b < 0.
 template <Number T>
 RootPair<T> press_roots(const T& a, const T& b, const T& c, const T& root) {
-    return decide(b < T(0), [&](const mask_t<T>& ahead) {
-        const T q = named("q", -half<T>() * (b + select(ahead, -root, root)));
-        const T over_a = q / a;
-        const T under_c = c / q;
-        return RootPair<T>{select(ahead, under_c, over_a), select(ahead, over_a, under_c)};
+    return decide(b < T(0), [&](const mask_t<T>& is_b_negative) {
+        const T q = named("q", -half<T>() * (b + select(is_b_negative, -root, root)));
+        const T q_over_a = q / a;
+        const T c_over_q = c / q;
+        return RootPair<T>{select(is_b_negative, c_over_q, q_over_a), select(is_b_negative, q_over_a, c_over_q)};
     });
 }
 
-/// Equation (10), the same without the factor 2: q = b' + sign(b') root, b' = −f·d, root = √(aΔ), roots c/q and q/a.
-/// sign(0) = +1; c/q is the near root if b' ≥ 0. A tangent ray that starts on the surface has q = 0, hence 0/0.
+/// Equation (10), the Press roots without the factor 2: q = b' + sign(b') root, b' = −f·d, root = √(aΔ), roots c/q and
+/// q/a. `minus_b` is b'. sign(0) = +1; c/q is the near root if b' ≥ 0. A tangent ray that starts on the surface has q =
+/// 0, hence 0/0.
 template <Number T>
 RootPair<T> unified_roots(const T& a, const T& minus_b, const T& c, const T& root) {
-    return decide(minus_b < T(0), [&](const mask_t<T>& behind) {
-        const T q = named("q", minus_b + select(behind, -root, root));
-        const T over_a = q / a;
-        const T under_c = c / q;
-        return RootPair<T>{select(behind, over_a, under_c), select(behind, under_c, over_a)};
+    return decide(minus_b < T(0), [&](const mask_t<T>& is_b_negative) {
+        const T q = named("q", minus_b + select(is_b_negative, -root, root));
+        const T q_over_a = q / a;
+        const T c_over_q = c / q;
+        return RootPair<T>{select(is_b_negative, q_over_a, c_over_q), select(is_b_negative, c_over_q, q_over_a)};
     });
 }
 

@@ -11,18 +11,18 @@
 
 namespace lostbits::intersect {
 
-/// A view: the primitives and constants outlive it.
+/// A view of primitives and constants, which must outlive it.
 template <class S>
 struct Target {
     /// For a form of one shape: one primitive for every ray of a batch, or one for each ray, all of that shape. Packs
-    /// take only one. For a form that marches: all primitives.
+    /// accept only a single primitive. For a form that marches: all primitives.
     std::span<const Primitive<S>> primitives;
     const MarchConstants<S>* march = nullptr;  ///< never null for the forms of `Shape::sdf`
 
-    Target(const Primitive<S>& one) : primitives(&one, 1) {}
-    explicit Target(std::span<const Primitive<S>> one_a_ray) : primitives(one_a_ray) {}
-    Target(std::span<const Primitive<S>> all, const MarchConstants<S>& constants)
-        : primitives(all), march(&constants) {}
+    Target(const Primitive<S>& primitive) : primitives(&primitive, 1) {}
+    explicit Target(std::span<const Primitive<S>> primitive_per_ray) : primitives(primitive_per_ray) {}
+    Target(std::span<const Primitive<S>> all_primitives, const MarchConstants<S>& constants)
+        : primitives(all_primitives), march(&constants) {}
 };
 
 /// A target in another arithmetic: `lift` converts each number.
@@ -30,10 +30,10 @@ template <class T>
 class LiftedTarget {
 public:
     template <class S, class Lift>
-    LiftedTarget(const Target<S>& from, Lift lift) {
-        primitives_.reserve(from.primitives.size());
-        for (const Primitive<S>& primitive : from.primitives) primitives_.push_back(transformed(primitive, lift));
-        if (from.march) march_.emplace(transformed(*from.march, lift));
+    LiftedTarget(const Target<S>& source, Lift lift) {
+        primitives_.reserve(source.primitives.size());
+        for (const Primitive<S>& primitive : source.primitives) primitives_.push_back(transformed(primitive, lift));
+        if (source.march) march_.emplace(transformed(*source.march, lift));
     }
     /// Valid while this object lives.
     [[nodiscard]] Target<T> get() const {

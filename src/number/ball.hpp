@@ -1,5 +1,5 @@
 // Ball: an enclosure of the exact value with about 100 bits, at the cost of a few dozen double operations. Its midpoint
-// is a double-double, its radius a double. It answers most rays; `Interval` answers the rest.
+// is a double-double, its radius a double. `Ball` decides most rays; `Interval` decides the rest.
 #pragma once
 
 #include "number/concept.hpp"
@@ -39,13 +39,13 @@ public:
     [[nodiscard]] bool is_exact() const { return radius_ == 0 && undefined_ == Undefined::never; }
 
     friend Ball operator+(const Ball& a, const Ball& b) {
-        const double spread = a.radius_ + b.radius_;
+        const double propagated_radius = a.radius_ + b.radius_;
         const DoubleDouble s = two_sum(a.hi_, b.hi_);
         // The sum of two doubles is a double-double, exactly.
-        if (a.lo_ == 0 && b.lo_ == 0) return finish(s, spread, are_points(a, b), either(a, b));
+        if (a.lo_ == 0 && b.lo_ == 0) return finish(s, propagated_radius, are_points(a, b), undefined_of(a, b));
         const DoubleDouble t = two_sum(a.lo_, b.lo_);
         const DoubleDouble v = quick_two_sum(s.hi, s.lo + t.hi);
-        return finish(quick_two_sum(v.hi, t.lo + v.lo), spread, false, either(a, b));
+        return finish(quick_two_sum(v.hi, t.lo + v.lo), propagated_radius, false, undefined_of(a, b));
     }
     friend Ball operator-(const Ball& a) {
         Ball r = a;
@@ -57,13 +57,17 @@ public:
     friend Ball operator*(const Ball& a, const Ball& b) {
         if (a.is_zero() || b.is_zero()) return a.is_bounded() && b.is_bounded() ? Ball(0) : unknown();
         const DoubleDouble p = two_product(a.hi_, b.hi_);
-        const double spread = std::fabs(a.hi_) * b.radius_ + std::fabs(b.hi_) * a.radius_ + a.radius_ * b.radius_;
+        const double propagated_radius =
+            std::fabs(a.hi_) * b.radius_ + std::fabs(b.hi_) * a.radius_ + a.radius_ * b.radius_;
         // A midpoint of zero inside a wide ball is a legitimate factor: only its radius counts.
-        const bool of_zero = a.hi_ == 0 || b.hi_ == 0, one_word = a.lo_ == 0 && b.lo_ == 0;
-        if (one_word) return in_range(p.hi) || of_zero ? finish(p, spread, are_points(a, b), either(a, b)) : unknown();
+        const bool has_zero_midpoint = a.hi_ == 0 || b.hi_ == 0, are_doubles = a.lo_ == 0 && b.lo_ == 0;
+        if (are_doubles)
+            return in_range(p.hi) || has_zero_midpoint
+                       ? finish(p, propagated_radius, are_points(a, b), undefined_of(a, b))
+                       : unknown();
         const DoubleDouble r = quick_two_sum(p.hi, p.lo + std::fma(a.hi_, b.lo_, a.lo_ * b.hi_));
-        if (!in_range(r.hi) && !of_zero) return unknown();
-        return finish(r, spread, false, either(a, b));
+        if (!in_range(r.hi) && !has_zero_midpoint) return unknown();
+        return finish(r, propagated_radius, false, undefined_of(a, b));
     }
     friend Ball operator/(const Ball& a, const Ball& b) {
         const double distance_from_zero = std::fabs(b.hi_) * (1 - 0x1p-50) - b.radius_;
@@ -71,11 +75,11 @@ public:
         if (a.is_zero()) return a.is_bounded() && b.is_bounded() ? Ball(0) : unknown();
         const double qh = a.hi_ / b.hi_;
         if (!in_range(qh) || !in_range(a.hi_)) return unknown();
-        // r = a − qh·b, which is small enough to be a double-double again.
+        // The remainder a − qh·b is small enough to be a double-double again.
         const double rh = quotient_residual(a.hi_, b.hi_, qh);
         const double ql = (rh + (a.lo_ - qh * b.lo_)) / b.hi_;
-        const double spread = (a.radius_ + (std::fabs(qh) * (1 + 0x1p-50)) * b.radius_) / distance_from_zero;
-        return finish(quick_two_sum(qh, ql), spread, false, either(a, b));
+        const double propagated_radius = (a.radius_ + (std::fabs(qh) * (1 + 0x1p-50)) * b.radius_) / distance_from_zero;
+        return finish(quick_two_sum(qh, ql), propagated_radius, false, undefined_of(a, b));
     }
     Ball& operator+=(const Ball& b) { return *this = *this + b; }
     Ball& operator-=(const Ball& b) { return *this = *this - b; }
@@ -107,54 +111,55 @@ public:
     }
 
     friend Tri operator<(const Ball& a, const Ball& b) {
-        return guarded(sign(a - b, Tri::yes, Tri::no, Tri::no), either(a, b));
+        return guarded(decide_by_sign(a - b, Tri::yes, Tri::no, Tri::no), undefined_of(a, b));
     }
     friend Tri operator<=(const Ball& a, const Ball& b) {
-        return guarded(sign(a - b, Tri::yes, Tri::yes, Tri::no), either(a, b));
+        return guarded(decide_by_sign(a - b, Tri::yes, Tri::yes, Tri::no), undefined_of(a, b));
     }
     friend Tri operator>(const Ball& a, const Ball& b) { return b < a; }
     friend Tri operator>=(const Ball& a, const Ball& b) { return b <= a; }
-    /// Encloses both sides if the mask is undecided: with the midpoint of a and the radius |b − a| + radius(a) +
-    /// radius(b), which holds the points of either.
+    /// Encloses both a and b if the mask is undecided: the midpoint is that of a, and the radius is |b − a| + radius(a)
+    /// + radius(b).
     friend Ball select(Tri mask, const Ball& a, const Ball& b) {
         if (!mask.is_unknown()) return mask.is_yes() ? a : b;
-        const bool same = a.hi_ == b.hi_ && a.lo_ == b.lo_ && a.radius_ == b.radius_ && a.undefined_ == b.undefined_;
-        if (same) return a;
+        const bool are_equal =
+            a.hi_ == b.hi_ && a.lo_ == b.lo_ && a.radius_ == b.radius_ && a.undefined_ == b.undefined_;
+        if (are_equal) return a;
         if (!a.is_bounded() || !b.is_bounded()) return unknown();
-        const Ball apart = b - a;
-        if (!apart.is_bounded()) return unknown();
+        const Ball difference = b - a;
+        if (!difference.is_bounded()) return unknown();
         return Ball(a.hi_, a.lo_,
-                    (std::fabs(apart.hi_) * (1 + 0x1p-50) + apart.radius_ + a.radius_ + b.radius_) * inflate);
+                    (std::fabs(difference.hi_) * (1 + 0x1p-50) + difference.radius_ + a.radius_ + b.radius_) * inflate);
     }
 
 private:
     static constexpr double dd_error = 0x1p-100;
-    // The radius is itself computed with rounding: at most ten operations, each off by 2^-53; and a product in it
-    // may underflow, so every inexact ball carries at least `smallest_radius`.
+    // Covers the rounding of the radius itself, which takes at most ten operations with a relative error of 2^-53 each.
+    // A product among them may underflow, so every inexact ball has a radius of at least `smallest_radius`.
     static constexpr double inflate = 1 + 0x1p-45;
     static constexpr double smallest_radius = 0x1p-960;
 
-    // Below 2^1000, so that radii do not overflow either.
-    static constexpr double largest = 0x1p+900;
-    static bool in_range(double x) { return std::fabs(x) >= error_free_low && std::fabs(x) <= largest; }
+    // Largest midpoint. It is below 2^1000, so that radii do not overflow either.
+    static constexpr double largest_midpoint = 0x1p+900;
+    static bool in_range(double x) { return std::fabs(x) >= error_free_low && std::fabs(x) <= largest_midpoint; }
     static bool are_points(const Ball& a, const Ball& b) { return a.radius_ == 0 && b.radius_ == 0; }
     [[nodiscard]] bool is_zero() const { return hi_ == 0 && radius_ == 0; }
-    static Undefined either(const Ball& a, const Ball& b) { return spread(a.undefined_, b.undefined_); }
+    static Undefined undefined_of(const Ball& a, const Ball& b) { return spread(a.undefined_, b.undefined_); }
 
-    static Ball finish(DoubleDouble middle, double spread, bool exact, Undefined u) {
-        if (!exact) spread = (spread + std::fabs(middle.hi) * dd_error) * inflate + smallest_radius;
-        if (!(std::fabs(middle.hi) <= largest) || !(spread < HUGE_VAL))
+    static Ball finish(DoubleDouble midpoint, double radius, bool exact, Undefined u) {
+        if (!exact) radius = (radius + std::fabs(midpoint.hi) * dd_error) * inflate + smallest_radius;
+        if (!(std::fabs(midpoint.hi) <= largest_midpoint) || !(radius < HUGE_VAL))
             return unknown(u == Undefined::always ? u : Undefined::maybe);
-        Ball r(middle.hi, middle.lo, spread);
+        Ball r(midpoint.hi, midpoint.lo, radius);
         r.undefined_ = u;
         return r;
     }
 
-    static Tri sign(const Ball& d, Tri negative, Tri zero, Tri positive) {
+    static Tri decide_by_sign(const Ball& d, Tri negative, Tri zero, Tri positive) {
         if (!(d.radius_ < HUGE_VAL)) return Tri::unknown;
         if (d.radius_ == 0) return d.hi_ < 0 ? negative : d.hi_ > 0 ? positive : zero;
-        const double size = std::fabs(d.hi_) * (1 - 0x1p-50);
-        if (size > d.radius_) return d.hi_ < 0 ? negative : positive;
+        const double magnitude = std::fabs(d.hi_) * (1 - 0x1p-50);
+        if (magnitude > d.radius_) return d.hi_ < 0 ? negative : positive;
         return Tri::unknown;
     }
 
@@ -162,12 +167,13 @@ private:
     Undefined undefined_ = Undefined::never;
 };
 
-/// Root searches in enclosures need these: a point of a ball, the ball of two points, the largest magnitude in a ball
-/// as a point, and the number of bits that a ball has.
+/// Functions for root searches in enclosures. `middle` is a point of a ball, `between` a ball that holds two others,
+/// `largest` the largest magnitude in a ball, as a point, and `precision_of` the number of bits of a ball.
 inline Ball middle(const Ball& x) { return {x.hi(), x.lo(), 0}; }
 inline Ball between(const Ball& low, const Ball& high) {
-    const Ball m = middle(Ball(0.5) * (low + high)), half = high - m, other = m - low;
-    return {m.hi(), m.lo(), (std::fmax(half.hi(), other.hi()) + half.radius() + other.radius()) * (1 + 0x1p-45)};
+    const Ball m = middle(Ball(0.5) * (low + high)), upper_half = high - m, lower_half = m - low;
+    return {m.hi(), m.lo(),
+            (std::fmax(upper_half.hi(), lower_half.hi()) + upper_half.radius() + lower_half.radius()) * (1 + 0x1p-45)};
 }
 inline Ball largest(const Ball& x) { return Ball((std::fabs(x.hi()) + x.radius()) * (1 + 0x1p-50)); }
 inline int precision_of(const Ball&) { return 100; }

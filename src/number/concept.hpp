@@ -14,13 +14,13 @@
 namespace lostbits {
 
 /// Base of masks: the three-valued decisions of enclosures, decisions on a tape, and the lanes of a pack. An `if`,
-/// `?:`, `while`, or `&&` with a bool needs one answer, but a mask may have none yet, or several. Such code does not
-/// compile, and the error says why in one sentence. (The mask of the archetype does not derive from this base: there
-/// the conversion itself must not exist.)
+/// `?:`, `while`, or `&&` with a bool needs a single decision, but a mask may be undecided or hold one decision per
+/// lane. Such code does not compile, and the error says why in one sentence. (The mask of the archetype does not derive
+/// from this base, because there the conversion itself must not exist.)
 struct NotABool {
-    template <std::same_as<bool> Asked>
-    explicit operator Asked() const {
-        static_assert(!std::same_as<Asked, bool>,
+    template <std::same_as<bool> Bool>
+    explicit operator Bool() const {
+        static_assert(!std::same_as<Bool, bool>,
                       "this comparison may have no single answer (an interval, a pack of rays), so it cannot be asked "
                       "by if or ?: - write select(mask, a, b), compute both ways and join masks by && || !");
         return false;
@@ -33,8 +33,8 @@ using mask_t = decltype(std::declval<const T&>() < std::declval<const T&>());
 
 // --- float and double: the machine's own operations, correctly rounded by IEEE 754 --------------------
 
-// Templates, because a program may also see the C library's functions of these names: formulas then call those, which
-// compute the same, and the call is not ambiguous.
+// These are templates because a program may also see the C library's functions of these names. Formulas then call the C
+// library's, which compute the same, and the call is not ambiguous.
 template <std::floating_point F>
 F sqrt(F x) {
     return std::sqrt(x);
@@ -62,18 +62,18 @@ inline double next_down(double x) { return std::nextafter(x, -HUGE_VAL); }
 template <class T>
 inline constexpr bool is_exact = false;
 
-/// True for numbers that record something about each operation: its index on a tape, or a bound on its rounding. A sum
-/// that loses nothing is recorded as a whole: as a `Call`.
+/// True for numbers that record something about each operation: its index on a tape, or a bound on its rounding error.
+/// A sum that is computed without loss is recorded as a whole: as a `Call`.
 template <class T>
 inline constexpr bool traces_operations = false;
 
-/// The part of an answer that a call returns: the decision as 1 or −1, t (−1 for a miss), or the line parameter of one
-/// of the two intersections.
+/// The part of a form's result that a call returns: the decision as 1 or −1, t (−1 for a miss), or the line parameter
+/// of the nearer or the farther intersection.
 enum class CallAnswer : std::uint8_t { decision, t, near, far };
 
-/// The form of this name computed without rounding, its answer rounded to the format: within 16u relative error, and
-/// with the right decision. Its arguments are the numbers of a ray, those of a primitive in the order of its keys, and,
-/// for shapes whose forms take tmax, the end of the ray.
+/// A call of the form with this name, computed without rounding. The result is rounded to the format: it has a relative
+/// error of at most 16u, and the right decision. The arguments are the numbers of a ray, those of a primitive in the
+/// order of its keys, and, for shapes whose forms take tmax, the end of the ray.
 struct Call {
     std::string_view form;
     CallAnswer answer;
@@ -92,7 +92,7 @@ bool > T select(bool mask, const T& a, const T& b) { return mask ? a : b; }
 
 inline bool any_of(bool mask) { return mask; }
 
-/// `a < b ? a : b`: the SSE rule, so a NaN in either operand yields b. Part of what is measured.
+/// `a < b ? a : b`: the SSE rule, so a NaN in either operand yields b. This choice is part of what is measured.
 template <class T>
 T min(const T& a, const T& b) {
     return select(a < b, a, b);
@@ -104,8 +104,8 @@ T max(const T& a, const T& b) {
     return select(a > b, a, b);
 }
 
-/// x². A product of two numbers that happen to be equal stays a product; this function says that it is a square, which
-/// enclosures know to be at least zero.
+/// x². A product of two numbers that happen to be equal stays a product. `square` tells enclosures that the result is a
+/// square, and therefore at least zero.
 template <class T>
 T square(const T& x) {
     return x * x;
@@ -117,22 +117,22 @@ T fma_square(const T& x, const T& c) {
     return fma(x, x, c);
 }
 
-/// `f(mask)`: runs the part of a formula that depends on a decision. Enclosures overload it: if the decision is open,
+/// `f(mask)`: runs the part of a formula that depends on a decision. Enclosures overload it: if the mask is undecided,
 /// they follow both sides to the end and join the results, which is tighter than joining at once.
 template <class M, class F>
 auto decide(const M& mask, const F& f) {
     return f(mask);
 }
 
-/// Names an intermediate result of a formula as the source does. Numbers that keep a tape overload it; for all others
-/// it is the identity and costs nothing.
+/// Gives an intermediate result of a formula the name that the source gives it. Numbers that keep a tape overload this
+/// function; for all others it is the identity and costs nothing.
 template <class T>
 constexpr const T& named(std::string_view, const T& value) {
     return value;
 }
 
-/// While a `Part` lives, operations of numbers that keep a tape get its name instead of their own. It is for a long run
-/// of operations whose single names mean nothing. For other numbers it does nothing.
+/// While a `Part` lives, operations of numbers that keep a tape get its name instead of their own. A `Part` is for a
+/// long run of operations whose single names mean nothing. It has no effect on other numbers.
 template <class T>
 struct Part {
     explicit Part(std::string_view /*name*/) {}
@@ -161,9 +161,9 @@ concept Mask = std::copyable<M> && requires(const M a, const M b) {
     { any_of(a) } -> std::same_as<bool>;
 };
 
-/// The operations of a formula. All are correctly rounded in IEEE arithmetic, which is what makes float and
-/// double results the same bits on every machine. `T(int)` is exact for the small integers that formulas use.
-/// `next_up`/`next_down` are the neighbours in T (needed by forms that round outward by hand).
+/// The operations of a formula. All are correctly rounded in IEEE arithmetic, so float and double results have the same
+/// bits on every machine. `T(int)` is exact for the small integers that formulas use. `next_up` and `next_down` return
+/// the neighbours in T, for forms that round outward by hand.
 template <class T>
 concept Number = std::copyable<T> && std::constructible_from<T, int> && Mask<mask_t<T>> &&
     requires(T x, const T a, const T b, const T c) {
@@ -194,8 +194,8 @@ concept Number = std::copyable<T> && std::constructible_from<T, int> && Mask<mas
 
 static_assert(Number<float> && Number<double>);
 
-/// u, the largest relative error of one rounding to nearest: half the distance from 1 to the number above it (2^-24 for
-/// float, 2^-53 for double, 2^-p of a format of p bits). Zero for numbers that stand for exact arithmetic.
+/// u, the largest relative error of one rounding to nearest: half the distance from 1 to the next larger number (2^-24
+/// for float, 2^-53 for double, 2^-p for a format of p bits). Zero for numbers that stand for exact arithmetic.
 template <Number T>
 T unit_roundoff() {
     return (next_up(T(1)) - T(1)) / T(2);

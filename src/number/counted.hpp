@@ -25,7 +25,7 @@ struct OperationCounts {
     friend bool operator==(const OperationCounts&, const OperationCounts&) = default;
 };
 
-/// Operations of this thread since it last set them to zero.
+/// Numbers of operations of this thread since it last set them to zero.
 inline OperationCounts& operation_counts() {
     static thread_local OperationCounts counts;
     return counts;
@@ -36,10 +36,10 @@ inline OperationCounts& operation_counts() {
 template <class F>
 class Counted {
 public:
-    explicit Counted(int x) : value_(static_cast<F>(x)), constant_(true) {}
+    explicit Counted(int x) : value_(static_cast<F>(x)), is_constant_(true) {}
     /// An input.
     template <std::floating_point X>
-    explicit Counted(X x) : value_(static_cast<F>(x)), constant_(false) {}
+    explicit Counted(X x) : value_(static_cast<F>(x)), is_constant_(false) {}
 
     [[nodiscard]] F value() const { return value_; }
     static constexpr FloatFormat format() { return sizeof(F) == sizeof(float) ? binary32 : binary64; }
@@ -90,7 +90,7 @@ public:
     friend Counted max(const Counted& a, const Counted& b) {
         return counted(Operation::choose, a.value_ > b.value_ ? a.value_ : b.value_, a, b);
     }
-    /// Also counted if a and b are constants, since the mask is known only at run time.
+    /// Counted even if a and b are constants, since the mask is known only at run time.
     friend Counted select(bool mask, const Counted& a, const Counted& b) {
         ++operation_counts()[Operation::choose];
         return Counted(mask ? a.value_ : b.value_, false);
@@ -100,19 +100,19 @@ public:
     template <class To>
     [[nodiscard]] Counted<To> converted() const {
         count_unless_constant(Operation::convert, *this);
-        return Counted<To>(static_cast<To>(value_), constant_);
+        return Counted<To>(static_cast<To>(value_), is_constant_);
     }
 
 private:
     template <class>
     friend class Counted;
-    Counted(F value, bool constant) : value_(value), constant_(constant) {}
+    Counted(F value, bool is_constant) : value_(value), is_constant_(is_constant) {}
 
     template <class... X>
     static bool count_unless_constant(Operation kind, const X&... operands) {
-        const bool constant = (operands.constant_ && ...);
-        if (!constant) ++operation_counts()[kind];
-        return constant;
+        const bool is_constant = (operands.is_constant_ && ...);
+        if (!is_constant) ++operation_counts()[kind];
+        return is_constant;
     }
     template <class... X>
     static Counted counted(Operation kind, F value, const X&... operands) {
@@ -120,7 +120,7 @@ private:
     }
 
     F value_;
-    bool constant_;
+    bool is_constant_;
 };
 
 template <>

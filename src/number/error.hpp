@@ -1,4 +1,4 @@
-// Errors that end a run without an answer: one type each, with the exit code that a shell sees.
+// Errors that end a run without a result: one type each, with the exit code that a shell sees.
 #pragma once
 
 #include <stdexcept>
@@ -10,7 +10,7 @@ namespace lostbits {
 enum class Exit : int {
     done = 0,              ///< done, and every selected claim holds
     answer_is_no = 1,      ///< done, and a claim failed or a difference was found
-    bad_input = 2,         ///< usage, or a file that does not say what it should
+    bad_input = 2,         ///< wrong usage, or a file with wrong contents
     environment = 3,       ///< unwritable file, full disk, missing library or CPU feature
     nothing_selected = 4,  ///< a glob or filter that matches nothing
     internal = 70,         ///< a bug in lostbits, or a reference that did not converge

@@ -1,4 +1,4 @@
-// Floating-point formats by their three numbers: the set of possible results, whatever computes them.
+// Floating-point formats, each by its three parameters: the set of possible results, whatever computes them.
 #pragma once
 
 #include <optional>
@@ -22,13 +22,13 @@ inline constexpr FloatFormat tensor_float32{11, -126, 127};
 inline constexpr FloatFormat binary32{24, -126, 127};
 inline constexpr FloatFormat binary64{53, -1022, 1023};
 
-/// The unit in the last place of a format at x: 2^(max(⌊log2|x|⌋, emin) − p + 1), as its exponent.
-/// `floor_log2_x` is ⌊log2|x|⌋, any very negative number for x = 0.
+/// Exponent of the unit in the last place of a format at x, which is 2^(max(⌊log2|x|⌋, emin) − p + 1). `floor_log2_x`
+/// is ⌊log2|x|⌋, or any very negative number for x = 0.
 constexpr long ulp_exponent(const FloatFormat& f, long floor_log2_x) {
     return (floor_log2_x > f.emin ? floor_log2_x : f.emin) - f.precision + 1;
 }
 
-/// Evaluation of a form: native, or through `Rounded` in a format of any width.
+/// A format and how a form is evaluated in it: natively, or through `Rounded` in a format of any width.
 struct Format {
     enum class Engine { native32, native64, rounded };
     std::string name;
@@ -37,8 +37,8 @@ struct Format {
     friend bool operator==(const Format&, const Format&) = default;
 };
 
-/// `f32`, `f64`, `bf16`, `fp16`, `tf32`, or `pN` (2 ≤ N ≤ 53: N significand bits with binary64's exponents);
-/// nothing for any other name.
+/// Finds `f32`, `f64`, `bf16`, `fp16`, `tf32`, or `pN` (2 ≤ N ≤ 53: N significand bits with binary64's exponents).
+/// Returns nothing for any other name.
 std::optional<Format> find_format(std::string_view name);
 
 /// The names that `lostbits list formats` shows, each with a line of explanation.

@@ -8,34 +8,35 @@
 
 namespace lostbits {
 
-thread_local long Interval::working_ = 128;
+thread_local long Interval::working_bits_ = 128;
 
 namespace {
 
-/// Precision that holds every point: from the highest bit of its first double to the last bit of its second.
-constexpr long least_bits = 192;
+/// Least precision at which MPFI holds every point: a point spans this many bits, from the highest of its first double
+/// to the last of its second.
+constexpr long point_bits = 192;
 constexpr double widest_gap = 0x1p-128;
 
-/// The sum if two doubles hold it exactly: nothing is left over when the second doubles are added. 128 bits and the 53
-/// of the second double are fewer than `least_bits`, so MPFI computes it without loss, too.
+/// The sum, if two doubles hold it exactly: no remainder is left when the second doubles are added. Two doubles hold at
+/// most 128 + 53 bits, fewer than `point_bits`, so MPFI also computes the sum without loss.
 std::optional<DoubleDouble> exact_sum(const DoubleDouble& a, const DoubleDouble& b) {
     const DoubleDouble s = two_sum(a.hi, b.hi);
     DoubleDouble sum = s;
     if (a.lo != 0 || b.lo != 0) {
-        const DoubleDouble t = two_sum(a.lo, b.lo), second = two_sum(s.lo, t.hi);
-        const DoubleDouble v = two_sum(s.hi, second.hi), rest = two_sum(t.lo, v.lo);
-        if (second.lo != 0 || rest.lo != 0) return std::nullopt;
-        sum = two_sum(v.hi, rest.hi);
+        const DoubleDouble t = two_sum(a.lo, b.lo), middle_sum = two_sum(s.lo, t.hi);
+        const DoubleDouble v = two_sum(s.hi, middle_sum.hi), remainder = two_sum(t.lo, v.lo);
+        if (middle_sum.lo != 0 || remainder.lo != 0) return std::nullopt;
+        sum = two_sum(v.hi, remainder.hi);
     }
     if (!(std::fabs(sum.hi) <= error_free_high)) return std::nullopt;
     if (sum.lo != 0 && !(std::fabs(sum.lo) >= widest_gap * std::fabs(sum.hi))) return std::nullopt;
     return sum;
 }
-DoubleDouble negative(const DoubleDouble& a) { return {-a.hi, -a.lo}; }
-/// The first doubles are rounded sums. If they differ, they are in the order of the sums.
+DoubleDouble negated(const DoubleDouble& a) { return {-a.hi, -a.lo}; }
+/// True if a < b. The first doubles are rounded sums; if they differ, their order is that of the sums.
 bool is_less(const DoubleDouble& a, const DoubleDouble& b) { return a.hi < b.hi || (a.hi == b.hi && a.lo < b.lo); }
 
-/// The product if two doubles hold it exactly. It is not tried if both operands have a second double: without trailing
+/// The product, if two doubles hold it exactly. Returns nothing if both operands have a second double: without trailing
 /// zeros they have at least 54 bits each, and the product 107.
 std::optional<DoubleDouble> exact_product(const DoubleDouble& a, const DoubleDouble& b) {
     if (a.hi == 0 || b.hi == 0) return DoubleDouble{0, 0};
@@ -49,18 +50,18 @@ std::optional<DoubleDouble> exact_product(const DoubleDouble& a, const DoubleDou
 
 }  // namespace
 
-Interval::Interval(Ends) : bits_(working_), has_ends_(true) { mpfi_init2(value_, working_); }
+Interval::Interval(Ends) : bits_(working_bits_), has_ends_(true) { mpfi_init2(value_, working_bits_); }
 Interval::Interval() : Interval(0) {}
 Interval::Interval(int x) : Interval(static_cast<double>(x)) {}
-Interval::Interval(double x) : point_{x, 0}, bits_(working_) {
-    is_point_ = working_ >= least_bits && std::fabs(x) <= error_free_high;
+Interval::Interval(double x) : point_{x, 0}, bits_(working_bits_) {
+    is_point_ = working_bits_ >= point_bits && std::fabs(x) <= error_free_high;
     if (is_point_) return;
     make_ends();
-    settle(Undefined::never);
+    set_undefined(Undefined::never);
 }
 Interval::Interval(mpfr_srcptr x) : Interval(Ends()) {
     mpfi_set_fr(value_, x);
-    settle(Undefined::never);
+    set_undefined(Undefined::never);
 }
 Interval::Interval(const Interval& other)
     : point_(other.point_), bits_(other.bits_), is_point_(other.is_point_), undefined_(other.undefined_) {
@@ -93,7 +94,7 @@ Interval::~Interval() {
 }
 
 bool Interval::are_points(const Interval& a, const Interval& b) {
-    return a.is_point_ && b.is_point_ && working_ >= least_bits;
+    return a.is_point_ && b.is_point_ && working_bits_ >= point_bits;
 }
 void Interval::make_ends() const {
     mpfi_init2(value_, bits_);
@@ -116,8 +117,8 @@ Interval Interval::between(double lower, double upper) {
     return r;
 }
 
-// An endpoint that is not a number means that some choice of operands is undefined (∞ − ∞, 0·∞): nothing is known.
-void Interval::settle(Undefined u) {
+// An endpoint that is NaN means that some choice of operands is undefined (∞ − ∞, 0·∞), so nothing is known.
+void Interval::set_undefined(Undefined u) {
     undefined_ = u;
     if (mpfi_nan_p(value_) != 0) *this = unknown(u == Undefined::always ? u : Undefined::maybe);
     else if (mpfi_bounded_p(value_) == 0 && undefined_ == Undefined::never) undefined_ = Undefined::maybe;
@@ -128,15 +129,15 @@ Interval operator+(const Interval& a, const Interval& b) {
         if (const auto sum = exact_sum(a.point_, b.point_)) return Interval(*sum);
     Interval r{Interval::Ends()};
     mpfi_add(r.value_, a.ends(), b.ends());
-    r.settle(spread(a.undefined_, b.undefined_));
+    r.set_undefined(spread(a.undefined_, b.undefined_));
     return r;
 }
 Interval operator-(const Interval& a, const Interval& b) {
     if (Interval::are_points(a, b))
-        if (const auto difference = exact_sum(a.point_, negative(b.point_))) return Interval(*difference);
+        if (const auto difference = exact_sum(a.point_, negated(b.point_))) return Interval(*difference);
     Interval r{Interval::Ends()};
     mpfi_sub(r.value_, a.ends(), b.ends());
-    r.settle(spread(a.undefined_, b.undefined_));
+    r.set_undefined(spread(a.undefined_, b.undefined_));
     return r;
 }
 Interval operator*(const Interval& a, const Interval& b) {
@@ -144,7 +145,7 @@ Interval operator*(const Interval& a, const Interval& b) {
         if (const auto product = exact_product(a.point_, b.point_)) return Interval(*product);
     Interval r{Interval::Ends()};
     mpfi_mul(r.value_, a.ends(), b.ends());
-    r.settle(spread(a.undefined_, b.undefined_));
+    r.set_undefined(spread(a.undefined_, b.undefined_));
     return r;
 }
 Interval operator/(const Interval& a, const Interval& b) {
@@ -152,14 +153,14 @@ Interval operator/(const Interval& a, const Interval& b) {
     if (mpfi_has_zero(b.ends()) > 0) return Interval::unknown(u == Undefined::always ? u : Undefined::maybe);
     Interval r{Interval::Ends()};
     mpfi_div(r.value_, a.ends(), b.ends());
-    r.settle(u);
+    r.set_undefined(u);
     return r;
 }
 Interval operator-(const Interval& a) {
-    if (Interval::are_points(a, a)) return Interval(negative(a.point_));
+    if (Interval::are_points(a, a)) return Interval(negated(a.point_));
     Interval r{Interval::Ends()};
     mpfi_neg(r.value_, a.ends());
-    r.settle(a.undefined_);
+    r.set_undefined(a.undefined_);
     return r;
 }
 
@@ -184,14 +185,15 @@ Interval sqrt(const Interval& a) {
     if (mpfr_sgn(a.lower()) >= 0) {
         Interval r{Interval::Ends()};
         mpfi_sqrt(r.value_, a.ends());
-        r.settle(a.undefined_);
+        r.set_undefined(a.undefined_);
         return r;
     }
-    // The part of the operand that has a root, and a warning if some of it has none.
+    // Encloses the root of the part of the operand that is not negative. The result may be undefined, because the rest
+    // of the operand has no root.
     Interval r{Interval::Ends()};
     mpfr_set_zero(&r.value_->left, +1);
     mpfr_sqrt(&r.value_->right, a.upper(), MPFR_RNDU);
-    r.settle(spread(a.undefined_, Undefined::maybe));
+    r.set_undefined(spread(a.undefined_, Undefined::maybe));
     return r;
 }
 
@@ -202,15 +204,15 @@ Interval square(const Interval& a) {
         if (const auto product = exact_product(a.point_, a.point_)) return Interval(*product);
     Interval r{Interval::Ends()};
     mpfi_sqr(r.value_, a.ends());
-    r.settle(a.undefined_);
+    r.set_undefined(a.undefined_);
     return r;
 }
 
 Interval abs(const Interval& a) {
-    if (Interval::are_points(a, a)) return Interval(a.point_.hi < 0 ? negative(a.point_) : a.point_);
+    if (Interval::are_points(a, a)) return Interval(a.point_.hi < 0 ? negated(a.point_) : a.point_);
     Interval r{Interval::Ends()};
     mpfi_abs(r.value_, a.ends());
-    r.settle(a.undefined_);
+    r.set_undefined(a.undefined_);
     return r;
 }
 
@@ -218,25 +220,25 @@ Interval middle(const Interval& a) {
     Interval r{Interval::Ends()};
     mpfi_mid(&r.value_->left, a.ends());
     mpfr_set(&r.value_->right, &r.value_->left, MPFR_RNDN);
-    r.settle(a.undefined_);
+    r.set_undefined(a.undefined_);
     return r;
 }
 Interval between(const Interval& low, const Interval& high) {
     Interval r{Interval::Ends()};
     mpfr_set(&r.value_->left, low.lower(), MPFR_RNDD);
     mpfr_set(&r.value_->right, high.upper(), MPFR_RNDU);
-    r.settle(spread(low.undefined_, high.undefined_));
+    r.set_undefined(spread(low.undefined_, high.undefined_));
     return r;
 }
 Interval largest(const Interval& a) {
     Interval r{Interval::Ends()};
     mpfi_mag(&r.value_->right, a.ends());
     mpfr_set(&r.value_->left, &r.value_->right, MPFR_RNDN);
-    r.settle(a.undefined_);
+    r.set_undefined(a.undefined_);
     return r;
 }
 
-// Real numbers do not have signed zeros: a formula that asks for the sign of an exact zero gets no answer.
+// Real numbers do not have signed zeros, so the result is unknown if b may be zero.
 Interval copysign(const Interval& a, const Interval& b) {
     if (b.undefined_ != Undefined::never || mpfi_has_zero(b.ends()) > 0) return Interval::unknown();
     return mpfi_is_neg(b.ends()) > 0 ? -abs(a) : abs(a);
@@ -246,9 +248,9 @@ Interval select(Tri mask, const Interval& a, const Interval& b) {
     if (!mask.is_unknown()) return mask.is_yes() ? a : b;
     Interval r{Interval::Ends()};
     mpfi_union(r.value_, a.ends(), b.ends());
-    const bool both = a.undefined_ == Undefined::always && b.undefined_ == Undefined::always;
-    const bool neither = a.undefined_ == Undefined::never && b.undefined_ == Undefined::never;
-    r.settle(both ? Undefined::always : neither ? Undefined::never : Undefined::maybe);
+    const bool are_always = a.undefined_ == Undefined::always && b.undefined_ == Undefined::always;
+    const bool are_never = a.undefined_ == Undefined::never && b.undefined_ == Undefined::never;
+    r.set_undefined(are_always ? Undefined::always : are_never ? Undefined::never : Undefined::maybe);
     return r;
 }
 

@@ -1,4 +1,5 @@
-// Interval: an enclosure of the exact value at any precision. MPFI endpoints, outward rounding, unbounded exponents.
+// Interval: an enclosure of the exact value at any precision. It has MPFI endpoints, outward rounding, and unbounded
+// exponents.
 //
 // It uses MPFI directly, not through Boost.Multiprecision: in version 1.74 the working precision of `mpfi_float` is one
 // variable of the whole process, so two threads that escalate to different precisions would disturb each other.
@@ -12,24 +13,24 @@
 
 namespace lostbits {
 
-/// A closed interval [lower, upper] of reals, and whether the exact value can be undefined. The precision of every
-/// result is the thread's current one (`Interval::Precision`); operands may have any.
+/// A closed interval [lower, upper] of reals, and whether the exact value can be undefined. Every result has the
+/// thread's current precision (`Interval::Precision`); operands may have any precision.
 ///
-/// A point that two doubles hold stays such a point as long as its sums and products are exact, and allocates nothing.
-/// Its MPFI ends are made on demand. Exact zeros, which rays through edges and along tangents give, are proved this
+/// A point that two doubles hold stays in that form as long as its sums and products are exact, and allocates nothing.
+/// Its MPFI endpoints are made on demand. Rays through edges and along tangents give exact zeros, which are proved this
 /// way. For a triangle in floats, with t, this takes a sixth of the time that MPFI took.
 class Interval {
 public:
     /// Sets the working precision of this thread, in bits, for the lifetime of the scope.
     class Precision {
     public:
-        explicit Precision(long bits) : before_(working_) { working_ = bits; }
-        ~Precision() { working_ = before_; }
+        explicit Precision(long bits) : previous_bits_(working_bits_) { working_bits_ = bits; }
+        ~Precision() { working_bits_ = previous_bits_; }
         Precision(const Precision&) = delete;
         Precision& operator=(const Precision&) = delete;
 
     private:
-        long before_;
+        long previous_bits_;
     };
 
     Interval();
@@ -37,8 +38,8 @@ public:
     /// Exact when the working precision is 53 or more.
     explicit Interval(double x);
     explicit Interval(mpfr_srcptr x);
-    /// A `Real` of any width: exact when the working precision is at least as much. A template, since the header of
-    /// `Real` takes a compiler three seconds.
+    /// A `Real` of any width. The interval is exact if the working precision is at least that of x. This constructor is
+    /// a template, because the header of `Real` takes a compiler three seconds.
     template <class R>
     requires requires(const R& x) { x.backend().data(); }
     explicit Interval(const R& x) : Interval(static_cast<mpfr_srcptr>(x.backend().data())) {}
@@ -51,14 +52,14 @@ public:
     static Interval unknown(Undefined u = Undefined::maybe);
     static Interval between(double lower, double upper);
 
-    /// The ends of an interval are made on demand, so only one thread at a time may use it.
+    /// The endpoints of a point are made on demand, so only one thread at a time may use an interval.
     [[nodiscard]] mpfr_srcptr lower() const { return &ends()->left; }
     [[nodiscard]] mpfr_srcptr upper() const { return &ends()->right; }
     [[nodiscard]] Undefined undefined() const { return undefined_; }
     [[nodiscard]] bool is_bounded() const {
         return is_point_ || (undefined_ == Undefined::never && mpfi_bounded_p(value_) != 0);
     }
-    /// True when both endpoints are the same number: the enclosure is the value.
+    /// True if both endpoints are the same number, which is then the exact value.
     [[nodiscard]] bool is_exact() const { return is_bounded() && mpfr_equal_p(lower(), upper()) != 0; }
 
     friend Interval operator+(const Interval& a, const Interval& b);
@@ -77,16 +78,17 @@ public:
 
     friend Interval sqrt(const Interval& a);
     friend Interval fma(const Interval& a, const Interval& b, const Interval& c);
-    /// [0, …] if a contains zero: otherwise the root of x² + y² would be undefined if x and y may be zero.
+    /// The square, whose lower end is 0 if a contains zero. Otherwise the root of x² + y² would be undefined if x and y
+    /// may be zero.
     friend Interval square(const Interval& a);
     friend Interval fma_square(const Interval& a, const Interval& c) { return square(a) + c; }
     friend Interval abs(const Interval& a);
     friend Interval copysign(const Interval& a, const Interval& b);
-    /// The smallest interval that holds both sides if the mask is undecided.
+    /// The smallest interval that holds both a and b if the mask is undecided.
     friend Interval select(Tri mask, const Interval& a, const Interval& b);
 
-    /// Root searches in enclosures need these: a point of an interval, the interval from one to another, the largest
-    /// magnitude in one as a point, and its number of bits.
+    /// Functions for root searches in enclosures. `middle` is a point of an interval, `between` the interval from one
+    /// to another, `largest` the largest magnitude in an interval, as a point, and `precision_of` its number of bits.
     friend Interval middle(const Interval& a);
     friend Interval between(const Interval& low, const Interval& high);
     friend Interval largest(const Interval& a);
@@ -95,12 +97,12 @@ public:
     friend double nearest_double(const Interval& a) { return mpfr_get_d(a.lower(), MPFR_RNDN); }
 
 private:
-    /// Selects the constructor whose ends are still to be set, at the working precision.
+    /// Selects the constructor that leaves the endpoints to be set, at the working precision.
     struct Ends {};
     explicit Interval(Ends);
-    explicit Interval(const DoubleDouble& point) : point_(point), bits_(working_), is_point_(true) {}
-    void settle(Undefined u);
-    /// True if the result may be kept as a point.
+    explicit Interval(const DoubleDouble& point) : point_(point), bits_(working_bits_), is_point_(true) {}
+    void set_undefined(Undefined u);
+    /// True if the result of an operation on a and b may be kept as a point.
     static bool are_points(const Interval& a, const Interval& b);
     [[nodiscard]] mpfi_srcptr ends() const {
         if (!has_ends_) make_ends();
@@ -108,12 +110,12 @@ private:
     }
     void make_ends() const;
 
-    static thread_local long working_;
+    static thread_local long working_bits_;
     mutable mpfi_t value_{};
     DoubleDouble point_{0, 0};
     long bits_;
     bool is_point_ = false;
-    mutable bool has_ends_ = false;  ///< always true if it is not a point
+    mutable bool has_ends_ = false;  ///< always true if the interval is not a point
     Undefined undefined_ = Undefined::never;
 };
 

@@ -17,10 +17,10 @@
 
 namespace lostbits {
 
-/// The size of a register, and the tag that keeps one instruction set's code apart from another's: a translation unit
-/// compiled for more than the baseline derives its own tag in an anonymous namespace. Everything instantiated over it
-/// then has internal linkage, and the linker cannot hand AVX-512 code to a function of the same name that an older
-/// machine runs.
+/// The size of a register. The type is also the tag that keeps one instruction set's code apart from another's: a
+/// translation unit compiled for more than the baseline derives its own tag in an anonymous namespace. Every template
+/// instantiated over that tag then has internal linkage, so the linker cannot use its AVX-512 code for a function of
+/// the same name that an older machine runs.
 template <std::size_t Bytes>
 struct Registers {
     static constexpr std::size_t bytes = Bytes;
@@ -56,8 +56,8 @@ LOSTBITS_PACK_REGISTER(__m512d, _mm512, pd)
 
 #if defined(__FMA__)
 /// A fused multiply-add as one instruction. (std::fma of each lane stays one call per lane if the vectoriser of
-/// straight-line code is off, as in the objects of the widths: two thirds of the instructions of double-double then
-/// took lanes apart and joined them.)
+/// straight-line code is off, as in the objects of the widths. Two thirds of the instructions of double-double then
+/// only split registers into lanes and joined them again.)
 #define LOSTBITS_PACK_FMA(V, prefix, suffix) \
     [[gnu::always_inline]] inline V pack_fma(V a, V b, V c) { return prefix##_fmadd_##suffix(a, b, c); }
 LOSTBITS_PACK_FMA(__m128, _mm, ps)
@@ -101,7 +101,7 @@ LOSTBITS_PACK_FMA(__m512d, _mm512, pd)
 inline constexpr bool has_pack_registers = false;
 #endif
 
-/// Decisions in a register: each lane all ones or all zeros.
+/// Decisions in a register. Each lane is all ones or all zeros.
 template <class F, class Width>
 struct PackDecisions {
     using Numbers = typename RegisterOf<F, Width::bytes>::Numbers;
@@ -164,8 +164,8 @@ struct PackDecisions {
 };
 
 #if defined(__AVX512DQ__)
-/// Decisions about registers of 512 bits: one bit per lane. With `&` GCC computes the second of two comparisons under
-/// the mask of the first; with `_kand_mask8` it emits a separate instruction.
+/// Decisions in registers of 512 bits: one bit per lane. With `&` GCC computes the second of two comparisons under the
+/// mask of the first; with `_kand_mask8` it emits a separate instruction.
 #define LOSTBITS_PACK_DECISIONS(F, bits, suffix, words)                                                      \
     template <class Width>                                                                                   \
     requires(Width::bytes == 64) struct PackDecisions<F, Width> {                                            \
@@ -218,7 +218,7 @@ private:
     mutable typename All::Lanes lanes_;  // as `Pack::x_`
 };
 
-/// F is float or double, Width a `Registers`; as many lanes as fit.
+/// A register of numbers. F is float or double, Width a `Registers`, which sets the number of lanes.
 template <class F, class Width>
 class Pack {
 public:
@@ -291,8 +291,8 @@ public:
         else return select(a > b, a, b);
     }
 
-    /// The neighbours are those of the bit patterns: one more away from zero, one less towards it. +∞ has no neighbour
-    /// above it, NaN has none at all; both fail the test below.
+    /// The neighbours have the neighbouring bit patterns: one more away from zero, one less towards it. +∞ has no
+    /// neighbour above it, and NaN has no neighbour; both fail the test below.
     friend Pack next_up(const Pack& a) {
         const Pack x = a + Pack(0);  // −0 + 0 = +0, whose neighbour by bits is right; −0's would be −2⁻¹⁴⁹
         const Pack towards_zero(x.words() - 1), away(x.words() + 1);
@@ -308,15 +308,15 @@ public:
 
 private:
     static Words sign() { return Pack(F(-0.0)).words(); }
-    template <class Of>
-    static Pack each_lane(const Of& of) {
+    template <class LaneFunction>
+    static Pack each_lane(const LaneFunction& lane_value) {
         Register x{};
-        for (std::size_t k = 0; k < lanes; ++k) x[k] = of(k);
+        for (std::size_t k = 0; k < lanes; ++k) x[k] = lane_value(k);
         return Pack(x);
     }
 
-    /// Mutable for GCC alone: with a const member, an inlined function writes to a local of other types through memory,
-    /// and everything that it is made of stays there.
+    /// Mutable only for GCC: with a const member, an inlined function writes to a local of other types through memory,
+    /// and every value that the local is computed from stays in memory.
     mutable Register x_;
 };
 

@@ -1,5 +1,5 @@
-// Real: the value of a formula with practically no rounding. MPFR through Boost.Multiprecision, values on the stack,
-// expression templates off because they reorder operations.
+// Real: the value of a formula with practically no rounding. It is MPFR through Boost.Multiprecision. Values are on the
+// stack, and expression templates are off because they reorder operations.
 #pragma once
 
 #include <boost/multiprecision/mpfr.hpp>

@@ -12,44 +12,45 @@
 
 namespace lostbits {
 
-/// Keeps the numbers and decisions of one evaluation, each under the index of the operation that made it. Operations
-/// are computed in the format of their operands: the recorder's own, or binary64 for what a formula computes in double
-/// inside.
+/// Keeps the numbers and decisions of one evaluation, each under the index of the operation that computed it.
+/// Operations are computed in the format of their operands: the recorder's own format, or binary64 in the parts that a
+/// formula computes in double.
 ///
-/// The recorder is this thread's from its construction to its destruction, and its format is the thread's
+/// The recorder is this thread's current one from its construction to its destruction, and its format is the thread's
 /// `CurrentFormat`.
 class Recorder {
 public:
-    explicit Recorder(const FloatFormat& format) : format_(format), before_(current_) { current_ = this; }
-    virtual ~Recorder() { current_ = before_; }
+    explicit Recorder(const FloatFormat& format) : format_(format), previous_(current_) { current_ = this; }
+    virtual ~Recorder() { current_ = previous_; }
     Recorder(const Recorder&) = delete;
     Recorder& operator=(const Recorder&) = delete;
 
-    /// The recorder of this thread; Error(Exit::internal) if it has none.
+    /// The recorder of this thread. Throws Error(Exit::internal) if there is none.
     static Recorder& current() {
         if (current_ == nullptr) [[unlikely]]
-            refuse();
+            throw_without_recorder();
         return *current_;
     }
 
     /// Adds an integer of the formula's text, or an input, rounded to the recorder's format or to binary64.
     virtual NodeId constant(int x, bool in_double) = 0;
     virtual NodeId input(double x, bool in_double) = 0;
-    /// The result of an operation, comparisons and logic included; operands in the order of `TapeNode::operands`.
-    virtual NodeId apply(TapeOp op, const TapeOperands& of) = 0;
-    /// The same number in binary64, or in the recorder's format.
+    /// Adds an operation, which may be a comparison or a logical one, and returns its index. The operands are in the
+    /// order of `TapeNode::operands`.
+    virtual NodeId apply(TapeOp op, const TapeOperands& operands) = 0;
+    /// Converts a number to binary64, or to the recorder's format.
     virtual NodeId convert(NodeId x, bool to_double) = 0;
-    /// The value of a step that was computed as a whole (`Call`).
-    virtual NodeId call(const Call& of, std::span<const NodeId> arguments, double value, bool in_double) = 0;
-    /// The number, or 1 and 0 of a decision.
+    /// Adds the value of a step that was computed as a whole (`Call`).
+    virtual NodeId call(const Call& callee, std::span<const NodeId> arguments, double value, bool in_double) = 0;
+    /// The value of a number; for a decision, 1 or 0.
     [[nodiscard]] virtual double value(NodeId x) const = 0;
     /// True if a loop of the formula with this condition goes on.
     virtual bool goes_on(NodeId decision) = 0;
     /// Names an operation as the source of the form does.
     virtual void name(NodeId /*x*/, std::string_view /*label*/) {}
-    /// Names all operations that follow, until the name is empty.
+    /// Gives all operations that follow this name, until it is called with an empty name.
     virtual void name_all(std::string_view /*part*/) {}
-    /// Says that a part of the formula depends on a decision (`decide`).
+    /// Records that a part of the formula depends on a decision (`decide`).
     virtual void add_sides(NodeId /*decision*/) {}
     /// Ends one sample of a march.
     virtual void end_sample() {}
@@ -57,13 +58,13 @@ public:
     [[nodiscard]] const FloatFormat& format() const { return CurrentFormat::get(); }
 
 private:
-    [[noreturn]] static void refuse() {
+    [[noreturn]] static void throw_without_recorder() {
         throw Error(Exit::internal, "a recorded number was used where nothing records: construct a Recorder first");
     }
     static inline constinit thread_local Recorder* current_ = nullptr;
 
     CurrentFormat::Scope format_;
-    Recorder* before_;
+    Recorder* previous_;
 };
 
 /// Passes an operation to the recorder. Out of line, because a form has hundreds of operations.
@@ -102,8 +103,8 @@ auto decide(const RecordedMask& mask, const F& f) {
 
 /// A number in the recorder's format, or (`in_double`) in binary64. Its values are those of the format, to the bit. The
 /// exact values are found afterwards, by running the tape again over an exact number
-/// (measure/attribution/attribution.hpp). A pixel of a map and a single ray under study are recorded in the same way;
-/// only the precision of the exact values differs.
+/// (measure/attribution/attribution.hpp). The pixels of a map and a single ray under study are recorded in the same
+/// way; only the precision of the exact values differs.
 template <bool in_double>
 class BasicRecorded {
 public:
@@ -112,7 +113,7 @@ public:
     template <std::floating_point X>
     explicit BasicRecorded(X x) : node_(Recorder::current().input(x, in_double)) {}
 
-    /// The number that the recorder has under this index.
+    /// The number with this index in the recorder.
     static BasicRecorded at(NodeId node) { return BasicRecorded(node, At()); }
 
     [[nodiscard]] NodeId node() const { return node_; }
@@ -123,61 +124,75 @@ public:
     }
     static FloatFormat format() { return in_double ? binary64 : Recorder::current().format(); }
 
-    friend BasicRecorded operator+(const BasicRecorded& a, const BasicRecorded& b) { return made(TapeOp::add, a, b); }
-    friend BasicRecorded operator-(const BasicRecorded& a, const BasicRecorded& b) { return made(TapeOp::sub, a, b); }
-    friend BasicRecorded operator*(const BasicRecorded& a, const BasicRecorded& b) { return made(TapeOp::mul, a, b); }
-    friend BasicRecorded operator/(const BasicRecorded& a, const BasicRecorded& b) { return made(TapeOp::div, a, b); }
-    friend BasicRecorded operator-(const BasicRecorded& a) { return made(TapeOp::neg, a); }
+    friend BasicRecorded operator+(const BasicRecorded& a, const BasicRecorded& b) {
+        return record_number(TapeOp::add, a, b);
+    }
+    friend BasicRecorded operator-(const BasicRecorded& a, const BasicRecorded& b) {
+        return record_number(TapeOp::sub, a, b);
+    }
+    friend BasicRecorded operator*(const BasicRecorded& a, const BasicRecorded& b) {
+        return record_number(TapeOp::mul, a, b);
+    }
+    friend BasicRecorded operator/(const BasicRecorded& a, const BasicRecorded& b) {
+        return record_number(TapeOp::div, a, b);
+    }
+    friend BasicRecorded operator-(const BasicRecorded& a) { return record_number(TapeOp::neg, a); }
     BasicRecorded& operator+=(const BasicRecorded& b) { return *this = *this + b; }
     BasicRecorded& operator-=(const BasicRecorded& b) { return *this = *this - b; }
     BasicRecorded& operator*=(const BasicRecorded& b) { return *this = *this * b; }
 
-    friend RecordedMask operator<(const BasicRecorded& a, const BasicRecorded& b) { return asked(TapeOp::less, a, b); }
+    friend RecordedMask operator<(const BasicRecorded& a, const BasicRecorded& b) {
+        return record_decision(TapeOp::less, a, b);
+    }
     friend RecordedMask operator<=(const BasicRecorded& a, const BasicRecorded& b) {
-        return asked(TapeOp::less_equal, a, b);
+        return record_decision(TapeOp::less_equal, a, b);
     }
     friend RecordedMask operator>(const BasicRecorded& a, const BasicRecorded& b) {
-        return asked(TapeOp::greater, a, b);
+        return record_decision(TapeOp::greater, a, b);
     }
     friend RecordedMask operator>=(const BasicRecorded& a, const BasicRecorded& b) {
-        return asked(TapeOp::greater_equal, a, b);
+        return record_decision(TapeOp::greater_equal, a, b);
     }
 
-    friend BasicRecorded sqrt(const BasicRecorded& a) { return made(TapeOp::sqrt, a); }
+    friend BasicRecorded sqrt(const BasicRecorded& a) { return record_number(TapeOp::sqrt, a); }
     friend BasicRecorded fma(const BasicRecorded& a, const BasicRecorded& b, const BasicRecorded& c) {
         return at(record(TapeOp::fma, a.node_, b.node_, c.node_));
     }
-    friend BasicRecorded abs(const BasicRecorded& a) { return made(TapeOp::abs, a); }
+    friend BasicRecorded abs(const BasicRecorded& a) { return record_number(TapeOp::abs, a); }
     friend BasicRecorded copysign(const BasicRecorded& a, const BasicRecorded& b) {
-        return made(TapeOp::copysign, a, b);
+        return record_number(TapeOp::copysign, a, b);
     }
-    friend BasicRecorded next_up(const BasicRecorded& a) { return made(TapeOp::next_up, a); }
-    friend BasicRecorded next_down(const BasicRecorded& a) { return made(TapeOp::next_down, a); }
-    friend BasicRecorded min(const BasicRecorded& a, const BasicRecorded& b) { return made(TapeOp::min, a, b); }
-    friend BasicRecorded max(const BasicRecorded& a, const BasicRecorded& b) { return made(TapeOp::max, a, b); }
+    friend BasicRecorded next_up(const BasicRecorded& a) { return record_number(TapeOp::next_up, a); }
+    friend BasicRecorded next_down(const BasicRecorded& a) { return record_number(TapeOp::next_down, a); }
+    friend BasicRecorded min(const BasicRecorded& a, const BasicRecorded& b) {
+        return record_number(TapeOp::min, a, b);
+    }
+    friend BasicRecorded max(const BasicRecorded& a, const BasicRecorded& b) {
+        return record_number(TapeOp::max, a, b);
+    }
     friend BasicRecorded select(const RecordedMask& mask, const BasicRecorded& a, const BasicRecorded& b) {
         return at(record(TapeOp::select, mask.node(), a.node_, b.node_));
     }
 
     /// The result of a call on recorded numbers.
     template <class Value>
-    friend BasicRecorded called(const Call& of, std::span<const BasicRecorded> arguments, const Value& value) {
+    friend BasicRecorded called(const Call& callee, std::span<const BasicRecorded> arguments, const Value& value) {
         std::vector<NodeId> nodes;
         for (const BasicRecorded& a : arguments) nodes.push_back(a.node_);
         double x;
         if constexpr (std::is_floating_point_v<Value>) x = value;
         else x = value.value();
-        return at(Recorder::current().call(of, nodes, x, in_double));
+        return at(Recorder::current().call(callee, nodes, x, in_double));
     }
 
 private:
     struct At {};
     BasicRecorded(NodeId node, At) : node_(node) {}
-    static BasicRecorded made(TapeOp op, const BasicRecorded& a) { return at(record(op, a.node_)); }
-    static BasicRecorded made(TapeOp op, const BasicRecorded& a, const BasicRecorded& b) {
+    static BasicRecorded record_number(TapeOp op, const BasicRecorded& a) { return at(record(op, a.node_)); }
+    static BasicRecorded record_number(TapeOp op, const BasicRecorded& a, const BasicRecorded& b) {
         return at(record(op, a.node_, b.node_));
     }
-    static RecordedMask asked(TapeOp op, const BasicRecorded& a, const BasicRecorded& b) {
+    static RecordedMask record_decision(TapeOp op, const BasicRecorded& a, const BasicRecorded& b) {
         return RecordedMask(record(op, a.node_, b.node_));
     }
 

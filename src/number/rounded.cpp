@@ -35,8 +35,8 @@ double scaled(std::uint64_t whole, int e) {
     return e >= -1022 ? x * power_of_two(e) : x * power_of_two(e + 128) * power_of_two(-128);
 }
 
-/// An MPFR number of 64 bits: operations truncate and then set the last bit when inexact ("round to odd"), after
-/// which rounding to any format of at most 62 bits is correct (Boldo and Melquiond, 2008).
+/// An MPFR number of 64 bits. Operations truncate to it and then set the last bit if the result is inexact ("round to
+/// odd"). Rounding that number to any format of at most 62 bits is then correct (Boldo and Melquiond, 2008).
 class RoundToOdd {
 public:
     RoundToOdd() { mpfr_init2(x_, 64); }
@@ -48,7 +48,7 @@ public:
     double to_format(int inexact, const FloatFormat& f) {
         if (!mpfr_regular_p(x_)) return mpfr_get_d(x_, MPFR_RNDN);
         if (inexact != 0) {
-            // Truncated to 64 bits; the last bit is clear when the number still fits in 63.
+            // The result is truncated to 64 bits. Its last bit is clear if it fits in 63 bits.
             if (mpfr_min_prec(x_) < 64) {
                 if (mpfr_sgn(x_) > 0) mpfr_nextabove(x_);
                 else mpfr_nextbelow(x_);
@@ -69,15 +69,15 @@ private:
 };
 
 /// A double as an exact MPFR operand.
-class Exact {
+class ExactOperand {
 public:
-    explicit Exact(double x) {
+    explicit ExactOperand(double x) {
         mpfr_init2(x_, 53);
         mpfr_set_d(x_, x, MPFR_RNDN);
     }
-    ~Exact() { mpfr_clear(x_); }
-    Exact(const Exact&) = delete;
-    Exact& operator=(const Exact&) = delete;
+    ~ExactOperand() { mpfr_clear(x_); }
+    ExactOperand(const ExactOperand&) = delete;
+    ExactOperand& operator=(const ExactOperand&) = delete;
     operator mpfr_srcptr() const { return x_; }
 
 private:
@@ -89,21 +89,23 @@ private:
 double to_format(double r, int residual, const FloatFormat& f) {
     if (r == 0 || !std::isfinite(r)) return r;
     const std::uint64_t bits = std::bit_cast<std::uint64_t>(r);
-    const int biased = static_cast<int>(bits >> 52 & 0x7ff);
+    const int biased_exponent = static_cast<int>(bits >> 52 & 0x7ff);
     std::uint64_t significand = bits & ((std::uint64_t{1} << 52) - 1);
-    if (biased != 0) significand |= std::uint64_t{1} << 52;
-    const int last = std::max(biased, 1) - 1075;  // r = ± significand · 2^last
-    const int exponent = last + 63 - std::countl_zero(significand);
-    const int drop = static_cast<int>(ulp_exponent(f, exponent)) - last;
+    if (biased_exponent != 0) significand |= std::uint64_t{1} << 52;
+    const int last_exponent = std::max(biased_exponent, 1) - 1075;  // r = ± significand · 2^last_exponent
+    const int exponent = last_exponent + 63 - std::countl_zero(significand);
+    const int dropped_count = static_cast<int>(ulp_exponent(f, exponent)) - last_exponent;
     double magnitude = std::fabs(r);
-    if (drop > 0) {
-        if (drop > 54) return std::copysign(0.0, r);  // below a quarter of the smallest subnormal
-        const std::uint64_t half = std::uint64_t{1} << (drop - 1);
-        const std::uint64_t rest = significand & (half * 2 - 1);
-        std::uint64_t kept = significand >> drop;
-        const int beyond = r > 0 ? residual : -residual;  // sign of the tail away from zero
-        if (rest > half || (rest == half && (beyond > 0 || (beyond == 0 && (kept & 1))))) ++kept;
-        magnitude = scaled(kept, last + drop);
+    if (dropped_count > 0) {
+        if (dropped_count > 54) return std::copysign(0.0, r);  // below a quarter of the smallest subnormal
+        const std::uint64_t half = std::uint64_t{1} << (dropped_count - 1);
+        const std::uint64_t dropped_bits = significand & (half * 2 - 1);
+        std::uint64_t rounded_significand = significand >> dropped_count;
+        const int tail_sign = r > 0 ? residual : -residual;  // sign of the tail; positive away from zero
+        if (dropped_bits > half ||
+            (dropped_bits == half && (tail_sign > 0 || (tail_sign == 0 && (rounded_significand & 1)))))
+            ++rounded_significand;
+        magnitude = scaled(rounded_significand, last_exponent + dropped_count);
     }
     if (magnitude >= power_of_two(f.emax) * 2) magnitude = infinity;
     return std::copysign(magnitude, r);
@@ -145,45 +147,45 @@ double next_up(double a, const FloatFormat& f) {
     const double smallest = std::ldexp(1.0, f.emin - f.precision + 1);
     if (a == 0) return smallest;
     if (a == -infinity) return -std::ldexp(2 - std::ldexp(1.0, 1 - f.precision), f.emax);
-    const double size = std::fabs(a);
-    const int exponent = std::ilogb(size);
+    const double magnitude = std::fabs(a);
+    const int exponent = std::ilogb(magnitude);
     double step = std::ldexp(1.0, static_cast<int>(ulp_exponent(f, exponent)));
     // Below a power of two the neighbours lie twice as close, except at the edge of the subnormals.
-    if (a < 0 && exponent > f.emin && size == std::ldexp(1.0, exponent)) step /= 2;
-    // copysign: above the largest negative number lies −0 (IEEE 754 nextUp), as nextafter has it.
+    if (a < 0 && exponent > f.emin && magnitude == std::ldexp(1.0, exponent)) step /= 2;
+    // copysign returns −0 above the largest negative number (IEEE 754 nextUp), as nextafter does.
     return std::copysign(to_format(a + step, 0, f), a);
 }
 
 double add_reference(double a, double b, const FloatFormat& f) {
     if (a == 0 && b == 0) return a + b;
     RoundToOdd r;
-    const int inexact = mpfr_add(r.get(), Exact(a), Exact(b), MPFR_RNDZ);
+    const int inexact = mpfr_add(r.get(), ExactOperand(a), ExactOperand(b), MPFR_RNDZ);
     if (mpfr_zero_p(r.get())) return a + b;
     return r.to_format(inexact, f);
 }
 
 double mul_reference(double a, double b, const FloatFormat& f) {
     RoundToOdd r;
-    const int inexact = mpfr_mul(r.get(), Exact(a), Exact(b), MPFR_RNDZ);
+    const int inexact = mpfr_mul(r.get(), ExactOperand(a), ExactOperand(b), MPFR_RNDZ);
     return r.to_format(inexact, f);
 }
 
 double div_reference(double a, double b, const FloatFormat& f) {
     RoundToOdd r;
-    const int inexact = mpfr_div(r.get(), Exact(a), Exact(b), MPFR_RNDZ);
+    const int inexact = mpfr_div(r.get(), ExactOperand(a), ExactOperand(b), MPFR_RNDZ);
     return r.to_format(inexact, f);
 }
 
 double sqrt_reference(double a, const FloatFormat& f) {
     RoundToOdd r;
-    const int inexact = mpfr_sqrt(r.get(), Exact(a), MPFR_RNDZ);
+    const int inexact = mpfr_sqrt(r.get(), ExactOperand(a), MPFR_RNDZ);
     return r.to_format(inexact, f);
 }
 
 double fma_reference(double a, double b, double c, const FloatFormat& f) {
     if (a * b == 0 && c == 0 && (a == 0 || b == 0)) return a * b + c;
     RoundToOdd r;
-    const int inexact = mpfr_fma(r.get(), Exact(a), Exact(b), Exact(c), MPFR_RNDZ);
+    const int inexact = mpfr_fma(r.get(), ExactOperand(a), ExactOperand(b), ExactOperand(c), MPFR_RNDZ);
     if (mpfr_zero_p(r.get())) return std::fma(a, b, c);
     return r.to_format(inexact, f);
 }

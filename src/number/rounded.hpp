@@ -1,4 +1,5 @@
-// Rounded<P>: a significand of P bits with its own exponent range, correctly rounded, to find how many bits are enough.
+// Rounded<P>: a correctly rounded number with a significand of P bits and its own exponent range, to find how many bits
+// are enough.
 #pragma once
 
 #include <bit>
@@ -10,13 +11,13 @@ namespace lostbits {
 
 namespace rounding {
 
-/// Rounds the exact value r + δ to `f`, ties to even, where r = RN53(r + δ) and `residual` is the sign of δ.
-/// Correct for every p ≤ 52, and for p = 53 where r is normal in f: |δ| is at most half of r's last place, so δ
-/// matters only where r itself lies exactly half way between two neighbours of f.
+/// Rounds the exact value r + δ to `f`, ties to even, where r = RN53(r + δ) and `residual` is the sign of δ. The result
+/// is correct for every p ≤ 52, and for p = 53 if r is normal in f. Since |δ| is at most half of r's last place, δ
+/// matters only if r itself lies exactly half way between two neighbours of f.
 double to_format(double r, int residual, const FloatFormat& f);
 
-/// The same operations through MPFR, with no assumption about range: a simple reference for the fast paths, which fall
-/// back on it if a residual would underflow.
+/// The same operations through MPFR, with no assumption about the range. They are a simple reference for the fast
+/// functions below, which call them if a residual would underflow.
 double add_reference(double a, double b, const FloatFormat& f);
 double mul_reference(double a, double b, const FloatFormat& f);
 double div_reference(double a, double b, const FloatFormat& f);
@@ -43,25 +44,25 @@ public:
         return *current_;
     }
 
-    /// Arithmetic that computes in the format: the machine's own if it has the format.
+    /// The arithmetic that computes in the current format: the machine's own if it has the format.
     enum class Engine : std::uint8_t { machine_float, machine_double, rounding };
     static Engine engine() { return engine_; }
 
     /// Sets the thread's format for the lifetime of the scope.
     class Scope {
     public:
-        explicit Scope(const FloatFormat& f) : format_(f), before_(current_), engine_before_(engine_) {
+        explicit Scope(const FloatFormat& f) : format_(f), previous_(current_), previous_engine_(engine_) {
             current_ = &format_;
             engine_ = f == binary32 ? Engine::machine_float : f == binary64 ? Engine::machine_double : Engine::rounding;
         }
-        ~Scope() { current_ = before_, engine_ = engine_before_; }
+        ~Scope() { current_ = previous_, engine_ = previous_engine_; }
         Scope(const Scope&) = delete;
         Scope& operator=(const Scope&) = delete;
 
     private:
         FloatFormat format_;
-        const FloatFormat* before_;
-        Engine engine_before_;
+        const FloatFormat* previous_;
+        Engine previous_engine_;
     };
 
 private:
@@ -77,8 +78,8 @@ struct FixedFormat {
     static constexpr FloatFormat get() { return {P, Emin, Emax}; }
 };
 
-/// A number of the format `F::get()`, held in a double (every such number is one), each operation correctly
-/// rounded to nearest even, with subnormals, signed zeros, infinities and NaN of that format.
+/// A number of the format `F::get()`, held in a double, which can hold every such number. Each operation is correctly
+/// rounded to nearest even, with the subnormals, signed zeros, infinities and NaN of that format.
 template <class F>
 class BasicRounded {
 public:
@@ -86,25 +87,25 @@ public:
     explicit BasicRounded(int x) : value_(rounding::to_format(x, 0, F::get())) {}
     explicit BasicRounded(double x) : value_(rounding::to_format(x, 0, F::get())) {}
 
-    /// A double that is a number of the format.
-    static BasicRounded holding(double value) { return made(value); }
+    /// Wraps a double that is a number of the format already.
+    static BasicRounded holding(double value) { return with_value(value); }
 
     [[nodiscard]] double value() const { return value_; }
     static FloatFormat format() { return F::get(); }
 
     friend BasicRounded operator+(BasicRounded a, BasicRounded b) {
-        return computed([](auto x, auto y) { return x + y; }, rounding::add, a, b);
+        return compute([](auto x, auto y) { return x + y; }, rounding::add, a, b);
     }
     friend BasicRounded operator-(BasicRounded a, BasicRounded b) {
-        return computed([](auto x, auto y) { return x - y; }, rounding::sub, a, b);
+        return compute([](auto x, auto y) { return x - y; }, rounding::sub, a, b);
     }
     friend BasicRounded operator*(BasicRounded a, BasicRounded b) {
-        return computed([](auto x, auto y) { return x * y; }, rounding::mul, a, b);
+        return compute([](auto x, auto y) { return x * y; }, rounding::mul, a, b);
     }
     friend BasicRounded operator/(BasicRounded a, BasicRounded b) {
-        return computed([](auto x, auto y) { return x / y; }, rounding::div, a, b);
+        return compute([](auto x, auto y) { return x / y; }, rounding::div, a, b);
     }
-    friend BasicRounded operator-(BasicRounded a) { return made(-a.value_); }
+    friend BasicRounded operator-(BasicRounded a) { return with_value(-a.value_); }
     // glm::vec's element-wise operators are written through these.
     BasicRounded& operator+=(BasicRounded b) { return *this = *this + b; }
     BasicRounded& operator-=(BasicRounded b) { return *this = *this - b; }
@@ -117,31 +118,35 @@ public:
     friend bool operator==(BasicRounded a, BasicRounded b) { return a.value_ == b.value_; }
 
     friend BasicRounded sqrt(BasicRounded a) {
-        return computed([](auto x) { return std::sqrt(x); }, rounding::sqrt, a);
+        return compute([](auto x) { return std::sqrt(x); }, rounding::sqrt, a);
     }
     friend BasicRounded fma(BasicRounded a, BasicRounded b, BasicRounded c) {
-        return computed([](auto x, auto y, auto z) { return std::fma(x, y, z); }, rounding::fma, a, b, c);
+        return compute([](auto x, auto y, auto z) { return std::fma(x, y, z); }, rounding::fma, a, b, c);
     }
-    friend BasicRounded abs(BasicRounded a) { return made(std::fabs(a.value_)); }
-    friend BasicRounded copysign(BasicRounded a, BasicRounded b) { return made(std::copysign(a.value_, b.value_)); }
-    friend BasicRounded next_up(BasicRounded a) { return made(rounding::next_up(a.value_, F::get())); }
-    friend BasicRounded next_down(BasicRounded a) { return made(-rounding::next_up(-a.value_, F::get())); }
+    friend BasicRounded abs(BasicRounded a) { return with_value(std::fabs(a.value_)); }
+    friend BasicRounded copysign(BasicRounded a, BasicRounded b) {
+        return with_value(std::copysign(a.value_, b.value_));
+    }
+    friend BasicRounded next_up(BasicRounded a) { return with_value(rounding::next_up(a.value_, F::get())); }
+    friend BasicRounded next_down(BasicRounded a) { return with_value(-rounding::next_up(-a.value_, F::get())); }
 
 private:
-    static BasicRounded made(double value) {
+    static BasicRounded with_value(double value) {
         BasicRounded r;
         r.value_ = value;
         return r;
     }
-    /// Computes with the machine's arithmetic if the format, known at run time, is one of the machine's.
+    /// Computes with the machine's arithmetic if the format, known at run time, is one of the machine's, and with
+    /// `rounding` otherwise.
     template <class Native, class Rounding, class... X>
-    static BasicRounded computed(const Native& native, const Rounding& rounded, X... x) {
+    static BasicRounded compute(const Native& native_operation, const Rounding& rounded_operation, X... x) {
         if constexpr (std::same_as<F, CurrentFormat>) {
             const CurrentFormat::Engine engine = CurrentFormat::engine();
-            if (engine == CurrentFormat::Engine::machine_float) return made(native(static_cast<float>(x.value_)...));
-            if (engine == CurrentFormat::Engine::machine_double) return made(native(x.value_...));
+            if (engine == CurrentFormat::Engine::machine_float)
+                return with_value(native_operation(static_cast<float>(x.value_)...));
+            if (engine == CurrentFormat::Engine::machine_double) return with_value(native_operation(x.value_...));
         }
-        return made(rounded(x.value_..., F::get()));
+        return with_value(rounded_operation(x.value_..., F::get()));
     }
     double value_ = 0;
 };
@@ -154,7 +159,7 @@ using Half = Rounded<11, -14, 15>;
 using BFloat16 = Rounded<8, -126, 127>;
 using TensorFloat32 = Rounded<11, -126, 127>;
 
-/// The format is the thread's `CurrentFormat`: one instantiation of a formula serves every format at run time.
+/// A number in the thread's `CurrentFormat`, so that one instantiation of a formula serves every format at run time.
 using RoundedAny = BasicRounded<CurrentFormat>;
 
 /// A double holds every number of these formats.

@@ -1,5 +1,5 @@
 // A tape: every operation of one run of a formula in the order of execution, with its operands and its result in the
-// format. Recorded writes it; later steps (exact values, adjoints, C, FPCore) walk it.
+// format. `Recorded` writes a tape; later steps (exact values, adjoints, C, FPCore) read it from front to back.
 #pragma once
 
 #include <algorithm>
@@ -17,20 +17,20 @@ namespace lostbits {
 
 /// Kind of an operation. All that must be known about an operation follows from its kind.
 enum class OperationKind : std::uint8_t {
-    given,       ///< an input, or an integer of the formula's text: its operands are not nodes
+    given,       ///< an input, or an integer of the formula's text, which has no operands
     rounded,     ///< a number computed from numbers and rounded to the format
-    exact,       ///< a number computed from one of the format without rounding
-    called,      ///< a number computed from many as a whole, without intermediate rounding: they are in `Tape::calls`
-    moved,       ///< a number converted to another one: a neighbour, or the nearest of another format
+    exact,       ///< a number computed from one number of the format without rounding
+    called,      ///< a number computed from many as a whole, without intermediate rounding; its operands are in
+                 ///< `Tape::calls`
+    moved,       ///< a number converted to another one: a neighbour, or the nearest number of another format
     sign,        ///< a number with the sign of another
     choice,      ///< one of two numbers
     comparison,  ///< a decision about two numbers; the value of a decision is 1 or 0
     logic        ///< a decision made from decisions
 };
 
-/// All operations of a tape: name, kind, number of operands. This is the only list of them. Everything else that is
-/// known about an operation is in its struct in measure/attribution/operations.hpp; a row without a struct does not
-/// compile.
+/// All operations of a tape: name, kind, number of operands. This is the only list of operations. All other properties
+/// of an operation are in its struct in measure/attribution/operations.hpp; a row without a struct does not compile.
 ///
 /// `constant` is an integer of the formula's text, `call` a step that a form takes as a whole, `convert` the conversion
 /// to or from a wider format, `any` the condition of a loop.
@@ -95,26 +95,26 @@ inline constexpr NodeId no_node = -1;
 struct TapeNode {
     TapeOp op = TapeOp::constant;
     std::uint8_t format = 0;  ///< format of the result: its index in `Tape::formats`
-    /// Operands in the formula's order; select's are the decision and its two sides, an input's first is its number, a
-    /// constant's its value.
+    /// Operands in the formula's order. The operands of `select` are the decision and its two sides. The first operand
+    /// of an input is its index, that of a constant its value.
     std::array<NodeId, 3> operands{no_node, no_node, no_node};
     double value = 0;             ///< a number of the format, or a decision
     std::string_view label = {};  ///< the name that `named` gave; a literal of the source
 };
 
-/// A `call` on the tape: its subject and its arguments.
+/// A `call` on the tape: the call and its arguments.
 struct TapeCall {
     NodeId node;
     Call of;
     std::vector<NodeId> arguments;
 };
 
-/// `hit` is the decision of the form, the others numbers; as in `Hit`.
+/// Indices of the results: `hit` is the decision of the form; the others are numbers, as in `Hit`.
 struct TapeOutputs {
     NodeId hit = no_node, t = no_node, near = no_node, far = no_node;
 };
 
-/// Operands of an operation; missing ones are `no_node`.
+/// Operands of an operation. A missing operand is `no_node`.
 struct TapeOperands {
     NodeId a = no_node, b = no_node, c = no_node;
 };
@@ -125,13 +125,13 @@ public:
     std::vector<FloatFormat> formats;
     std::vector<TapeCall> calls;
     TapeOutputs outputs;
-    /// For a form that marches: the length of the tape after each sample of the field.
+    /// Length of the tape after each sample of the distance field, for a form that marches.
     std::vector<std::size_t> samples;
     /// The decisions that a part of the formula depends on (`decide`).
     std::vector<NodeId> sides;
-    /// If true, every loop condition holds: the tape then has all operations that a form can ever do.
+    /// If true, every loop condition holds, so that the tape has all operations that a form can ever do.
     bool every_loop = false;
-    /// The name of every operation that is recorded while it is not empty (`Part`).
+    /// The name of every operation that is recorded while this name is not empty (`Part`).
     std::string_view part = {};
 
     [[nodiscard]] const TapeNode& operator[](NodeId i) const { return nodes[static_cast<std::size_t>(i)]; }
@@ -156,20 +156,23 @@ public:
         outputs = {};
         inputs_ = 0;
     }
-    NodeId add(TapeOp op, const FloatFormat& format, double value, const TapeOperands& of = {}) {
-        nodes.push_back(
-            {op, index_of(format), {of.a, of.b, of.c}, value, is_operation(op) ? part : std::string_view()});
+    NodeId add(TapeOp op, const FloatFormat& format, double value, const TapeOperands& operands = {}) {
+        nodes.push_back({op,
+                         index_of(format),
+                         {operands.a, operands.b, operands.c},
+                         value,
+                         is_operation(op) ? part : std::string_view()});
         return size() - 1;
     }
-    NodeId add_call(const Call& of, const FloatFormat& format, double value, std::vector<NodeId> arguments) {
+    NodeId add_call(const Call& callee, const FloatFormat& format, double value, std::vector<NodeId> arguments) {
         const NodeId node = add(TapeOp::call, format, value);
         nodes.back().label = {};  // a call has its own name, in every part of a form
-        calls.push_back({node, of, std::move(arguments)});
+        calls.push_back({node, callee, std::move(arguments)});
         return node;
     }
     NodeId add_input(const FloatFormat& format, double value) { return add(TapeOp::input, format, value, {inputs_++}); }
 
-    /// Names an operation once. Ignores a later name: the source then has two names for the same value.
+    /// Names an operation once. A later name is ignored: the source then has two names for the same value.
     void name(NodeId i, std::string_view label) {
         if (TapeNode& n = (*this)[i]; n.label.empty() && is_operation(n.op)) n.label = label;
     }

@@ -27,7 +27,8 @@ private:
     Value value_;
 };
 
-/// The same in each lane of a pack: lanes certainly true, and lanes certainly false. M is the mask of the pack.
+/// A three-valued decision in each lane of a pack: the lanes that are certainly true, and those that are certainly
+/// false. M is the mask of the pack.
 template <class M>
 class Tris : public NotABool {
 public:
@@ -54,25 +55,26 @@ private:
     M yes_, no_;
 };
 
-/// Two decisions: a number is less than another; it is at most another.
+/// Two decisions about the same two numbers: the first is less than the second, and it is at most the second.
 template <class Mask>
 struct Order {
     Mask less, at_most;
 };
 
-/// Follows a decision, or both of its sides if it is open; `select` joins the results.
+/// Evaluates f for a decision, or for both of its sides if it is undecided. `select` joins the results.
 template <class F>
 auto decide(Tri mask, const F& f) {
     return mask.is_unknown() ? select(mask, f(Tri(Tri::yes)), f(Tri(Tri::no))) : f(mask);
 }
 
-/// Says if an operation of the exact formula can have been undefined (0/0, the root of a negative number). Undefined
-/// behaves as IEEE's NaN: it spreads, and every comparison with it is false.
+/// Says whether an operation of the exact formula can have been undefined (0/0, the root of a negative number). An
+/// undefined value behaves as IEEE's NaN: every result computed from it is undefined, and every comparison with it is
+/// false.
 enum class Undefined : unsigned char { never, maybe, always };
 
 constexpr Undefined spread(Undefined a, Undefined b) { return a > b ? a : b; }
 
-/// The verdict of a comparison given what interval reasoning says and whether an operand may be undefined.
+/// The decision of a comparison, from the verdict of interval arithmetic and whether an operand may be undefined.
 constexpr Tri guarded(Tri verdict, Undefined u) {
     if (u == Undefined::always) return Tri::no;
     if (u == Undefined::maybe && verdict.is_yes()) return Tri::unknown;

@@ -1,5 +1,5 @@
-// Registers and names for a source that is compiled once per register width (cmake/isa.cmake). The names tell the
-// widths apart.
+// Registers and names for a source that is compiled once per register width (cmake/isa.cmake). The names contain the
+// width, so those of different widths do not collide.
 #pragma once
 
 #include "number/pack.hpp"
@@ -7,7 +7,7 @@
 namespace lostbits {
 namespace {
 
-/// Has internal linkage, and so does everything that is instantiated over it (see `Registers`).
+/// This type has internal linkage, and so does every template that is instantiated over it (see `Registers`).
 struct Width : Registers<LOSTBITS_REGISTER_BYTES> {};
 
 }  // namespace

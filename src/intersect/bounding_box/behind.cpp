@@ -25,14 +25,14 @@ namespace {
 using Parts = std::tuple<const BoxMethod*, const Intersector*, const Intersector*>;
 using Rows = table::ComposedForms<Parts>;
 Rows& rows() {
-    static Rows all;
-    return all;
+    static Rows composed_rows;
+    return composed_rows;
 }
 
 BoxedFormParts parts_in(const Parts& parts) {
-    return std::apply([](auto... each) { return BoxedFormParts{each...}; }, parts);
+    return std::apply([](auto... part) { return BoxedFormParts{part...}; }, parts);
 }
-BoxedFormParts of(void* own) { return parts_in(static_cast<const Rows::Made*>(own)->parts); }
+BoxedFormParts parts_of_row(void* context) { return parts_in(static_cast<const Rows::Made*>(context)->parts); }
 
 template <class S>
 Primitive<S> box_around(const BoxedFormParts& row, const Format& format, const Primitive<S>& primitive) {
@@ -41,7 +41,7 @@ Primitive<S> box_around(const BoxedFormParts& row, const Format& format, const P
     return lift_primitive<S>(Primitive<double>(box));
 }
 
-/// Answers of the box form. Only its decisions are used; its t goes to a buffer.
+/// Buffers for the answers of the box form. Only its decisions are used.
 template <class S>
 struct Decisions {
     std::vector<S> t;
@@ -49,120 +49,125 @@ struct Decisions {
 
     HitBatch<S> batch(std::size_t n) {
         t.resize(3 * n), hit.resize(n);
-        const std::span all(t);
-        return {all.first(n), all.subspan(n, n), all.last(n), hit};
+        const std::span values(t);
+        return {values.first(n), values.subspan(n, n), values.last(n), hit};
     }
 };
 
 /// Runs the form and the box form on a batch. A ray hits if both hit. The target has one primitive for all rays, or one
 /// for each ray.
-template <class S, class OfBox, class OfForm>
-void evaluate(const BoxedFormParts& row, const Format& format, const OfBox& box, const OfForm& form,
+template <class S, class BoxKernel, class FormKernel>
+void evaluate(const BoxedFormParts& row, const Format& format, const BoxKernel& box, const FormKernel& form,
               const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
     form(rays, target, hits);
     std::vector<Primitive<S>> boxes;
     boxes.reserve(target.primitives.size());
     for (const Primitive<S>& primitive : target.primitives) boxes.push_back(box_around(row, format, primitive));
-    Decisions<S> found;
-    const HitBatch<S> of_boxes = found.batch(rays.size());
-    box(rays, boxes.size() == 1 ? Target<S>(boxes.front()) : Target<S>(std::span<const Primitive<S>>(boxes)), of_boxes);
-    for (std::size_t i = 0; i < rays.size(); ++i) hits.hit[i] = hits.hit[i] != 0 && found.hit[i] != 0;
+    Decisions<S> decisions;
+    const HitBatch<S> box_hits = decisions.batch(rays.size());
+    box(rays, boxes.size() == 1 ? Target<S>(boxes.front()) : Target<S>(std::span<const Primitive<S>>(boxes)), box_hits);
+    for (std::size_t i = 0; i < rays.size(); ++i) hits.hit[i] = hits.hit[i] != 0 && decisions.hit[i] != 0;
 }
 
-/// Does the same in native arithmetic; in packs of rays if all of them share one primitive.
+/// Runs both forms in native arithmetic; in packs of rays if all rays share one primitive.
 template <class S>
-void evaluate_natively(void* own, const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
-    const BoxedFormParts row = of(own);
+void evaluate_natively(void* context, const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
+    const BoxedFormParts row = parts_of_row(context);
     static const Format format = *find_format(std::same_as<S, float> ? "f32" : "f64");
-    const bool one = target.primitives.size() == 1;
-    const auto kernel = [one](const Intersector& form) {
-        if constexpr (std::same_as<S, float>) return one ? simd::packed_kernels(form).f32 : form.native32;
-        else return one ? simd::packed_kernels(form).f64 : form.native64;
+    const bool has_one_primitive = target.primitives.size() == 1;
+    const auto kernel = [has_one_primitive](const Intersector& form) {
+        if constexpr (std::same_as<S, float>) return has_one_primitive ? simd::packed_kernels(form).f32 : form.native32;
+        else return has_one_primitive ? simd::packed_kernels(form).f64 : form.native64;
     };
     evaluate(row, format, kernel(*row.box), kernel(*row.form), rays, target, hits);
 }
-void evaluate_rounded(void* own, const FloatFormat& format, const RayBatch<double>& rays, const Target<double>& target,
-                      const HitBatch<double>& hits) {
+void evaluate_rounded(void* context, const FloatFormat& format, const RayBatch<double>& rays,
+                      const Target<double>& target, const HitBatch<double>& hits) {
     const auto kernel = [&format](const Intersector& form) {
         return [&](const auto&... a) { form.rounded(format, a...); };
     };
-    evaluate(of(own), Format{"", format, Format::Engine::rounded}, kernel(*of(own).box), kernel(*of(own).form), rays,
-             target, hits);
+    evaluate(parts_of_row(context), Format{"", format, Format::Engine::rounded}, kernel(*parts_of_row(context).box),
+             kernel(*parts_of_row(context).form), rays, target, hits);
 }
 
-/// Enclosures leave the box out: in exact arithmetic, every hit of the form also hits the box.
-Hit<Ball> ball(void* own, const Ray<Ball>& ray, const Target<Ball>& target) { return of(own).form->ball(ray, target); }
-Hit<Interval> interval(void* own, const Ray<Interval>& ray, const Target<Interval>& target) {
-    return of(own).form->interval(ray, target);
+/// Enclosures omit the box: in exact arithmetic, every hit of the form also hits the box.
+Hit<Ball> ball(void* context, const Ray<Ball>& ray, const Target<Ball>& target) {
+    return parts_of_row(context).form->ball(ray, target);
+}
+Hit<Interval> interval(void* context, const Ray<Interval>& ray, const Target<Interval>& target) {
+    return parts_of_row(context).form->interval(ray, target);
 }
 
-/// Records the box form, then the form. `inside(row, target, tape)` records one of them.
-template <class Inside>
+/// Records the box form, then the form. `record_row(row, target, tape)` records one of them.
+template <class RecordRow>
 void record_with(const BoxedFormParts& row, const Format& format, const Ray<double>& ray, const Target<double>& target,
-                 double tmax, Tape& tape, const Inside& inside) {
+                 double tmax, Tape& tape, const RecordRow& record_row) {
     tape.clear();
     const bool every_loop = tape.every_loop;
     const auto input = [&](double x) { return tape.add_input(format.parameters, x); };
-    std::vector<NodeId> of_form, of_box;
+    std::vector<NodeId> form_inputs, box_inputs;
     for (const Vec<double>& v : {ray.origin, ray.direction})
-        for (int k = 0; k < 3; ++k) of_form.push_back(input(v[k]));
-    of_box = of_form;
+        for (int k = 0; k < 3; ++k) form_inputs.push_back(input(v[k]));
+    box_inputs = form_inputs;
     const Primitive<double> primitive = target.primitives.front(), box = box_around(row, format, primitive);
-    for (const double x : primitive.used()) of_form.push_back(input(x));
+    for (const double x : primitive.used()) form_inputs.push_back(input(x));
     if (primitive.placed)
-        for (const double x : primitive.placed->matrix) of_form.push_back(input(x));
-    of_form.push_back(input(tmax));
-    for (const double x : box.used()) of_box.push_back(input(x));
-    of_box.push_back(of_form.back());
-    const auto part = [&](const Intersector& form, const Target<double>& at, const std::vector<NodeId>& inputs) {
-        Tape own;
-        own.every_loop = every_loop;
-        inside(form, at, own);
-        return table::append(own, inputs, tape);
+        for (const double x : primitive.placed->matrix) form_inputs.push_back(input(x));
+    form_inputs.push_back(input(tmax));
+    for (const double x : box.used()) box_inputs.push_back(input(x));
+    box_inputs.push_back(form_inputs.back());
+    const auto append_row = [&](const Intersector& form, const Target<double>& part_target,
+                                const std::vector<NodeId>& inputs) {
+        Tape row_tape;
+        row_tape.every_loop = every_loop;
+        record_row(form, part_target, row_tape);
+        return table::append(row_tape, inputs, tape);
     };
-    const TapeOutputs box_outcome = part(*row.box, Target<double>(box), of_box);
-    TapeOutputs answer = part(*row.form, target, of_form);
+    const TapeOutputs box_outcome = append_row(*row.box, Target<double>(box), box_inputs);
+    TapeOutputs answer = append_row(*row.form, target, form_inputs);
     const bool hit = tape[box_outcome.hit].value != 0 && tape[answer.hit].value != 0;
     answer.hit = tape.add(TapeOp::both, format.parameters, hit ? 1 : 0, {box_outcome.hit, answer.hit});
     tape.outputs = answer;
 }
-void record(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,
+void record(void* context, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,
             Tape& tape) {
-    record_with(of(own), format, ray, target, tmax, tape,
-                [&](const Intersector& form, const Target<double>& at, Tape& there) {
-                    form.record(format, ray, at, tmax, there);
+    record_with(parts_of_row(context), format, ray, target, tmax, tape,
+                [&](const Intersector& form, const Target<double>& part_target, Tape& part_tape) {
+                    form.record(format, ray, part_target, tmax, part_tape);
                 });
 }
-void record_all(void* own, const Target<double>& target, Tape& tape) {
-    record_with(of(own), *find_format("f32"), {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, target, HUGE_VAL, tape,
-                [](const Intersector& form, const Target<double>& at, Tape& there) { form.record_all(at, there); });
+void record_all(void* context, const Target<double>& target, Tape& tape) {
+    record_with(parts_of_row(context), *find_format("f32"), {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, target,
+                HUGE_VAL, tape, [](const Intersector& form, const Target<double>& part_target, Tape& part_tape) {
+                    form.record_all(part_target, part_tape);
+                });
 }
 
 std::string text(auto... parts) {
-    std::string all;
-    ((all += parts), ...);
-    return all;
+    std::string result;
+    ((result += parts), ...);
+    return result;
 }
 
-void fill(Rows::Made& made) {
-    const BoxedFormParts parts = of(&made);
+void fill(Rows::Made& composed) {
+    const BoxedFormParts parts = parts_of_row(&composed);
     const Info &form = *parts.form->info, &box = *parts.box->info;
     const BoxMethodInfo& box_method = *parts.method->info;
-    made.name = text(form.name, "^", box.name);
-    if (parts.method != &usual_box_method()) made.name += text("~", box_method.name);
-    made.title = text(form.title, "; behind a box: ", box.title, "; ", box_method.title);
-    made.source = text(form.source, "; ", box.source);
-    if (box_method.source != "-") made.source += text("; ", box_method.source);
-    made.take_contract(form);
-    made.row = {.info = &made.info, .shape = parts.form->shape, .native32 = nullptr, .native64 = nullptr};
-    if (parts.form->native32 && parts.box->native32) made.row.native32 = {evaluate_natively<float>, &made};
-    if (parts.form->native64 && parts.box->native64) made.row.native64 = {evaluate_natively<double>, &made};
-    if (parts.form->rounded && parts.box->rounded) made.row.rounded = {evaluate_rounded, &made};
-    if (parts.form->ball) made.row.ball = {ball, &made};
-    if (parts.form->interval) made.row.interval = {interval, &made};
-    if (parts.form->record && parts.box->record) made.row.record = {record, &made};
-    if (parts.form->record_all && parts.box->record_all) made.row.record_all = {record_all, &made};
-    made.row.is_placed = parts.form->is_placed;
+    composed.name = text(form.name, "^", box.name);
+    if (parts.method != &usual_box_method()) composed.name += text("~", box_method.name);
+    composed.title = text(form.title, "; behind a box: ", box.title, "; ", box_method.title);
+    composed.source = text(form.source, "; ", box.source);
+    if (box_method.source != "-") composed.source += text("; ", box_method.source);
+    composed.take_contract(form);
+    composed.row = {.info = &composed.info, .shape = parts.form->shape, .native32 = nullptr, .native64 = nullptr};
+    if (parts.form->native32 && parts.box->native32) composed.row.native32 = {evaluate_natively<float>, &composed};
+    if (parts.form->native64 && parts.box->native64) composed.row.native64 = {evaluate_natively<double>, &composed};
+    if (parts.form->rounded && parts.box->rounded) composed.row.rounded = {evaluate_rounded, &composed};
+    if (parts.form->ball) composed.row.ball = {ball, &composed};
+    if (parts.form->interval) composed.row.interval = {interval, &composed};
+    if (parts.form->record && parts.box->record) composed.row.record = {record, &composed};
+    if (parts.form->record_all && parts.box->record_all) composed.row.record_all = {record_all, &composed};
+    composed.row.is_placed = parts.form->is_placed;
 }
 
 /// Reason why a form cannot stand behind a box; empty if it can.
@@ -183,8 +188,8 @@ std::string refusal(const Intersector& box, const Intersector& form) {
 }  // namespace
 
 const Intersector& behind(const BoxMethod& method, const Intersector& box, const Intersector& form) {
-    if (const std::string why = refusal(box, form); !why.empty())
-        throw InputError(text(form.info->name, "^", box.info->name, ": ", why));
+    if (const std::string reason = refusal(box, form); !reason.empty())
+        throw InputError(text(form.info->name, "^", box.info->name, ": ", reason));
     return rows().row_of({&method, &box, &form}, fill);
 }
 
@@ -204,15 +209,15 @@ const Intersector& without_world_boxes(const Intersector& row) {
 
 std::vector<std::string> names_on_tape(const Intersector& row, const Target<double>& target) {
     std::vector<std::string> names = table::input_names(row, target);
-    const Intersector* now = &row;
+    const Intersector* current = &row;
     for (bool in_world = !target.primitives.empty() && target.primitives.front().placed;;) {
-        if (const BoxedFormParts parts = boxed_parts_of(*now); parts.form != nullptr) {
-            for (const char* const number : {"lo.x", "lo.y", "lo.z", "hi.x", "hi.y", "hi.z"})
-                names.push_back(text(in_world ? "world_box." : "box.", number));
-            now = parts.form;
-        } else if (const auto placed = transform::transformed_parts_of(*now); placed.form != nullptr) {
+        if (const BoxedFormParts parts = boxed_parts_of(*current); parts.form != nullptr) {
+            for (const char* const coordinate : {"lo.x", "lo.y", "lo.z", "hi.x", "hi.y", "hi.z"})
+                names.push_back(text(in_world ? "world_box." : "box.", coordinate));
+            current = parts.form;
+        } else if (const auto placed = transform::transformed_parts_of(*current); placed.form != nullptr) {
             in_world = false;
-            now = placed.form;
+            current = placed.form;
         } else {
             return names;
         }

@@ -1,4 +1,4 @@
-// Forms that are asked only if the bounding box of their primitive is hit, as rows of the table: the query of a
+// Forms that run only if the ray hits the bounding box of their primitive, as rows of the table: the query of a
 // hierarchy traversal.
 #pragma once
 
@@ -10,31 +10,32 @@
 
 namespace lostbits::intersect::bounding_box {
 
-/// A row made of a form of one shape and a form of boxes, such as `triangle.undivided^box.signs~nearest` (the default
-/// method is not named). Each row is made once and kept, as enrolled rows are.
+/// A row composed of a form of one shape and a form of boxes, such as `triangle.undivided^box.signs~nearest` (the
+/// default box method is not named). Each row is created once and kept, as registered rows are.
 ///
-/// - It hits if the form hits the primitive and the box form hits the bounding box, both in the format. Its t is the
-///   form's. Only the ray's own end limits both, not a hit found before.
-/// - `through(space, behind(…))` has its box in the space of the primitive, `behind(…, through(…))` in the world.
-/// - Its tape has the operations of the box, whose stored numbers are inputs, and those of the form.
-/// - Without rounding it answers as the form does.
+/// - The row hits if the form hits the primitive and the box form hits the bounding box, both in the format. Its t is
+/// that of the form. Only the ray's own end limits both, not a hit found before.
+/// - `through(method, behind(…))` has its box in the space of the primitive, `behind(…, through(…))` in the world.
+/// - Its tape has the operations of the box form, with the stored numbers of the box as inputs, and those of the form.
+/// - Without rounding its answers are those of the form.
 ///
 /// Throws InputError if the primitive has no bounding box, or if `box` is not a form of boxes.
 const table::Intersector& behind(const BoxMethod& method, const table::Intersector& box,
                                  const table::Intersector& form);
 
-/// The parts of such a row.
+/// The parts of a row that `behind` created.
 struct BoxedFormParts {
     const BoxMethod* method;
     const table::Intersector *box, *form;
 };
-/// Parts of a row; nulls if it was not made here.
+/// The parts of a row; null pointers if `behind` did not create it.
 BoxedFormParts boxed_parts_of(const table::Intersector& row);
 
-/// True if a row is behind a box, in the space of its primitive or in the world; for a set, if any of its forms is.
+/// True if a row has a box, in the space of its primitive or in the world. A set has a box if any of its forms has one.
 bool has_box(const table::Intersector& row);
 
-/// The row without its boxes in the world. For primitives under matrices, that is a row that `transform::through` made.
+/// The row without its boxes in the world. For primitives under matrices, the result is a row that `transform::through`
+/// created.
 const table::Intersector& without_world_boxes(const table::Intersector& row);
 
 /// Names of the inputs on a row's tape: those of the form, then the numbers of each box, the outermost box first.
@@ -42,7 +43,7 @@ std::vector<std::string> names_on_tape(const table::Intersector& row, const Targ
 
 /// The form itself, without boxes and transforms.
 const table::Intersector& innermost(const table::Intersector& row);
-/// The row with the same boxes and transforms around another form of that shape.
+/// The row with the same boxes and transforms around another form of the same shape.
 const table::Intersector& with_other_form(const table::Intersector& row, const table::Intersector& form);
 
 }  // namespace lostbits::intersect::bounding_box

@@ -10,30 +10,30 @@ namespace lostbits::intersect::bounding_box {
 
 namespace {
 
-/// The bounding box of a primitive, computed over T, in the world.
+/// The bounding box of a primitive in the world, computed over T.
 template <class Method, class T>
-BoundingBox<T> computed(const Primitive<T>& primitive) {
-    const BoundingBox<T> own = bounding_box_of(primitive);
-    if (!primitive.placed) return own;
+BoundingBox<T> world_box(const Primitive<T>& primitive) {
+    const BoundingBox<T> object_box = bounding_box_of(primitive);
+    if (!primitive.placed) return object_box;
     const Affine<T> stored = primitive.placed->map();
     const Affine<T> to_world = primitive.placed->is_inverse ? transform::adjugate_over_determinant(stored) : stored;
-    return bounding_box_of_corners(own, [&](const Vec<T>& p) { return Method::point(to_world, p); });
+    return bounding_box_of_corners(object_box, [&](const Vec<T>& p) { return Method::point(to_world, p); });
 }
 
-/// `down`: the largest number of the format that is not above x. `up`: the smallest that is not below x.
+/// `down` returns the largest number of the format that is not above x, `up` the smallest that is not below x.
 double down(mpfr_srcptr x, const FloatFormat& format) {
-    const double d = mpfr_get_d(x, MPFR_RNDD), near = rounding::to_format(d, 0, format);
-    return near > d ? -rounding::next_up(-near, format) : near;
+    const double d = mpfr_get_d(x, MPFR_RNDD), nearest = rounding::to_format(d, 0, format);
+    return nearest > d ? -rounding::next_up(-nearest, format) : nearest;
 }
 double up(mpfr_srcptr x, const FloatFormat& format) {
-    const double d = mpfr_get_d(x, MPFR_RNDU), near = rounding::to_format(d, 0, format);
-    return near < d ? rounding::next_up(near, format) : near;
+    const double d = mpfr_get_d(x, MPFR_RNDU), nearest = rounding::to_format(d, 0, format);
+    return nearest < d ? rounding::next_up(nearest, format) : nearest;
 }
 
 template <class Method>
 BoundingBox<double> outward(const Format& format, const Primitive<double>& primitive) {
     const Interval::Precision precision(256);
-    const auto bounding_box = computed<Method>(lift_primitive<Interval>(primitive));
+    const auto bounding_box = world_box<Method>(lift_primitive<Interval>(primitive));
     BoundingBox<double> box;
     for (int i = 0; i < 3; ++i) {
         box.lo[i] = down(bounding_box.lo[i].lower(), format.parameters);
@@ -43,16 +43,16 @@ BoundingBox<double> outward(const Format& format, const Primitive<double>& primi
 }
 
 template <class Method>
-BoundingBox<double> in_format(const Format& format, const Primitive<double>& given) {
+BoundingBox<double> in_format(const Format& format, const Primitive<double>& stored) {
     return with_number(format, [&]<class T>() {
-        const auto primitive = lift_primitive<T>(given);
+        const auto primitive = lift_primitive<T>(stored);
         if constexpr (Method::info.outward) {
             return outward<Method>(format, transformed(primitive, [](const T& x) { return as_double(x); }));
         } else {
-            auto bounding_box = computed<Method>(primitive);
+            auto bounding_box = world_box<Method>(primitive);
             BoundingBox<double> box;
             for (int i = 0; i < 3; ++i) {
-                for (int step = 0; step < Method::info.steps; ++step) {
+                for (int move = 0; move < Method::info.steps; ++move) {
                     bounding_box.lo[i] = next_down(bounding_box.lo[i]);
                     bounding_box.hi[i] = next_up(bounding_box.hi[i]);
                 }
@@ -67,12 +67,12 @@ BoundingBox<double> in_format(const Format& format, const Primitive<double>& giv
 }  // namespace
 
 std::span<const BoxMethod> box_methods() {
-    static const std::vector<BoxMethod> all = [] {
+    static const std::vector<BoxMethod> methods = [] {
         std::vector<BoxMethod> rows;
         for_each_box_method([&rows]<class Method>() { rows.push_back({&Method::info, in_format<Method>}); });
         return rows;
     }();
-    return all;
+    return methods;
 }
 
 const BoxMethod& usual_box_method() { return box_methods().front(); }

@@ -11,13 +11,13 @@ namespace lostbits::intersect::bounding_box {
 
 struct BoxMethod {
     const BoxMethodInfo* info;
-    /// Computes the box of a primitive whose numbers are first rounded to the format; the numbers of the box are of the
-    /// format too. Under a matrix the box is in the world, around the corners of the one in the space of the primitive.
-    /// Ask only if `has_bounding_box`.
+    /// Computes the box of a primitive whose numbers are first rounded to the format. The numbers of the box are of the
+    /// format too. Under a matrix the box is in the world, around the corners of the box in the space of the primitive.
+    /// The primitive must have a bounding box (`has_bounding_box`).
     BoundingBox<double> (*in)(const Format&, const Primitive<double>&);
 };
 
-/// In the order of the list.
+/// All methods, in the order of list.hpp.
 std::span<const BoxMethod> box_methods();
 /// The method used if none is named: the exact box rounded outward.
 const BoxMethod& usual_box_method();

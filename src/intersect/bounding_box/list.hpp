@@ -8,22 +8,23 @@
 namespace lostbits::intersect::bounding_box {
 
 struct BoxMethodInfo {
-    std::string_view name;  ///< `nearest` of `sphere.unified^box.signs~nearest`, unique
+    std::string_view name;  ///< such as `nearest` in `sphere.unified^box.signs~nearest`, unique
     std::string_view title;
     std::string_view source;
-    bool outward = false;  ///< the exact box with its numbers rounded outward; otherwise it is computed in the format
-    int steps = 0;         ///< number of steps in the format by which each number is then moved outward
+    bool outward = false;  ///< true for the exact box with its numbers rounded outward; otherwise the box is computed
+                           ///< in the format
+    int steps = 0;         ///< number of neighbours in the format by which each number is then moved outward
 };
 
-/// A point of a box under a matrix: each row as ((a p.x + b p.y) + c p.z) + d.
-struct FromTheFirst {
+/// Base of methods that compute a corner of a box under a matrix by rows: ((a p.x + b p.y) + c p.z) + d.
+struct PointByRows {
     template <Number T>
     static Vec<T> point(const Affine<T>& m, const Vec<T>& p) {
         return m.point(p);
     }
 };
 
-struct OutwardBox : FromTheFirst {
+struct OutwardBox : PointByRows {
     static constexpr BoxMethodInfo info{
         .name = "outward",
         .title = "the exact box, its numbers rounded outward",
@@ -32,7 +33,7 @@ struct OutwardBox : FromTheFirst {
     };
 };
 
-struct NearestBox : FromTheFirst {
+struct NearestBox : PointByRows {
     static constexpr BoxMethodInfo info{
         .name = "nearest",
         .title = "c - r and c + r rounded to nearest; corners by rows from the first product on",
@@ -40,8 +41,8 @@ struct NearestBox : FromTheFirst {
     };
 };
 
-/// One rounding to nearest is off by at most half a last place, so the next number outward covers it.
-struct NextBox : FromTheFirst {
+/// The error of one rounding to nearest is at most half a last place, so the next number outward covers it.
+struct NextBox : PointByRows {
     static constexpr BoxMethodInfo info{
         .name = "next",
         .title = "as nearest, and each number then moved to the next one outward",
@@ -59,11 +60,11 @@ struct PbrtBox {
 
     template <Number T>
     static Vec<T> point(const Affine<T>& m, const Vec<T>& p) {
-        const auto of = [&](std::size_t i) {
+        const auto row_product = [&](std::size_t i) {
             const Vec<T>& a = m.rows[i];
             return (a.x * p.x + a.y * p.y) + (a.z * p.z + m.shift[static_cast<int>(i)]);
         };
-        return {of(0), of(1), of(2)};
+        return {row_product(0), row_product(1), row_product(2)};
     }
 };
 
@@ -80,15 +81,15 @@ struct EmbreeBox {
     }
 };
 
-/// Calls `act.template operator()<OutwardBox>()` for each in turn; the first is the default.
-template <class Act>
-constexpr void for_each_box_method(const Act& act) {
-    const auto all = [&act]<class... L>() { (act.template operator()<L>(), ...); };
-    all.template operator()<OutwardBox,  //
-                            NearestBox,  //
-                            NextBox,     //
-                            PbrtBox,     //
-                            EmbreeBox>();
+/// Calls `visit.template operator()<OutwardBox>()`, and so on for each method in turn. The first method is the default.
+template <class Visit>
+constexpr void for_each_box_method(const Visit& visit) {
+    const auto visit_all = [&visit]<class... Method>() { (visit.template operator()<Method>(), ...); };
+    visit_all.template operator()<OutwardBox,  //
+                                  NearestBox,  //
+                                  NextBox,     //
+                                  PbrtBox,     //
+                                  EmbreeBox>();
 }
 
 }  // namespace lostbits::intersect::bounding_box

@@ -1,5 +1,5 @@
-// The first meeting of a ray with a closed primitive, from the span of its line (geometry/span.hpp). One formula serves
-// numbers that prove what they decide, enclosures, and numbers without rounding.
+// The first hit of a ray with a closed primitive, from the span of its line (geometry/span.hpp). One formula serves
+// numbers that prove their decisions, enclosures, and numbers without rounding.
 #pragma once
 
 #include "geometry/capped_span.hpp"
@@ -10,15 +10,16 @@
 
 namespace lostbits::intersect::filter {
 
-/// The decision that some t ≥ 0 lies in the closed primitive (touching counts, and so does t = 0), and the first such
-/// t; from inside, the exit.
+/// The decision whether some t ≥ 0 lies in the closed primitive (touching counts, and so does t = 0), and the first
+/// such t. For a ray from inside, t is that of the exit.
 template <class E>
 struct FirstSpanHit {
     mask_t<E> hit;
     E t;
 };
 
-/// The numbers that compute a ray's first hit of a span again, if the form's own numbers cannot prove the decision.
+/// Limits of the arithmetics that compute the first hit of a span again, if the form's own numbers do not prove the
+/// decision.
 template <class Span>
 struct Deciding {
     /// The deciding polynomials are of degree at most 12 in the inputs, so this many bits hold them exactly.
@@ -41,18 +42,18 @@ inline constexpr bool has_exact_sign = !requires(const E& x) {
     x.word_is_positive();
 };
 
-/// The near root: c/(−h + √q), or −(h + √q)/a if h is positive. The far root: (−h + √q)/a, or −c/(h + √q). None of them
-/// subtracts. If h = q = 0, the roots are 0, as the surface is met there alone (c = 0).
+/// The near root is c/(−h + √q), or −(h + √q)/a if h is positive. The far root is (−h + √q)/a, or −c/(h + √q). None of
+/// these expressions subtracts. If h = q = 0, the roots are 0, because the line meets the surface only there (c = 0).
 template <class E>
 Fraction<E> root_of(const QuadraticSpan<E>& s, const mask_t<E>& far) {
-    const auto past = word_is_positive(s.h), by_a = (far && !past) || (!far && past);
-    const E size = sqrt(s.q) + select(past, s.h, -s.h), n = select(by_a, size, s.c);
-    const Fraction<E> root{select(past, -n, n), select(by_a, s.a, size)};
-    if constexpr (has_exact_sign<E>) return select(size <= E(0), Fraction<E>{E(0), E(1)}, root);
+    const auto is_h_positive = word_is_positive(s.h), divides_by_a = (far && !is_h_positive) || (!far && is_h_positive);
+    const E magnitude = sqrt(s.q) + select(is_h_positive, s.h, -s.h), n = select(divides_by_a, magnitude, s.c);
+    const Fraction<E> root{select(is_h_positive, -n, n), select(divides_by_a, s.a, magnitude)};
+    if constexpr (has_exact_sign<E>) return select(magnitude <= E(0), Fraction<E>{E(0), E(1)}, root);
     else return root;
 }
 
-/// The t at which the line enters, or leaves if `far`.
+/// The t at which the line enters the primitive, or leaves it if `far`.
 template <class E>
 Fraction<E> end_of(const CappedSpan<E>& s, const mask_t<E>& far) {
     const auto by_cap = (far && s.leaves_by_cap()) || (!far && s.enters_by_cap());
@@ -64,29 +65,29 @@ Fraction<E> end_of(const JoinedSpan<E>& s, const mask_t<E>& far) {
 }
 
 template <class E>
-FirstSpanHit<E> hit_at(const mask_t<E>& hit, const Fraction<E>& at) {
-    return {hit, at.n / at.m};
+FirstSpanHit<E> hit_at(const mask_t<E>& hit, const Fraction<E>& root) {
+    return {hit, root.n / root.m};
 }
 
-/// First hit of a quadric. A ray from outside (c > 0) hits at the near root, if its line comes closer and meets the
-/// surface. A ray from inside hits at the far root. A ray that begins on the surface hits at the root that is 0: the
+/// First hit of a quadric. A ray from outside (c > 0) hits at the near root, if it approaches the surface and its line
+/// meets it. A ray from inside hits at the far root. A ray that begins on the surface hits at the root that is 0: the
 /// far root if the ray leaves the primitive, else the near root.
 template <class E>
 FirstSpanHit<E> first_span_hit(const QuadraticSpan<E>& s) {
     const E zero(0);
-    const auto outside = s.c > zero, far = s.c < zero || (!outside && s.h > zero);
-    return hit_at(!outside || (s.h < zero && s.q >= zero), root_of(s, far));
+    const auto is_outside = s.c > zero, far = s.c < zero || (!is_outside && s.h > zero);
+    return hit_at(!is_outside || (s.h < zero && s.q >= zero), root_of(s, far));
 }
 
-/// First hit of a closed primitive. The ray hits if its line leaves the primitive no earlier than the ray begins: at
-/// the entry, or at the exit if the ray begins behind the entry. A line that meets only the surface, along a cap or a
-/// side, has no inside: a ray that begins behind the entry of such a line begins on the surface.
+/// First hit of a closed primitive. The ray hits if its line does not leave the primitive before the ray begins. The
+/// hit is the entry, or the exit if the ray begins behind the entry. A line that meets only the surface, along a cap or
+/// a side, has no point inside: a ray that begins behind the entry of such a line begins on the surface.
 template <class E, template <class> class Span>
 requires ComparableSpan<Span<E>, E> FirstSpanHit<E> first_span_hit(const Span<E>& s) {
     const auto far = s.enters_to(Start{}).less;
-    FirstSpanHit<E> met = hit_at(s.is_hit() && !s.leaves_to(Start{}).less, end_of(s, far));
-    if constexpr (has_exact_sign<E>) met.t = select(far && !s.is_open(), E(0), met.t);
-    return met;
+    FirstSpanHit<E> first_hit = hit_at(s.is_hit() && !s.leaves_to(Start{}).less, end_of(s, far));
+    if constexpr (has_exact_sign<E>) first_hit.t = select(far && !s.is_open(), E(0), first_hit.t);
+    return first_hit;
 }
 
 template <class E>
@@ -96,9 +97,9 @@ FirstSpanHit<E> first_span_hit(const FlatSpan<E>& s) {
 
 template <class E>
 FirstSpanHit<E> first_span_hit(const WallSpan<E>& s) {
-    const auto ahead = [&s](int i) { return s.crossing(i).closed && !s.order_to(i, Start{}).less; };
-    const auto near = ahead(0);
-    return hit_at(near || ahead(1), root_of(s.primitive.side, !near));
+    const auto is_ahead = [&s](int i) { return s.crossing(i).closed && !s.order_to(i, Start{}).less; };
+    const auto is_first_ahead = is_ahead(0);
+    return hit_at(is_first_ahead || is_ahead(1), root_of(s.primitive.side, !is_first_ahead));
 }
 
 }  // namespace lostbits::intersect::filter

@@ -1,5 +1,5 @@
-// The first meeting of a ray with a surface of degree four: over numbers that prove what they decide, over enclosures,
-// and over numbers without rounding.
+// The first hit of a ray with a surface of degree four: over numbers that prove their decisions, over enclosures, and
+// over numbers without rounding.
 #pragma once
 
 #include "geometry/first_root.hpp"
@@ -9,16 +9,16 @@
 
 namespace lostbits::intersect::filter {
 
-/// Divided by what it has in common with its slope, f is of degree 62 in the inputs where the ray begins:
-/// 62 (1024 + 1074) + 70 < 131072. Balls tell double roots of some numbers, and take seven times as long as two words
-/// with a running bound.
+/// The value where the ray begins, of f divided by its common factor with its slope, is a polynomial of degree 62 in
+/// the inputs: 62 (1024 + 1074) + 70 < 131072. Balls distinguish some double roots that two words with a running bound
+/// do not, and take seven times as long.
 template <class E>
 struct Deciding<QuarticSpan<E>> {
     static constexpr long enough_bits = 131072;
     static constexpr bool tries_running_words = true;
 };
 
-/// The first root as far as the signs along Sturm's chain decide it, and 0 if the ray begins at a root.
+/// The first root, if the signs along Sturm's chain show one, and 0 if the ray begins at a root.
 template <class E>
 FirstSpanHit<E> first_span_hit(const QuarticSpan<E>& s) {
     const QuarticChain<E> chain(s.f);
@@ -34,7 +34,7 @@ concept EnclosesRoots = is_exact<E> && requires(const E& x) {
     largest(x);
 };
 
-/// The first root that does not lie before the beginning of the ray, touched or crossed.
+/// The first root that does not lie before the beginning of the ray; the line touches or crosses the surface there.
 template <EnclosesRoots E>
 FirstSpanHit<E> first_span_hit(const QuarticSpan<E>& s) {
     const E zero(0);
@@ -51,16 +51,16 @@ FirstSpanHit<E> first_span_hit(const QuarticSpan<E>& s) {
     return {Tri::no, E(-1)};
 }
 
-/// True if p > 0 and q² < 4 p r. Then p x² + q x + r is positive and f has no root. For a line far from the surface,
-/// two pairs of complex roots are so close to each other that signs along the chain are not known.
+/// True if p > 0 and q² < 4 p r. Then p x² + q x + r is positive and f has no root. This test is for lines far from the
+/// surface: two pairs of complex roots are then so close to each other that the signs along the chain are not known.
 template <class U>
 mask_t<typename U::P> is_above(const QuarticChain<U>& f) {
     return (f.p > U(0) && U(4) * f.p * f.r > square(f.q)).yes();
 }
 
-/// Finds the first root by the signs along Sturm's chain. A Newton step near the root, with its bound, says how far
-/// away the root can be. One sixteenth further on either side, f has different signs. A miss skips this search, except
-/// while a tape is written, which has the same operations for every ray.
+/// Finds the first root by the signs along Sturm's chain. A Newton step near the root, with its bound, shows how far
+/// away the root can be. At that distance and one sixteenth more, on either side, f has different signs. For a miss
+/// this search is skipped, except while a tape is written, which has the same operations for every ray.
 template <class T>
 FirstSpanHit<number::wide::Proving<T>> first_span_hit(const QuarticSpan<number::wide::Proving<T>>& s) {
     using E = number::wide::Proving<T>;
@@ -70,21 +70,22 @@ FirstSpanHit<number::wide::Proving<T>> first_span_hit(const QuarticSpan<number::
     const auto value_of = [](const E& x) { return U(number::wide::value_of(x.word()), x.radius()); };
     const QuarticChain<U> f(value_of(s.f.c[4]), value_of(s.f.c[2]), value_of(s.f.c[1]), value_of(s.f.c[0]));
     const U b = value_of(s.b);
-    const auto from = changes_in(f.at(b));
-    const auto ahead = roots_between(from, changes_in(f.at_infinity()), f.last);
-    const auto none = ahead.none || is_above(f);
-    const E missed(-1);
+    const auto changes_at_begin = changes_in(f.at(b));
+    const auto roots_ahead = roots_between(changes_at_begin, changes_in(f.at_infinity()), f.last);
+    const auto is_miss = roots_ahead.none || is_above(f);
+    const E miss_t(-1);
     if constexpr (!traces_operations<T>)
-        if (!any_of(!none)) return {typename E::Mask(!none, none), missed};
+        if (!any_of(!is_miss)) return {typename E::Mask(!is_miss, is_miss), miss_t};
     const QuarticChain<T> words(s.f.c[4].word(), s.f.c[2].word(), s.f.c[1].word(), s.f.c[0].word());
     const T x = near_first_root<T>(words, s.b.word(), s.bound.word(), 5);
-    const P at = number::wide::value_of(x);
-    const U step = f.value(U(at)) / f.slope(U(at));
-    const P away = P(17) / P(16) * (abs(step.word()) + step.radius()) + P(4) * number::wide::roundoff_of<P>() * abs(at);
-    const U low(at - away), high(at + away);
-    const auto found = !none && (low > b).yes() && is_first_between(f, from, low, high);
-    const typename E::Mask hit(found, none);
-    return {hit, select(hit, s.time(E(x, away * number::wide::outward_of<P>())), missed)};
+    const P x_value = number::wide::value_of(x);
+    const U step = f.value(U(x_value)) / f.slope(U(x_value));
+    const P distance =
+        P(17) / P(16) * (abs(step.word()) + step.radius()) + P(4) * number::wide::roundoff_of<P>() * abs(x_value);
+    const U low(x_value - distance), high(x_value + distance);
+    const auto is_found = !is_miss && (low > b).yes() && is_first_between(f, changes_at_begin, low, high);
+    const typename E::Mask hit(is_found, is_miss);
+    return {hit, select(hit, s.time(E(x, distance * number::wide::outward_of<P>())), miss_t)};
 }
 
 /// Computes in two words, as the packs of the truth do.

@@ -1,11 +1,11 @@
-// Sphere tracing that moves the point itself, so the rounding errors of all steps add up.
+// Sphere tracing that moves the point itself, so that the rounding errors of all steps add up.
 #pragma once
 
 #include "intersect/sdf/march_loop.hpp"
 
 namespace lostbits::intersect::sdf {
 
-/// p += d·dir in place of p = o + t·dir; the same in exact arithmetic. Reads hit_eps, max_dist, max_steps.
+/// p += d·dir in place of p = o + t·dir; both are the same in exact arithmetic. Uses hit_eps, max_dist, max_steps.
 struct Accumulated {
     static constexpr Info info{.name = "sdf.accumulated",
                                .title = "p += d dir instead of o + t dir",
@@ -25,13 +25,13 @@ struct Accumulated {
             watch(active, t, p, d);
             hit = hit || (active && d < c.hit_eps);
             active = active && !hit;
-            const auto moved = [&](const T& x, const T& direction) { return select(active, x + d * direction, x); };
-            p = Vec<T>(moved(p.x, ray.direction.x), moved(p.y, ray.direction.y), moved(p.z, ray.direction.z));
+            const auto advanced = [&](const T& x, const T& direction) { return select(active, x + d * direction, x); };
+            p = Vec<T>(advanced(p.x, ray.direction.x), advanced(p.y, ray.direction.y), advanced(p.z, ray.direction.z));
             t = select(active, t + d, t);
             watch.stepped(active, t, p);
             active = active && !(t > c.max_dist);
         }
-        return only(hit, t);
+        return single_hit(hit, t);
     }
 };
 

@@ -1,14 +1,14 @@
-// Sphere tracing, then bisection between the last sample outside and a point inside.
+// Sphere tracing, then bisection between the last sample outside the surface and a point inside.
 #pragma once
 
 #include "intersect/sdf/march_loop.hpp"
 
 namespace lostbits::intersect::sdf {
 
-/// After the hit of `sphere_trace`, looks for a point inside at hit_eps, 2 hit_eps, … beyond it, `doublings` times, so
-/// up to 2^7 hit_eps. Then it halves the interval bisect_steps times and answers its middle. If no point inside is
-/// found (a ray that meets the surface at a cosine below 2^-7), t stays as it is. Reads hit_eps, max_dist, max_steps,
-/// bisect_steps.
+/// After the hit of `sphere_trace`, looks for a point inside at hit_eps, 2 hit_eps, … behind the hit, `doublings`
+/// times, so up to 2^7 hit_eps. Then it halves the interval bisect_steps times and returns its middle. If no point
+/// inside is found (a ray that meets the surface at a cosine below 2^-7), t is not changed. Uses hit_eps, max_dist,
+/// max_steps, bisect_steps.
 struct BisectRefined {
     static constexpr Info info{.name = "sdf.bisect_refined",
                                .title = "sphere_trace, then bisection to the root of the field",
@@ -21,23 +21,23 @@ struct BisectRefined {
         constexpr int doublings = 8;
         const T zero(0), two(2);
         const auto m = march(ray, field, c, watch, [&](const T& d, const T&) { return d < c.hit_eps; });
-        auto inside = m.hit && m.d < zero;  // the last step already went through the surface
-        T low = select(inside, m.t_before, m.t);
+        auto is_inside = m.hit && m.d < zero;  // the last step already went through the surface
+        T low = select(is_inside, m.t_before, m.t);
         T high = m.t;
-        T reach = c.hit_eps;
-        for (int i = 0; i < doublings && any_of(m.hit && !inside); ++i) {
-            const auto outside = m.hit && !inside;
-            high = select(outside, m.t + reach, high);
-            inside = inside || (outside && field(along(ray, high)) < zero);
-            reach = reach + reach;
+        T distance = c.hit_eps;
+        for (int i = 0; i < doublings && any_of(m.hit && !is_inside); ++i) {
+            const auto is_outside = m.hit && !is_inside;
+            high = select(is_outside, m.t + distance, high);
+            is_inside = is_inside || (is_outside && field(along(ray, high)) < zero);
+            distance = distance + distance;
         }
-        for (int i = 0; i < c.bisect_steps && any_of(inside); ++i) {
+        for (int i = 0; i < c.bisect_steps && any_of(is_inside); ++i) {
             const T middle = (low + high) / two;
-            const auto beyond = field(along(ray, middle)) < zero;
-            high = select(beyond, middle, high);
-            low = select(beyond, low, middle);
+            const auto is_beyond = field(along(ray, middle)) < zero;
+            high = select(is_beyond, middle, high);
+            low = select(is_beyond, low, middle);
         }
-        return only(m.hit, select(inside, (low + high) / two, m.t));
+        return single_hit(m.hit, select(is_inside, (low + high) / two, m.t));
     }
 };
 

@@ -5,8 +5,8 @@
 
 namespace lostbits::intersect::sdf {
 
-/// A hit if d < cone·t. The answer is the t of the sample before, which was outside the cone. Reads cone,
-/// max_dist, max_steps.
+/// A hit if d < cone·t. The answer is the t of the previous sample, which was outside the cone. Uses cone, max_dist,
+/// max_steps.
 struct ConeEps {
     static constexpr Info info{.name = "sdf.cone_eps",
                                .title = "hit where the field is below cone t; the point before it",
@@ -17,7 +17,7 @@ struct ConeEps {
     template <Number T, class Field, class Watch>
     static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch) {
         const auto m = march(ray, field, c, watch, [&](const T& d, const T& t) { return d < c.cone * t; });
-        return only(m.hit, select(m.hit, m.t_before, m.t));
+        return single_hit(m.hit, select(m.hit, m.t_before, m.t));
     }
 };
 

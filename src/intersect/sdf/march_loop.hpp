@@ -1,4 +1,4 @@
-// The march loop that the sdf forms share.
+// The march loop that the forms for distance fields share.
 #pragma once
 
 #include "geometry/ray.hpp"
@@ -7,9 +7,10 @@
 
 namespace lostbits::intersect::sdf {
 
-/// A watch that does nothing. A watch receives every sample of a march (the position, and whether the march still runs)
-/// and the step after it: the new t and, if the form moves the point itself, the new point. `changed` says that the
-/// form changed more than the position, so the next step from the same position may differ.
+/// A watch that does nothing. A watch receives every sample of a march (t, the point, the field value, and whether the
+/// march still runs), and the step after it: the new t and, if the form moves the point itself, the new point.
+/// `changed` is true if the form changed more than the position, so that the next step from the same position may
+/// differ.
 struct Unwatched {
     template <class M, class T>
     void operator()(const M& /*active*/, const T& /*t*/, const Vec<T>& /*p*/, const T& /*d*/) const {}
@@ -21,9 +22,9 @@ struct Unwatched {
     void stepped(const M& /*active*/, const T& /*t*/, const Vec<T>& /*p*/) const {}
 };
 
-/// The end of a march: its last sample and the one before (t = d = 0 if there was only one).
+/// The last sample of a march and the one before it (t = d = 0 if there was only one).
 template <class T>
-struct Marched {
+struct MarchSamples {
     mask_t<T> hit;
     T t, d;
     T t_before, d_before;
@@ -35,20 +36,21 @@ Vec<T> along(const Ray<T>& ray, const T& t) {
                   ray.origin.z + t * ray.direction.z);
 }
 
-/// Repeats d = field(o + t·dir). If `close(d, t)`, it is a hit; otherwise t += d, and it is a miss once t > max_dist.
-/// Source: SDF Sphere Marching, step 3.
-template <Number T, class Field, class Watch, class Close>
-Marched<T> march(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch, const Close& close) {
+/// Repeats d = field(o + t·dir). If `is_close(d, t)`, the march ends as a hit. Otherwise t += d, and the march ends as
+/// a miss once t > max_dist. Source: SDF Sphere Marching, step 3.
+template <Number T, class Field, class Watch, class IsClose>
+MarchSamples<T> march(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch,
+                      const IsClose& is_close) {
     const T zero(0);
     auto active = zero <= zero;
-    Marched<T> m{!active, zero, zero, zero, zero};
+    MarchSamples<T> m{!active, zero, zero, zero, zero};
     for (int i = 0; i < c.max_steps && any_of(active); ++i) {
         const Vec<T> p = along(ray, m.t);
         const T d = field(p);
         watch(active, m.t, p, d);
         m.d_before = select(active, m.d, m.d_before);
         m.d = select(active, d, m.d);
-        m.hit = m.hit || (active && close(d, m.t));
+        m.hit = m.hit || (active && is_close(d, m.t));
         active = active && !m.hit;
         m.t_before = select(active, m.t, m.t_before);
         m.t = select(active, m.t + d, m.t);
@@ -60,7 +62,7 @@ Marched<T> march(const Ray<T>& ray, const Field& field, const MarchConstants<T>&
 
 /// The answer of a form that yields one intersection: near = far = t.
 template <class T>
-Hit<T> only(const mask_t<T>& hit, const T& t) {
+Hit<T> single_hit(const mask_t<T>& hit, const T& t) {
     return {hit, t, t, t};
 }
 

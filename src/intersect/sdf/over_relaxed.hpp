@@ -1,4 +1,4 @@
-// Sphere tracing with steps longer than the field. A step that turns out too long is undone.
+// Sphere tracing with steps longer than the field value. A step that turns out to be too long is undone.
 #pragma once
 
 #include "intersect/sdf/march_loop.hpp"
@@ -6,8 +6,8 @@
 namespace lostbits::intersect::sdf {
 
 /// Each step is ω·d. If the sphere around the new point does not reach the sphere around the last one (|d| + |d_last| <
-/// step), a surface may lie between them. Then the step is replaced by the safe one, to t_last + d_last, and ω is 1
-/// from there on. It is a hit if d < hit_eps after a step that was not undone. Reads over_relaxation, hit_eps,
+/// step), a surface may lie between them. Then the step is replaced by the safe one, to t_last + d_last, and ω is 1 for
+/// the rest of the march. A hit needs d < hit_eps after a step that is not undone. Uses over_relaxation, hit_eps,
 /// max_dist, max_steps.
 struct OverRelaxed {
     static constexpr Info info{.name = "sdf.over_relaxed",
@@ -27,19 +27,19 @@ struct OverRelaxed {
             const Vec<T> p = along(ray, t);
             const T d = field(p);
             watch(active, t, p, d);
-            const auto parted = omega > one && abs(d) + abs(d_last) < step;
-            hit = hit || (active && !parted && d < c.hit_eps);
+            const auto is_undone = omega > one && abs(d) + abs(d_last) < step;
+            hit = hit || (active && !is_undone && d < c.hit_eps);
             active = active && !hit;
-            omega = select(parted, one, omega);
-            step = select(parted, zero, omega * d);
-            const T next = select(parted, t_last + d_last, t + step);
-            t_last = select(active && !parted, t, t_last);
-            d_last = select(active && !parted, d, d_last);
+            omega = select(is_undone, one, omega);
+            step = select(is_undone, zero, omega * d);
+            const T next = select(is_undone, t_last + d_last, t + step);
+            t_last = select(active && !is_undone, t, t_last);
+            d_last = select(active && !is_undone, d, d_last);
             t = select(active, next, t);
-            watch.stepped(active, t, parted);
+            watch.stepped(active, t, is_undone);
             active = active && !(t > c.max_dist);
         }
-        return only(hit, t);
+        return single_hit(hit, t);
     }
 };
 

@@ -1,11 +1,11 @@
-// Sphere tracing with a threshold that grows with the distance, as the rounding of o + t·dir does.
+// Sphere tracing with a threshold that grows with the distance, like the rounding error of o + t·dir.
 #pragma once
 
 #include "intersect/sdf/march_loop.hpp"
 
 namespace lostbits::intersect::sdf {
 
-/// A hit if d < relative_eps·t. Reads relative_eps, max_dist, max_steps.
+/// A hit if d < relative_eps·t. Uses relative_eps, max_dist, max_steps.
 struct RelativeEps {
     static constexpr Info info{.name = "sdf.relative_eps",
                                .title = "hit where the field is below relative_eps t",
@@ -16,7 +16,7 @@ struct RelativeEps {
     template <Number T, class Field, class Watch>
     static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch) {
         const auto m = march(ray, field, c, watch, [&](const T& d, const T& t) { return d < c.relative_eps * t; });
-        return only(m.hit, m.t);
+        return single_hit(m.hit, m.t);
     }
 };
 

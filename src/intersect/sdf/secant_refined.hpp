@@ -6,7 +6,7 @@
 namespace lostbits::intersect::sdf {
 
 /// After the hit of `sphere_trace`, takes secant_steps steps to t − d·(t − t')/(d − d'). A step is kept only if it
-/// makes |d| smaller: a ray that passes the surface within hit_eps without meeting it has no root. Reads hit_eps,
+/// makes |d| smaller: a ray that passes the surface within hit_eps without meeting it has no root. Uses hit_eps,
 /// max_dist, max_steps, secant_steps.
 struct SecantRefined {
     static constexpr Info info{.name = "sdf.secant_refined",
@@ -20,17 +20,17 @@ struct SecantRefined {
         const auto m = march(ray, field, c, watch, [&](const T& d, const T&) { return d < c.hit_eps; });
         T t = m.t, d = m.d, t_before = m.t_before, d_before = m.d_before;
         for (int i = 0; i < c.secant_steps; ++i) {
-            const auto falls = d_before > d;
-            const T slope = select(falls, d_before - d, T(1));
-            const T next = select(falls, t + d * ((t - t_before) / slope), t);
+            const auto is_falling = d_before > d;
+            const T slope = select(is_falling, d_before - d, T(1));
+            const T next = select(is_falling, t + d * ((t - t_before) / slope), t);
             const T d_next = field(along(ray, next));
-            const auto better = abs(d_next) < abs(d);
-            t_before = select(better, t, t_before);
-            d_before = select(better, d, d_before);
-            t = select(better, next, t);
-            d = select(better, d_next, d);
+            const auto is_better = abs(d_next) < abs(d);
+            t_before = select(is_better, t, t_before);
+            d_before = select(is_better, d, d_before);
+            t = select(is_better, next, t);
+            d = select(is_better, d_next, d);
         }
-        return only(m.hit, t);
+        return single_hit(m.hit, t);
     }
 };
 

@@ -1,4 +1,4 @@
-// The march of SDF Sphere Marching (lesson P0-C1): each step is the value of the field, until that is below an absolute
+// The march of SDF Sphere Marching (lesson P0-C1): each step is the field value, until the value is below an absolute
 // threshold.
 #pragma once
 
@@ -6,8 +6,8 @@
 
 namespace lostbits::intersect::sdf {
 
-/// A hit if d < hit_eps, at the t of that sample. It stops before the surface by up to hit_eps over the cosine of the
-/// angle of incidence. Reads hit_eps, max_dist, max_steps.
+/// A hit if d < hit_eps, at the t of that sample. The march stops before the surface, by up to hit_eps over the cosine
+/// of the angle of incidence. Uses hit_eps, max_dist, max_steps.
 struct SphereTrace {
     static constexpr Info info{.name = "sdf.sphere_trace",
                                .title = "hit where the field is below hit_eps",
@@ -18,7 +18,7 @@ struct SphereTrace {
     template <Number T, class Field, class Watch>
     static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch) {
         const auto m = march(ray, field, c, watch, [&](const T& d, const T&) { return d < c.hit_eps; });
-        return only(m.hit, m.t);
+        return single_hit(m.hit, m.t);
     }
 };
 

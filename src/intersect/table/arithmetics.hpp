@@ -1,4 +1,4 @@
-// The functions of a form in each kind of arithmetic, to which the rows of the table point.
+// The functions of a form in each kind of arithmetic. The rows of the table point to them.
 #pragma once
 
 #include <algorithm>
@@ -24,8 +24,8 @@ void rounded_batch(const FloatFormat& format, const RayBatch<double>& rays, cons
 }
 
 /// The end of a ray without an end, for enclosures, whose arithmetic has no infinity. It lies beyond every t of a ray
-/// and a primitive of doubles, which is less than 2^1026/2^-1074 (lengths over the smallest direction). A `Ball` proves
-/// nothing above 2^1000, so there 2^1000 is enough.
+/// and a primitive of doubles, which is less than 2^1026/2^-1074 (lengths over the smallest direction). For a `Ball`,
+/// 2^1000 is enough, because a `Ball` proves nothing above 2^1000.
 template <class E>
 E unlimited() {
     const E far(0x1p1000);
@@ -39,7 +39,7 @@ Hit<E> enclosed(const Ray<E>& ray, const Target<E>& target) {
     return intersect_target<Form>(ray, target, unlimited<E>(), unwatched);
 }
 
-/// The inputs of one evaluation in T, in the order in which a tape has them.
+/// The inputs of one evaluation in T, in their order on a tape.
 template <class T>
 struct LiftedInputs {
     Ray<T> ray;
@@ -47,10 +47,10 @@ struct LiftedInputs {
     T tmax;
 
     template <class S>
-    LiftedInputs(const Ray<S>& r, const Target<S>& aim, S end)
+    LiftedInputs(const Ray<S>& r, const Target<S>& source, S end)
         : ray{{lift(r.origin.x), lift(r.origin.y), lift(r.origin.z)},
               {lift(r.direction.x), lift(r.direction.y), lift(r.direction.z)}},
-          target(aim, [](S x) { return lift(x); }),
+          target(source, [](S x) { return lift(x); }),
           tmax(lift(end)) {}
     template <class S>
     static T lift(S x) {
@@ -60,10 +60,10 @@ struct LiftedInputs {
 
 template <class Form, class T>
 MarchLog logged(const Ray<double>& ray, const Target<double>& target) {
-    const LiftedInputs<T> in(ray, target, 0.0);
+    const LiftedInputs<T> inputs(ray, target, 0.0);
     StepLog<T> log;
-    const Hit<T> hit = intersect_target<Form>(in.ray, in.target.get(), in.tmax, log);
-    const Stop stop = log.stop(hit, *in.target.get().march);
+    const Hit<T> hit = intersect_target<Form>(inputs.ray, inputs.target.get(), inputs.tmax, log);
+    const Stop stop = log.stop(hit, *inputs.target.get().march);
     return {log.take(), {hit.hit, as_double(hit.t), as_double(hit.near), as_double(hit.far)}, stop};
 }
 
@@ -86,20 +86,20 @@ struct SampleMarks : sdf::Unwatched {
     }
 };
 
-/// A form over `Recorded`: the same function for every recorder and format.
+/// A form over `Recorded`: the same function serves every recorder and format.
 using EvaluateRecorded = EvaluateTarget<Recorded, SampleMarks>;
 template <class Form>
 inline constexpr EvaluateRecorded evaluate_recorded = intersect_target<Form>;
 
-/// The answer of `ask`. The thread's recorder takes the inputs in the order of `input_names`.
+/// Evaluates a form over `Recorded`. The thread's recorder receives the inputs in the order of `input_names`.
 inline Hit<Recorded> recorded_hit(EvaluateRecorded evaluate, const Ray<double>& ray, const Target<double>& target,
                                   double tmax) {
-    const LiftedInputs<Recorded> in(ray, target, tmax);
+    const LiftedInputs<Recorded> inputs(ray, target, tmax);
     SampleMarks marks;
-    return evaluate(in.ray, in.target.get(), in.tmax, marks, 0);
+    return evaluate(inputs.ray, inputs.target.get(), inputs.tmax, marks, 0);
 }
 
-/// Appends the operations of `ask()`, which runs over `Recorded`, to the tape.
+/// Appends the operations of `evaluate()`, which runs over `Recorded`, to the tape.
 template <class Evaluate>
 void taped_by(const Evaluate& evaluate, const FloatFormat& format, Tape& tape) {
     number::recorders::TapeRecorder recorder(tape, format);
@@ -123,20 +123,20 @@ void record_of(const Format& format, const Ray<double>& ray, const Target<double
     record_by(evaluate_recorded<Form>, format, ray, target, tmax, tape);
 }
 
-/// Records all operations that the form has. A march is cut to 3 samples and 2 steps of each refinement: any further
-/// ones repeat the same operations.
+/// Records all operations that the form has. A march is cut to 3 samples and 2 steps of each refinement, because
+/// further ones repeat the same operations.
 inline void record_all_by(EvaluateRecorded evaluate, const Target<double>& target, Tape& tape) {
-    const Ray<double> any{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)};
+    const Ray<double> sample_ray{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)};
     tape.clear();
     tape.every_loop = true;
     if (target.march) {
-        MarchConstants<double> few = *target.march;
-        few.max_steps = 3;
-        few.secant_steps = std::min(few.secant_steps, 2);
-        few.bisect_steps = std::min(few.bisect_steps, 2);
-        evaluate_on(evaluate, tape, binary32, any, Target<double>(target.primitives, few), HUGE_VAL);
+        MarchConstants<double> shortened = *target.march;
+        shortened.max_steps = 3;
+        shortened.secant_steps = std::min(shortened.secant_steps, 2);
+        shortened.bisect_steps = std::min(shortened.bisect_steps, 2);
+        evaluate_on(evaluate, tape, binary32, sample_ray, Target<double>(target.primitives, shortened), HUGE_VAL);
     } else {
-        evaluate_on(evaluate, tape, binary32, any, target, HUGE_VAL);
+        evaluate_on(evaluate, tape, binary32, sample_ray, target, HUGE_VAL);
     }
     tape.every_loop = false;
 }
@@ -146,7 +146,8 @@ void record_all_of(const Target<double>& target, Tape& tape) {
     record_all_by(evaluate_recorded<Form>, target, tape);
 }
 
-/// The answer of `ask()`, which runs over `Recorded`, with the bounds that its recorder computes.
+/// The answer of `evaluate()`, which runs over `Recorded`, with the bounds that its recorder computes. Returns nothing
+/// for formats other than binary32 and binary64.
 template <class Evaluate>
 std::optional<BoundedAnswer> bounded_by(const Evaluate& evaluate, const Format& format) {
     if (format.engine == Format::Engine::rounded) return std::nullopt;
@@ -162,7 +163,7 @@ std::optional<BoundedAnswer> bounded_of(const Format& format, const Ray<double>&
     return bounded_by([&] { return recorded_hit(evaluate_recorded<Form>, ray, target, tmax); }, format);
 }
 
-/// True if the form filters: it takes a watch that hears of wider arithmetic.
+/// True if the form filters: it takes a watch, which is called with each wider arithmetic.
 template <class Form>
 inline constexpr bool filters = [] {
     if constexpr (marches<Form>) return false;
@@ -178,9 +179,10 @@ inline constexpr bool filters = [] {
         });
 }();
 
-/// True if the form does the same operations for every ray and in every arithmetic, so that its recording stands for
-/// it (`WrittenForm`). Marches have loops, and so have forms that state `has_loops`. Filters go on where a bound proves
-/// nothing. A form that states `exact_is_apart` does other operations in numbers that stand for exact arithmetic.
+/// True if the form performs the same operations for every ray and in every arithmetic, so that its recording can
+/// replace it (`WrittenForm`). Marches have loops, and so have forms that state `has_loops`. Filters continue in wider
+/// arithmetic if a bound proves nothing. A form that states `exact_is_apart` performs other operations in numbers that
+/// stand for exact arithmetic.
 template <class Form>
 inline constexpr bool is_one_program = !marches<Form> && !filters<Form> && !requires {
     Form::exact_is_apart;
@@ -191,22 +193,22 @@ template <class Form>
 FilterArithmetic filter_arithmetic_of(const Format& format, const Ray<double>& ray, const Target<double>& target,
                                       double tmax) {
     return with_number(format, [&]<class T>() {
-        const LiftedInputs<T> in(ray, target, tmax);
-        const Primitive<T>& primitive = in.target.get().primitives.front();
+        const LiftedInputs<T> inputs(ray, target, tmax);
+        const Primitive<T>& primitive = inputs.target.get().primitives.front();
         ArithmeticWatch watch;
         Primitives::of_shape<shape_of<Form>>([&]<template <class> class S>() {
-            static_cast<void>(intersect_primitive<Form>(in.ray, primitive.template as<S>(), in.tmax, watch));
+            static_cast<void>(intersect_primitive<Form>(inputs.ray, primitive.template as<S>(), inputs.tmax, watch));
         });
         return watch.widest;
     });
 }
 
-/// Counts the operations of `ask(ray, target, tmax)` in binary32.
+/// Counts the operations of `evaluate(ray, target, tmax)` in binary32.
 template <class Evaluate>
 OperationCounts counted_by(const Evaluate& evaluate, const Ray<float>& ray, const Target<float>& target, float tmax) {
-    const LiftedInputs<Counted<float>> in(ray, target, tmax);
+    const LiftedInputs<Counted<float>> inputs(ray, target, tmax);
     operation_counts() = {};
-    static_cast<void>(evaluate(in.ray, in.target.get(), in.tmax));
+    static_cast<void>(evaluate(inputs.ray, inputs.target.get(), inputs.tmax));
     return operation_counts();
 }
 

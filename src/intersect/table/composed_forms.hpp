@@ -1,4 +1,4 @@
-// Rows made of other rows at run time. Each is made once and kept.
+// Rows composed of other rows at run time. Each row is created once and kept.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace lostbits::intersect::table {
 
-/// The rows by their parts, a tuple of pointers. Rows do not move in memory; several threads may call.
+/// The rows by their parts, a tuple of pointers. Rows do not move in memory. Several threads may call the functions.
 template <class Parts>
 class ComposedForms {
 public:
@@ -20,29 +20,29 @@ public:
         Info info;
         Intersector row;
 
-        /// Takes the contract of `like`, but keeps its own name, title and source.
-        void take_contract(const Info& like) {
-            info = like;
+        /// Copies the contract, but keeps this row's own name, title and source.
+        void take_contract(const Info& contract) {
+            info = contract;
             info.name = name, info.title = title, info.source = source;
         }
     };
 
-    /// The row with these parts. If it is new, calls `fill(Made&)`; `parts` is set before.
+    /// Returns the row with these parts. If it is new, calls `fill(Made&)` after `parts` is set.
     template <class Fill>
     const Intersector& row_of(const Parts& parts, const Fill& fill) {
         const std::lock_guard lock(mutex_);
-        const auto known = std::ranges::find(rows_, parts, &Made::parts);
-        if (known != rows_.end()) return known->row;
-        Made& made = rows_.emplace_back();
-        made.parts = parts;
-        fill(made);
-        return made.row;
+        const auto found = std::ranges::find(rows_, parts, &Made::parts);
+        if (found != rows_.end()) return found->row;
+        Made& composed = rows_.emplace_back();
+        composed.parts = parts;
+        fill(composed);
+        return composed.row;
     }
-    /// The parts of a row; nulls if it was not made here.
+    /// The parts of a row; null pointers if this object did not create the row.
     Parts parts_of(const Intersector& row) {
         const std::lock_guard lock(mutex_);
-        const auto known = std::ranges::find_if(rows_, [&row](const Made& made) { return &made.row == &row; });
-        return known == rows_.end() ? Parts{} : known->parts;
+        const auto found = std::ranges::find_if(rows_, [&row](const Made& composed) { return &composed.row == &row; });
+        return found == rows_.end() ? Parts{} : found->parts;
     }
 
 private:

@@ -10,14 +10,14 @@
 
 namespace lostbits::intersect::table {
 
-/// True if the form answers for the whole primitive, including its interior: from inside, t = 0.
+/// True if the form counts the whole primitive, including its interior: t = 0 for a ray from inside.
 constexpr bool is_met_inside(const Info& info, Shape shape) {
     return info.inside == Inside::zero || (info.inside == Inside::usual && inside_returns_zero(shape));
 }
 
-/// The range with which a form's answers are compared. It is all that lies ahead for a form that yields no t, and for
-/// one that takes the range itself: if its t lies beyond, that is its error and is shown as one. A form that takes the
-/// end of the ray has compared with it already, unless the end is open.
+/// The range with which a form's answers are compared. It is the whole ray for a form that yields no t, and for a form
+/// that takes the range itself: if the t of such a form lies outside the range, that is an error of the form and must
+/// be shown. A form that takes the end of the ray has already compared its t with that end, unless the end is open.
 template <class S>
 Range<S> range_to_ask(const Info& info, Shape shape, Range<S> range) {
     if (info.roots == Roots::none || info.ranged) return {};
@@ -25,55 +25,60 @@ Range<S> range_to_ask(const Info& info, Shape shape, Range<S> range) {
     return range;
 }
 
-/// The answer of a form in the range of its ray, over any number, so that a tape has these decisions as operations.
-/// `tmin` and `tmax` are the ends of `range`, which is not all that lies ahead.
+/// Limits the answer of a form to the range of its ray, over any number type, so that a tape has these decisions as
+/// operations. `tmin` and `tmax` are the ends of `range`, which is not the whole ray.
 ///
-/// - A form of surfaces that yields both roots: the first root in the range, which may be the far one.
-/// - A form that yields one root: that root, or a miss if it is not in the range, as in a renderer that asks so.
-/// - A form that answers for the interior and yields near and far: the later of tmin and near, if the range and
-///   [near, far] have a t in common. Slabs that start with tmin in place of 0 give the same.
+/// - A form of surfaces that yields both roots: the answer is the first root in the range, which may be the far one.
+/// - A form that yields one root: the answer is that root, or a miss if it is not in the range, as in a renderer that
+/// uses such a form.
+/// - A form that counts the interior and yields near and far: the answer is the later of tmin and near, if the range
+/// and [near, far] have a t in common. Slabs that start with tmin in place of 0 give the same answer.
 /// - If a touch is a miss by the contract, an entry at the end of the ray is a miss too. A form with roots = first is
-///   excepted: it does not say whether its root is an entry.
-/// - A hit at NaN stays a hit, so that it is shown as one.
+/// an exception, because it does not say whether its root is an entry.
+/// - A hit at NaN stays a hit, so that the NaN is visible.
 template <class T, class S>
 Hit<T> in_range(const Info& info, Shape shape, const Range<S>& range, const T& tmin, const T& tmax,
-                const Hit<T>& said) {
+                const Hit<T>& answer) {
     if (!range.holds_any()) {
         const bool both_closed = !range.open.tmin && !range.open.tmax && !std::isinf(range.tmin);
         const auto in_order = both_closed ? tmin <= tmax : tmin < tmax;
-        return {said.hit && tmin >= T(0) && in_order, said.t, said.near, said.far};
+        return {answer.hit && tmin >= T(0) && in_order, answer.t, answer.near, answer.far};
     }
-    const bool both = info.roots == Roots::both, inside_counts = is_met_inside(info, shape);
-    const auto before = [&](const T& t) { return range.open.tmin ? t <= tmin : t < tmin; };
-    const auto is_behind = before(said.t);
-    auto counts = !is_behind;
-    T t = said.t;
-    if (both) {
-        const bool joins = !range.open.tmin && info.touching == Touching::hit;
-        counts = counts || (!inside_counts ? !before(said.far) : joins ? said.far >= tmin : said.far > tmin);
-        t = named("t_in_range", select(is_behind, inside_counts ? tmin : said.far, said.t));
+    const bool has_both_roots = info.roots == Roots::both, inside_counts = is_met_inside(info, shape);
+    const auto precedes_range = [&](const T& t) { return range.open.tmin ? t <= tmin : t < tmin; };
+    const auto is_t_before_range = precedes_range(answer.t);
+    auto is_in_range = !is_t_before_range;
+    T t = answer.t;
+    if (has_both_roots) {
+        const bool is_tmin_closed = !range.open.tmin && info.touching == Touching::hit;
+        is_in_range = is_in_range || (!inside_counts   ? !precedes_range(answer.far)
+                                      : is_tmin_closed ? answer.far >= tmin
+                                                       : answer.far > tmin);
+        t = named("t_in_range", select(is_t_before_range, inside_counts ? tmin : answer.far, answer.t));
     }
-    auto in = said.hit && counts;
-    // A ray without an end also reaches a root that overflows to infinity.
-    if (range.tmax == std::numeric_limits<S>::infinity()) return {in, t, said.near, said.far};
-    in = in && !(range.open.tmax ? t >= tmax : t > tmax);
+    auto is_hit = answer.hit && is_in_range;
+    // The range of a ray without an end includes a root that overflows to infinity.
+    if (range.tmax == std::numeric_limits<S>::infinity()) return {is_hit, t, answer.near, answer.far};
+    is_hit = is_hit && !(range.open.tmax ? t >= tmax : t > tmax);
     const bool open_inside = info.touching == Touching::miss && has_inside(shape);
-    if (open_inside && both) in = in && !(said.near <= tmax && said.near >= tmax && said.near < said.far);
-    else if (open_inside && info.roots == Roots::near_only) in = in && !(said.near <= tmax && said.near >= tmax);
-    return {in, t, said.near, said.far};
+    if (open_inside && has_both_roots)
+        is_hit = is_hit && !(answer.near <= tmax && answer.near >= tmax && answer.near < answer.far);
+    else if (open_inside && info.roots == Roots::near_only)
+        is_hit = is_hit && !(answer.near <= tmax && answer.near >= tmax);
+    return {is_hit, t, answer.near, answer.far};
 }
 
-/// Limits the answers of a batch to the ranges of its rays. The comparisons are in the format.
+/// Limits the answers of a batch to the ranges of its rays, with comparisons in the format.
 template <class S>
 void keep_in_range(const Info& info, Shape shape, const RayBatch<S>& rays, const HitBatch<S>& hits) {
     if (!rays.have_ranges()) return;
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Range<S> range = range_to_ask(info, shape, rays.range(i));
         if (hits.hit[i] == 0 || range.is_whole()) continue;
-        const Hit<S> said{true, hits.t[i], hits.near[i], hits.far[i]};
-        const Hit<S> kept = in_range(info, shape, range, range.tmin, range.tmax, said);
-        hits.hit[i] = kept.hit;
-        hits.t[i] = kept.t;
+        const Hit<S> answer{true, hits.t[i], hits.near[i], hits.far[i]};
+        const Hit<S> limited = in_range(info, shape, range, range.tmin, range.tmax, answer);
+        hits.hit[i] = limited.hit;
+        hits.t[i] = limited.t;
     }
 }
 

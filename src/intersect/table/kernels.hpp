@@ -1,4 +1,4 @@
-// The loops around `Form::intersect` that make a row of a form, once for all forms.
+// The loops around `Form::intersect` that make the functions of a table row from a form, once for all forms.
 #pragma once
 
 #include <concepts>
@@ -14,15 +14,18 @@
 
 namespace lostbits::intersect::table {
 
-/// Calls `Form::intersect` on primitive `which` of a target, or on all of them if the form marches. `tmax` is passed to
-/// forms that take the end of a ray, `watch` to forms that march.
+/// Calls `Form::intersect` on the primitive with index `primitive_index` of a target, or on all primitives if the form
+/// marches. `tmax` is passed to forms that take the end of a ray, `watch` to forms that march.
 template <class Form, class T, class Watch>
 Hit<T> intersect_target(const Ray<T>& ray, const Target<T>& target, const T& tmax, Watch& watch,
-                        std::size_t which = 0) {
+                        std::size_t primitive_index = 0) {
     if constexpr (marches<Form>) return Form::intersect(ray, Union<T>(target.primitives), *target.march, watch);
     else
         return intersect_numbers<Form>(
-            ray, [&primitive = target.primitives[which]](std::size_t k) -> const T& { return primitive.numbers[k]; },
+            ray,
+            [&primitive = target.primitives[primitive_index]](std::size_t k) -> const T& {
+                return primitive.numbers[k];
+            },
             tmax);
 }
 
@@ -30,36 +33,38 @@ Hit<T> intersect_target(const Ray<T>& ray, const Target<T>& target, const T& tma
 template <class T, class Watch>
 using EvaluateTarget = Hit<T> (*)(const Ray<T>&, const Target<T>&, const T&, Watch&, std::size_t);
 
-/// Runs a form over a batch in T, which holds the stored numbers exactly or rounded once to a narrower format. `ask` is
-/// the `intersect_target` of the form; `marches` says whether the form marches.
+/// Runs a form over a batch in T, which holds the stored numbers exactly or rounded once to a narrower format.
+/// `evaluate` is the `intersect_target` of the form; `marches` is true if the form marches.
 template <class T, class S, class Evaluate, class Marches>
 void intersect_batch(const Evaluate& evaluate, Marches marches, const RayBatch<S>& rays, const Target<S>& target,
                      const HitBatch<S>& hits) {
-    const auto drop = [](const T& x) {
+    const auto to_stored = [](const T& x) {
         if constexpr (std::same_as<T, S>) return x;
         else return as_double(x);
     };
     const auto vec = [](S x, S y, S z) { return Vec<T>(T(x), T(y), T(z)); };
     const LiftedTarget<T> lifted(target, [](S x) { return T(x); });
-    const Target<T> aim = lifted.get();
-    const std::size_t step = aim.primitives.size() == 1 ? 0 : 1;
+    const Target<T> converted = lifted.get();
+    const std::size_t stride = converted.primitives.size() == 1 ? 0 : 1;
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray<T> ray{vec(rays.ox[i], rays.oy[i], rays.oz[i]), vec(rays.dx[i], rays.dy[i], rays.dz[i])};
         const T tmax(rays.tmax.empty() ? std::numeric_limits<S>::infinity() : rays.tmax[i]);
         Tally<T> tally;
-        const Hit<T> hit = evaluate(ray, aim, tmax, tally, i * step);
+        const Hit<T> hit = evaluate(ray, converted, tmax, tally, i * stride);
         hits.hit[i] = hit.hit;
-        hits.t[i] = drop(hit.t);
-        hits.near[i] = drop(hit.near);
-        hits.far[i] = drop(hit.far);
-        if (marches && !hits.march.empty()) hits.march[i] = tally.record(hit, *aim.march, drop);
+        hits.t[i] = to_stored(hit.t);
+        hits.near[i] = to_stored(hit.near);
+        hits.far[i] = to_stored(hit.far);
+        if (marches && !hits.march.empty()) hits.march[i] = tally.record(hit, *converted.march, to_stored);
     }
 }
 
 template <class Form, class T>
 void native_batch(const RayBatch<T>& rays, const Target<T>& target, const HitBatch<T>& hits) {
-    const auto evaluate = [](const Ray<T>& ray, const Target<T>& aim, const T& tmax, Tally<T>& tally,
-                             std::size_t which) { return intersect_target<Form>(ray, aim, tmax, tally, which); };
+    const auto evaluate = [](const Ray<T>& ray, const Target<T>& single_target, const T& tmax, Tally<T>& tally,
+                             std::size_t primitive_index) {
+        return intersect_target<Form>(ray, single_target, tmax, tally, primitive_index);
+    };
     intersect_batch<T>(evaluate, std::bool_constant<marches<Form>>(), rays, target, hits);
 }
 

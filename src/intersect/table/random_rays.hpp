@@ -1,5 +1,5 @@
-// Random rays at random primitives of a shape, and the answers of a row for them: two rows that compute the same give
-// the same bits.
+// Random rays at random primitives of a shape, and the answers of a row for them. Two rows with the same operations
+// give the same bits.
 #pragma once
 
 #include <array>
@@ -14,13 +14,13 @@
 
 namespace lostbits::intersect::table {
 
-/// The answers for all rays.
+/// The answers of a row for all rays.
 template <class S>
 struct RowAnswers {
     std::array<std::vector<S>, 3> numbers;  ///< t, near, far
     std::vector<std::uint8_t> hit;
 
-    /// True if both answers have the same bits. All misses are the same, and so are all NaNs.
+    /// True if both answers have the same bits. All misses count as the same, and so do all NaNs.
     static bool are_same(bool a_hits, S a, bool b_hits, S b) {
         if (a_hits != b_hits) return false;
         return !a_hits || (a == b && std::signbit(a) == std::signbit(b)) || (std::isnan(a) && std::isnan(b));
@@ -31,8 +31,8 @@ struct RowAnswers {
     }
 };
 
-/// The same rays on every machine. Every second one goes near the first point of its primitive. Origins are up to 2048
-/// away. Directions are of unit length, or shorter than that of the way to the primitive.
+/// The same rays on every machine. Every second ray goes near the first point of its primitive. Origins are up to 2048
+/// away. Directions have unit length, or are shorter than the distance to the primitive.
 template <class S>
 class RandomRays {
 public:
@@ -42,15 +42,15 @@ public:
         for (std::size_t i = 0; i < count; ++i) {
             Primitive<S> primitive(shape);
             const double scale = std::ldexp(1.0, static_cast<int>(random() % 12));
-            std::size_t at = 0;
+            std::size_t index = 0;
             for (const Key& key : row_of(shape).keys)
-                for (std::size_t k = 0; k < key.count(); ++k, ++at) {
+                for (std::size_t k = 0; k < key.count(); ++k, ++index) {
                     double x = key.is_length() ? std::fabs(uniform()) + 0x1p-10 : 2 * uniform();
                     if (key.limit == Key::Limit::at_least_before)
-                        x = static_cast<double>(primitive.numbers[at - 3]) + std::fabs(x);
+                        x = static_cast<double>(primitive.numbers[index - 3]) + std::fabs(x);
                     if (key.limit == Key::Limit::non_negative_below_previous)
-                        x = static_cast<double>(primitive.numbers[at - 1]) * 0.5 * x;
-                    primitive.numbers[at] = static_cast<S>(x);
+                        x = static_cast<double>(primitive.numbers[index - 1]) * 0.5 * x;
+                    primitive.numbers[index] = static_cast<S>(x);
                 }
             std::array<double, 3> d{};
             for (std::size_t k = 0; k < 3; ++k) {
@@ -68,20 +68,20 @@ public:
 
     [[nodiscard]] std::size_t size() const { return primitives_.size(); }
     [[nodiscard]] std::span<const S> numbers(std::size_t ray) const { return primitives_[ray].used(); }
-    /// Input k of a tape: origin, direction, numbers of the primitive, and the end of the ray, which has none.
+    /// Input k of a tape: origin, direction, numbers of the primitive, and the end of the ray, which is infinite.
     [[nodiscard]] S input(std::size_t ray, std::size_t k) const {
         if (k < 6) return columns_[k][ray];
         return k - 6 < numbers(ray).size() ? numbers(ray)[k - 6] : std::numeric_limits<S>::infinity();
     }
 
     [[nodiscard]] RowAnswers<S> answers(const Kernel<S>& row) const {
-        RowAnswers<S> all;
-        for (auto& column : all.numbers) column.resize(size());
-        all.hit.resize(size());
+        RowAnswers<S> result;
+        for (auto& column : result.numbers) column.resize(size());
+        result.hit.resize(size());
         row({columns_[0], columns_[1], columns_[2], columns_[3], columns_[4], columns_[5]},
             Target<S>(std::span<const Primitive<S>>(primitives_)),
-            {all.numbers[0], all.numbers[1], all.numbers[2], all.hit});
-        return all;
+            {result.numbers[0], result.numbers[1], result.numbers[2], result.hit});
+        return result;
     }
 
 private:

@@ -1,4 +1,5 @@
-// The two translation units that fill the table: functions over batches, and functions for a single ray.
+// The functions that fill the table, each in its own translation unit: functions over batches, and functions for a
+// single ray.
 #pragma once
 
 #include "intersect/catalogue.hpp"

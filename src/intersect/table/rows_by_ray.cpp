@@ -10,40 +10,42 @@ namespace lostbits::intersect::table {
 
 namespace {
 
-const EvaluateRecorded& asked(void* own) { return *static_cast<const EvaluateRecorded*>(own); }
+const EvaluateRecorded& evaluator_of(void* context) { return *static_cast<const EvaluateRecorded*>(context); }
 
-void record_asked(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,
-                  Tape& tape) {
-    record_by(asked(own), format, ray, target, tmax, tape);
+void record_with(void* context, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,
+                 Tape& tape) {
+    record_by(evaluator_of(context), format, ray, target, tmax, tape);
 }
 
-void record_all_asked(void* own, const Target<double>& target, Tape& tape) { record_all_by(asked(own), target, tape); }
+void record_all_with(void* context, const Target<double>& target, Tape& tape) {
+    record_all_by(evaluator_of(context), target, tape);
+}
 
-std::optional<BoundedAnswer> bounded_asked(void* own, const Format& format, const Ray<double>& ray,
-                                           const Target<double>& target, double tmax) {
-    return bounded_by([&] { return recorded_hit(asked(own), ray, target, tmax); }, format);
+std::optional<BoundedAnswer> bounded_with(void* context, const Format& format, const Ray<double>& ray,
+                                          const Target<double>& target, double tmax) {
+    return bounded_by([&] { return recorded_hit(evaluator_of(context), ray, target, tmax); }, format);
 }
 
 }  // namespace
 
 void fill_by_ray(std::span<Intersector> rows) {
-    static std::deque<WrittenForm> recorded;  // rows point into it
+    static std::deque<WrittenForm> written_forms;  // rows point to its elements
     std::size_t i = 0;
     for_each_form([&]<class Form>() {
         Intersector& row = rows[i++];
-        const EvaluateRecorded* const ask = &evaluate_recorded<Form>;
-        row.record = {record_asked, const_cast<EvaluateRecorded*>(ask)};
-        row.record_all = {record_all_asked, const_cast<EvaluateRecorded*>(ask)};
-        row.bounded = {bounded_asked, const_cast<EvaluateRecorded*>(ask)};
+        const EvaluateRecorded* const evaluator = &evaluate_recorded<Form>;
+        row.record = {record_with, const_cast<EvaluateRecorded*>(evaluator)};
+        row.record_all = {record_all_with, const_cast<EvaluateRecorded*>(evaluator)};
+        row.bounded = {bounded_with, const_cast<EvaluateRecorded*>(evaluator)};
         if constexpr (is_one_program<Form>) {
-            recorded.emplace_back(row).fill_arithmetics(row);
+            written_forms.emplace_back(row).fill_arithmetics(row);
             if (Form::info.formats != Formats::all) row.rounded = nullptr;
         } else {
             if constexpr (Form::info.formats == Formats::all) row.rounded = rounded_batch<Form>;
             row.ball = enclosed<Form, Ball>;
             row.interval = enclosed<Form, Interval>;
         }
-        row.count = count_of<Form>;  // as it runs: `a || b` on one ray does not compare b where a is true
+        row.count = count_of<Form>;  // counted in the form itself: `a || b` on one ray does not evaluate b if a is true
         if constexpr (filters<Form>) row.filter_arithmetic = filter_arithmetic_of<Form>;
         if constexpr (marches<Form>) row.log = log_of<Form>;
     });

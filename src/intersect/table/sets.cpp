@@ -10,8 +10,8 @@ namespace lostbits::intersect::table {
 
 namespace {
 
-/// A set, and the data that its row points to.
-struct Made {
+/// A set of forms, and the data that its row points to.
+struct FormSet {
     std::vector<const Intersector*> parts;
     std::string name, title, source;
     /// Indexed as `Info::by_shape`, then by shape.
@@ -25,41 +25,43 @@ Shape shape_of_target(const Target<S>& target) {
     return target.primitives.front().shape;
 }
 
-/// The shape that a call of one of the row's functions is about: that of the target among its arguments.
+/// The shape of the target among the arguments of one of the row's functions.
 template <class First, class... Rest>
-Shape asked_shape(const First& first, const Rest&... rest) {
+Shape shape_of_arguments(const First& first, const Rest&... rest) {
     if constexpr (requires { shape_of_target(first); }) return shape_of_target(first);
-    else return asked_shape(rest...);
+    else return shape_of_arguments(rest...);
 }
 
-/// Sets the function `Which` of the set's row, if every form of the set has it: it calls that of the form for the
-/// target's shape.
-template <auto Which, class R, class... A>
-void pass_on(Made& set, Function<R(A...)> Intersector::*) {
-    if (!std::ranges::all_of(set.parts, [](const Intersector* part) { return static_cast<bool>(part->*Which); }))
+/// Sets the function `member` of the set's row, if every form of the set has it. The function calls that of the form
+/// for the target's shape.
+template <auto member, class R, class... A>
+void forward_if_all_have(FormSet& set, Function<R(A...)> Intersector::*) {
+    if (!std::ranges::all_of(set.parts, [](const Intersector* part) { return static_cast<bool>(part->*member); }))
         return;
-    set.row.*Which = {
-        [](void* own, A... a) -> R { return (static_cast<Intersector*>(own)->of(asked_shape(a...)).*Which)(a...); },
-        &set.row};
+    set.row.*member = {[](void* context, A... a) -> R {
+                           return (static_cast<Intersector*>(context)->of(shape_of_arguments(a...)).*member)(a...);
+                       },
+                       &set.row};
 }
 
-/// The way of the form for the target's shape. A form that does not filter settles every ray in its own arithmetic.
-FilterArithmetic filter_arithmetic_of_part(void* own, const Format& format, const Ray<double>& ray,
+/// The arithmetic of the form for the target's shape. A form that does not filter decides every ray in its own
+/// arithmetic.
+FilterArithmetic filter_arithmetic_of_part(void* context, const Format& format, const Ray<double>& ray,
                                            const Target<double>& target, double tmax) {
-    const Intersector& form = static_cast<Intersector*>(own)->of(shape_of_target(target));
+    const Intersector& form = static_cast<Intersector*>(context)->of(shape_of_target(target));
     return form.filter_arithmetic ? form.filter_arithmetic(format, ray, target, tmax) : FilterArithmetic::own;
 }
 
-void forward_all(Made& set) {
-    pass_on<&Intersector::native32>(set, &Intersector::native32);
-    pass_on<&Intersector::native64>(set, &Intersector::native64);
-    pass_on<&Intersector::rounded>(set, &Intersector::rounded);
-    pass_on<&Intersector::ball>(set, &Intersector::ball);
-    pass_on<&Intersector::interval>(set, &Intersector::interval);
-    pass_on<&Intersector::record>(set, &Intersector::record);
-    pass_on<&Intersector::record_all>(set, &Intersector::record_all);
-    pass_on<&Intersector::count>(set, &Intersector::count);
-    pass_on<&Intersector::bounded>(set, &Intersector::bounded);
+void forward_all(FormSet& set) {
+    forward_if_all_have<&Intersector::native32>(set, &Intersector::native32);
+    forward_if_all_have<&Intersector::native64>(set, &Intersector::native64);
+    forward_if_all_have<&Intersector::rounded>(set, &Intersector::rounded);
+    forward_if_all_have<&Intersector::ball>(set, &Intersector::ball);
+    forward_if_all_have<&Intersector::interval>(set, &Intersector::interval);
+    forward_if_all_have<&Intersector::record>(set, &Intersector::record);
+    forward_if_all_have<&Intersector::record_all>(set, &Intersector::record_all);
+    forward_if_all_have<&Intersector::count>(set, &Intersector::count);
+    forward_if_all_have<&Intersector::bounded>(set, &Intersector::bounded);
     if (std::ranges::any_of(set.parts,
                             [](const Intersector* part) { return static_cast<bool>(part->filter_arithmetic); }))
         set.row.filter_arithmetic = {filter_arithmetic_of_part, &set.row};
@@ -67,33 +69,33 @@ void forward_all(Made& set) {
 
 /// The value of `member` if all forms of the set agree on it, else `otherwise`.
 template <class T>
-T common(const Made& set, T Info::*member, T otherwise) {
+T common(const FormSet& set, T Info::*member, T otherwise) {
     const T first = set.parts.front()->info->*member;
-    const auto same = [&](const Intersector* part) { return part->info->*member == first; };
-    return std::ranges::all_of(set.parts, same) ? first : otherwise;
+    const auto has_common_value = [&](const Intersector* part) { return part->info->*member == first; };
+    return std::ranges::all_of(set.parts, has_common_value) ? first : otherwise;
 }
 
-bool any_is(const Made& set, Roots roots) {
+bool any_yields(const FormSet& set, Roots roots) {
     return std::ranges::any_of(set.parts, [roots](const Intersector* part) { return part->info->roots == roots; });
 }
 
-void fill_conventions(Made& set) {
-    constexpr std::array<std::optional<Touching>, 3> judged{std::nullopt, Touching::hit, Touching::miss};
-    for (std::size_t j = 0; j < judged.size(); ++j) {
-        bool same = true;
+void fill_conventions(FormSet& set) {
+    constexpr std::array<std::optional<Touching>, 3> touchings{std::nullopt, Touching::hit, Touching::miss};
+    for (std::size_t j = 0; j < touchings.size(); ++j) {
+        bool are_equal = true;
         for (const Intersector* const part : set.parts) {
-            const Convention own = part->info->convention(judged[j]);
+            const Convention own = part->info->convention(touchings[j]);
             set.conventions[j][static_cast<std::size_t>(part->shape)] = own;
-            same = same && own == set.parts.front()->info->convention(judged[j]);
+            are_equal = are_equal && own == set.parts.front()->info->convention(touchings[j]);
         }
-        set.info.by_shape[j] = same ? nullptr : set.conventions[j].data();
+        set.info.by_shape[j] = are_equal ? nullptr : set.conventions[j].data();
     }
 }
 
-void fill(Made& set) {
+void fill(FormSet& set) {
     for (const Intersector* const part : set.parts) {
-        const auto add = [&set](std::string& text, std::string_view separator, std::string_view words) {
-            text.append(text.empty() ? "" : separator).append(words);
+        const auto add = [&set](std::string& text, std::string_view separator, std::string_view addition) {
+            text.append(text.empty() ? "" : separator).append(addition);
         };
         add(set.name, "+", part->info->name);
         add(set.title, "; ", part->info->title);
@@ -104,7 +106,7 @@ void fill(Made& set) {
         .title = set.title,
         .source = set.source,
         .direction = common(set, &Info::direction, Direction::unit),
-        .roots = common(set, &Info::roots, any_is(set, Roots::near_only) ? Roots::near_only : Roots::first_only),
+        .roots = common(set, &Info::roots, any_yields(set, Roots::near_only) ? Roots::near_only : Roots::first_only),
         .touching = common(set, &Info::touching, Touching::hit),
         .at_origin = common(set, &Info::at_origin, AtOrigin::hit),
         .formats = common(set, &Info::formats, Formats::binary32_only),
@@ -125,10 +127,11 @@ void fill(Made& set) {
 namespace {
 
 bool share_a_format(const std::vector<const Intersector*>& parts) {
-    const auto all = [&parts](auto which) {
-        return std::ranges::all_of(parts, [which](const Intersector* part) { return static_cast<bool>(part->*which); });
+    const auto all_have = [&parts](auto kernel) {
+        return std::ranges::all_of(parts,
+                                   [kernel](const Intersector* part) { return static_cast<bool>(part->*kernel); });
     };
-    return all(&Intersector::native32) || all(&Intersector::native64) || all(&Intersector::rounded);
+    return all_have(&Intersector::native32) || all_have(&Intersector::native64) || all_have(&Intersector::rounded);
 }
 
 }  // namespace
@@ -138,33 +141,34 @@ std::string refusal_of_set(const std::vector<const Intersector*>& parts) {
     for (const Intersector* const part : parts) {
         if (!is_primitive(part->shape))
             return name(part) + " marches through the field of all primitives at once; name it alone";
-        const auto same = std::ranges::find(parts, part->shape, &Intersector::shape);
-        if (*same != part)
-            return name(*same) + " and " + name(part) + " are both for " + std::string(row_of(part->shape).plural) +
-                   "; name one form for each shape";
+        const auto first_of_shape = std::ranges::find(parts, part->shape, &Intersector::shape);
+        if (*first_of_shape != part)
+            return name(*first_of_shape) + " and " + name(part) + " are both for " +
+                   std::string(row_of(part->shape).plural) + "; name one form for each shape";
     }
-    const auto bare = std::ranges::find_if_not(parts, [](const Intersector* part) { return part->is_placed; });
-    const auto placed = std::ranges::find_if(parts, [](const Intersector* part) { return part->is_placed; });
-    if (bare != parts.end() && placed != parts.end())
-        return name(*bare) + " has no transform and " + name(*placed) +
+    const auto without_transform =
+        std::ranges::find_if_not(parts, [](const Intersector* part) { return part->is_placed; });
+    const auto with_transform = std::ranges::find_if(parts, [](const Intersector* part) { return part->is_placed; });
+    if (without_transform != parts.end() && with_transform != parts.end())
+        return name(*without_transform) + " has no transform and " + name(*with_transform) +
                " has one; write @TRANSFORM after each form, or after none";
     if (!share_a_format(parts)) return "these forms have no format in common; name forms that run in the same format";
-    const auto tells_t = [](const Intersector* part) { return part->info->roots != Roots::none; };
-    const auto silent = std::ranges::find_if_not(parts, tells_t), telling = std::ranges::find_if(parts, tells_t);
-    if (silent == parts.end() || telling == parts.end()) return "";
-    return name(*silent) + " yields only hit or miss, but " + name(*telling) +
+    const auto yields_t = [](const Intersector* part) { return part->info->roots != Roots::none; };
+    const auto without_t = std::ranges::find_if_not(parts, yields_t), with_t = std::ranges::find_if(parts, yields_t);
+    if (without_t == parts.end() || with_t == parts.end()) return "";
+    return name(*without_t) + " yields only hit or miss, but " + name(*with_t) +
            " yields t, so the first of their primitives cannot be found; name forms that all yield t";
 }
 
 const Intersector& set_of(std::vector<const Intersector*> parts) {
     std::ranges::sort(parts, {}, &Intersector::shape);
-    if (const std::string why = refusal_of_set(parts); !why.empty()) throw InputError(why);
+    if (const std::string reason = refusal_of_set(parts); !reason.empty()) throw InputError(reason);
     static std::mutex mutex;
-    static std::deque<Made> all;
+    static std::deque<FormSet> sets;
     const std::lock_guard lock(mutex);
-    const auto made = std::ranges::find(all, parts, &Made::parts);
-    if (made != all.end()) return made->row;
-    Made& set = all.emplace_back();
+    const auto known = std::ranges::find(sets, parts, &FormSet::parts);
+    if (known != sets.end()) return known->row;
+    FormSet& set = sets.emplace_back();
     set.parts = std::move(parts);
     fill(set);
     return set.row;

@@ -1,4 +1,4 @@
-// Sets of forms, one for each of several shapes, as rows of the table. Scenes with several shapes are measured by them.
+// Sets of forms, one for each of several shapes, as rows of the table. They measure scenes with several shapes.
 #pragma once
 
 #include <string>
@@ -8,14 +8,16 @@
 
 namespace lostbits::intersect::table {
 
-/// The reason why these forms cannot be a set; empty if they can. A set has one form for each of several shapes, with a
-/// format in common. t is compared between primitives, so all forms yield it or none does.
+/// Returns the reason why these forms cannot be a set, or an empty string if they can. A set has one form for each of
+/// several shapes, and its forms have a format in common. The values of t are compared between primitives, so either
+/// all forms yield t or none does.
 std::string refusal_of_set(const std::vector<const Intersector*>& parts);
 
 /// The row `sphere.unified+box.signs` of two or more forms of different shapes, in any order. Each function of the row
-/// calls the same function of the form for the target's shape. A function is null unless all forms have it. If one form
-/// takes unit directions, all get those, and every t is a distance. The truth of each primitive is by the contract of
-/// its own form. The row is made once and kept, as enrolled rows are. InputError if `refusal_of_set` has a reason.
+/// calls the same function of the form for the target's shape; it is null unless all forms have that function. If one
+/// form takes unit directions, all forms receive unit directions, and every t is a distance. The truth of each
+/// primitive follows the contract of its own form. Each row is created once and kept, as registered rows are. Throws
+/// InputError if `refusal_of_set` returns a reason.
 const Intersector& set_of(std::vector<const Intersector*> parts);
 
 }  // namespace lostbits::intersect::table

@@ -10,10 +10,10 @@ namespace {
 
 std::vector<Intersector>& all_rows() {
     static std::vector<Intersector> rows = [] {
-        std::vector<Intersector> filled(form_count);
-        fill_batches(filled);
-        fill_by_ray(filled);
-        return filled;
+        std::vector<Intersector> new_rows(form_count);
+        fill_batches(new_rows);
+        fill_by_ray(new_rows);
+        return new_rows;
     }();
     return rows;
 }
@@ -26,8 +26,8 @@ std::span<const Intersector> catalogue() { return intersectors().first(form_coun
 
 void register_rows(const std::vector<Intersector>& rows) {
     for (const Intersector& row : rows) {
-        const auto same = [&row](const Intersector& other) { return other.info->name == row.info->name; };
-        if (std::ranges::any_of(all_rows(), same))
+        const auto has_same_name = [&row](const Intersector& other) { return other.info->name == row.info->name; };
+        if (std::ranges::any_of(all_rows(), has_same_name))
             throw InputError(
                 std::string(row.info->name) +
                 ": two forms have this name; they come from two libraries, from one that is named twice, or from a "

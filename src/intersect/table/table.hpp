@@ -27,55 +27,55 @@ template <class S>
 struct RayBatch {
     std::span<const S> ox, oy, oz, dx, dy, dz;
     /// The end of each ray, for shapes whose forms take it (boxes); empty if no ray has an end. Forms do not take the
-    /// beginning of a range: the caller keeps the answers that lie in it (`keep_in_range`).
+    /// beginning of a range: the caller keeps only the hits that lie in the range (`keep_in_range`).
     std::span<const S> tmax = {};
     std::span<const S> tmin = {};
     OpenEnds open = {};
     [[nodiscard]] std::size_t size() const { return ox.size(); }
     [[nodiscard]] bool have_ranges() const { return !tmin.empty() || !tmax.empty() || open.tmin; }
     [[nodiscard]] Range<S> range(std::size_t i) const {
-        Range<S> one{.open = open};
-        if (!tmin.empty()) one.tmin = tmin[i];
-        if (!tmax.empty()) one.tmax = tmax[i];
-        return one;
+        Range<S> result{.open = open};
+        if (!tmin.empty()) result.tmin = tmin[i];
+        if (!tmax.empty()) result.tmax = tmax[i];
+        return result;
     }
 };
 
-/// The answers: as many of each as rays. `hit` is 0 or 1.
+/// The answers for a batch of rays. Each span has one element per ray; `hit` is 0 or 1.
 template <class S>
 struct HitBatch {
     std::span<S> t, near, far;
     std::span<std::uint8_t> hit;
-    /// A record of each march, for forms that march; empty if it is not wanted.
+    /// A record of each march, for forms that march; empty if no records are needed.
     std::span<MarchRecord> march = {};
 };
 
 template <class Signature>
 class Function;
 
-/// A plain function, or a function with data of its own, such as a loaded library, a started process or the forms of a
-/// set. The data must outlive every copy. May be empty.
+/// A plain function, or a function with data (`context`), such as a loaded library, a started process or the forms of a
+/// set. The data must outlive every copy. A `Function` may be empty.
 template <class R, class... A>
 class Function<R(A...)> {
 public:
     using Plain = R (*)(A...);
-    using Bound = R (*)(void* own, A...);
+    using Bound = R (*)(void* context, A...);
 
     constexpr Function(std::nullptr_t = nullptr) {}
     constexpr Function(Plain plain) : plain_(plain) {}
-    constexpr Function(Bound bound, void* own) : bound_(bound), own_(own) {}
+    constexpr Function(Bound bound, void* context) : bound_(bound), context_(context) {}
 
-    R operator()(A... a) const { return plain_ ? plain_(a...) : bound_(own_, a...); }
+    R operator()(A... a) const { return plain_ ? plain_(a...) : bound_(context_, a...); }
     explicit constexpr operator bool() const { return plain_ != nullptr || bound_ != nullptr; }
     friend constexpr bool operator==(const Function&, const Function&) = default;
 
 private:
     Plain plain_ = nullptr;
     Bound bound_ = nullptr;
-    void* own_ = nullptr;
+    void* context_ = nullptr;
 };
 
-/// The function of a row that answers a batch.
+/// The function of a row that computes the answers for a batch.
 template <class S>
 using Kernel = Function<void(const RayBatch<S>&, const Target<S>&, const HitBatch<S>&)>;
 
@@ -91,23 +91,23 @@ struct MarchLog {
 /// ours has only native kernels.
 struct Intersector {
     const Info* info;
-    Shape shape;  ///< the shape that it takes; `sdf` if it takes all primitives at once; the first shape of a set
+    Shape shape;  ///< the shape of its primitives; `sdf` if it takes all primitives at once; the first shape of a set
     Kernel<float> native32;
     Kernel<double> native64;
-    /// Inputs are rounded to the format on the way in.
+    /// The kernel for other formats. Inputs are first rounded to the format.
     Function<void(const FloatFormat&, const RayBatch<double>&, const Target<double>&, const HitBatch<double>&)>
         rounded = nullptr;
     Function<Hit<Ball>(const Ray<Ball>&, const Target<Ball>&)> ball = nullptr;
     Function<Hit<Interval>(const Ray<Interval>&, const Target<Interval>&)> interval = nullptr;
-    /// Every sample of one march; null for the forms that do not march. Inputs are numbers of the format.
+    /// Logs every sample of one march; null for the forms that do not march. Inputs are numbers of the format.
     Function<MarchLog(const Format&, const Ray<double>&, const Target<double>&)> log = nullptr;
-    /// Every operation of one evaluation, onto a tape that it clears first. Inputs are numbers of the format.
+    /// Records every operation of one evaluation on a tape, which it clears first. Inputs are numbers of the format.
     Function<void(const Format&, const Ray<double>&, const Target<double>&, double tmax, Tape&)> record = nullptr;
-    /// The same with every loop run to its bound, whatever the decisions: all operations that the form can ever do.
+    /// Records all operations that the form can ever do: every loop runs to its bound, whatever the decisions are.
     Function<void(const Target<double>&, Tape&)> record_all = nullptr;
-    /// The operations of one evaluation in binary32, as the form is written (see `Counted`).
+    /// Counts the operations of one evaluation in binary32, as the form is written (see `Counted`).
     Function<OperationCounts(const Ray<float>&, const Target<float>&, float tmax)> count = nullptr;
-    /// The answer with the form's own bound; nothing in formats other than binary32 and binary64. Inputs are numbers of
+    /// The answer with the form's own bound; empty in formats other than binary32 and binary64. Inputs are numbers of
     /// the format.
     Function<std::optional<BoundedAnswer>(const Format&, const Ray<double>&, const Target<double>&, double tmax)>
         bounded = nullptr;
@@ -130,13 +130,13 @@ struct Intersector {
     /// True if the formula itself is available in any arithmetic: widths between the formats, enclosures, tapes.
     [[nodiscard]] bool is_template() const { return ball != nullptr; }
     [[nodiscard]] bool is_set() const { return !parts.empty(); }
-    /// The form for one of the shapes that the row takes: of a set, its form for that shape.
+    /// The form for one of the row's shapes: for a set, its form for that shape.
     [[nodiscard]] const Intersector& of(Shape primitive) const {
         for (const Intersector* const part : parts)
             if (part->shape == primitive) return *part;
         return *this;
     }
-    /// The shapes that it takes; `sdf` for a form that marches.
+    /// The shapes of the row's primitives; `sdf` for a form that marches.
     [[nodiscard]] Shapes shapes() const {
         Shapes all = Shapes(shape).placed(is_placed);
         for (const Intersector* const part : parts) all |= part->shapes();
@@ -144,13 +144,13 @@ struct Intersector {
     }
 };
 
-/// Every row: the catalogue's forms in their order, then the enrolled rows in the order in which they were added.
+/// Every row: the catalogue's forms in their order, then the registered rows in the order in which they were added.
 std::span<const Intersector> intersectors();
-/// The catalogue's forms alone, `form_count` of them; `intersectors(shape)` has those of one shape.
+/// The `form_count` forms of the catalogue; `intersectors(shape)` returns those of one shape.
 std::span<const Intersector> catalogue();
 std::span<const Intersector> intersectors(Shape shape);
-/// Adds rows from outside the catalogue; their `info` must live as long as the program. InputError for a name that is
-/// taken. Call it before any row is asked for, since rows move in memory.
+/// Adds rows from outside the catalogue. Their `info` must live as long as the program. Throws InputError for a name
+/// that is taken. Call it before other code uses the rows, since rows move in memory.
 void register_rows(const std::vector<Intersector>& rows);
 
 }  // namespace lostbits::intersect::table

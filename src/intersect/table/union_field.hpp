@@ -1,4 +1,4 @@
-// The field of several primitives together, which forms that march take.
+// The distance field of several primitives together, which forms that march take.
 #pragma once
 
 #include <span>
@@ -12,7 +12,7 @@ T distance(const Primitive<T>& primitive, const Vec<T>& p) {
     return visit(primitive, [&p](const auto& shape) { return shape.distance(p); });
 }
 
-/// The union of primitives: the least of their distances, computed in their order.
+/// The union of primitives: the least of their distances, computed in the order of the primitives.
 template <Number T>
 class Union {
 public:

@@ -13,63 +13,63 @@ namespace lostbits::intersect::table {
 
 namespace {
 
-/// Builds a constant of a formula as m·2^e from integers of 20 bits, which every format of 24 bits holds. So a format
-/// that holds the number gets it without rounding, and a tape has it as a constant, not as an input.
+/// Builds a constant of a formula as m·2^e from integers of 20 bits, which every format of 24 bits holds. A format that
+/// holds the number gets it without rounding, and a tape has it as a constant, not as an input.
 template <class T>
 T constant(double x) {
     if (std::isinf(x)) return x > 0 ? T(1) / T(0) : -(T(1) / T(0));
     if (x == 0) return std::signbit(x) ? -T(0) : T(0);
     if (x == std::floor(x) && std::fabs(x) < 0x1p24) return T(static_cast<int>(x));
     int exponent = 0;
-    double rest = std::frexp(std::fabs(x), &exponent);
+    double remainder = std::frexp(std::fabs(x), &exponent);
     constexpr int bits = 20;
-    const auto piece = [&] {
-        rest *= 1 << bits;
+    const auto next_piece = [&] {
+        remainder *= 1 << bits;
         exponent -= bits;
-        const int m = static_cast<int>(rest);
-        rest -= m;
+        const int m = static_cast<int>(remainder);
+        remainder -= m;
         return T(m);
     };
-    T whole = piece();
-    while (rest != 0) whole = whole * T(1 << bits) + piece();
-    for (; exponent <= -bits; exponent += bits) whole = whole / T(1 << bits);
-    for (; exponent >= bits; exponent -= bits) whole = whole * T(1 << bits);
-    if (exponent < 0) whole = whole / T(1 << -exponent);
-    if (exponent > 0) whole = whole * T(1 << exponent);
-    return x < 0 ? -whole : whole;
+    T value = next_piece();
+    while (remainder != 0) value = value * T(1 << bits) + next_piece();
+    for (; exponent <= -bits; exponent += bits) value = value / T(1 << bits);
+    for (; exponent >= bits; exponent -= bits) value = value * T(1 << bits);
+    if (exponent < 0) value = value / T(1 << -exponent);
+    if (exponent > 0) value = value * T(1 << exponent);
+    return x < 0 ? -value : value;
 }
 
-/// Evaluates the list in T. Numbers and decisions are kept in lists; `place_` has the index of each operation in its
-/// own list.
+/// Evaluates a formula in T. Numbers of T, numbers of the wider format and decisions are in three lists;
+/// `index_in_kind_` has the index of each operation's result in its list.
 template <class T>
 class Evaluation {
 public:
     explicit Evaluation(const WrittenFormula& formula) : formula_(formula) {
-        place_.reserve(formula.operations.size()), numbers_.reserve(formula.operations.size());
+        index_in_kind_.reserve(formula.operations.size()), numbers_.reserve(formula.operations.size());
         std::array<std::size_t, 3> counts{};
         for (const WrittenOperation& w : formula.operations)
-            place_.push_back(counts[is_decision(w.op) ? 0 : w.wide ? 1 : 2]++);
+            index_in_kind_.push_back(counts[is_decision(w.op) ? 0 : w.wide ? 1 : 2]++);
     }
 
-    /// Makes the constants once for all runs, for numbers that do not record their operations.
+    /// Computes the constants once for all runs. This is for numbers that do not record their operations.
     void make_constants() {
         constexpr bool is_widest = std::same_as<T, typename Wider<T>::type>;  // then wide constants are T's, too
         for (const WrittenOperation& w : formula_.operations)
             constants_.push_back(w.op == TapeOp::constant && (is_widest || !w.wide) ? constant<T>(w.value) : T(0));
     }
 
-    /// The answer to one ray. May be called again for the next one.
+    /// Computes the answer to one ray. It may be called again for the next one.
     template <class Input>
     Hit<T> run(const Input& input) {
         numbers_.clear(), wide_.clear(), masks_.clear();
         return run_from(0, input);
     }
 
-    /// The index that the recorder has for the result of operation i.
+    /// The recorder's index for the result of operation i.
     [[nodiscard]] NodeId node(std::size_t i) const {
         const WrittenOperation& w = formula_.operations[i];
-        if (is_decision(w.op)) return masks_[place_[i]].node();
-        return w.wide ? wide_[place_[i]].node() : numbers_[place_[i]].node();
+        if (is_decision(w.op)) return masks_[index_in_kind_[i]].node();
+        return w.wide ? wide_[index_in_kind_[i]].node() : numbers_[index_in_kind_[i]].node();
     }
 
 private:
@@ -88,40 +88,43 @@ private:
                     w.op == TapeOp::convert ? Wider<T>::narrow(x(wide_, w, 0)) : number(numbers_, w, input));
             }
         }
-        const auto answer = [&](NodeId root) {
-            return numbers_[place_[static_cast<std::size_t>(root == no_node ? formula_.t : root)]];
+        const auto number_at = [&](NodeId root) {
+            return numbers_[index_in_kind_[static_cast<std::size_t>(root == no_node ? formula_.t : root)]];
         };
-        return {masks_[place_[static_cast<std::size_t>(formula_.hit)]], answer(formula_.t), answer(formula_.near),
-                answer(formula_.far)};
+        return {masks_[index_in_kind_[static_cast<std::size_t>(formula_.hit)]], number_at(formula_.t),
+                number_at(formula_.near), number_at(formula_.far)};
     }
 
-    /// Follows the last decision, which is open, as yes and as no to the end, and joins the answers.
+    /// Evaluates the rest of the formula twice, for both outcomes of the last decision, which is undecided, and joins
+    /// the answers.
     template <class Input>
     Hit<T> on_both_sides(std::size_t next, const Input& input) {
         Evaluation other(*this);
         other.masks_.back() = Tri(Tri::yes), masks_.back() = Tri(Tri::no);
         const Hit<T> yes = other.run_from(next, input), no = run_from(next, input);
-        const auto joined = [](const T& a, const T& b) { return select(Tri(Tri::unknown), a, b); };
-        const bool agree = (yes.hit.is_yes() && no.hit.is_yes()) || (yes.hit.is_no() && no.hit.is_no());
-        return {agree ? yes.hit : Tri(Tri::unknown), joined(yes.t, no.t), joined(yes.near, no.near),
-                joined(yes.far, no.far)};
+        const auto join = [](const T& a, const T& b) { return select(Tri(Tri::unknown), a, b); };
+        const bool sides_agree = (yes.hit.is_yes() && no.hit.is_yes()) || (yes.hit.is_no() && no.hit.is_no());
+        return {sides_agree ? yes.hit : Tri(Tri::unknown), join(yes.t, no.t), join(yes.near, no.near),
+                join(yes.far, no.far)};
     }
     template <class N>
-    void add(std::vector<N>& numbers, std::size_t i, N made) {
-        numbers.push_back(std::move(made));
+    void add(std::vector<N>& numbers, std::size_t i, N result) {
+        numbers.push_back(std::move(result));
         if (!formula_.operations[i].label.empty())
             static_cast<void>(named(formula_.operations[i].label, numbers.back()));
     }
     template <class N>
     const N& x(const std::vector<N>& numbers, const WrittenOperation& w, std::size_t k) const {
-        return numbers[place_[static_cast<std::size_t>(w.operands[k])]];
+        return numbers[index_in_kind_[static_cast<std::size_t>(w.operands[k])]];
     }
     mask_t<T> m(const WrittenOperation& w, std::size_t k) const {
-        return masks_[place_[static_cast<std::size_t>(w.operands[k])]];
+        return masks_[index_in_kind_[static_cast<std::size_t>(w.operands[k])]];
     }
     template <class N, class Input>
     N number(const std::vector<N>& numbers, const WrittenOperation& w, const Input& input) const {
-        const auto x = [&](const WrittenOperation& of, std::size_t k) -> const N& { return this->x(numbers, of, k); };
+        const auto x = [&](const WrittenOperation& operation, std::size_t k) -> const N& {
+            return this->x(numbers, operation, k);
+        };
         switch (w.op) {
             case TapeOp::input:
                 if constexpr (std::is_same_v<N, T>) return input(static_cast<std::size_t>(w.operands[0]));
@@ -169,45 +172,45 @@ private:
     }
 
     const WrittenFormula& formula_;
-    std::vector<std::size_t> place_;
+    std::vector<std::size_t> index_in_kind_;
     std::vector<T> constants_, numbers_;
     std::vector<typename Wider<T>::type> wide_;
     std::vector<mask_t<T>> masks_;
 };
 
-/// The inputs by the numbers that `WrittenOperation::operands` gives them.
+/// Returns a function that reads inputs by their index in `WrittenOperation::operands`.
 template <class T>
-auto by_number(const WrittenFormula& formula, const Ray<T>& ray, const Primitive<T>& primitive, const T& end) {
-    return [&ray, &primitive, &end, numbers = row_of(formula.shape).numbers](std::size_t k) -> T {
+auto input_reader(const WrittenFormula& formula, const Ray<T>& ray, const Primitive<T>& primitive, const T& end) {
+    return [&ray, &primitive, &end, number_count = row_of(formula.shape).numbers](std::size_t k) -> T {
         if (k < 3) return ray.origin[static_cast<int>(k)];
         if (k < 6) return ray.direction[static_cast<int>(k - 3)];
-        return k - 6 < numbers ? primitive.numbers[k - 6] : end;
+        return k - 6 < number_count ? primitive.numbers[k - 6] : end;
     };
 }
 
 template <class T>
 Hit<T> answer_of(const WrittenFormula& formula, const Ray<T>& ray, const Primitive<T>& primitive, const T& end) {
-    using intersect::table::by_number;
-    return Evaluation<T>(formula).run(by_number(formula, ray, primitive, end));
+    using intersect::table::input_reader;
+    return Evaluation<T>(formula).run(input_reader(formula, ray, primitive, end));
 }
 
-const WrittenForm& of(void* own) { return *static_cast<const WrittenForm*>(own); }
+const WrittenForm& form_of(void* context) { return *static_cast<const WrittenForm*>(context); }
 
 template <class T, class S>
 void answer_rays(const WrittenFormula& formula, const RayBatch<S>& rays, const Target<S>& target,
                  const HitBatch<S>& hits) {
-    const std::size_t step = target.primitives.size() == 1 ? 0 : 1;
-    const std::size_t numbers = row_of(formula.shape).numbers;
+    const std::size_t stride = target.primitives.size() == 1 ? 0 : 1;
+    const std::size_t number_count = row_of(formula.shape).numbers;
     Evaluation<T> evaluation(formula);
     evaluation.make_constants();
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray<S> ray{{rays.ox[i], rays.oy[i], rays.oz[i]}, {rays.dx[i], rays.dy[i], rays.dz[i]}};
-        const Primitive<S>& primitive = target.primitives[i * step];
+        const Primitive<S>& primitive = target.primitives[i * stride];
         const S tmax = rays.tmax.empty() ? std::numeric_limits<S>::infinity() : rays.tmax[i];
         const Hit<T> hit = evaluation.run([&](std::size_t k) -> T {
             if (k < 3) return T(ray.origin[static_cast<int>(k)]);
             if (k < 6) return T(ray.direction[static_cast<int>(k - 3)]);
-            return T(k - 6 < numbers ? primitive.numbers[k - 6] : tmax);
+            return T(k - 6 < number_count ? primitive.numbers[k - 6] : tmax);
         });
         hits.hit[i] = hit.hit;
         hits.t[i] = static_cast<S>(as_double(hit.t));
@@ -215,52 +218,54 @@ void answer_rays(const WrittenFormula& formula, const RayBatch<S>& rays, const T
     }
 }
 
-void answer_rounded(void* own, const FloatFormat& format, const RayBatch<double>& rays, const Target<double>& target,
-                    const HitBatch<double>& hits) {
+void answer_rounded(void* context, const FloatFormat& format, const RayBatch<double>& rays,
+                    const Target<double>& target, const HitBatch<double>& hits) {
     const CurrentFormat::Scope scope(format);
-    answer_rays<RoundedAny>(of(own).in(*find_format("f32")), rays, target, hits);
+    answer_rays<RoundedAny>(form_of(context).formula_in(*find_format("f32")), rays, target, hits);
 }
 
-void answer_32(void* own, const RayBatch<float>& rays, const Target<float>& target, const HitBatch<float>& hits) {
-    answer_rays<float>(of(own).in(*find_format("f32")), rays, target, hits);
+void answer_32(void* context, const RayBatch<float>& rays, const Target<float>& target, const HitBatch<float>& hits) {
+    answer_rays<float>(form_of(context).formula_in(*find_format("f32")), rays, target, hits);
 }
 
-void answer_64(void* own, const RayBatch<double>& rays, const Target<double>& target, const HitBatch<double>& hits) {
-    answer_rays<double>(of(own).in(*find_format("f64")), rays, target, hits);
+void answer_64(void* context, const RayBatch<double>& rays, const Target<double>& target,
+               const HitBatch<double>& hits) {
+    answer_rays<double>(form_of(context).formula_in(*find_format("f64")), rays, target, hits);
 }
 
 template <class E>
-Hit<E> enclose(void* own, const Ray<E>& ray, const Target<E>& target) {
-    return answer_of(of(own).in(*find_format("f32")), ray, target.primitives.front(), unlimited<E>());
+Hit<E> enclose(void* context, const Ray<E>& ray, const Target<E>& target) {
+    return answer_of(form_of(context).formula_in(*find_format("f32")), ray, target.primitives.front(), unlimited<E>());
 }
 
 Hit<Recorded> recorded_hit(const WrittenFormula& formula, const Ray<double>& ray, const Target<double>& target,
                            double end) {
-    const LiftedInputs<Recorded> in(ray, target, end);
-    return answer_of(formula, in.ray, in.target.get().primitives.front(), in.tmax);
+    const LiftedInputs<Recorded> lifted(ray, target, end);
+    return answer_of(formula, lifted.ray, lifted.target.get().primitives.front(), lifted.tmax);
 }
 
-void record(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target, double end,
+void record(void* context, const Format& format, const Ray<double>& ray, const Target<double>& target, double end,
             Tape& tape) {
     tape.clear();
-    taped_by([&] { return recorded_hit(of(own).in(format), ray, target, end); }, format.parameters, tape);
+    taped_by([&] { return recorded_hit(form_of(context).formula_in(format), ray, target, end); }, format.parameters,
+             tape);
 }
 
-void record_all(void* own, const Target<double>& target, Tape& tape) {
-    record(own, *find_format("f32"), {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, target, HUGE_VAL, tape);
+void record_all(void* context, const Target<double>& target, Tape& tape) {
+    record(context, *find_format("f32"), {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, target, HUGE_VAL, tape);
 }
 
-OperationCounts count(void* own, const Ray<float>& ray, const Target<float>& target, float end) {
-    const WrittenFormula& formula = of(own).in(*find_format("f32"));
-    const auto ask = [&formula](const auto& in, const auto& aim, const auto& tmax) {
-        return answer_of(formula, in, aim.primitives.front(), tmax);
+OperationCounts count(void* context, const Ray<float>& ray, const Target<float>& target, float end) {
+    const WrittenFormula& formula = form_of(context).formula_in(*find_format("f32"));
+    const auto evaluate = [&formula](const auto& ray_in, const auto& aim, const auto& tmax) {
+        return answer_of(formula, ray_in, aim.primitives.front(), tmax);
     };
-    return counted_by(ask, ray, target, end);
+    return counted_by(evaluate, ray, target, end);
 }
 
-std::optional<BoundedAnswer> answer_bounded(void* own, const Format& format, const Ray<double>& ray,
+std::optional<BoundedAnswer> answer_bounded(void* context, const Format& format, const Ray<double>& ray,
                                             const Target<double>& target, double end) {
-    return bounded_by([&] { return recorded_hit(of(own).in(format), ray, target, end); }, format);
+    return bounded_by([&] { return recorded_hit(form_of(context).formula_in(format), ray, target, end); }, format);
 }
 
 /// True if operand k of an operation is a decision.
@@ -296,19 +301,20 @@ void require_sense(const WrittenFormula& f) {
             if (takes_decision(w.op, k)) continue;
             const bool is_wide = f.operations[static_cast<std::size_t>(a)].wide;
             if (is_comparison(w.op) && k == 0) first_is_wide = is_wide;
-            const bool fits =
+            const bool has_right_format =
                 is_comparison(w.op) ? is_wide == first_is_wide : (is_wide == w.wide) != (w.op == TapeOp::convert);
-            if (!fits) fail(i, "takes numbers of the wrong format; convert them first");
+            if (!has_right_format) fail(i, "takes numbers of the wrong format; convert them first");
         }
     }
-    const auto is_one = [&f](NodeId i, bool decides) {
+    const auto is_index_of = [&f](NodeId i, bool of_decision) {
         return i >= 0 && static_cast<std::size_t>(i) < f.operations.size() &&
-               is_decision(f.operations[static_cast<std::size_t>(i)].op) == decides;
+               is_decision(f.operations[static_cast<std::size_t>(i)].op) == of_decision;
     };
-    if (!is_one(f.hit, true)) throw InputError(f.name + ": hit is not the index of a decision");
-    if (!is_one(f.t, false)) throw InputError(f.name + ": t is not the index of a number");
+    if (!is_index_of(f.hit, true)) throw InputError(f.name + ": hit is not the index of a decision");
+    if (!is_index_of(f.t, false)) throw InputError(f.name + ": t is not the index of a number");
     for (const NodeId i : {f.near, f.far})
-        if (i != no_node && !is_one(i, false)) throw InputError(f.name + ": near or far is not the index of a number");
+        if (i != no_node && !is_index_of(i, false))
+            throw InputError(f.name + ": near or far is not the index of a number");
     for (const NodeId i : {f.t, f.near, f.far})
         if (i != no_node && f.operations[static_cast<std::size_t>(i)].wide)
             throw InputError(f.name + ": an answer is of the wider format; convert it first");
@@ -316,13 +322,13 @@ void require_sense(const WrittenFormula& f) {
 
 WrittenFormula written(const Tape& tape, Shape shape, std::string name) {
     WrittenFormula formula{.name = std::move(name), .shape = shape, .operations = {}};
-    const std::uint8_t own = tape[tape.outputs.t].format;
+    const std::uint8_t own_format = tape[tape.outputs.t].format;
     for (const TapeNode& n : tape.nodes)
         formula.operations.push_back({.op = n.op,
                                       .operands = n.operands,
                                       .value = n.value,
                                       .label = std::string(n.label),
-                                      .wide = !is_decision(n.op) && n.format != own});
+                                      .wide = !is_decision(n.op) && n.format != own_format});
     for (const NodeId decision : tape.sides) formula.operations[static_cast<std::size_t>(decision)].has_sides = true;
     const auto [hit, t, near, far] = tape.outputs;
     formula.hit = hit, formula.t = t, formula.near = near, formula.far = far;
@@ -330,20 +336,22 @@ WrittenFormula written(const Tape& tape, Shape shape, std::string name) {
     return formula;
 }
 
-WrittenForm::WrittenForm(std::shared_ptr<const WrittenFormula> of32, std::shared_ptr<const WrittenFormula> of64)
-    : of32_(std::move(of32)), of64_(std::move(of64)) {}
+WrittenForm::WrittenForm(std::shared_ptr<const WrittenFormula> formula32,
+                         std::shared_ptr<const WrittenFormula> formula64)
+    : formula32_(std::move(formula32)), formula64_(std::move(formula64)) {}
 
-WrittenForm::WrittenForm(const Intersector& recorded) : recorded_(recorded) {}
+WrittenForm::WrittenForm(const Intersector& recorded_row) : recorded_row_(recorded_row) {}
 
-const WrittenFormula& WrittenForm::in(const Format& format) const {
-    if (recorded_)
+const WrittenFormula& WrittenForm::formula_in(const Format& format) const {
+    if (recorded_row_)
         std::call_once(once_, [this] {
             Tape tape;
-            recorded_->record_all(Target<double>(Primitive<double>(recorded_->shape)), tape);
-            of32_ = std::make_shared<const WrittenFormula>(
-                written(tape, recorded_->shape, std::string(recorded_->info->name)));
+            recorded_row_->record_all(Target<double>(Primitive<double>(recorded_row_->shape)), tape);
+            formula32_ = std::make_shared<const WrittenFormula>(
+                written(tape, recorded_row_->shape, std::string(recorded_row_->info->name)));
         });
-    return of32_ == nullptr || (format.engine == Format::Engine::native64 && of64_ != nullptr) ? *of64_ : *of32_;
+    return formula32_ == nullptr || (format.engine == Format::Engine::native64 && formula64_ != nullptr) ? *formula64_
+                                                                                                         : *formula32_;
 }
 
 void WrittenForm::fill_arithmetics(Intersector& row) {
@@ -361,25 +369,25 @@ void WrittenForm::fill(Intersector& row) {
 }
 
 std::vector<NodeId> WrittenForm::nodes_on_tape(const Format& format) const {
-    const WrittenFormula& formula = in(format);
+    const WrittenFormula& formula = formula_in(format);
     std::vector<NodeId> nodes;
     Tape tape;
-    const auto recorded = [&] {
-        const Primitive<double> any(formula.shape);
-        const LiftedInputs<Recorded> in(Ray<double>{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, Target<double>(any),
-                                        HUGE_VAL);
-        Evaluation<Recorded> run(formula);
-        const Hit<Recorded> hit =
-            run.run(table::by_number(formula, in.ray, in.target.get().primitives.front(), in.tmax));
-        for (std::size_t i = 0; i < formula.operations.size(); ++i) nodes.push_back(run.node(i));
+    const auto evaluate = [&] {
+        const Primitive<double> sample_primitive(formula.shape);
+        const LiftedInputs<Recorded> lifted(Ray<double>{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)},
+                                            Target<double>(sample_primitive), HUGE_VAL);
+        Evaluation<Recorded> evaluation(formula);
+        const Hit<Recorded> hit = evaluation.run(
+            table::input_reader(formula, lifted.ray, lifted.target.get().primitives.front(), lifted.tmax));
+        for (std::size_t i = 0; i < formula.operations.size(); ++i) nodes.push_back(evaluation.node(i));
         return hit;
     };
-    taped_by(recorded, format.parameters, tape);
+    taped_by(evaluate, format.parameters, tape);
     return nodes;
 }
 
 Intersector WrittenForm::row(const Info& info) {
-    Intersector row{.info = &info, .shape = in(*find_format("f32")).shape, .native32 = {}, .native64 = {}};
+    Intersector row{.info = &info, .shape = formula_in(*find_format("f32")).shape, .native32 = {}, .native64 = {}};
     row.native32 = {answer_32, this};
     row.native64 = {answer_64, this};
     fill(row);

@@ -1,5 +1,5 @@
-// A formula given as a list of operations: the recorded operations of a program in another language. It makes the form
-// available in every arithmetic, as those of the catalogue are.
+// A formula given as a list of operations, such as the recorded operations of a program in another language. With this
+// list the form is available in every arithmetic, like the forms of the catalogue.
 #pragma once
 
 #include <array>
@@ -14,61 +14,65 @@
 
 namespace lostbits::intersect::table {
 
-/// One operation of such a list.
+/// One operation of a written formula.
 struct WrittenOperation {
     TapeOp op = TapeOp::constant;
-    /// Indices in the list, all before its own. For an input, the first is the number of the input: o.x o.y o.z d.x d.y
-    /// d.z, then the numbers of the primitive, then the end of the ray.
+    /// Indices in the list, all smaller than the index of this operation. The first operand of an input is the index of
+    /// that input: o.x o.y o.z d.x d.y d.z, then the numbers of the primitive, then the end of the ray.
     std::array<std::int32_t, 3> operands{no_node, no_node, no_node};
-    double value = 0;     ///< of a constant: any number, or infinite
-    std::string label{};  ///< as `named` would give it; empty: none
-    /// The result is of the next wider format: double in a formula of float (`Wider`). Only `convert` takes a number of
-    /// the other format.
+    double value = 0;     ///< value of a constant: any number, or infinite
+    std::string label{};  ///< name that `named` gives the result; may be empty
+    /// True if the result is a number of the next wider format: double in a formula of float (`Wider`). Only `convert`
+    /// takes a number of the other format.
     bool wide = false;
-    /// A decision that a part of the formula depends on (`decide`). Where it is open, enclosures follow both sides.
+    /// True for a decision that a part of the formula depends on (`decide`). If it is undecided, enclosures follow both
+    /// sides.
     bool has_sides = false;
 };
 
-/// The operations, and the indices of the decision, of t, and of the line parameters of both intersections.
+/// The operations of a formula, and the indices of the decision, of t, and of the line parameters of both
+/// intersections.
 struct WrittenFormula {
     std::string name;  ///< for messages
     Shape shape{};
     std::vector<WrittenOperation> operations;
     NodeId hit = no_node, t = no_node;
-    NodeId near = no_node, far = no_node;  ///< none: t
+    NodeId near = no_node, far = no_node;  ///< if absent, t
 };
 
-/// Throws InputError, which names the operation, for an unknown operation, for an operand that comes later, or for a
-/// decision in place of a number or the other way round.
+/// Throws InputError, which names the operation, for an unknown operation, for an operand that does not come earlier,
+/// or for a decision in place of a number or a number in place of a decision.
 void require_sense(const WrittenFormula& formula);
 
-/// A tape as a list, for the primitives of a shape. It must be of a form that does the same operations for every ray:
-/// without calls and loops. Throws as `require_sense` does.
+/// Converts a tape to a formula, for the primitives of a shape. The form must perform the same operations for every
+/// ray, without calls and loops. Throws as `require_sense` does.
 WrittenFormula written(const Tape& tape, Shape shape, std::string name);
 
-/// The formula of a form in binary32 and the one in binary64. They may differ: array libraries add the same numbers in
-/// another order if a register holds more of them. Every other arithmetic takes that of binary32.
+/// The formulas of a form in binary32 and in binary64. They may differ, because array libraries add the same numbers in
+/// another order if a register holds more of them. Every other arithmetic uses the formula of binary32.
 class WrittenForm {
 public:
-    /// Either may be null; both are of one shape.
-    WrittenForm(std::shared_ptr<const WrittenFormula> of32, std::shared_ptr<const WrittenFormula> of64);
-    /// The formula that `record_all` of a row records, at its first use. The row's `info` is kept.
-    explicit WrittenForm(const Intersector& recorded);
-    /// Fills formats at run time and enclosures. The row points here.
+    /// Either formula may be null; both have the same shape.
+    WrittenForm(std::shared_ptr<const WrittenFormula> formula32, std::shared_ptr<const WrittenFormula> formula64);
+    /// Uses the formula that `record_all` of a row records, and records it at its first use. The row's `info` must live
+    /// as long.
+    explicit WrittenForm(const Intersector& recorded_row);
+    /// Fills the functions of a row for formats chosen at run time and for enclosures. The row then points to this
+    /// object.
     void fill_arithmetics(Intersector& row);
-    /// Fills the kernels of a row other than the native ones, in every arithmetic; the row points here.
+    /// Fills all functions of a row except the native kernels. The row then points to this object.
     void fill(Intersector& row);
-    /// A row whose answers in f32 and f64 are also those of the formula.
+    /// A row whose kernels in f32 and f64 evaluate the formula too.
     [[nodiscard]] Intersector row(const Info& info);
-    [[nodiscard]] const WrittenFormula& in(const Format& format) const;
-    /// The node of each operation on the tapes of a format.
+    [[nodiscard]] const WrittenFormula& formula_in(const Format& format) const;
+    /// The node of each operation on a tape of this format.
     [[nodiscard]] std::vector<NodeId> nodes_on_tape(const Format& format) const;
 
 private:
-    std::optional<Intersector> recorded_ = {};
+    std::optional<Intersector> recorded_row_ = {};
     mutable std::once_flag once_;
-    mutable std::shared_ptr<const WrittenFormula> of32_;
-    std::shared_ptr<const WrittenFormula> of64_;
+    mutable std::shared_ptr<const WrittenFormula> formula32_;
+    std::shared_ptr<const WrittenFormula> formula64_;
 };
 
 }  // namespace lostbits::intersect::table

@@ -1,12 +1,13 @@
-// The method without an inverse: the ray times the adjugate matrix, and the primitive |det(A)| times as large.
+// The method without an inverse: the ray is multiplied by the adjugate matrix, and the primitive is |det(A)| times as
+// large.
 #pragma once
 
 #include "intersect/transform/relative.hpp"
 
 namespace lostbits::intersect::transform {
 
-/// The method of the truth, in the format: adj(A)(o − τ) + t adj(A) d against the primitive times |det A|, mirrored if
-/// det A < 0.
+/// The method that the truth uses, in the format: the ray adj(A)(o − τ) + t adj(A) d and the primitive times |det A|.
+/// If det A < 0, the ray is mirrored.
 struct AdjugateTransform : RelativeTransform {
     static constexpr TransformMethodInfo info{
         .name = "adjugate",
@@ -14,7 +15,7 @@ struct AdjugateTransform : RelativeTransform {
         .source = "as in the truth of lostbits",
     };
 
-    /// The adjugate matrix in place of the inverse; its shift is not used.
+    /// Returns the adjugate matrix in place of the inverse. Its shift is not used.
     template <Number T>
     static Affine<T> inverse(const Affine<T>& m) {
         const auto columns = m.adjugate();

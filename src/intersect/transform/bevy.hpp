@@ -1,5 +1,5 @@
-// Bevy's ray cast at a mesh: the direction is normalised in the space of the mesh. The vector along it to the hit is
-// converted back to the world, and its length is t.
+// Bevy's ray cast at a mesh: the direction is normalised in the space of the mesh. The vector along it to the hit point
+// is converted back to the world, and the length of that vector is t.
 #pragma once
 
 #include "intersect/transform/cycles.hpp"
@@ -16,8 +16,8 @@ struct BevyTransform : CyclesTransform {
     };
 
     template <Number T>
-    static T back(const Maps<T>& m, const Ray<T>&, const ObjectRay<T>& in, const T& t) {
-        return named("|M t d'|", length(m.to_world.linear(named("t d'", Vec<T>(t * in.ray.direction)))));
+    static T back(const Maps<T>& m, const Ray<T>&, const ObjectRay<T>& object_ray, const T& t) {
+        return named("|M t d'|", length(m.to_world.linear(named("t d'", Vec<T>(t * object_ray.ray.direction)))));
     }
 };
 

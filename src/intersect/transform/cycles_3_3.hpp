@@ -5,8 +5,8 @@
 
 namespace lostbits::intersect::transform {
 
-/// As on processors with fused multiplications. There the inverse is computed as in Embree: cross products with one
-/// fused operation, dot products without.
+/// The method as it runs on processors with fused multiplications. The inverse is computed as in Embree: cross products
+/// with one fused operation, dot products without.
 struct Cycles33Transform : EmbreeTransform {
     static constexpr TransformMethodInfo info{
         .name = "cycles_3_3",
@@ -22,8 +22,9 @@ struct Cycles33Transform : EmbreeTransform {
         const auto column = [&](int i) { return Vec<T>(m.rows[0][i], m.rows[1][i], m.rows[2][i]); };
         const Vec<T> x = column(0), y = column(1), z = column(2);
         const T det = named("det", dot(x, cross_by_fma(y, z)));
-        const auto over = [&](const Vec<T>& v) { return named("A^-1", Vec<T>(v.x / det, v.y / det, v.z / det)); };
-        Affine<T> inverse{{over(cross_by_fma(y, z)), over(cross_by_fma(z, x)), over(cross_by_fma(x, y))}, m.shift};
+        const auto over_det = [&](const Vec<T>& v) { return named("A^-1", Vec<T>(v.x / det, v.y / det, v.z / det)); };
+        Affine<T> inverse{{over_det(cross_by_fma(y, z)), over_det(cross_by_fma(z, x)), over_det(cross_by_fma(x, y))},
+                          m.shift};
         inverse.shift = -inverse.linear(m.shift);
         return inverse;
     }
@@ -31,13 +32,13 @@ struct Cycles33Transform : EmbreeTransform {
     template <Number T>
     static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
         const T k = T(1) / T(1024), k2 = k * k, k4 = k2 * k2, least = k4 * k4;
-        const auto kept = [&](const T& x) { return select(abs(x) > least, x, copysign(least, x)); };
+        const auto away_from_zero = [&](const T& x) { return select(abs(x) > least, x, copysign(least, x)); };
         const Vec<T> v = linear_by_fma(m.to_object, d);
-        return named("d'", Vec<T>(kept(v.x), kept(v.y), kept(v.z)));
+        return named("d'", Vec<T>(away_from_zero(v.x), away_from_zero(v.y), away_from_zero(v.z)));
     }
 
 private:
-    /// Each component fma(a, b, −(c d)).
+    /// The cross product, each component as fma(a, b, −(c d)).
     template <Number T>
     static Vec<T> cross_by_fma(const Vec<T>& a, const Vec<T>& b) {
         return {fma(a.y, b.z, -(a.z * b.y)), fma(a.z, b.x, -(a.x * b.z)), fma(a.x, b.y, -(a.y * b.x))};

@@ -5,7 +5,7 @@
 
 namespace lostbits::intersect::transform {
 
-struct EmbreeTransform : SameT {
+struct EmbreeTransform : SameTMethod {
     static constexpr TransformMethodInfo info{
         .name = "embree",
         .title = "adjoint over determinant; rows by fma from the last component on, t kept",
@@ -18,8 +18,8 @@ struct EmbreeTransform : SameT {
         const auto column = [&](int i) { return Vec<T>(m.rows[0][i], m.rows[1][i], m.rows[2][i]); };
         const Vec<T> u = column(0), v = column(1), w = column(2);
         const T det = named("det", dot(u, cross(v, w)));
-        const auto over = [&](const Vec<T>& x) { return named("A^-1", Vec<T>(x.x / det, x.y / det, x.z / det)); };
-        Affine<T> inverse{{over(cross(v, w)), over(cross(w, u)), over(cross(u, v))}, m.shift};
+        const auto over_det = [&](const Vec<T>& x) { return named("A^-1", Vec<T>(x.x / det, x.y / det, x.z / det)); };
+        Affine<T> inverse{{over_det(cross(v, w)), over_det(cross(w, u)), over_det(cross(u, v))}, m.shift};
         inverse.shift = -linear_by_fma(inverse, m.shift);
         return inverse;
     }

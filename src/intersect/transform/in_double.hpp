@@ -1,4 +1,4 @@
-// The steps in the next wider arithmetic of one word: for floats in double, as in engines with large worlds.
+// The method in the next wider arithmetic of one word: in double for floats, as in engines with large worlds.
 #pragma once
 
 #include "intersect/transform/relative.hpp"
@@ -6,8 +6,8 @@
 namespace lostbits::intersect::transform {
 
 /// The stored matrix and the ray are widened first, so that inverse, origin and direction are each rounded once, to the
-/// format in which the form runs. If there is no wider arithmetic, it is `relative`.
-struct InDoubleTransform : SameT {
+/// format in which the form runs. If no arithmetic is wider, the method is the same as `relative`.
+struct InDoubleTransform : SameTMethod {
     static constexpr TransformMethodInfo info{
         .name = "in_double",
         .title = "inverse, origin and direction in the next wider format, each rounded once; t kept",

@@ -1,4 +1,4 @@
-// Description of a transform method: a way to take a ray into the space of a primitive.
+// Description of a transform method, which converts a ray to the space of a primitive.
 #pragma once
 
 #include <array>
@@ -10,15 +10,15 @@
 namespace lostbits::intersect::transform {
 
 struct TransformMethodInfo {
-    std::string_view name;  ///< `pbrt` of `sphere.unified@pbrt`, unique
+    std::string_view name;  ///< such as `pbrt` in `sphere.unified@pbrt`, unique
     std::string_view title;
     std::string_view source;
-    /// The directions that it takes in the world. With unit directions, t is a distance.
+    /// The directions that the method takes in the world. With unit directions, t is a distance.
     Direction direction = Direction::any;
     bool normalises = false;  ///< the form receives directions of length one
 };
 
-/// The steps, in this order. `measure::blame` tells the rounding errors of each step apart.
+/// The steps of a transform method, in this order. `measure::blame` distinguishes the rounding errors of the steps.
 enum class TransformStep {
     inverse,    ///< computes the other matrix from the stored one
     origin,     ///< converts the origin of the ray to the space of the primitive
@@ -29,21 +29,22 @@ enum class TransformStep {
 };
 inline constexpr std::array<std::string_view, 6> step_names{"inverse", "origin", "direction", "finish", "form", "back"};
 
-/// Both matrices. One of them is the stored one.
+/// Both matrices of a placed primitive. One of them is the stored one.
 template <class T>
 struct Maps {
     Affine<T> to_world, to_object;
 };
 
-/// The ray that the form is given: t in the world is t there over `length`. The primitive is `scale` times as large.
+/// The ray that the form receives. t in the world is t of this ray divided by `length`. The primitive is `scale` times
+/// as large.
 template <class T>
 struct ObjectRay {
     Ray<T> ray;
     T length, scale;
 };
 
-/// Base of the methods without a finish: t is the same in both spaces, since affine maps keep it.
-struct SameT {
+/// Base of the methods whose `finish` does not change the ray: t is the same in both spaces, since affine maps keep it.
+struct SameTMethod {
     template <Number T>
     static ObjectRay<T> finish(const Maps<T>&, const Vec<T>&, const Ray<T>& ray) {
         return {ray, T(1), T(1)};
@@ -54,21 +55,21 @@ struct SameT {
     }
 };
 
-/// Base of methods that normalise: d' = d/|d|, each component a quotient; t = t'/|d|.
+/// Base of methods that normalise: d' = d/|d|, with a quotient for each component, and t = t'/|d|.
 struct NormalisingMethod {
     template <Number T>
     static ObjectRay<T> finish(const Maps<T>&, const Vec<T>&, const Ray<T>& ray) {
-        const T size = named("|d'|", length(ray.direction));
+        const T length_of_d = named("|d'|", length(ray.direction));
         const Vec<T>& d = ray.direction;
-        return {{ray.origin, {d.x / size, d.y / size, d.z / size}}, size, T(1)};
+        return {{ray.origin, {d.x / length_of_d, d.y / length_of_d, d.z / length_of_d}}, length_of_d, T(1)};
     }
     template <Number T>
-    static T back(const Maps<T>&, const Ray<T>&, const ObjectRay<T>& in, const T& t) {
-        return named("t'/|d'|", t / in.length);
+    static T back(const Maps<T>&, const Ray<T>&, const ObjectRay<T>& object_ray, const T& t) {
+        return named("t'/|d'|", t / object_ray.length);
     }
 };
 
-/// [A⁻¹, −A⁻¹τ] from the columns of adj(A), each number of which `over_det` divides by det(A).
+/// [A⁻¹, −A⁻¹τ] from the columns of adj(A). `over_det` divides each number of these columns by det(A).
 template <Number T, class OverDet>
 Affine<T> inverse_from(const std::array<Vec<T>, 3>& columns, const Vec<T>& shift, const OverDet& over_det) {
     const auto row = [&](int i) {
@@ -85,7 +86,7 @@ Affine<T> adjugate_over_determinant(const Affine<T>& m) {
     const T det = named("det", m.determinant());
     return inverse_from(columns, m.shift, [&](const T& c) { return c / det; });
 }
-/// The same with one division: 1/det(A) is multiplied.
+/// The same inverse with a single division: the adjugate is multiplied by 1/det(A).
 template <Number T>
 Affine<T> adjugate_times_reciprocal(const Affine<T>& m) {
     const auto columns = m.adjugate();
@@ -96,19 +97,19 @@ Affine<T> adjugate_times_reciprocal(const Affine<T>& m) {
 /// fma(a.x, p.x, fma(a.y, p.y, fma(a.z, p.z, τ))) for each row: the last component first.
 template <Number T>
 Vec<T> point_by_fma(const Affine<T>& m, const Vec<T>& p) {
-    const auto of = [&](std::size_t i) {
+    const auto row_product = [&](std::size_t i) {
         const Vec<T>& a = m.rows[i];
         return fma(a.x, p.x, fma(a.y, p.y, fma(a.z, p.z, m.shift[static_cast<int>(i)])));
     };
-    return {of(0), of(1), of(2)};
+    return {row_product(0), row_product(1), row_product(2)};
 }
 template <Number T>
 Vec<T> linear_by_fma(const Affine<T>& m, const Vec<T>& v) {
-    const auto of = [&](std::size_t i) {
+    const auto row_product = [&](std::size_t i) {
         const Vec<T>& a = m.rows[i];
         return fma(a.x, v.x, fma(a.y, v.y, a.z * v.z));
     };
-    return {of(0), of(1), of(2)};
+    return {row_product(0), row_product(1), row_product(2)};
 }
 
 }  // namespace lostbits::intersect::transform

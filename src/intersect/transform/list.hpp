@@ -18,24 +18,24 @@
 
 namespace lostbits::intersect::transform {
 
-/// Calls `act.template operator()<PlainTransform>()` for each in turn.
-template <class Act>
-constexpr void for_each_transform_method(const Act& act) {
-    const auto all = [&act]<class... L>() { (act.template operator()<L>(), ...); };
-    all.template operator()<PlainTransform,     //
-                            PbrtTransform,      //
-                            EmbreeTransform,    //
-                            MitsubaTransform,   //
-                            CyclesTransform,    //
-                            Cycles33Transform,  //
-                            ThreeJsTransform,   //
-                            BevyTransform,      //
-                            RigidTransform,     //
-                            RelativeTransform,  //
-                            AdjugateTransform,  //
-                            UnrealTransform,    //
-                            InDoubleTransform,  //
-                            TwoWordsTransform>();
+/// Calls `visit.template operator()<PlainTransform>()`, and so on for each method in turn.
+template <class Visit>
+constexpr void for_each_transform_method(const Visit& visit) {
+    const auto visit_all = [&visit]<class... Method>() { (visit.template operator()<Method>(), ...); };
+    visit_all.template operator()<PlainTransform,     //
+                                  PbrtTransform,      //
+                                  EmbreeTransform,    //
+                                  MitsubaTransform,   //
+                                  CyclesTransform,    //
+                                  Cycles33Transform,  //
+                                  ThreeJsTransform,   //
+                                  BevyTransform,      //
+                                  RigidTransform,     //
+                                  RelativeTransform,  //
+                                  AdjugateTransform,  //
+                                  UnrealTransform,    //
+                                  InDoubleTransform,  //
+                                  TwoWordsTransform>();
 }
 
 }  // namespace lostbits::intersect::transform

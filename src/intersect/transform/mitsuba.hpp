@@ -5,7 +5,7 @@
 
 namespace lostbits::intersect::transform {
 
-struct MitsubaTransform : SameT {
+struct MitsubaTransform : SameTMethod {
     static constexpr TransformMethodInfo info{
         .name = "mitsuba",
         .title = "columns added by fma to the shift, x first; t kept",
@@ -19,19 +19,19 @@ struct MitsubaTransform : SameT {
     /// fma(a.z, o.z, fma(a.y, o.y, fma(a.x, o.x, τ))).
     template <Number T>
     static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
-        const auto of = [&](std::size_t i) {
+        const auto row_product = [&](std::size_t i) {
             const Vec<T>& a = m.to_object.rows[i];
             return fma(a.z, o.z, fma(a.y, o.y, fma(a.x, o.x, m.to_object.shift[static_cast<int>(i)])));
         };
-        return named("o'", Vec<T>(of(0), of(1), of(2)));
+        return named("o'", Vec<T>(row_product(0), row_product(1), row_product(2)));
     }
     template <Number T>
     static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
-        const auto of = [&](std::size_t i) {
+        const auto row_product = [&](std::size_t i) {
             const Vec<T>& a = m.to_object.rows[i];
             return fma(a.z, d.z, fma(a.y, d.y, a.x * d.x));
         };
-        return named("d'", Vec<T>(of(0), of(1), of(2)));
+        return named("d'", Vec<T>(row_product(0), row_product(1), row_product(2)));
     }
 };
 

@@ -1,11 +1,11 @@
-// The plain method, written without regard to rounding: the inverse matrix, and its products with o and d.
+// The plain method, written without regard to rounding: it computes the inverse matrix, and its products with o and d.
 #pragma once
 
 #include "intersect/transform/info.hpp"
 
 namespace lostbits::intersect::transform {
 
-struct PlainTransform : SameT {
+struct PlainTransform : SameTMethod {
     static constexpr TransformMethodInfo info{
         .name = "plain",
         .title = "adjugate over determinant; M^-1 o and M^-1 d, t kept",

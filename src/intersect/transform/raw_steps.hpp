@@ -1,18 +1,19 @@
-// The interface between transform_method.cpp and the objects of the register widths: plain pointers.
+// The interface between transform_method.cpp and the objects that are compiled once for each register width: plain
+// pointers.
 #pragma once
 
 #include <cstddef>
 
 namespace lostbits::intersect::transform {
 
-/// Whole packs of rays, structure of arrays: `size` is a multiple of the lanes.
+/// Arrays of whole packs of rays, structure of arrays. `size` is a multiple of the number of lanes.
 template <class F>
 struct RawSteps {
-    const F* maps;      ///< to the world, then to the primitive, each three rows of four
-    const F* world[6];  ///< ox, oy, oz, dx, dy, dz
-    F* object[6];       ///< the same in the space of the primitive
-    F *length, *scale;  ///< a length for each ray; one scale for all
-    F* told[3];         ///< t, near and far, converted back in place
+    const F* maps;          ///< the matrix to the world, then the one to the primitive, each three rows of four
+    const F* world[6];      ///< ox, oy, oz, dx, dy, dz in the world
+    F* object[6];           ///< the same in the space of the primitive
+    F *length, *scale;      ///< `length` has one number for each ray, `scale` one for all
+    F* line_parameters[3];  ///< t, near and far, converted back in place
     std::size_t size;
 };
 
@@ -26,8 +27,8 @@ struct RawTransformRow {
     RawTransform<double> f64;
 };
 
-/// One function for each register width, each in its own object. It fills a row for each method, in the order of the
-/// list.
+/// One function for each register width, each in its own object. It fills a row for each method, in the order of
+/// list.hpp.
 void fill_transforms_w128(RawTransformRow* rows);
 void fill_transforms_w256(RawTransformRow* rows);
 void fill_transforms_w512(RawTransformRow* rows);

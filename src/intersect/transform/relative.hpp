@@ -1,5 +1,5 @@
-// The difference to the position of the primitive first, then the linear part alone. With the matrix of a camera this
-// is called camera-relative.
+// The method that first subtracts the position of the primitive, and then applies only the linear part. With the matrix
+// of a camera this is called camera-relative.
 #pragma once
 
 #include "intersect/transform/plain.hpp"
@@ -8,7 +8,7 @@ namespace lostbits::intersect::transform {
 
 /// τ − o is exact if the two are within a factor of two of each other in each component (Sterbenz). So the error of the
 /// ray does not grow with the distance from the origin of the world.
-struct RelativeTransform : SameT {
+struct RelativeTransform : SameTMethod {
     static constexpr TransformMethodInfo info{
         .name = "relative",
         .title = "o - T first, then A^-1 of it and of d; t kept",

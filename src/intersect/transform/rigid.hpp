@@ -1,11 +1,12 @@
-// The transpose in place of the inverse, which is right for rotations only.
+// The method with the transpose in place of the inverse, which is right for rotations only.
 #pragma once
 
 #include "intersect/transform/relative.hpp"
 
 namespace lostbits::intersect::transform {
 
-/// Aᵀ = A⁻¹ for a rotation. For a rounded rotation it holds to a few u; for any other matrix Aᵀ is a different map.
+/// Aᵀ = A⁻¹ for a rotation. For a rounded rotation the equation holds to a few u; for any other matrix Aᵀ is a
+/// different map.
 struct RigidTransform : RelativeTransform {
     static constexpr TransformMethodInfo info{
         .name = "rigid",

@@ -1,4 +1,4 @@
-// The transform methods in registers of one width. Compiled once for each width.
+// The transform methods in registers of one width. This file is compiled once for each width.
 #include "intersect/transform/list.hpp"
 #include "intersect/transform/raw_steps.hpp"
 #include "number/wide/wide_pack.hpp"
@@ -9,56 +9,56 @@ namespace {
 
 template <class P, class F>
 Maps<P> maps_from(const F* numbers) {
-    const auto from = [numbers](std::size_t first) {
+    const auto read_matrix = [numbers](std::size_t first) {
         return Affine<P>::of([numbers, first](std::size_t k) { return P(numbers[first + k]); });
     };
-    return {from(0), from(Affine<P>::numbers)};
+    return {read_matrix(0), read_matrix(Affine<P>::numbers)};
 }
 
 template <class P, class Columns>
 Ray<P> ray_at(const Columns& columns, std::size_t i) {
-    const auto at = [&columns, i](int k) { return P::load(columns[k] + i); };
-    return {{at(0), at(1), at(2)}, {at(3), at(4), at(5)}};
+    const auto load_column = [&columns, i](int k) { return P::load(columns[k] + i); };
+    return {{load_column(0), load_column(1), load_column(2)}, {load_column(3), load_column(4), load_column(5)}};
 }
 
-template <class L, class F>
+template <class Method, class F>
 [[gnu::flatten]] void to_object(const RawSteps<F>& raw) {
     using P = Pack<F, Width>;
-    const RawSteps<F> steps = raw;  // a copy, which the stores below cannot change
-    const Maps<P> maps = maps_from<P>(steps.maps);
+    const RawSteps<F> arrays = raw;  // a copy, which the stores below cannot change
+    const Maps<P> maps = maps_from<P>(arrays.maps);
     F scales[P::lanes] = {};
-    for (std::size_t i = 0; i < steps.size; i += P::lanes) {
-        const Ray<P> world = ray_at<P>(steps.world, i);
-        const ObjectRay<P> in =
-            L::finish(maps, world.origin, Ray<P>{L::origin(maps, world.origin), L::direction(maps, world.direction)});
+    for (std::size_t i = 0; i < arrays.size; i += P::lanes) {
+        const Ray<P> world = ray_at<P>(arrays.world, i);
+        const ObjectRay<P> object_ray = Method::finish(
+            maps, world.origin, Ray<P>{Method::origin(maps, world.origin), Method::direction(maps, world.direction)});
         for (int k = 0; k < 3; ++k) {
-            in.ray.origin[k].store(steps.object[k] + i);
-            in.ray.direction[k].store(steps.object[k + 3] + i);
+            object_ray.ray.origin[k].store(arrays.object[k] + i);
+            object_ray.ray.direction[k].store(arrays.object[k + 3] + i);
         }
-        in.length.store(steps.length + i);
-        in.scale.store(scales);
-        *steps.scale = scales[0];
+        object_ray.length.store(arrays.length + i);
+        object_ray.scale.store(scales);
+        *arrays.scale = scales[0];
     }
 }
 
-template <class L, class F>
+template <class Method, class F>
 [[gnu::flatten]] void back(const RawSteps<F>& raw) {
     using P = Pack<F, Width>;
-    const RawSteps<F> steps = raw;
-    const Maps<P> maps = maps_from<P>(steps.maps);
-    const P scale(*steps.scale);
-    for (std::size_t i = 0; i < steps.size; i += P::lanes) {
-        const Ray<P> world = ray_at<P>(steps.world, i);
-        const ObjectRay<P> in{ray_at<P>(steps.object, i), P::load(steps.length + i), scale};
-        for (F* const t : steps.told) L::back(maps, world, in, P::load(t + i)).store(t + i);
+    const RawSteps<F> arrays = raw;
+    const Maps<P> maps = maps_from<P>(arrays.maps);
+    const P scale(*arrays.scale);
+    for (std::size_t i = 0; i < arrays.size; i += P::lanes) {
+        const Ray<P> world = ray_at<P>(arrays.world, i);
+        const ObjectRay<P> object_ray{ray_at<P>(arrays.object, i), P::load(arrays.length + i), scale};
+        for (F* const t : arrays.line_parameters) Method::back(maps, world, object_ray, P::load(t + i)).store(t + i);
     }
 }
 
 }  // namespace
 
 void LOSTBITS_NAME_OF_WIDTH(fill_transforms)(RawTransformRow* rows) {
-    for_each_transform_method([&rows]<class L>() {
-        *rows++ = {{to_object<L, float>, back<L, float>}, {to_object<L, double>, back<L, double>}};
+    for_each_transform_method([&rows]<class Method>() {
+        *rows++ = {{to_object<Method, float>, back<Method, float>}, {to_object<Method, double>, back<Method, double>}};
     });
 }
 

@@ -1,5 +1,5 @@
-// The ray cast of three.js at a mesh: the direction is normalised in the space of the mesh, and t is the distance of
-// the hit point after it is converted back to the world.
+// The ray cast of three.js at a mesh: the direction is normalised in the space of the mesh. The hit point is converted
+// back to the world, and its distance from the origin is t.
 #pragma once
 
 #include "intersect/transform/cycles.hpp"
@@ -18,12 +18,12 @@ struct ThreeJsTransform : CyclesTransform {
     /// Normalises as three.js does: v.normalize() multiplies v by 1/|v|.
     template <Number T>
     static ObjectRay<T> finish(const Maps<T>&, const Vec<T>&, const Ray<T>& ray) {
-        const T size = named("|d'|", length(ray.direction)), r = T(1) / size;
-        return {{ray.origin, r * ray.direction}, size, T(1)};
+        const T length_of_d = named("|d'|", length(ray.direction)), r = T(1) / length_of_d;
+        return {{ray.origin, r * ray.direction}, length_of_d, T(1)};
     }
     template <Number T>
-    static T back(const Maps<T>& m, const Ray<T>& world, const ObjectRay<T>& in, const T& t) {
-        const Vec<T> point = named("P'", Vec<T>(in.ray.origin + t * in.ray.direction));
+    static T back(const Maps<T>& m, const Ray<T>& world, const ObjectRay<T>& object_ray, const T& t) {
+        const Vec<T> point = named("P'", Vec<T>(object_ray.ray.origin + t * object_ray.ray.direction));
         return named("|P - o|", length(Vec<T>(named("P", m.to_world.point(point)) - world.origin)));
     }
 };

@@ -15,81 +15,82 @@ namespace {
 using table::HitBatch;
 using table::RayBatch;
 
-template <class L, class T>
+template <class Method, class T>
 Maps<T> maps_of(const Placement<T>& placed) {
-    const Affine<T> stored = placed.map(), other = L::inverse(stored);
-    return placed.is_inverse ? Maps<T>{other, stored} : Maps<T>{stored, other};
+    const Affine<T> stored = placed.map(), inverse = Method::inverse(stored);
+    return placed.is_inverse ? Maps<T>{inverse, stored} : Maps<T>{stored, inverse};
 }
 
-template <class L, class T>
+template <class Method, class T>
 constexpr StepsIn<T> steps() {
-    return {maps_of<L, T>, L::template origin<T>, L::template direction<T>, L::template finish<T>, L::template back<T>};
+    return {maps_of<Method, T>, Method::template origin<T>, Method::template direction<T>, Method::template finish<T>,
+            Method::template back<T>};
 }
 
-/// Converts stored numbers to the arithmetic, and back.
+/// Converts stored numbers to the arithmetic T, and back.
 template <class T, class S>
-Vec<T> lifted(S x, S y, S z) {
+Vec<T> to_vec(S x, S y, S z) {
     return {T(x), T(y), T(z)};
 }
 template <class S, class T>
-S dropped(const T& x) {
+S to_stored(const T& x) {
     if constexpr (std::same_as<S, T>) return x;
     else return as_double(x);
 }
 
 template <class T, class S>
 Ray<T> world_ray(const RayBatch<S>& rays, std::size_t i) {
-    return {lifted<T>(rays.ox[i], rays.oy[i], rays.oz[i]), lifted<T>(rays.dx[i], rays.dy[i], rays.dz[i])};
+    return {to_vec<T>(rays.ox[i], rays.oy[i], rays.oz[i]), to_vec<T>(rays.dx[i], rays.dy[i], rays.dz[i])};
 }
 
 /// Index of a transform method in the list.
-template <class L>
+template <class Method>
 constexpr std::size_t index_of() {
-    std::size_t place = 0, k = 0;
+    std::size_t index = 0, k = 0;
     for_each_transform_method([&]<class Other>() {
-        if (std::same_as<L, Other>) place = k;
+        if (std::same_as<Method, Other>) index = k;
         ++k;
     });
-    return place;
+    return index;
 }
-constexpr std::size_t space_count = [] {
+constexpr std::size_t method_count = [] {
     std::size_t count = 0;
-    for_each_transform_method([&count]<class L>() { ++count; });
+    for_each_transform_method([&count]<class Method>() { ++count; });
     return count;
 }();
 
-/// The steps compiled for a register width, and its size in bytes.
-struct Packs {
-    std::array<RawTransformRow, space_count> rows{};
+/// The methods compiled for a register width, and that width in bytes.
+struct PackedMethods {
+    std::array<RawTransformRow, method_count> rows{};
     std::size_t bytes = 0;
 
-    Packs(void (*fill)(RawTransformRow*), std::size_t size) : bytes(size) { fill(rows.data()); }
+    PackedMethods(void (*fill)(RawTransformRow*), std::size_t size) : bytes(size) { fill(rows.data()); }
 };
-/// The packs of a width that this machine has; null for `scalar`.
-const Packs* packs_of(simd::Isa isa) {
-    static const Packs w128(fill_transforms_w128, 16);
+/// The methods for a register width of this machine; null for `scalar`.
+const PackedMethods* packed_methods(simd::Isa isa) {
+    static const PackedMethods w128(fill_transforms_w128, 16);
 #if defined(__x86_64__)
     if (isa == simd::Isa::w256) {
-        static const Packs w256(fill_transforms_w256, 32);
+        static const PackedMethods w256(fill_transforms_w256, 32);
         return &w256;
     }
     if (isa == simd::Isa::w512) {
-        static const Packs w512(fill_transforms_w512, 64);
+        static const PackedMethods w512(fill_transforms_w512, 64);
         return &w512;
     }
 #endif
     return isa == simd::Isa::scalar ? nullptr : &w128;
 }
 
-/// Calls `act(way, steps)` on the rays that fill whole packs of the current width, and returns their number. The rest
-/// is left to the caller; in an arithmetic without registers, that is all of them.
-template <class L, class T, class S, class Act>
-std::size_t in_packs(const Maps<T>& maps, const RayBatch<S>& rays, const Act& act) {
+/// Calls `run(functions, steps)` on the rays that fill whole packs of the current width, and returns the number of
+/// these rays. The caller computes the other rays; in an arithmetic without registers, those are all rays.
+template <class Method, class T, class S, class Run>
+std::size_t in_packs(const Maps<T>& maps, const RayBatch<S>& rays, const Run& run) {
     if constexpr (std::same_as<T, S>) {
-        const Packs* const packs = packs_of(simd::current_isa());
-        if (packs == nullptr) return 0;
-        const std::size_t lanes = packs->bytes / sizeof(S), whole = rays.size() / lanes * lanes;
-        if (whole == 0) return 0;
+        const PackedMethods* const packed = packed_methods(simd::current_isa());
+        if (packed == nullptr) return 0;
+        const std::size_t lanes = packed->bytes / sizeof(S), packed_count = rays.size() / lanes * lanes;
+        if (packed_count == 0) return 0;
         std::array<S, 2 * Affine<S>::numbers> numbers;
         std::size_t k = 0;
         for (const Affine<T>* const map : {&maps.to_world, &maps.to_object})
@@ -100,106 +101,114 @@ std::size_t in_packs(const Maps<T>& maps, const RayBatch<S>& rays, const Act& ac
             .object = {},
             .length = nullptr,
             .scale = nullptr,
-            .told = {},
-            .size = whole};
-        const RawTransformRow& row = packs->rows[index_of<L>()];
-        if constexpr (std::same_as<S, float>) act(row.f32, steps);
-        else act(row.f64, steps);
-        return whole;
+            .line_parameters = {},
+            .size = packed_count};
+        const RawTransformRow& row = packed->rows[index_of<Method>()];
+        if constexpr (std::same_as<S, float>) run(row.f32, steps);
+        else run(row.f64, steps);
+        return packed_count;
     } else {
         return 0;
     }
 }
 
-template <class L, class T, class S>
-void batch_to_object(const Maps<T>& maps, const RayBatch<S>& rays, ObjectColumns<S>& to) {
-    for (auto& column : to.ray) column.resize(rays.size());
-    to.length.resize(rays.size());
-    const std::size_t done = in_packs<L>(maps, rays, [&to](const auto& way, auto& steps) {
-        for (std::size_t k = 0; k < to.ray.size(); ++k) steps.object[k] = to.ray[k].data();
-        steps.length = to.length.data();
-        steps.scale = &to.scale;
-        way.to_object(steps);
+template <class Method, class T, class S>
+void batch_to_object(const Maps<T>& maps, const RayBatch<S>& rays, ObjectColumns<S>& columns) {
+    for (auto& column : columns.ray) column.resize(rays.size());
+    columns.length.resize(rays.size());
+    const std::size_t packed_count = in_packs<Method>(maps, rays, [&columns](const auto& functions, auto& steps) {
+        for (std::size_t k = 0; k < columns.ray.size(); ++k) steps.object[k] = columns.ray[k].data();
+        steps.length = columns.length.data();
+        steps.scale = &columns.scale;
+        functions.to_object(steps);
     });
-    for (std::size_t i = done; i < rays.size(); ++i) {
+    for (std::size_t i = packed_count; i < rays.size(); ++i) {
         const Ray<T> world = world_ray<T>(rays, i);
-        const ObjectRay<T> in =
-            L::finish(maps, world.origin, Ray<T>{L::origin(maps, world.origin), L::direction(maps, world.direction)});
+        const ObjectRay<T> object_ray = Method::finish(
+            maps, world.origin, Ray<T>{Method::origin(maps, world.origin), Method::direction(maps, world.direction)});
         for (int k = 0; k < 3; ++k) {
-            to.ray[static_cast<std::size_t>(k)][i] = dropped<S>(in.ray.origin[k]);
-            to.ray[static_cast<std::size_t>(k + 3)][i] = dropped<S>(in.ray.direction[k]);
+            columns.ray[static_cast<std::size_t>(k)][i] = to_stored<S>(object_ray.ray.origin[k]);
+            columns.ray[static_cast<std::size_t>(k + 3)][i] = to_stored<S>(object_ray.ray.direction[k]);
         }
-        to.length[i] = dropped<S>(in.length);
-        to.scale = dropped<S>(in.scale);
+        columns.length[i] = to_stored<S>(object_ray.length);
+        columns.scale = to_stored<S>(object_ray.scale);
     }
 }
 
-template <class L, class T, class S>
-void batch_back(const Maps<T>& maps, const RayBatch<S>& rays, const ObjectColumns<S>& in, const HitBatch<S>& hits) {
-    const std::size_t done = in_packs<L>(maps, rays, [&](const auto& way, auto& steps) {
+template <class Method, class T, class S>
+void batch_back(const Maps<T>& maps, const RayBatch<S>& rays, const ObjectColumns<S>& columns,
+                const HitBatch<S>& hits) {
+    const std::size_t packed_count = in_packs<Method>(maps, rays, [&](const auto& functions, auto& steps) {
         // These columns are only read here. Their pointers are not const because `to_object` writes through the same
         // struct.
-        for (std::size_t k = 0; k < in.ray.size(); ++k) steps.object[k] = const_cast<S*>(in.ray[k].data());
-        steps.length = const_cast<S*>(in.length.data());
-        steps.scale = const_cast<S*>(&in.scale);
-        steps.told[0] = hits.t.data(), steps.told[1] = hits.near.data(), steps.told[2] = hits.far.data();
-        way.back(steps);
+        for (std::size_t k = 0; k < columns.ray.size(); ++k) steps.object[k] = const_cast<S*>(columns.ray[k].data());
+        steps.length = const_cast<S*>(columns.length.data());
+        steps.scale = const_cast<S*>(&columns.scale);
+        steps.line_parameters[0] = hits.t.data(), steps.line_parameters[1] = hits.near.data(),
+        steps.line_parameters[2] = hits.far.data();
+        functions.back(steps);
     });
-    for (std::size_t i = done; i < rays.size(); ++i) {
+    for (std::size_t i = packed_count; i < rays.size(); ++i) {
         const Ray<T> world = world_ray<T>(rays, i);
-        const auto at = [&](std::size_t k) { return in.ray[k][i]; };
-        const ObjectRay<T> there{
-            {lifted<T>(at(0), at(1), at(2)), lifted<T>(at(3), at(4), at(5))}, T(in.length[i]), T(in.scale)};
-        for (const auto* const lengths : {&hits.t, &hits.near, &hits.far})
-            (*lengths)[i] = dropped<S>(L::back(maps, world, there, T((*lengths)[i])));
+        const auto component = [&](std::size_t k) { return columns.ray[k][i]; };
+        const ObjectRay<T> object_ray{
+            {to_vec<T>(component(0), component(1), component(2)), to_vec<T>(component(3), component(4), component(5))},
+            T(columns.length[i]),
+            T(columns.scale)};
+        for (const auto* const parameters : {&hits.t, &hits.near, &hits.far})
+            (*parameters)[i] = to_stored<S>(Method::back(maps, world, object_ray, T((*parameters)[i])));
     }
 }
 
-template <class L>
+template <class Method>
 void record(const Format& format, Tape& tape, const WorldNodes& world, const RecordForm& form) {
     using T = Recorded;
     number::recorders::TapeRecorder recorder(tape, format.parameters);
-    const auto vec = [](const auto& nodes, std::size_t k) {
+    const auto vec_of_nodes = [](const auto& nodes, std::size_t k) {
         return Vec<T>(T::at(nodes[k]), T::at(nodes[k + 1]), T::at(nodes[k + 2]));
     };
-    const Ray<T> ray{vec(world.ray, 0), vec(world.ray, 3)};
+    const Ray<T> ray{vec_of_nodes(world.ray, 0), vec_of_nodes(world.ray, 3)};
     const Affine<T> stored = Affine<T>::of([&](std::size_t k) { return T::at(world.matrix[k]); });
-    const Affine<T> other = L::inverse(stored);
-    const Maps<T> maps = world.is_inverse ? Maps<T>{other, stored} : Maps<T>{stored, other};
-    const ObjectRay<T> in =
-        L::finish(maps, ray.origin, Ray<T>{L::origin(maps, ray.origin), L::direction(maps, ray.direction)});
-    const Vec<T>&o = in.ray.origin, &d = in.ray.direction;
-    TapeOutputs answer = form(
-        {{o.x.node(), o.y.node(), o.z.node(), d.x.node(), d.y.node(), d.z.node()}, in.length.node(), in.scale.node()});
-    for (NodeId* const t : {&answer.t, &answer.near, &answer.far}) *t = L::back(maps, ray, in, T::at(*t)).node();
+    const Affine<T> inverse = Method::inverse(stored);
+    const Maps<T> maps = world.is_inverse ? Maps<T>{inverse, stored} : Maps<T>{stored, inverse};
+    const ObjectRay<T> object_ray = Method::finish(
+        maps, ray.origin, Ray<T>{Method::origin(maps, ray.origin), Method::direction(maps, ray.direction)});
+    const Vec<T>&o = object_ray.ray.origin, &d = object_ray.ray.direction;
+    TapeOutputs answer = form({{o.x.node(), o.y.node(), o.z.node(), d.x.node(), d.y.node(), d.z.node()},
+                               object_ray.length.node(),
+                               object_ray.scale.node()});
+    for (NodeId* const t : {&answer.t, &answer.near, &answer.far})
+        *t = Method::back(maps, ray, object_ray, T::at(*t)).node();
     tape.outputs = answer;
 }
 
-template <class L>
+template <class Method>
 constexpr TransformMethod row() {
-    return {.info = &L::info,
-            .f32 = steps<L, float>(),
-            .f64 = steps<L, double>(),
-            .rounded = steps<L, RoundedAny>(),
-            .ball = steps<L, Ball>(),
-            .interval = steps<L, Interval>(),
-            .real = steps<L, Real>(),
-            .batch32 = {maps_of<L, float>, batch_to_object<L, float, float>, batch_back<L, float, float>},
-            .batch64 = {maps_of<L, double>, batch_to_object<L, double, double>, batch_back<L, double, double>},
-            .batch_rounded = {maps_of<L, RoundedAny>, batch_to_object<L, RoundedAny, double>,
-                              batch_back<L, RoundedAny, double>},
-            .record = record<L>};
+    return {
+        .info = &Method::info,
+        .f32 = steps<Method, float>(),
+        .f64 = steps<Method, double>(),
+        .rounded = steps<Method, RoundedAny>(),
+        .ball = steps<Method, Ball>(),
+        .interval = steps<Method, Interval>(),
+        .real = steps<Method, Real>(),
+        .batch32 = {maps_of<Method, float>, batch_to_object<Method, float, float>, batch_back<Method, float, float>},
+        .batch64 = {maps_of<Method, double>, batch_to_object<Method, double, double>,
+                    batch_back<Method, double, double>},
+        .batch_rounded = {maps_of<Method, RoundedAny>, batch_to_object<Method, RoundedAny, double>,
+                          batch_back<Method, RoundedAny, double>},
+        .record = record<Method>};
 }
 
 }  // namespace
 
 std::span<const TransformMethod> transform_methods() {
-    static const std::vector<TransformMethod> all = [] {
+    static const std::vector<TransformMethod> methods = [] {
         std::vector<TransformMethod> rows;
-        for_each_transform_method([&rows]<class L>() { rows.push_back(row<L>()); });
+        for_each_transform_method([&rows]<class Method>() { rows.push_back(row<Method>()); });
         return rows;
     }();
-    return all;
+    return methods;
 }
 
 const TransformMethod& usual_transform_method() { return transform_methods().front(); }

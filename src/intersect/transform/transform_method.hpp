@@ -1,4 +1,4 @@
-// The table of transform methods: each in every arithmetic, as plain functions.
+// The table of transform methods: each method in every arithmetic, as plain functions.
 #pragma once
 
 #include <functional>
@@ -22,7 +22,7 @@ struct ObjectColumns {
     S scale;
 };
 
-/// The steps in one arithmetic.
+/// The steps of a method in one arithmetic.
 template <class T>
 struct StepsIn {
     Maps<T> (*maps)(const Placement<T>&);
@@ -36,16 +36,16 @@ struct StepsIn {
     }
 };
 
-/// The steps for whole batches against one matrix, with the same bits as ray by ray.
+/// The steps of a method for whole batches and one matrix, with the same bits as ray by ray.
 template <class T, class S>
 struct BatchIn {
     Maps<T> (*maps)(const Placement<T>&);
     void (*to_object)(const Maps<T>&, const table::RayBatch<S>&, ObjectColumns<S>&);
-    /// Converts the answers of the form in place.
+    /// Converts the answers of the form to the world, in place.
     void (*back)(const Maps<T>&, const table::RayBatch<S>&, const ObjectColumns<S>&, const table::HitBatch<S>&);
 };
 
-/// Nodes on a tape: `WorldNodes` are the inputs of a transform method, `ObjectNodes` those of the form behind it.
+/// Nodes on a tape: `WorldNodes` are the inputs of a transform method, `ObjectNodes` those of the form that follows it.
 struct WorldNodes {
     std::array<NodeId, 6> ray;
     std::array<NodeId, Affine<double>::numbers> matrix;
@@ -55,7 +55,7 @@ struct ObjectNodes {
     std::array<NodeId, 6> ray;
     NodeId length, scale;
 };
-/// Records the form after the steps that are on the tape, and returns its outputs.
+/// Records the form after the steps that are on the tape, and returns the form's outputs.
 using RecordForm = std::function<TapeOutputs(const ObjectNodes&)>;
 
 struct TransformMethod {
@@ -69,16 +69,16 @@ struct TransformMethod {
     BatchIn<float, float> batch32;
     BatchIn<double, double> batch64;
     BatchIn<RoundedAny, double> batch_rounded;
-    /// Appends every operation of the method to the tape, in a format, with those of the form where it runs.
+    /// Appends every operation of the method to the tape, in a format, and calls `RecordForm` for those of the form.
     void (*record)(const Format&, Tape&, const WorldNodes&, const RecordForm&);
 };
 
 /// The steps of a method in the arithmetic of a format.
 template <class T>
-const StepsIn<T>& steps_in(const TransformMethod& space) {
-    if constexpr (std::same_as<T, float>) return space.f32;
-    else if constexpr (std::same_as<T, double>) return space.f64;
-    else return space.rounded;
+const StepsIn<T>& steps_in(const TransformMethod& method) {
+    if constexpr (std::same_as<T, float>) return method.f32;
+    else if constexpr (std::same_as<T, double>) return method.f64;
+    else return method.rounded;
 }
 
 /// All methods, in the order of the list.

@@ -20,14 +20,14 @@ namespace {
 using Parts = std::tuple<const TransformMethod*, const Intersector*>;
 using Rows = table::ComposedForms<Parts>;
 Rows& rows() {
-    static Rows all;
-    return all;
+    static Rows composed_rows;
+    return composed_rows;
 }
 
 TransformedFormParts parts_in(const Parts& parts) {
-    return std::apply([](auto... each) { return TransformedFormParts{each...}; }, parts);
+    return std::apply([](auto... part) { return TransformedFormParts{part...}; }, parts);
 }
-TransformedFormParts of(void* own) { return parts_in(static_cast<const Rows::Made*>(own)->parts); }
+TransformedFormParts parts_of_row(void* context) { return parts_in(static_cast<const Rows::Made*>(context)->parts); }
 
 template <class S>
 Primitive<S> object_of(const Primitive<S>& primitive, const S& scale) {
@@ -36,8 +36,8 @@ Primitive<S> object_of(const Primitive<S>& primitive, const S& scale) {
     return scale == S(1) ? object : scaled(object, scale);
 }
 
-/// Runs a batch: takes the rays to the space of the primitive, asks the form there, and converts its answers back. All
-/// rays share one primitive, or each ray is a batch of its own.
+/// Runs a batch: converts the rays to the space of the primitive, runs the form there, and converts its answers back.
+/// Either all rays share one primitive, or each ray is a batch of its own.
 template <class T, class S, class Kernel>
 void evaluate(const BatchIn<T, S>& steps, const Kernel& kernel, const RayBatch<S>& rays, const Target<S>& target,
               const HitBatch<S>& hits) {
@@ -45,64 +45,68 @@ void evaluate(const BatchIn<T, S>& steps, const Kernel& kernel, const RayBatch<S
     for (std::size_t i = 0, end = 0; i < rays.size(); i = end) {
         const Primitive<S>& primitive = target.primitives[primitives == 1 ? 0 : i];
         end = primitives == 1 ? rays.size() : i + 1;
-        const auto part = [&](auto all) { return all.empty() ? all : all.subspan(i, end - i); };
-        const RayBatch<S> some{part(rays.ox), part(rays.oy),   part(rays.oz),   part(rays.dx), part(rays.dy),
-                               part(rays.dz), part(rays.tmax), part(rays.tmin), rays.open};
-        const HitBatch<S> to{part(hits.t), part(hits.near), part(hits.far), part(hits.hit)};
+        const auto slice = [&](auto span) { return span.empty() ? span : span.subspan(i, end - i); };
+        const RayBatch<S> world_rays{slice(rays.ox), slice(rays.oy),   slice(rays.oz),   slice(rays.dx), slice(rays.dy),
+                                     slice(rays.dz), slice(rays.tmax), slice(rays.tmin), rays.open};
+        const HitBatch<S> batch_hits{slice(hits.t), slice(hits.near), slice(hits.far), slice(hits.hit)};
         if (!primitive.placed) {
-            kernel(some, Target<S>(primitive), to);
+            kernel(world_rays, Target<S>(primitive), batch_hits);
             continue;
         }
         const auto lifted = transformed(*primitive.placed, [](const S& x) { return T(x); });
         const Maps<T> maps = steps.maps(lifted);
         thread_local ObjectColumns<S> columns;
-        steps.to_object(maps, some, columns);
+        steps.to_object(maps, world_rays, columns);
         const auto& [ox, oy, oz, dx, dy, dz] = columns.ray;
-        RayBatch<S> inside{ox, oy, oz, dx, dy, dz};
+        RayBatch<S> object_rays{ox, oy, oz, dx, dy, dz};
         thread_local std::vector<S> ends;
-        if (!some.tmax.empty()) {
-            ends.resize(some.size());
-            for (std::size_t k = 0; k < ends.size(); ++k) ends[k] = some.tmax[k] * columns.length[k];
-            inside.tmax = ends;
-            inside.open.tmax = some.open.tmax;
+        if (!world_rays.tmax.empty()) {
+            ends.resize(world_rays.size());
+            for (std::size_t k = 0; k < ends.size(); ++k) ends[k] = world_rays.tmax[k] * columns.length[k];
+            object_rays.tmax = ends;
+            object_rays.open.tmax = world_rays.open.tmax;
         }
-        kernel(inside, Target<S>(object_of(primitive, columns.scale)), to);
-        steps.back(maps, some, columns, to);
+        kernel(object_rays, Target<S>(object_of(primitive, columns.scale)), batch_hits);
+        steps.back(maps, world_rays, columns, batch_hits);
     }
 }
 
-void ask32(void* own, const RayBatch<float>& rays, const Target<float>& target, const HitBatch<float>& hits) {
-    evaluate(of(own).method->batch32, simd::packed_kernels(*of(own).form).f32, rays, target, hits);
+void evaluate_32(void* context, const RayBatch<float>& rays, const Target<float>& target, const HitBatch<float>& hits) {
+    evaluate(parts_of_row(context).method->batch32, simd::packed_kernels(*parts_of_row(context).form).f32, rays, target,
+             hits);
 }
-void ask64(void* own, const RayBatch<double>& rays, const Target<double>& target, const HitBatch<double>& hits) {
-    evaluate(of(own).method->batch64, simd::packed_kernels(*of(own).form).f64, rays, target, hits);
+void evaluate_64(void* context, const RayBatch<double>& rays, const Target<double>& target,
+                 const HitBatch<double>& hits) {
+    evaluate(parts_of_row(context).method->batch64, simd::packed_kernels(*parts_of_row(context).form).f64, rays, target,
+             hits);
 }
-void evaluate_rounded(void* own, const FloatFormat& format, const RayBatch<double>& rays, const Target<double>& target,
-                      const HitBatch<double>& hits) {
+void evaluate_rounded(void* context, const FloatFormat& format, const RayBatch<double>& rays,
+                      const Target<double>& target, const HitBatch<double>& hits) {
     const CurrentFormat::Scope scope(format);
-    const auto kernel = [&](const auto&... a) { of(own).form->rounded(format, a...); };
-    evaluate(of(own).method->batch_rounded, kernel, rays, target, hits);
+    const auto kernel = [&](const auto&... a) { parts_of_row(context).form->rounded(format, a...); };
+    evaluate(parts_of_row(context).method->batch_rounded, kernel, rays, target, hits);
 }
 
-/// Runs in an enclosure. If the determinant is not known to differ from 0, the answer stays open.
+/// Runs a row in an enclosure. If the determinant is not known to differ from 0, the answer is unknown.
 template <auto of_steps, auto kernel, class E>
-Hit<E> enclosed(void* own, const Ray<E>& ray, const Target<E>& target) {
-    const TransformedFormParts row = of(own);
+Hit<E> enclosed(void* context, const Ray<E>& ray, const Target<E>& target) {
+    const TransformedFormParts row = parts_of_row(context);
     const Primitive<E>& primitive = target.primitives.front();
     if (!primitive.placed) return (row.form->*kernel)(ray, target);
     const StepsIn<E>& steps = row.method->*of_steps;
     const Maps<E> maps = steps.maps(*primitive.placed);
-    const ObjectRay<E> in = steps.to_object(maps, ray);
-    const Primitive<E> object = scaled(primitive, in.scale);
-    const Hit<E> hit = (row.form->*kernel)(in.ray, Target<E>(object));
-    return {hit.hit, steps.back(maps, ray, in, hit.t), steps.back(maps, ray, in, hit.near),
-            steps.back(maps, ray, in, hit.far)};
+    const ObjectRay<E> object_ray = steps.to_object(maps, ray);
+    const Primitive<E> object = scaled(primitive, object_ray.scale);
+    const Hit<E> hit = (row.form->*kernel)(object_ray.ray, Target<E>(object));
+    return {hit.hit, steps.back(maps, ray, object_ray, hit.t), steps.back(maps, ray, object_ray, hit.near),
+            steps.back(maps, ray, object_ray, hit.far)};
 }
 
-/// Records the steps and the form. `inside(ray, target, tmax, tape)` records the form in the space of the primitive.
-template <class Inside>
+/// Records the steps and the form. `record_object(ray, target, tmax, tape)` records the form in the space of the
+/// primitive.
+template <class RecordObject>
 void record_with(const TransformedFormParts& row, const Format& format, const Ray<double>& ray,
-                 const Primitive<double>& primitive, double tmax, Tape& tape, const Inside& inside) {
+                 const Primitive<double>& primitive, double tmax, Tape& tape, const RecordObject& record_object) {
     tape.clear();
     const auto input = [&](double x) { return tape.add_input(format.parameters, x); };
     WorldNodes world{};
@@ -115,104 +119,103 @@ void record_with(const TransformedFormParts& row, const Format& format, const Ra
     const NodeId end = input(tmax);
     row.method->record(format, tape, world, [&](const ObjectNodes& object) {
         const auto value = [&tape](NodeId node) { return tape[node].value; };
-        const auto times = [&](NodeId a, NodeId b, double product) {
+        const auto add_product = [&](NodeId a, NodeId b, double product) {
             return tape.add(TapeOp::mul, format.parameters, product, {a, b});
         };
         std::vector<NodeId> inputs(object.ray.begin(), object.ray.end());
-        Primitive<double> there = primitive;
-        there.placed.reset();
+        Primitive<double> object_primitive = primitive;
+        object_primitive.placed.reset();
         const double scale = value(object.scale);
         std::size_t k = 0;
-        const bool scales = tape[object.scale].op != TapeOp::constant;
-        if (scales)
+        const bool is_scaled = tape[object.scale].op != TapeOp::constant;
+        if (is_scaled)
             with_number(format, [&]<class F>() {
-                there = transformed(scaled(lift_primitive<F>(there), static_cast<F>(scale)),
-                                    [](const F& x) { return as_double(x); });
+                object_primitive = transformed(scaled(lift_primitive<F>(object_primitive), static_cast<F>(scale)),
+                                               [](const F& x) { return as_double(x); });
             });
         for_each_key(primitive.shape, [&](const Key& key, std::size_t first) {
             for (k = first; k < first + key.count(); ++k)
-                inputs.push_back(scales && key.kind != Key::Kind::direction
-                                     ? times(object.scale, numbers[k], there.numbers[k])
+                inputs.push_back(is_scaled && key.kind != Key::Kind::direction
+                                     ? add_product(object.scale, numbers[k], object_primitive.numbers[k])
                                      : numbers[k]);
         });
-        double limit = tmax;
+        double object_tmax = tmax;
         if (tape[object.length].op != TapeOp::constant) {
             with_number(format, [&]<class F>() {
-                limit = as_double(static_cast<F>(tmax) * static_cast<F>(value(object.length)));
+                object_tmax = as_double(static_cast<F>(tmax) * static_cast<F>(value(object.length)));
             });
-            inputs.push_back(times(end, object.length, limit));
+            inputs.push_back(add_product(end, object.length, object_tmax));
         } else {
             inputs.push_back(end);
         }
         const auto& r = object.ray;
-        Tape own;
-        own.every_loop = tape.every_loop;
-        inside(Ray<double>{{value(r[0]), value(r[1]), value(r[2])}, {value(r[3]), value(r[4]), value(r[5])}},
-               Target<double>(there), limit, own);
-        return table::append(own, inputs, tape);
+        Tape form_tape;
+        form_tape.every_loop = tape.every_loop;
+        record_object(Ray<double>{{value(r[0]), value(r[1]), value(r[2])}, {value(r[3]), value(r[4]), value(r[5])}},
+                      Target<double>(object_primitive), object_tmax, form_tape);
+        return table::append(form_tape, inputs, tape);
     });
 }
 
-void record(void* own, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,
+void record(void* context, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,
             Tape& tape) {
-    const TransformedFormParts row = of(own);
+    const TransformedFormParts row = parts_of_row(context);
     const Primitive<double>& primitive = target.primitives.front();
     if (!primitive.placed) return row.form->record(format, ray, target, tmax, tape);
     record_with(row, format, ray, primitive, tmax, tape,
-                [&](const Ray<double>& inside, const Target<double>& there, double limit, Tape& form) {
-                    row.form->record(format, inside, there, limit, form);
-                });
+                [&](const Ray<double>& object_ray, const Target<double>& object_target, double object_tmax,
+                    Tape& form_tape) { row.form->record(format, object_ray, object_target, object_tmax, form_tape); });
 }
-void record_all(void* own, const Target<double>& target, Tape& tape) {
-    const TransformedFormParts row = of(own);
+void record_all(void* context, const Target<double>& target, Tape& tape) {
+    const TransformedFormParts row = parts_of_row(context);
     const Primitive<double>& primitive = target.primitives.front();
     if (!primitive.placed) return row.form->record_all(target, tape);
     record_with(row, *find_format("f32"), {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, primitive, HUGE_VAL, tape,
-                [&](const Ray<double>&, const Target<double>& there, double, Tape& form) {
-                    row.form->record_all(there, form);
+                [&](const Ray<double>&, const Target<double>& object_target, double, Tape& form_tape) {
+                    row.form->record_all(object_target, form_tape);
                 });
 }
 
-void fill(Rows::Made& made) {
-    const auto& [by, of_form] = made.parts;
-    const Info& form = *of_form->info;
-    const TransformMethodInfo& space = *by->info;
+void fill(Rows::Made& composed) {
+    const auto& [method, form_row] = composed.parts;
+    const Info& form = *form_row->info;
+    const TransformMethodInfo& method_info = *method->info;
     const auto text = [](auto&... parts) {
-        std::string all;
-        ((all += parts), ...);
-        return all;
+        std::string result;
+        ((result += parts), ...);
+        return result;
     };
-    made.name = text(form.name, "@", space.name);
-    made.title = text(form.title, "; ", space.title);
-    made.source = text(form.source, "; ", space.source);
-    made.take_contract(form);
-    // A transform method that normalises gives the form unit directions, so its own requirement alone counts. With any
-    // other, the form's requirement counts too.
-    if (space.normalises) made.info.direction = space.direction;
-    else if (space.direction == Direction::unit) made.info.direction = Direction::unit;
-    const Intersector& inner = *of_form;
-    made.row = {.info = &made.info, .shape = inner.shape, .native32 = nullptr, .native64 = nullptr};
-    if (inner.native32) made.row.native32 = {ask32, &made};
-    if (inner.native64) made.row.native64 = {ask64, &made};
-    if (inner.rounded) made.row.rounded = {evaluate_rounded, &made};
-    if (inner.ball) made.row.ball = {enclosed<&TransformMethod::ball, &Intersector::ball, Ball>, &made};
-    if (inner.interval)
-        made.row.interval = {enclosed<&TransformMethod::interval, &Intersector::interval, Interval>, &made};
-    if (inner.record) made.row.record = {record, &made};
-    if (inner.record_all) made.row.record_all = {record_all, &made};
-    made.row.is_placed = true;
+    composed.name = text(form.name, "@", method_info.name);
+    composed.title = text(form.title, "; ", method_info.title);
+    composed.source = text(form.source, "; ", method_info.source);
+    composed.take_contract(form);
+    // A transform method that normalises gives the form unit directions, so the requirement of the method alone
+    // applies. With any other method, the form's requirement applies too.
+    if (method_info.normalises) composed.info.direction = method_info.direction;
+    else if (method_info.direction == Direction::unit) composed.info.direction = Direction::unit;
+    const Intersector& form_info_row = *form_row;
+    composed.row = {.info = &composed.info, .shape = form_info_row.shape, .native32 = nullptr, .native64 = nullptr};
+    if (form_info_row.native32) composed.row.native32 = {evaluate_32, &composed};
+    if (form_info_row.native64) composed.row.native64 = {evaluate_64, &composed};
+    if (form_info_row.rounded) composed.row.rounded = {evaluate_rounded, &composed};
+    if (form_info_row.ball) composed.row.ball = {enclosed<&TransformMethod::ball, &Intersector::ball, Ball>, &composed};
+    if (form_info_row.interval)
+        composed.row.interval = {enclosed<&TransformMethod::interval, &Intersector::interval, Interval>, &composed};
+    if (form_info_row.record) composed.row.record = {record, &composed};
+    if (form_info_row.record_all) composed.row.record_all = {record_all, &composed};
+    composed.row.is_placed = true;
 }
 
 }  // namespace
 
-const Intersector& through(const TransformMethod& space, const Intersector& form) {
+const Intersector& through(const TransformMethod& method, const Intersector& form) {
     const std::string name(form.info->name);
     if (!is_primitive(form.shape))
-        throw InputError(name + "@" + std::string(space.info->name) +
+        throw InputError(name + "@" + std::string(method.info->name) +
                          ": a form that marches takes all primitives at once and in the world; leave @TRANSFORM out");
     if (form.is_set() || form.is_placed)
-        throw InputError(name + "@" + std::string(space.info->name) + ": write one @TRANSFORM after each form");
-    return rows().row_of({&space, &form}, fill);
+        throw InputError(name + "@" + std::string(method.info->name) + ": write one @TRANSFORM after each form");
+    return rows().row_of({&method, &form}, fill);
 }
 
 TransformedFormParts transformed_parts_of(const Intersector& row) { return parts_in(rows().parts_of(row)); }

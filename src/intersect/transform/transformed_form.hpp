@@ -1,21 +1,22 @@
-// Forms with a transform method, as rows of the table. Scenes with primitives under matrices are measured by them.
+// Forms with a transform method, as rows of the table. They measure scenes with primitives under matrices.
 #pragma once
 
 #include "intersect/transform/transform_method.hpp"
 
 namespace lostbits::intersect::transform {
 
-/// The row `sphere.unified@pbrt` for a form of one shape. It takes the ray into the space of the primitive, asks the
-/// form there, and converts t back, all in the arithmetic of the row. A primitive without a matrix is asked as it is.
-/// Each row is made once and kept, as enrolled rows are. InputError for a form that marches and for a set.
-const table::Intersector& through(const TransformMethod& space, const table::Intersector& form);
+/// The row `sphere.unified@pbrt` for a form of one shape. It converts the ray to the space of the primitive, runs the
+/// form there, and converts t back, all in the arithmetic of the row. For a primitive without a matrix, it runs the
+/// form only. Each row is created once and kept, as registered rows are. Throws InputError for a form that marches and
+/// for a set.
+const table::Intersector& through(const TransformMethod& method, const table::Intersector& form);
 
-/// The parts of such a row.
+/// The parts of a row that `through` created.
 struct TransformedFormParts {
     const TransformMethod* method;
     const table::Intersector* form;
 };
-/// The parts of a row; nulls if it was not made here.
+/// The parts of a row; null pointers if `through` did not create it.
 TransformedFormParts transformed_parts_of(const table::Intersector& row);
 
 }  // namespace lostbits::intersect::transform

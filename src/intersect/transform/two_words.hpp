@@ -1,5 +1,5 @@
-// The difference to the position of the primitive and the product with the inverse, in two words of the format and
-// rounded once.
+// The method in double-double arithmetic: it subtracts the position of the primitive and multiplies by the inverse in
+// two words of the format, and rounds each result once.
 #pragma once
 
 #include "intersect/transform/relative.hpp"
@@ -9,7 +9,7 @@ namespace lostbits::intersect::transform {
 
 /// The inverse of the stored matrix is computed in two words as well. The second word is dropped only at the end of
 /// each step.
-struct TwoWordsTransform : SameT {
+struct TwoWordsTransform : SameTMethod {
     static constexpr TransformMethodInfo info{
         .name = "two_words",
         .title = "inverse, origin and direction in two words of the format, each rounded once; t kept",
@@ -22,19 +22,20 @@ struct TwoWordsTransform : SameT {
     static Affine<T> inverse(const Affine<T>& m) {
         if constexpr (is_exact<T>) return adjugate_over_determinant(m);
         else {
-            const auto wide = adjugate_over_determinant(in_words(m));
-            return {{first(wide.rows[0]), first(wide.rows[1]), first(wide.rows[2])}, first(wide.shift)};
+            const auto wide = adjugate_over_determinant(to_words(m));
+            return {{first_words(wide.rows[0]), first_words(wide.rows[1]), first_words(wide.rows[2])},
+                    first_words(wide.shift)};
         }
     }
     template <Number T>
     static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
         if constexpr (is_exact<T>) return RelativeTransform::origin(m, o);
-        else return named("o'", first(solved(m, Vec<Words<T>>(in_words(o) - in_words(m.to_world.shift)))));
+        else return named("o'", first_words(solve(m, Vec<Words<T>>(to_words(o) - to_words(m.to_world.shift)))));
     }
     template <Number T>
     static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
         if constexpr (is_exact<T>) return RelativeTransform::direction(m, d);
-        else return named("d'", first(solved(m, in_words(d))));
+        else return named("d'", first_words(solve(m, to_words(d))));
     }
 
 private:
@@ -42,21 +43,21 @@ private:
     using Words = number::wide::TwoWords<T>;
 
     template <Number T>
-    static Vec<Words<T>> in_words(const Vec<T>& v) {
+    static Vec<Words<T>> to_words(const Vec<T>& v) {
         return {Words<T>(v.x), Words<T>(v.y), Words<T>(v.z)};
     }
     template <Number T>
-    static Affine<Words<T>> in_words(const Affine<T>& m) {
-        return {{in_words(m.rows[0]), in_words(m.rows[1]), in_words(m.rows[2])}, in_words(m.shift)};
+    static Affine<Words<T>> to_words(const Affine<T>& m) {
+        return {{to_words(m.rows[0]), to_words(m.rows[1]), to_words(m.rows[2])}, to_words(m.shift)};
     }
     template <Number T>
-    static Vec<T> first(const Vec<Words<T>>& v) {
+    static Vec<T> first_words(const Vec<Words<T>>& v) {
         return {v.x.hi, v.y.hi, v.z.hi};
     }
     /// adj(A) v/det(A).
     template <Number T>
-    static Vec<Words<T>> solved(const Maps<T>& m, const Vec<Words<T>>& v) {
-        const Affine<Words<T>> world = in_words(m.to_world);
+    static Vec<Words<T>> solve(const Maps<T>& m, const Vec<Words<T>>& v) {
+        const Affine<Words<T>> world = to_words(m.to_world);
         const Words<T> det = world.determinant();
         const Vec<Words<T>> scaled = times(world.adjugate(), v);
         return {scaled.x / det, scaled.y / det, scaled.z / det};

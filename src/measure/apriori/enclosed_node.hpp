@@ -11,14 +11,15 @@
 namespace lostbits::measure::apriori {
 
 /// Enclosures of a number, or the outcome of a decision, over every input of a box: `exact` without rounding,
-/// `computed` as the format rounds it. For a number and each input
+/// `computed` as the format rounds it. For a number and each input:
 ///
 ///   computed − exact = Σ quotients[k] (computed − exact of operand k) + rounding.
 struct EnclosedNode {
-    bool known = false;  ///< for a number; false where an operation may be undefined or overflow
+    bool is_known = false;  ///< true for a number if no operation can be undefined or overflow
     Interval exact = {}, computed = {}, rounding = {};
     std::array<Interval, 3> quotients = {};
-    bool jumps = false;  ///< `rounding` includes a side or a sign that may differ with and without rounding
+    bool may_jump =
+        false;  ///< true if `rounding` includes a choice or a sign that may differ with and without rounding
     Tri exact_decision = Tri::unknown, computed_decision = Tri::unknown;
 };
 
@@ -26,19 +27,19 @@ struct EnclosedNode {
 struct NodeContext {
     const TapeNode& node;
     std::array<const EnclosedNode*, 3> operands;
-    FloatFormat format, from;
+    FloatFormat format, operand_format;
 };
 
 /// Encloses a node that is not an input.
 EnclosedNode enclose(const NodeContext& context);
 
-/// Encloses an input. An end at infinity becomes a number beyond every number of a format.
+/// Encloses an input. An end at infinity is replaced by a number larger than every number of a format.
 EnclosedNode enclose_input(double low, double high);
 
 /// True if the interval contains only zero.
 bool is_zero(const Interval& x);
 
-/// Largest and least magnitude in an enclosure, rounded outward to a double.
+/// Largest and least magnitude in an enclosure, rounded outward to double.
 double largest_magnitude(const Interval& x);
 double least_magnitude(const Interval& x);
 

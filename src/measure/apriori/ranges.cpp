@@ -20,36 +20,37 @@ namespace lostbits::measure::apriori {
 
 namespace {
 
-ObservedErrors observe_one(const BoundQuery& a, const std::vector<double>& inputs) {
-    const BoundedPart& part = a.parts.part_of(inputs);
+ObservedErrors observe_ray(const BoundQuery& query, const std::vector<double>& inputs) {
+    const BoundedPart& part = query.parts.part_of(inputs);
     const Ray<double> ray = tape::ray_of(inputs);
-    const Primitive<double> primitive = tape::primitive_of(inputs, a.like);
+    const Primitive<double> primitive = tape::primitive_of(inputs, query.like);
     Tape tape;
-    a.form.record(a.format, ray, intersect::Target<double>(primitive), inputs.back(), tape);
+    query.form.record(query.format, ray, intersect::Target<double>(primitive), inputs.back(), tape);
     if (tape[tape.outputs.hit].value == 0) return {};
-    const auto exact = answer::without_rounding(a.form, ray, intersect::Target<double>(primitive));
+    const auto exact = answer::without_rounding(query.form, ray, intersect::Target<double>(primitive));
     if (!exact) return {};
-    ObservedErrors seen{.hits = 1};
-    if (part.bound.misses) seen.share = HUGE_VAL;  // the bound says that there is no hit
-    if (!(part.bound.error < HUGE_VAL)) return seen;
-    seen.bounded_hits = 1;
-    seen.error = std::fabs(truth::scaled_difference(truth::exactly(tape[tape.outputs.t].value), *exact, 0));
-    seen.share = seen.error == 0 ? 0 : seen.error / part.bound.error;
-    if (!a.form.bounded) return seen;
-    const auto own = a.form.bounded(a.format, ray, intersect::Target<double>(primitive), inputs.back());
-    if (!own || !(own->error < HUGE_VAL)) return seen;
-    seen.running_hits = 1;
-    seen.running = own->error;
-    seen.wider = own->error > part.bound.error ? 1 : 0;
-    return seen;
+    ObservedErrors observed{.hits = 1};
+    if (part.bound.misses) observed.share = HUGE_VAL;  // the bound says that there is no hit
+    if (!(part.bound.error < HUGE_VAL)) return observed;
+    observed.bounded_hits = 1;
+    observed.error = std::fabs(truth::scaled_difference(truth::exactly(tape[tape.outputs.t].value), *exact, 0));
+    observed.share = observed.error == 0 ? 0 : observed.error / part.bound.error;
+    if (!query.form.bounded) return observed;
+    const auto running_bound =
+        query.form.bounded(query.format, ray, intersect::Target<double>(primitive), inputs.back());
+    if (!running_bound || !(running_bound->error < HUGE_VAL)) return observed;
+    observed.running_hits = 1;
+    observed.running = running_bound->error;
+    observed.wider = running_bound->error > part.bound.error ? 1 : 0;
+    return observed;
 }
 
 constexpr std::size_t most_primitives = 64;
-/// Rays for checking the bounds: `drawn_rays` in each of `drawn_boxes` boxes.
+/// Numbers of rays that check the bounds: `drawn_rays` rays in each of `drawn_boxes` boxes.
 constexpr std::size_t drawn_boxes = 64;
 constexpr int drawn_rays = 64;
 
-/// Rays and primitives as the form receives them.
+/// The rays and primitives of a request, as the form receives them.
 class GivenRays {
 public:
     explicit GivenRays(const RangesRequest& request) : info_(*request.form->info) {
@@ -61,15 +62,15 @@ public:
     }
     [[nodiscard]] std::size_t primitives() const { return inputs_.front().primitives.size(); }
     [[nodiscard]] Primitive<double> primitive(std::size_t s) const { return inputs_.front().primitives[s]; }
-    /// Inputs of all rays, each with primitive `primitive` of its group.
-    [[nodiscard]] std::vector<std::vector<double>> at(std::size_t primitive) const {
-        std::vector<std::vector<double>> all;
+    /// Inputs of all rays, each with the primitive of this index in its group.
+    [[nodiscard]] std::vector<std::vector<double>> inputs_of_rays(std::size_t primitive) const {
+        std::vector<std::vector<double>> result;
         for (std::size_t b = 0; b < bands_.size(); ++b) {
             const auto& rays = inputs_[b].rays_for(info_);
             for (std::size_t i = 0; i < bands_[b].pixels(); ++i)
-                all.push_back(tape::inputs_of(rays[i], inputs_[b].primitives[primitive], bands_[b].range(i).tmax));
+                result.push_back(tape::inputs_of(rays[i], inputs_[b].primitives[primitive], bands_[b].range(i).tmax));
         }
-        return all;
+        return result;
     }
 
 private:
@@ -90,19 +91,19 @@ InputBox input_box_of(const std::vector<std::vector<double>>& rays) {
     return box;
 }
 
-void put_asked(InputBox& box, const RangesRequest& request, const std::vector<std::string>& names) {
-    for (const GivenRange& asked : request.given_ranges) {
-        const auto found = std::ranges::find(names, asked.name);
+void apply_given_ranges(InputBox& box, const RangesRequest& request, const std::vector<std::string>& names) {
+    for (const GivenRange& given_range : request.given_ranges) {
+        const auto found = std::ranges::find(names, given_range.name);
         if (found == names.end())
-            throw InputError(fmt::format("--input-range {}: {} has no input of that name; {}", asked.name,
-                                         request.form->info->name, scene::toml::did_you_mean(asked.name, names)));
+            throw InputError(fmt::format("--input-range {}: {} has no input of that name; {}", given_range.name,
+                                         request.form->info->name, scene::toml::did_you_mean(given_range.name, names)));
         box[static_cast<std::size_t>(found - names.begin())] = {
-            rounding::to_format(asked.range.low, 0, request.format.parameters),
-            rounding::to_format(asked.range.high, 0, request.format.parameters)};
+            rounding::to_format(given_range.range.low, 0, request.format.parameters),
+            rounding::to_format(given_range.range.high, 0, request.format.parameters)};
     }
 }
 
-bool holds(const InputBox& box, const std::vector<double>& ray) {
+bool contains(const InputBox& box, const std::vector<double>& ray) {
     for (std::size_t k = 0; k < box.size(); ++k)
         if (ray[k] < box[k].low || ray[k] > box[k].high) return false;
     return true;
@@ -115,40 +116,41 @@ double ulps_of(const BoxBound& bound, const FloatFormat& f) {
     return std::ldexp(bound.error, -static_cast<int>(ulp_exponent(f, exponent)));
 }
 
-/// Smallest x such that the numbers up to x have at least this share of the weight.
+/// Smallest x such that the numbers up to x have at least this share of the total weight.
 double quantile(std::vector<std::pair<double, double>>& weighted, double share) {
     std::ranges::sort(weighted);
-    double all = 0, so_far = 0;
-    for (const auto& [x, weight] : weighted) all += weight;
+    double total_weight = 0, so_far = 0;
+    for (const auto& [x, weight] : weighted) total_weight += weight;
     for (const auto& [x, weight] : weighted)
-        if ((so_far += weight) >= share * all) return x;
+        if ((so_far += weight) >= share * total_weight) return x;
     return HUGE_VAL;
 }
 
-void sum_up(RangesBound& r, const std::vector<std::pair<const BoundedPart*, double>>& leaves, const TapeBound& bound,
-            const FloatFormat& f) {
+void summarize(RangesBound& r, const std::vector<std::pair<const BoundedPart*, double>>& leaves, const TapeBound& bound,
+               const FloatFormat& f) {
     std::vector<std::pair<double, double>> errors, ulps;
     const BoundedPart* worst = nullptr;
     for (const auto& [part, share] : leaves) {
-        const BoxBound& b = part->bound;
-        if (b.misses) {
+        const BoxBound& box_bound = part->bound;
+        if (box_bound.misses) {
             r.missed += share;
             continue;
         }
-        const double in_ulps = ulps_of(b, f);
-        errors.emplace_back(b.error, share);
+        const double in_ulps = ulps_of(box_bound, f);
+        errors.emplace_back(box_bound.error, share);
         ulps.emplace_back(in_ulps, share);
-        if (!(b.error < HUGE_VAL)) {
+        if (!(box_bound.error < HUGE_VAL)) {
             r.unknown += share;
             continue;
         }
-        if (!b.decides) r.undecided += share;
-        r.largest = std::fmax(r.largest, b.error);
+        if (!box_bound.decides) r.undecided += share;
+        r.largest = std::fmax(r.largest, box_bound.error);
         if (!worst || in_ulps > r.largest_ulps) worst = part;
         r.largest_ulps = std::fmax(r.largest_ulps, in_ulps);
     }
     r.boxes = leaves.size();
-    for (const double q : {0.5, 0.9, 0.99}) r.quantiles.push_back({q, quantile(errors, q), quantile(ulps, q)});
+    for (const double share_of_ranges : {0.5, 0.9, 0.99})
+        r.quantiles.push_back({share_of_ranges, quantile(errors, share_of_ranges), quantile(ulps, share_of_ranges)});
     if (!worst) return;
     for (const double share : bound.shares(worst->box))
         r.shares.push_back(ulps_of({.error = share, .least = worst->bound.least}, f));
@@ -156,47 +158,48 @@ void sum_up(RangesBound& r, const std::vector<std::pair<const BoundedPart*, doub
 
 }  // namespace
 
-void ObservedErrors::append(const ObservedErrors& after) {
-    hits += after.hits;
-    bounded_hits += after.bounded_hits;
-    error = std::fmax(error, after.error);
-    share = std::fmax(share, after.share);
-    running_hits += after.running_hits;
-    running = std::fmax(running, after.running);
-    wider += after.wider;
+void ObservedErrors::append(const ObservedErrors& other) {
+    hits += other.hits;
+    bounded_hits += other.bounded_hits;
+    error = std::fmax(error, other.error);
+    share = std::fmax(share, other.share);
+    running_hits += other.running_hits;
+    running = std::fmax(running, other.running);
+    wider += other.wider;
 }
 
 ObservedErrors observe(const BoundQuery& query, const std::vector<std::vector<double>>& rays) {
-    std::vector<ObservedErrors> each(rays.size());
+    std::vector<ObservedErrors> errors(rays.size());
     intersect::process::in_parallel(std::size_t{0}, rays.size(), [&](std::size_t i) {
         query.stop.check();
-        each[i] = observe_one(query, rays[i]);
+        errors[i] = observe_ray(query, rays[i]);
     });
-    ObservedErrors all;
-    for (const ObservedErrors& one : each) all.append(one);
-    return all;
+    ObservedErrors result;
+    for (const ObservedErrors& observed : errors) result.append(observed);
+    return result;
 }
 
-std::vector<std::vector<double>> draw_inputs(const BoundQuery& query, std::size_t boxes, int each) {
+std::vector<std::vector<double>> draw_inputs(const BoundQuery& query, std::size_t boxes, int rays_per_box) {
     auto leaves = query.parts.leaves();
     std::erase_if(leaves, [](const BoundedPart* p) { return p->bound.misses || !(p->bound.error < HUGE_VAL); });
     std::ranges::stable_sort(
         leaves, [](const BoundedPart* p, const BoundedPart* q) { return p->bound.error > q->bound.error; });
     if (leaves.size() > boxes) leaves.resize(boxes);
     scene::rays::Random random(1);
-    std::vector<std::vector<double>> all;
+    std::vector<std::vector<double>> result;
     for (const BoundedPart* const part : leaves) {
-        for (int k = 0; k < each; ++k) {
+        for (int k = 0; k < rays_per_box; ++k) {
             std::vector<double> inputs;
             for (const auto& [low, high] : part->box) {
-                // Rounding may lead out of the box, but not out of the ranges: their ends are numbers of the format.
+                // Rounding may lead out of the box, but not out of the ranges, because their ends are numbers of the
+                // format.
                 const double x = low == high ? low : random.between(low, high);
                 inputs.push_back(rounding::to_format(x, 0, query.format.parameters));
             }
-            all.push_back(std::move(inputs));
+            result.push_back(std::move(inputs));
         }
     }
-    return all;
+    return result;
 }
 
 RangesBound bound_over_ranges(const RangesRequest& request) {
@@ -216,20 +219,20 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
     std::vector<std::pair<const BoundedPart*, double>> leaves;
     for (std::size_t s = 0; s < primitives; ++s) {
         const Primitive<double> primitive = given.primitive(s);
-        auto rays = given.at(s);
+        auto rays = given.inputs_of_rays(s);
         r.rays = rays.size();
         r.ranges.push_back(input_box_of(rays));
-        put_asked(r.ranges.back(), request, r.names);
+        apply_given_ranges(r.ranges.back(), request, r.names);
         divided.emplace_back(bound, r.ranges.back(), std::max<std::size_t>(request.boxes / primitives, 1),
                              request.limit.stop);
         for (const BoundedPart* const part : divided.back().leaves())
             leaves.emplace_back(part, part->share / static_cast<double>(primitives));
-        std::erase_if(rays, [&](const std::vector<double>& ray) { return !holds(r.ranges.back(), ray); });
+        std::erase_if(rays, [&](const std::vector<double>& ray) { return !contains(r.ranges.back(), ray); });
         const BoundQuery query{*request.form, request.format, divided.back(), primitive, request.limit.stop};
         r.given.append(observe(query, rays));
         r.drawn.append(observe(query, draw_inputs(query, drawn_boxes, drawn_rays)));
     }
-    sum_up(r, leaves, bound, request.format.parameters);
+    summarize(r, leaves, bound, request.format.parameters);
     return r;
 }
 

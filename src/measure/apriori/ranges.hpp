@@ -1,5 +1,5 @@
-// Ranges of a form's inputs over the rays of a scene or of a step of a sweep, the form's error bound over them, and the
-// errors of rays to compare it with.
+// Ranges of a form's inputs over the rays of a scene or of a step of a sweep, the form's error bound over these ranges,
+// and the errors of rays for comparison with the bound.
 #pragma once
 
 #include <cstdint>
@@ -15,19 +15,21 @@
 
 namespace lostbits::measure::apriori {
 
-/// Errors that rays show: |t^ − t| of hits with and without rounding, in units of t.
+/// Observed errors of rays: |t^ − t| of hits with and without rounding, in units of t.
 struct ObservedErrors {
-    std::uint64_t hits = 0, bounded_hits = 0;  ///< pairs of a ray and a primitive; those of them in boxes with a bound
+    std::uint64_t hits = 0, bounded_hits = 0;  ///< numbers of pairs of a ray and a primitive that hit; `bounded_hits`
+                                               ///< are those in boxes with a bound
     double error = 0;                          ///< largest error in a box with a bound
-    double share = 0;                ///< largest ratio of an error to the bound of its box; above 1, a bound is wrong
-    std::uint64_t running_hits = 0;  ///< hits in a box with a bound for which `Bounded` has a running bound too
-    double running = 0;              ///< largest running bound of these
-    std::uint64_t wider = 0;         ///< rays whose running bound is larger than the bound of their box
+    double share = 0;  ///< largest ratio of an error to the bound of its box; if it is above 1, a bound is wrong
+    std::uint64_t running_hits =
+        0;                    ///< number of hits in a box with a bound for which `Bounded` has a running bound too
+    double running = 0;       ///< largest running bound of these hits
+    std::uint64_t wider = 0;  ///< number of hits whose running bound is larger than the bound of their box
 
-    void append(const ObservedErrors& after);
+    void append(const ObservedErrors& other);
 };
 
-/// Form, format and parts whose bounds are checked; `like` is the primitive of the ranges.
+/// The form, the format and the boxes whose bounds are checked. `like` is the primitive of the ranges.
 struct BoundQuery {
     const intersect::table::Intersector& form;
     const Format& format;
@@ -36,31 +38,32 @@ struct BoundQuery {
     const intersect::process::StopToken& stop;
 };
 
-/// Errors of these inputs, all of which lie in the ranges.
+/// Observes the errors of rays with these inputs, all of which lie in the ranges.
 ObservedErrors observe(const BoundQuery& query, const std::vector<std::vector<double>>& rays);
 
-/// Draws inputs in the `boxes` boxes with the largest bounds, `each` in each. Each number is one of the format.
-std::vector<std::vector<double>> draw_inputs(const BoundQuery& query, std::size_t boxes, int each);
+/// Draws inputs in the `boxes` boxes with the largest bounds, `rays_per_box` in each box. Each number is a number of
+/// the format.
+std::vector<std::vector<double>> draw_inputs(const BoundQuery& query, std::size_t boxes, int rays_per_box);
 
-/// Range that replaces the scene's for the input of this name (`intersect::table::input_names`).
+/// A range that replaces the scene's for the input of this name (`intersect::table::input_names`).
 struct GivenRange {
     std::string name;
     InputRange range;
 };
 
-/// Rays of a step of a sweep. For a ray distribution these are the ones that it draws; others of its kind may lie
-/// outside of their ranges.
+/// The rays of a step of a sweep. For a ray distribution these are the rays that it draws; other rays of the
+/// distribution may lie outside of their ranges.
 struct StepRays {
     std::string id;  ///< id of the sweep
     std::vector<scene::rays::RayGroup> groups;
 };
 
 struct RangesRequest {
-    std::variant<scene::file::Scene, StepRays> rays = {};  ///< of a scene, or of a step
+    std::variant<scene::file::Scene, StepRays> rays = {};  ///< the rays of a scene, or of a step
     const intersect::table::Intersector* form = nullptr;
     Format format = {};
     std::vector<GivenRange> given_ranges = {};
-    std::size_t boxes = 4096;  ///< total for all primitives
+    std::size_t boxes = 4096;  ///< total number of boxes for all primitives
     truth::TruthLimit limit = {};
 
     [[nodiscard]] bool is_of_step() const { return std::holds_alternative<StepRays>(rays); }
@@ -69,31 +72,32 @@ struct RangesRequest {
     }
 };
 
-/// Bound on the rounding errors of hits over a share of the ranges: no error in that share is above it, in units of t
-/// and in ulps of t. The share is of the volume in which there may be hits.
+/// Bound on the rounding errors of hits over a share of the ranges: no error in that share is above the bound, in units
+/// of t and in ulps of t. The share is relative to the volume in which hits are possible.
 struct Quantile {
     double share, error, ulps;
 };
 
 struct RangesBound {
     Tape tape = {};
-    std::vector<std::string> names = {};  ///< of the inputs
+    std::vector<std::string> names = {};  ///< names of the inputs
     std::vector<InputBox> ranges;         ///< one box for each primitive
-    double missed = 0;                    ///< share of the ranges in which there is no hit
-    double unknown = 0;                   ///< share in which the bound is unknown
-    double undecided = 0;                 ///< share with a bound in which hit or miss is not settled
+    double missed = 0;                    ///< share of the ranges that no ray hits in
+    double unknown = 0;                   ///< share of the ranges in which the bound is unknown
+    double undecided = 0;                 ///< share of the ranges with a bound in which the decision is not proved
     std::size_t boxes = 0;
-    double largest = 0, largest_ulps = 0;  ///< over the boxes with a bound
-    std::vector<Quantile> quantiles;       ///< for 50, 90 and 99 % of what is not missed; infinite where unknown
+    double largest = 0, largest_ulps = 0;  ///< largest bound over the boxes with a bound, in units of t and in ulps
+    std::vector<Quantile>
+        quantiles;  ///< for 50, 90 and 99 % of the ranges in which hits are possible; infinite if the bound is unknown
     std::vector<double> shares;   ///< contributions by node, in ulps, in the box with the largest bound in ulps
     ObservedErrors given, drawn;  ///< errors of the given rays, and of rays drawn where bounds are largest
-    std::size_t rays = 0;         ///< of the scene or the step
+    std::size_t rays = 0;         ///< number of rays of the scene or the step
 };
 
 /// Bounds the errors of each primitive of the scene separately. The box of inputs is the bounding box of all rays as
-/// the form receives them; for a step, it joins the groups, each of which has primitives of its own. Throws InputError
-/// for a form whose operations differ from ray to ray (`tape::tape_of`), for more than 64 primitives, and for a name
-/// that no input has.
+/// the form receives them; for a step, it encloses the rays of all groups, each of which has its own primitives. Throws
+/// InputError for a form whose operations differ from ray to ray (`tape::tape_of`), for more than 64 primitives, and
+/// for a name that no input has.
 RangesBound bound_over_ranges(const RangesRequest& request);
 
 }  // namespace lostbits::measure::apriori

@@ -30,23 +30,24 @@ struct InputRange {
 /// Ranges of all inputs, in the order of a tape's inputs.
 using InputBox = std::vector<InputRange>;
 
-/// Bounds that hold for every number of the format in a box.
+/// Bounds that hold for all inputs in a box that are numbers of the format.
 struct BoxBound {
-    bool misses = false;   ///< with or without rounding there is no hit
-    bool decides = false;  ///< hit or miss is the same with and without rounding
-    /// Upper bound of |t^ − t| wherever both hit, where t is without rounding, in units of t; infinite where unknown.
+    bool misses = false;   ///< true if there is no hit, with rounding or without rounding
+    bool decides = false;  ///< true if hit or miss is known, and the same with and without rounding
+    /// Upper bound of |t^ − t| wherever both hit, in units of t; infinite if unknown.
     double error = HUGE_VAL;
     double least = 0;  ///< lower bound of |t|
 };
 
-/// Bounds a form that does the same operations for every ray (`tape::tape_of`), over any number of boxes.
+/// Bounds the error of a form that performs the same operations for every ray (`tape::tape_of`), over any number of
+/// boxes.
 class TapeBound {
 public:
     explicit TapeBound(const Tape& tape);
 
     [[nodiscard]] BoxBound over(const InputBox& box) const;
-    /// Contribution of each node by itself: an upper bound of |A_i e_i|. Their sum is at least the bound, which knows
-    /// where rounding errors that are the same for every input cancel.
+    /// Contribution of each node by itself: an upper bound of |A_i e_i|. The sum of the contributions is at least the
+    /// bound, because the bound accounts for rounding errors that are the same for every input and cancel.
     [[nodiscard]] std::vector<double> shares(const InputBox& box) const;
 
 private:
@@ -54,12 +55,13 @@ private:
     std::vector<bool> needed_;  ///< nodes that t or the decision depends on
 };
 
-/// A box. If it has been halved, it is split at `middle` of number `axis`; the middle belongs to both halves.
+/// A box. If it has been halved, it is split at `middle` of the input with index `axis`; the middle belongs to both
+/// halves.
 struct BoundedPart {
     InputBox box = {};
     BoxBound bound = {};
-    double share = 1;  ///< of the volume of the whole box
-    int stale = 0;     ///< number of halvings in a row that have not made the bound smaller by 2 %
+    double share = 1;  ///< share of the volume of the whole box
+    int stale = 0;     ///< number of successive halvings that did not make the bound smaller by 2 %
     int axis = -1;
     double middle = 0;
     std::size_t below = 0;  ///< index of the lower half; the upper half follows it
@@ -72,17 +74,18 @@ public:
     /// Divides `whole` into at most `boxes` boxes, the same ones for any number of threads.
     Subdivided(const TapeBound& bound, InputBox whole, std::size_t boxes, const intersect::process::StopToken& stop);
 
-    /// The box that holds these inputs, which lie in the whole box.
+    /// The box that contains these inputs, which lie in the whole box.
     [[nodiscard]] const BoundedPart& part_of(std::span<const double> inputs) const;
     /// The boxes that are not halved.
     [[nodiscard]] std::vector<const BoundedPart*> leaves() const;
 
 private:
-    [[nodiscard]] std::vector<std::size_t> boxes_to_halve(std::size_t at_most) const;
-    void halve(std::span<const std::size_t> which, const TapeBound& bound, const intersect::process::StopToken& stop);
+    [[nodiscard]] std::vector<std::size_t> boxes_to_halve(std::size_t limit) const;
+    void halve(std::span<const std::size_t> parts_to_halve, const TapeBound& bound,
+               const intersect::process::StopToken& stop);
 
     std::vector<BoundedPart> parts_;
-    int free_ = 0;  ///< number of inputs whose range is not a single number
+    int variable_count_ = 0;  ///< number of inputs whose range is not a single number
 };
 
 }  // namespace lostbits::measure::apriori

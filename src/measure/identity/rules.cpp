@@ -2,41 +2,41 @@
 
 namespace lostbits::measure::identity {
 
-void RewriteFinder::add_rewrite(std::vector<std::pair<NodeId, NodeId>> replaced) {
-    std::erase_if(replaced, [](const auto& r) { return r.first == r.second; });
-    if (!replaced.empty()) found.push_back({rule, std::move(replaced)});
+void RewriteFinder::add_rewrite(std::vector<std::pair<NodeId, NodeId>> replacements) {
+    std::erase_if(replacements, [](const auto& replacement) { return replacement.first == replacement.second; });
+    if (!replacements.empty()) found.push_back({rule, std::move(replacements)});
 }
 
-void RewriteFinder::add_each(const std::vector<std::pair<NodeId, NodeId>>& replaced) {
-    if (replaced.size() > 1) add_rewrite(replaced);
-    for (const auto& one : replaced) add_rewrite({one});
+void RewriteFinder::add_each(const std::vector<std::pair<NodeId, NodeId>>& replacements) {
+    if (replacements.size() > 1) add_rewrite(replacements);
+    for (const auto& replacement : replacements) add_rewrite({replacement});
 }
 
 std::set<NodeId> RewriteFinder::innermost_names() const {
     std::set<NodeId> names;
-    std::map<NodeId, bool> named;  // true if it is a name or computed from one
+    std::map<NodeId, bool> has_name_inside;  // true if the node has a name or is computed from one that has
     for (const NodeId i : needed) {
         const TapeNode& n = terms[i];
-        const bool leaf = is_given(n.op) || is_decision(n.op) || !terms.is_own(i) || terms.factors_of(i).has_value();
-        bool within = false;
-        if (!leaf)
-            for (const NodeId operand : n.operands) within |= operand != no_node && named[operand];
-        if (!leaf && !within && !n.label.empty()) names.insert(i);
-        named[i] = within || names.contains(i);
+        const bool is_leaf = is_given(n.op) || is_decision(n.op) || !terms.is_own(i) || terms.factors_of(i).has_value();
+        bool contains_name = false;
+        if (!is_leaf)
+            for (const NodeId operand : n.operands) contains_name |= operand != no_node && has_name_inside[operand];
+        if (!is_leaf && !contains_name && !n.label.empty()) names.insert(i);
+        has_name_inside[i] = contains_name || names.contains(i);
     }
     return names;
 }
 
-void RewriteFinder::for_each_sum(const std::function<void(NodeId, const Sum&)>& act, bool with_names) const {
+void RewriteFinder::for_each_sum(const std::function<void(NodeId, const Sum&)>& visit, bool with_names) const {
     const std::set<NodeId> names = with_names ? innermost_names() : std::set<NodeId>();
     for (const NodeId i : needed) {
         const TapeOp op = terms[i].op;
         if ((op != TapeOp::add && op != TapeOp::sub) || !terms.is_own(i) || terms.factors_of(i)) continue;
         const auto sum = multiplied_out(terms, i);
-        if (sum && sum->size() >= 2) act(i, *sum);
+        if (sum && sum->size() >= 2) visit(i, *sum);
         if (names.empty() || names.contains(i)) continue;
-        const auto other = multiplied_out(terms, i, false, names);
-        if (other && other->size() >= 2 && other != sum) act(i, *other);
+        const auto sum_with_names = multiplied_out(terms, i, false, names);
+        if (sum_with_names && sum_with_names->size() >= 2 && sum_with_names != sum) visit(i, *sum_with_names);
     }
 }
 

@@ -14,43 +14,46 @@ namespace lostbits::measure::identity {
 
 struct Rule;
 
-/// Nodes of a formula and their replacements, all applied at once.
+/// Nodes of a formula and their replacements, all of which are applied at once.
 struct Rewrite {
     const Rule* rule;
     std::vector<std::pair<NodeId, NodeId>> replaced;
 };
 
-/// Finds the rewrites of a formula by the rules.
+/// Finds the rewrites of a formula that the rules allow.
 class RewriteFinder {
 public:
-    /// `direction`: set if the form promises that the direction has length one.
-    RewriteFinder(Terms& all, const TapeOutputs& outputs, std::optional<Triple> direction)
-        : terms(all), needed(all.needed(outputs)), newest(newest_of(all, needed)), unit(direction) {}
+    /// `direction` is set if the form requires that the direction has length one.
+    RewriteFinder(Terms& form_terms, const TapeOutputs& outputs, std::optional<Triple> direction)
+        : terms(form_terms),
+          needed(form_terms.needed(outputs)),
+          newest(newest_of(form_terms, needed)),
+          unit(direction) {}
 
     Terms& terms;
     const std::vector<NodeId> needed;  ///< nodes of the formula
     const Newest newest;
     const std::optional<Triple> unit;
-    const Rule* rule = nullptr;  ///< the rule that is being applied
+    const Rule* rule = nullptr;  ///< the rule whose `find` is running
     std::vector<Rewrite> found = {};
 
     /// Adds a rewrite of one node.
-    void add_rewrite(NodeId old, NodeId now) { add_rewrite({{old, now}}); }
-    void add_rewrite(std::vector<std::pair<NodeId, NodeId>> replaced);
-    /// Named numbers that are not computed from other named ones, not counting dot products. A rule may take them as
-    /// they are.
+    void add_rewrite(NodeId node, NodeId replacement) { add_rewrite({{node, replacement}}); }
+    void add_rewrite(std::vector<std::pair<NodeId, NodeId>> replacements);
+    /// Named numbers that are not computed from other named numbers, without dot products. A rule may use them without
+    /// multiplying them out.
     [[nodiscard]] std::set<NodeId> innermost_names() const;
-    /// Calls act(node, sum) for every number of the formula that is a sum of products, except dot products. Calls it
-    /// again if the sum is different when innermost names are kept.
-    void for_each_sum(const std::function<void(NodeId, const Sum&)>& act, bool with_names = false) const;
-    /// Adds a rewrite of each by itself, and one of all at once.
-    void add_each(const std::vector<std::pair<NodeId, NodeId>>& replaced);
+    /// Calls visit(node, sum) for every number of the formula that is a sum of products, except dot products. With
+    /// `with_names`, calls it again if the sum is different when innermost names are not multiplied out.
+    void for_each_sum(const std::function<void(NodeId, const Sum&)>& visit, bool with_names = false) const;
+    /// Adds a rewrite for each replacement by itself, and one for all of them at once.
+    void add_each(const std::vector<std::pair<NodeId, NodeId>>& replacements);
 };
 
 struct Rule {
     std::string_view name;
-    std::string_view identity;   ///< identity in real arithmetic
-    std::string_view condition;  ///< condition for the identity; empty: always holds
+    std::string_view identity;   ///< the identity in real arithmetic
+    std::string_view condition;  ///< condition for the identity; empty if it always holds
     void (*find)(RewriteFinder& finder);
 };
 

@@ -1,4 +1,4 @@
-// Rule for the three edges of a triangle, seen from the ray's origin.
+// The rule for the three edges of a triangle, whose vertices are relative to the ray's origin.
 #include "measure/identity/rules.hpp"
 
 namespace lostbits::measure::identity {
@@ -15,33 +15,33 @@ struct Cross {
 };
 
 std::optional<Difference> difference_of(const Terms& terms, const Triple& v) {
-    Difference found{};
+    Difference result{};
     for (std::size_t k = 0; k < 3; ++k) {
         const TapeNode& n = terms[v[k]];
         if (n.op != TapeOp::sub) return std::nullopt;
-        found.p[k] = n.operands[0], found.q[k] = n.operands[1];
+        result.p[k] = n.operands[0], result.q[k] = n.operands[1];
     }
-    return found;
+    return result;
 }
 
 std::optional<Cross> cross_of(const Terms& terms, const Triple& v) {
-    Cross found{};
+    Cross result{};
     for (std::size_t k = 0; k < 3; ++k) {
         const TapeNode& n = terms[v[k]];
         if (n.op != TapeOp::sub || terms[n.operands[0]].op != TapeOp::mul) return std::nullopt;
         const auto& [a, b, none] = terms[n.operands[0]].operands;
-        found.a[(k + 1) % 3] = a, found.b[(k + 2) % 3] = b;
+        result.a[(k + 1) % 3] = a, result.b[(k + 2) % 3] = b;
     }
     for (std::size_t k = 0; k < 3; ++k) {
         const TapeNode& other = terms[terms[v[k]].operands[1]];
-        if (other.op != TapeOp::mul || other.operands[0] != found.a[(k + 2) % 3] ||
-            other.operands[1] != found.b[(k + 1) % 3])
+        if (other.op != TapeOp::mul || other.operands[0] != result.a[(k + 2) % 3] ||
+            other.operands[1] != result.b[(k + 1) % 3])
             return std::nullopt;
     }
-    return found;
+    return result;
 }
 
-/// ((p or q) − o) × d · (p − q) = d·((p − o) × (q − o))
+/// An edge function of the edge from q to p: ((p or q) − o) × d · (p − q) = d·((p − o) × (q − o)).
 struct Edge {
     NodeId node;
     Triple p, q, o, d;
@@ -50,30 +50,30 @@ std::optional<Edge> edge_at(const Terms& terms, NodeId i) {
     const auto factors = terms.factors_of(i);
     if (!factors) return std::nullopt;
     const auto cross = cross_of(terms, factors->first);
-    const auto along = difference_of(terms, factors->second);
-    const auto from = cross ? difference_of(terms, cross->a) : std::nullopt;
-    if (!along || !from || (from->p != along->p && from->p != along->q)) return std::nullopt;
-    return Edge{.node = i, .p = along->p, .q = along->q, .o = from->q, .d = cross->b};
+    const auto edge = difference_of(terms, factors->second);
+    const auto to_vertex = cross ? difference_of(terms, cross->a) : std::nullopt;
+    if (!edge || !to_vertex || (to_vertex->p != edge->p && to_vertex->p != edge->q)) return std::nullopt;
+    return Edge{.node = i, .p = edge->p, .q = edge->q, .o = to_vertex->q, .d = cross->b};
 }
 
 NodeId determinant(Terms& terms, const Edge& e, std::string_view label) {
-    const auto seen = [&](const Triple& p) {
-        Triple at{};
-        for (std::size_t k = 0; k < 3; ++k) at[k] = terms.add(TapeOp::sub, {p[k], e.o[k]});
-        return at;
+    const auto from_origin = [&](const Triple& p) {
+        Triple difference{};
+        for (std::size_t k = 0; k < 3; ++k) difference[k] = terms.add(TapeOp::sub, {p[k], e.o[k]});
+        return difference;
     };
-    return terms.dot(terms.cross(seen(e.p), seen(e.q)), e.d, label);
+    return terms.dot(terms.cross(from_origin(e.p), from_origin(e.q)), e.d, label);
 }
 
-/// x and `turned` of select(turned, −x, x).
+/// x and `negates` of select(negates, −x, x).
 struct ConditionalNegation {
-    NodeId x, turned;
+    NodeId x, negates;
 };
-std::optional<ConditionalNegation> turned_at(const Terms& terms, NodeId i) {
+std::optional<ConditionalNegation> negation_at(const Terms& terms, NodeId i) {
     const TapeNode& n = terms[i];
     if (n.op != TapeOp::select) return std::nullopt;
-    const TapeNode& minus = terms[n.operands[1]];
-    if (minus.op != TapeOp::neg || minus.operands[0] != n.operands[2]) return std::nullopt;
+    const TapeNode& negated = terms[n.operands[1]];
+    if (negated.op != TapeOp::neg || negated.operands[0] != n.operands[2]) return std::nullopt;
     return ConditionalNegation{n.operands[2], n.operands[0]};
 }
 
@@ -86,8 +86,8 @@ void find_edges_from_origin(RewriteFinder& finder) {
         if (n.op != TapeOp::less_equal) continue;
         const TapeNode sum = terms[n.operands[0]], size = terms[n.operands[1]];
         if (sum.op != TapeOp::add || size.op != TapeOp::abs) continue;
-        const auto u = turned_at(terms, sum.operands[0]), v = turned_at(terms, sum.operands[1]);
-        if (!u || !v || u->turned != v->turned) continue;
+        const auto u = negation_at(terms, sum.operands[0]), v = negation_at(terms, sum.operands[1]);
+        if (!u || !v || u->negates != v->negates) continue;
         const auto first = edge_at(terms, u->x), second = edge_at(terms, v->x);
         if (!first || !second || first->o != second->o || first->d != second->d) continue;
         Edge third = *first;
@@ -95,10 +95,10 @@ void find_edges_from_origin(RewriteFinder& finder) {
         else if (second->q == first->p) third.p = first->q, third.q = second->p;
         else continue;
         const NodeId w = determinant(terms, third, "W");
-        const NodeId turned = terms.add(TapeOp::select, {u->turned, terms.add(TapeOp::neg, {w}), w});
+        const NodeId signed_w = terms.add(TapeOp::select, {u->negates, terms.add(TapeOp::neg, {w}), w});
         finder.add_rewrite({{u->x, determinant(terms, *first, {})},
                             {v->x, determinant(terms, *second, {})},
-                            {i, terms.add(TapeOp::greater_equal, {turned, terms.constant(0)})}});
+                            {i, terms.add(TapeOp::greater_equal, {signed_w, terms.constant(0)})}});
     }
 }
 

@@ -8,7 +8,7 @@ namespace lostbits::measure::identity {
 
 namespace {
 
-/// (b ± s)/a with s = √D, as written in the source.
+/// The root (b ± s)/a with s = √D, as the source writes it.
 struct Root {
     NodeId node;
     NodeId s;
@@ -18,24 +18,24 @@ struct Root {
 
 std::optional<Root> root_at(const Terms& terms, NodeId i) {
     if (terms[i].op != TapeOp::div) return std::nullopt;
-    const auto above = multiplied_out(terms, terms[i].operands[0], true);
-    const auto below = multiplied_out(terms, terms[i].operands[1], true);
-    if (!above || !below || below->size() != 1) return std::nullopt;
-    for (const auto& [product, factor] : *above) {
+    const auto numerator_sum = multiplied_out(terms, terms[i].operands[0], true);
+    const auto denominator_sum = multiplied_out(terms, terms[i].operands[1], true);
+    if (!numerator_sum || !denominator_sum || denominator_sum->size() != 1) return std::nullopt;
+    for (const auto& [product, factor] : *numerator_sum) {
         if (product.size() != 1 || product.begin()->second != 1) continue;
         const NodeId s = product.begin()->first;
-        const bool one = factor == Ratio(1, 1), minus = factor == Ratio(-1, 1);
-        if (terms[s].op != TapeOp::sqrt || (!one && !minus)) continue;
-        Sum b = *above;
+        const bool is_positive = factor == Ratio(1, 1), is_negative = factor == Ratio(-1, 1);
+        if (terms[s].op != TapeOp::sqrt || (!is_positive && !is_negative)) continue;
+        Sum b = *numerator_sum;
         b.erase(product);
         if (b.empty()) return std::nullopt;
-        return Root{.node = i, .s = s, .minus = minus, .b = std::move(b), .a = *below};
+        return Root{.node = i, .s = s, .minus = is_negative, .b = std::move(b), .a = *denominator_sum};
     }
     return std::nullopt;
 }
 
-Sum divided_by(const Sum& sum, const Sum& one) {
-    const auto& [product, factor] = *one.begin();
+Sum divided_by(const Sum& sum, const Sum& divisor) {
+    const auto& [product, factor] = *divisor.begin();
     return times(sum, Sum{{inverse(product), Ratio(factor.denominator, factor.numerator)}});
 }
 
@@ -48,76 +48,79 @@ void find_stable_roots(RewriteFinder& finder) {
     for (const NodeId i : finder.needed) {
         auto root = root_at(terms, i);
         if (!root) continue;
-        auto& both = roots[root->s];
-        if (both.empty() || both.front().b == root->b) both.push_back(std::move(*root));
+        auto& root_group = roots[root->s];
+        if (root_group.empty() || root_group.front().b == root->b) root_group.push_back(std::move(*root));
     }
-    for (const auto& [s, both] : roots) {
-        const Sum& b = both.front().b;
+    for (const auto& [s, root_group] : roots) {
+        const Sum& b = root_group.front().b;
         const auto disc = multiplied_out(terms, terms[s].operands[0], true);
         if (!disc) continue;
         // (b − s)(b + s): the numerators of the two roots, multiplied
         const Sum product = plus(times(b, b), times(*disc, minus_one));
         if (product.empty() || product.size() > most_products) continue;
         const auto newest = finder.newest.find(s);
-        const NodeId root = newest == finder.newest.end() ? s : newest->second;
+        const NodeId newest_root = newest == finder.newest.end() ? s : newest->second;
         const NodeId b_now = written_out(terms, b, finder.newest);
         const NodeId negative = terms.add(TapeOp::less, {b_now, terms.constant(0)});
-        const NodeId with_sign = terms.add(TapeOp::select, {negative, terms.add(TapeOp::neg, {root}), root});
+        const NodeId with_sign =
+            terms.add(TapeOp::select, {negative, terms.add(TapeOp::neg, {newest_root}), newest_root});
         const NodeId q = terms.add(TapeOp::add, {b_now, with_sign}, "q");
-        std::vector<std::pair<NodeId, NodeId>> replaced;
-        for (const Root& one : both) {
-            const NodeId plain = terms.add(TapeOp::div, {q, written_out(terms, one.a, finder.newest)});
-            const NodeId other =
-                terms.add(TapeOp::div, {written_out(terms, divided_by(product, one.a), finder.newest), q});
+        std::vector<std::pair<NodeId, NodeId>> replacements;
+        for (const Root& root : root_group) {
+            const NodeId from_sum = terms.add(TapeOp::div, {q, written_out(terms, root.a, finder.newest)});
+            const NodeId from_product =
+                terms.add(TapeOp::div, {written_out(terms, divided_by(product, root.a), finder.newest), q});
             // b − s cancels if b > 0, b + s if b < 0.
-            replaced.emplace_back(one.node, one.minus ? terms.add(TapeOp::select, {negative, plain, other})
-                                                      : terms.add(TapeOp::select, {negative, other, plain}));
+            replacements.emplace_back(root.node, root.minus
+                                                     ? terms.add(TapeOp::select, {negative, from_sum, from_product})
+                                                     : terms.add(TapeOp::select, {negative, from_product, from_sum}));
         }
-        finder.add_rewrite(replaced);
+        finder.add_rewrite(replacements);
     }
 }
 
 namespace {
 
-/// The sum with x in place of every square of √x; nothing if it has none, or would be too long.
+/// The sum with x in place of every square of √x. Returns nothing if there is no such square, or if the sum would be
+/// too long.
 std::optional<Sum> without_squared_roots(const Terms& terms, const Sum& sum) {
-    Sum all;
-    bool found = false;
+    Sum result;
+    bool has_replaced = false;
     for (const auto& [product, factor] : sum) {
-        Sum here{{{}, factor}};
+        Sum term{{{}, factor}};
         for (const auto& [atom, exponent] : product) {
             const int squares = terms[atom].op == TapeOp::sqrt ? exponent / 2 : 0;
-            if (exponent != 2 * squares) here = times(here, Sum{{power(atom, exponent - 2 * squares), Ratio(1, 1)}});
+            if (exponent != 2 * squares) term = times(term, Sum{{power(atom, exponent - 2 * squares), Ratio(1, 1)}});
             if (squares == 0) continue;
-            found = true;
-            const auto under = multiplied_out(terms, terms[atom].operands[0]);
-            if (!under || under->empty() || (squares < 0 && under->size() > 1)) return std::nullopt;
-            const Sum one = squares > 0 ? *under : divided_by(Sum{{{}, Ratio(1, 1)}}, *under);
-            for (int k = 0; k < std::abs(squares); ++k) here = times(here, one);
+            has_replaced = true;
+            const auto radicand = multiplied_out(terms, terms[atom].operands[0]);
+            if (!radicand || radicand->empty() || (squares < 0 && radicand->size() > 1)) return std::nullopt;
+            const Sum factor_sum = squares > 0 ? *radicand : divided_by(Sum{{{}, Ratio(1, 1)}}, *radicand);
+            for (int k = 0; k < std::abs(squares); ++k) term = times(term, factor_sum);
         }
-        all = plus(std::move(all), here);
-        if (all.size() > most_products) return std::nullopt;
+        result = plus(std::move(result), term);
+        if (result.size() > most_products) return std::nullopt;
     }
-    return found && !all.empty() ? std::optional(all) : std::nullopt;
+    return has_replaced && !result.empty() ? std::optional(result) : std::nullopt;
 }
 
 }  // namespace
 
 void find_squares_of_roots(RewriteFinder& finder) {
     Terms& terms = finder.terms;
-    std::vector<std::pair<NodeId, NodeId>> all;
+    std::vector<std::pair<NodeId, NodeId>> replacements;
     for (const NodeId i : finder.needed) {
         const TapeNode n = terms[i];
         if (n.op != TapeOp::mul || !terms.is_own(i)) continue;
         const TapeNode a = terms[n.operands[0]], b = terms[n.operands[1]];
         if (a.op == TapeOp::sqrt && b.op == TapeOp::sqrt &&
             terms.meaning(a.operands[0]) == terms.meaning(b.operands[0]))
-            all.emplace_back(i, a.operands[0]);
+            replacements.emplace_back(i, a.operands[0]);
     }
-    finder.add_each(all);
+    finder.add_each(replacements);
     finder.for_each_sum([&](NodeId i, const Sum& sum) {
-        if (const auto to = without_squared_roots(terms, sum))
-            finder.add_rewrite(i, written_out(terms, *to, finder.newest, terms[i].label));
+        if (const auto rewritten = without_squared_roots(terms, sum))
+            finder.add_rewrite(i, written_out(terms, *rewritten, finder.newest, terms[i].label));
     });
 }
 

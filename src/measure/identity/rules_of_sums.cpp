@@ -1,4 +1,4 @@
-// Rules that find products of opposite sign in a sum that is multiplied out.
+// Rules that find two products of opposite sign in a sum that is multiplied out.
 #include <algorithm>
 
 #include "measure/identity/rules.hpp"
@@ -7,7 +7,7 @@ namespace lostbits::measure::identity {
 
 namespace {
 
-/// (a·c)(b·d) and −(a·d)(b·c), both multiplied by the same rest.
+/// The products (a·c)(b·d) and −(a·d)(b·c), both multiplied by `rest` and `factor`.
 struct Pair {
     Triple a, b, c, d;
     Product rest;
@@ -21,7 +21,7 @@ public:
         if (finder.unit) unit_ = terms_.known_dot(*finder.unit, *finder.unit);
     }
 
-    std::vector<Pair> all() {
+    std::vector<Pair> find_all() {
         for (const auto& [product, factor] : sum_) {
             const std::vector<NodeId> dots = dots_of(product);
             for (std::size_t k = 0; k < dots.size(); ++k)
@@ -29,32 +29,32 @@ public:
                     const Product rest = times(product, times(power(dots[k], -1), power(dots[l], -1)));
                     const auto [p, q] = terms_.factors_of(dots[k]).value();
                     const auto [r, s] = terms_.factors_of(dots[l]).value();
-                    // This product is the subtracted one: −(a·d)(b·c).
-                    look({.a = p, .b = s, .c = r, .d = q, .rest = rest, .factor = -factor, .others = {}}, product);
-                    look({.a = p, .b = r, .c = s, .d = q, .rest = rest, .factor = -factor, .others = {}}, product);
+                    // The signs are those of −(a·d)(b·c) for this product.
+                    try_pair({.a = p, .b = s, .c = r, .d = q, .rest = rest, .factor = -factor, .others = {}}, product);
+                    try_pair({.a = p, .b = r, .c = s, .d = q, .rest = rest, .factor = -factor, .others = {}}, product);
                 }
         }
         return std::move(found_);
     }
 
-    /// The product without the square of the direction's length, if that length is one.
-    [[nodiscard]] Product reduced(Product product) const {
+    /// The product without the square of the direction's length, if the form requires that this length is one.
+    [[nodiscard]] Product without_unit_length(Product product) const {
         if (unit_) product.erase(*unit_);
         return product;
     }
 
 private:
-    /// Dot products of a product, each as often as its power.
+    /// Dot products of a product; a dot product with power n occurs n times.
     [[nodiscard]] std::vector<NodeId> dots_of(const Product& product) const {
         std::vector<NodeId> dots;
         for (const auto& [atom, power] : product)
             if (power > 0 && terms_.factors_of(atom)) dots.insert(dots.end(), static_cast<std::size_t>(power), atom);
         return dots;
     }
-    void look(Pair pair, const Product& product) {
+    void try_pair(Pair pair, const Product& product) {
         const auto first = terms_.known_dot(pair.a, pair.c), second = terms_.known_dot(pair.b, pair.d);
         if (!first || !second) return;
-        const Product partner = reduced(times(pair.rest, times(power(*first, 1), power(*second, 1))));
+        const Product partner = without_unit_length(times(pair.rest, times(power(*first, 1), power(*second, 1))));
         const auto other = sum_.find(partner);
         if (partner == product || other == sum_.end() || !(other->second == pair.factor)) return;
         pair.others = sum_;
@@ -69,86 +69,90 @@ private:
     std::vector<Pair> found_;
 };
 
-/// The node with `instead` in place of the two products.
-NodeId with_pair(RewriteFinder& finder, NodeId i, const Pair& pair, const Product& instead) {
+/// The node with `replacement` in place of the two products.
+NodeId with_pair(RewriteFinder& finder, NodeId i, const Pair& pair, const Product& replacement) {
     const PairFinder pair_finder(finder, pair.others);
-    const Sum now = plus(pair.others, Sum{{pair_finder.reduced(times(pair.rest, instead)), pair.factor}});
-    return now.empty() ? i : written_out(finder.terms, now, finder.newest, finder.terms[i].label);
+    const Sum rewritten =
+        plus(pair.others, Sum{{pair_finder.without_unit_length(times(pair.rest, replacement)), pair.factor}});
+    return rewritten.empty() ? i : written_out(finder.terms, rewritten, finder.newest, finder.terms[i].label);
 }
 
 /// Adds each rewrite by itself, and one that applies all innermost rewrites at once (the first at each node).
-void add_all(RewriteFinder& finder, const std::vector<std::pair<NodeId, NodeId>>& all) {
+void add_all(RewriteFinder& finder, const std::vector<std::pair<NodeId, NodeId>>& replacements) {
     std::vector<std::pair<NodeId, NodeId>> innermost;
-    for (const auto& [old, now] : all) {
-        const auto within = finder.terms.needed({old, old, old, old});
+    for (const auto& [node, replacement_node] : replacements) {
+        const auto within = finder.terms.needed({node, node, node, node});
         const auto is_within = [&](const auto& other) { return std::ranges::binary_search(within, other.first); };
-        if (old != now && std::ranges::none_of(innermost, is_within)) innermost.emplace_back(old, now);
+        if (node != replacement_node && std::ranges::none_of(innermost, is_within))
+            innermost.emplace_back(node, replacement_node);
     }
     if (innermost.size() > 1) finder.add_rewrite(innermost);
-    for (const auto& one : all) finder.add_rewrite({one});
+    for (const auto& replacement : replacements) finder.add_rewrite({replacement});
 }
 
-/// a − (a·n)/|n|² n; normalised: the same with n/|n|.
+/// a − (a·n)/|n|² n. If `normalised`, it is computed with n/|n|.
 Triple foot(RewriteFinder& finder, const Triple& a, const Triple& n, bool normalised) {
     Terms& terms = finder.terms;
     const bool is_unit = finder.unit == n;
-    Triple along = n;
+    Triple direction = n;
     NodeId share = terms.dot(a, n);
     if (!is_unit && normalised) {
         const NodeId length = terms.add(TapeOp::sqrt, {terms.dot(n, n)}, "len");
-        for (NodeId& x : along) x = terms.add(TapeOp::div, {x, length});
-        share = terms.dot(a, along);
+        for (NodeId& x : direction) x = terms.add(TapeOp::div, {x, length});
+        share = terms.dot(a, direction);
     } else if (!is_unit) {
         share = terms.add(TapeOp::div, {share, terms.dot(n, n)}, "share");
     }
     constexpr std::array<std::string_view, 3> names{"l.x", "l.y", "l.z"};
-    Triple at{};
+    Triple foot_point{};
     for (std::size_t k = 0; k < 3; ++k)
-        at[k] = terms.add(TapeOp::sub, {a[k], terms.add(TapeOp::mul, {share, along[k]})}, names[k]);
-    return at;
+        foot_point[k] = terms.add(TapeOp::sub, {a[k], terms.add(TapeOp::mul, {share, direction[k]})}, names[k]);
+    return foot_point;
 }
 
 void find_approach(RewriteFinder& finder, bool normalised) {
     Terms& terms = finder.terms;
-    std::vector<std::pair<NodeId, NodeId>> all;
+    std::vector<std::pair<NodeId, NodeId>> replacements;
     if (finder.unit) terms.dot(*finder.unit, *finder.unit);
     finder.for_each_sum([&](NodeId i, const Sum& sum) {
-        for (const Pair& p : PairFinder(finder, sum).all()) {
+        for (const Pair& p : PairFinder(finder, sum).find_all()) {
             // (n·n)(b·d) − (n·d)(b·n)
-            const auto along = [&](const Triple& n, const Triple& a, const Triple& b) {
+            const auto add_foot = [&](const Triple& n, const Triple& a, const Triple& b) {
                 if (normalised && finder.unit == n) return;
-                const Triple at = foot(finder, a, n, normalised);
-                const NodeId with = a == b ? terms.dot(at, at, "l^2") : terms.dot(at, b);
-                all.emplace_back(i, with_pair(finder, i, p, times(power(terms.dot(n, n), 1), power(with, 1))));
+                const Triple foot_point = foot(finder, a, n, normalised);
+                const NodeId dot_product = a == b ? terms.dot(foot_point, foot_point, "l^2") : terms.dot(foot_point, b);
+                replacements.emplace_back(
+                    i, with_pair(finder, i, p, times(power(terms.dot(n, n), 1), power(dot_product, 1))));
             };
-            if (p.a == p.c) along(p.a, p.b, p.d);
-            if (p.b == p.d) along(p.b, p.a, p.c);
+            if (p.a == p.c) add_foot(p.a, p.b, p.d);
+            if (p.b == p.d) add_foot(p.b, p.a, p.c);
         }
     });
-    add_all(finder, all);
+    add_all(finder, replacements);
 }
 
-/// The number whose square the product is; nothing if there is none.
+/// The number whose square is the product. Returns nothing if there is none.
 std::optional<NodeId> root_of(RewriteFinder& finder, const Product& product, bool by_length) {
-    Product half;
-    bool length = false;
-    NodeId whole = no_node;
+    Product halved;
+    bool has_length = false;
+    NodeId root = no_node;
     for (const auto& [atom, power] : product) {
         if (power % 2 == 0) {
-            half[atom] = power / 2;
+            halved[atom] = power / 2;
             continue;
         }
         const auto factors = finder.terms.factors_of(atom);
-        if (!by_length || power != 1 || length || !factors || factors->first != factors->second) return std::nullopt;
-        length = true;
-        whole = finder.terms.add(TapeOp::sqrt, {atom}, "length");
+        if (!by_length || power != 1 || has_length || !factors || factors->first != factors->second)
+            return std::nullopt;
+        has_length = true;
+        root = finder.terms.add(TapeOp::sqrt, {atom}, "length");
     }
-    if (length != by_length) return std::nullopt;
-    if (!half.empty() || whole == no_node) {
-        const NodeId rest = product_of(finder.terms, half, Ratio(1, 1), finder.newest);
-        whole = whole == no_node ? rest : finder.terms.add(TapeOp::mul, {whole, rest});
+    if (has_length != by_length) return std::nullopt;
+    if (!halved.empty() || root == no_node) {
+        const NodeId rest = product_of(finder.terms, halved, Ratio(1, 1), finder.newest);
+        root = root == no_node ? rest : finder.terms.add(TapeOp::mul, {root, rest});
     }
-    return whole;
+    return root;
 }
 
 void find_squares(RewriteFinder& finder, bool by_length) {
@@ -165,14 +169,14 @@ void find_squares(RewriteFinder& finder, bool by_length) {
         const NodeId product =
             terms.add(TapeOp::mul, {terms.add(TapeOp::sub, {*a, *b}), terms.add(TapeOp::add, {*a, *b})});
         const auto& [shared, factor] = common;
-        const NodeId before = product_of(terms, shared, factor, finder.newest);
-        const bool alone = shared.empty() && factor == Ratio(1, 1);
-        finder.add_rewrite(i, alone ? terms.named(product, terms[i].label)
-                                    : terms.add(TapeOp::mul, {before, product}, terms[i].label));
+        const NodeId common_node = product_of(terms, shared, factor, finder.newest);
+        const bool is_plain = shared.empty() && factor == Ratio(1, 1);
+        finder.add_rewrite(i, is_plain ? terms.named(product, terms[i].label)
+                                       : terms.add(TapeOp::mul, {common_node, product}, terms[i].label));
     });
 }
 
-/// Three vectors whose pairwise dot products are the factors of a product.
+/// Three vectors whose pairwise dot products are ab, bc and ca. Returns nothing if there are none.
 std::optional<std::array<Triple, 3>> ring_of(const Terms& terms, NodeId ab, NodeId bc, NodeId ca) {
     const auto [a, b] = terms.factors_of(ab).value();
     for (const auto& [x, y] : {std::pair(a, b), std::pair(b, a)}) {
@@ -184,26 +188,28 @@ std::optional<std::array<Triple, 3>> ring_of(const Terms& terms, NodeId ab, Node
     return std::nullopt;
 }
 
-/// The sum with (a·(b × c))² in place of its Gram determinant; `crossed` is factor·rest·2(a·b)(b·c)(c·a).
-std::optional<Sum> without_gram(Terms& terms, const Sum& sum, const Product& crossed, const std::array<Triple, 3>& v) {
+/// The sum with (a·(b × c))² in place of its Gram determinant. `cross_term` is factor·rest·2(a·b)(b·c)(c·a). Returns
+/// nothing if the sum does not contain the determinant.
+std::optional<Sum> without_gram(Terms& terms, const Sum& sum, const Product& cross_term,
+                                const std::array<Triple, 3>& v) {
     const auto dot = [&](std::size_t k, std::size_t l) { return terms.known_dot(v[k % 3], v[l % 3]); };
     for (std::size_t k = 0; k < 3; ++k)
         if (!dot(k, k)) return std::nullopt;
-    const Ratio factor = sum.at(crossed) * Ratio(1, 2);
-    Product rest = crossed, squares;
+    const Ratio factor = sum.at(cross_term) * Ratio(1, 2);
+    Product rest = cross_term, squares;
     for (std::size_t k = 0; k < 3; ++k) {
         rest = times(rest, power(*dot(k, k + 1), -1));
         squares = times(squares, power(*dot(k, k), 1));
     }
-    Sum gram{{crossed, sum.at(crossed)}, {times(rest, squares), factor}};
+    Sum gram{{cross_term, sum.at(cross_term)}, {times(rest, squares), factor}};
     for (std::size_t k = 0; k < 3; ++k)
         gram[times(rest, times(power(*dot(k, k), 1), power(*dot(k + 1, k + 2), 2)))] = -factor;
     for (const auto& [product, x] : gram)
         if (const auto found = sum.find(product); found == sum.end() || !(found->second == x)) return std::nullopt;
-    Sum now = sum;
-    for (const auto& [product, x] : gram) now.erase(product);
+    Sum rewritten = sum;
+    for (const auto& [product, x] : gram) rewritten.erase(product);
     const NodeId volume = terms.dot(v[0], terms.cross(v[1], v[2]), "volume");
-    return plus(now, Sum{{times(rest, power(volume, 2)), factor}});
+    return plus(rewritten, Sum{{times(rest, power(volume, 2)), factor}});
 }
 
 }  // namespace
@@ -220,9 +226,9 @@ void find_volumes(RewriteFinder& finder) {
                     for (std::size_t k = j + 1; k < dots.size(); ++k)
                         for (std::size_t l = k + 1; l < dots.size(); ++l) {
                             const auto ring = ring_of(terms, dots[j], dots[k], dots[l]);
-                            const auto now = ring ? without_gram(terms, sum, product, *ring) : std::nullopt;
-                            if (now && !now->empty())
-                                finder.add_rewrite(i, written_out(terms, *now, finder.newest, terms[i].label));
+                            const auto rewritten = ring ? without_gram(terms, sum, product, *ring) : std::nullopt;
+                            if (rewritten && !rewritten->empty())
+                                finder.add_rewrite(i, written_out(terms, *rewritten, finder.newest, terms[i].label));
                         }
             }
         },
@@ -236,15 +242,15 @@ void find_unit_approach(RewriteFinder& finder) { find_approach(finder, true); }
 
 void find_cross_products(RewriteFinder& finder) {
     Terms& terms = finder.terms;
-    std::vector<std::pair<NodeId, NodeId>> all;
+    std::vector<std::pair<NodeId, NodeId>> replacements;
     if (finder.unit) terms.dot(*finder.unit, *finder.unit);
     finder.for_each_sum([&](NodeId i, const Sum& sum) {
-        for (const Pair& p : PairFinder(finder, sum).all()) {
+        for (const Pair& p : PairFinder(finder, sum).find_all()) {
             const Triple first = terms.cross(p.a, p.b), second = terms.cross(p.c, p.d);
-            all.emplace_back(i, with_pair(finder, i, p, power(terms.dot(first, second), 1)));
+            replacements.emplace_back(i, with_pair(finder, i, p, power(terms.dot(first, second), 1)));
         }
     });
-    add_all(finder, all);
+    add_all(finder, replacements);
 }
 
 }  // namespace lostbits::measure::identity

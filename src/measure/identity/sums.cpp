@@ -25,73 +25,74 @@ Product inverse(Product a) {
 
 Sum plus(Sum a, const Sum& b) {
     for (const auto& [product, factor] : b) {
-        Ratio& here = a[product];
-        here = here + factor;
-        if (here.numerator == 0) a.erase(product);
+        Ratio& total = a[product];
+        total = total + factor;
+        if (total.numerator == 0) a.erase(product);
     }
     return a;
 }
 
 Sum times(const Sum& a, const Sum& b) {
-    Sum all;
+    Sum result;
     for (const auto& [p, x] : a)
-        for (const auto& [q, y] : b) all = plus(std::move(all), Sum{{times(p, q), x * y}});
-    return all;
+        for (const auto& [q, y] : b) result = plus(std::move(result), Sum{{times(p, q), x * y}});
+    return result;
 }
 
 namespace {
 
 const Sum minus_one{{{}, Ratio(-1, 1)}};
 
-struct Reader {
+struct Expander {
     const Terms& terms;
-    bool written;
-    const std::set<NodeId>& kept;
+    bool before_rules;
+    const std::set<NodeId>& extra_atoms;
 
     [[nodiscard]] std::optional<Sum> operator()(NodeId i) const {
-        if (written) i = terms.meaning(i);
+        if (before_rules) i = terms.meaning(i);
         const TapeNode& n = terms[i];
-        const auto read = [&](std::size_t k) { return (*this)(n.operands[k]); };
-        if (!terms.is_own(i) || kept.contains(i)) return as_it_is(i);
+        const auto expand = [&](std::size_t k) { return (*this)(n.operands[k]); };
+        if (!terms.is_own(i) || extra_atoms.contains(i)) return as_atom(i);
         switch (n.op) {
             case TapeOp::constant: return n.operands[0] == 0 ? Sum() : Sum{{{}, Ratio(n.operands[0], 1)}};
-            case TapeOp::neg: return times_both(read(0), minus_one);
-            case TapeOp::mul: return times_both(read(0), read(1));
-            case TapeOp::div: return quotient(read(0), read(1), n.operands[1]);
-            case TapeOp::sub: return added(read(0), times_both(read(1), minus_one));
+            case TapeOp::neg: return times_both(expand(0), minus_one);
+            case TapeOp::mul: return times_both(expand(0), expand(1));
+            case TapeOp::div: return quotient(expand(0), expand(1), n.operands[1]);
+            case TapeOp::sub: return sum_of(expand(0), times_both(expand(1), minus_one));
             case TapeOp::add:
                 if (const auto factors = terms.factors_of(i))
                     return Sum{{{{terms.known_dot(factors->first, factors->second).value(), 1}}, Ratio(1, 1)}};
-                return added(read(0), read(1));
-            default: return as_it_is(i);
+                return sum_of(expand(0), expand(1));
+            default: return as_atom(i);
         }
     }
 
 private:
-    [[nodiscard]] Sum as_it_is(NodeId i) const { return {{{{terms.meaning(i), 1}}, Ratio(1, 1)}}; }
+    [[nodiscard]] Sum as_atom(NodeId i) const { return {{{{terms.meaning(i), 1}}, Ratio(1, 1)}}; }
     static std::optional<Sum> short_enough(std::optional<Sum> sum) {
         return sum && sum->size() <= most_products ? sum : std::nullopt;
     }
     static std::optional<Sum> times_both(const std::optional<Sum>& a, const std::optional<Sum>& b) {
         return a && b ? short_enough(times(*a, *b)) : std::nullopt;
     }
-    static std::optional<Sum> added(const std::optional<Sum>& a, const std::optional<Sum>& b) {
+    static std::optional<Sum> sum_of(const std::optional<Sum>& a, const std::optional<Sum>& b) {
         return a && b ? short_enough(plus(*a, *b)) : std::nullopt;
     }
     [[nodiscard]] std::optional<Sum> quotient(const std::optional<Sum>& a, const std::optional<Sum>& b,
-                                              NodeId below) const {
+                                              NodeId divisor) const {
         if (b && b->size() == 1) {
             const auto& [product, factor] = *b->begin();
             return times_both(a, Sum{{inverse(product), Ratio(factor.denominator, factor.numerator)}});
         }
-        return times_both(a, Sum{{{{terms.meaning(below), -1}}, Ratio(1, 1)}});
+        return times_both(a, Sum{{{{terms.meaning(divisor), -1}}, Ratio(1, 1)}});
     }
 };
 
 }  // namespace
 
-std::optional<Sum> multiplied_out(const Terms& terms, NodeId i, bool written, const std::set<NodeId>& kept) {
-    return Reader{terms, written, kept}(i);
+std::optional<Sum> multiplied_out(const Terms& terms, NodeId i, bool before_rules,
+                                  const std::set<NodeId>& extra_atoms) {
+    return Expander{terms, before_rules, extra_atoms}(i);
 }
 
 Newest newest_of(const Terms& terms, const std::vector<NodeId>& needed) {
@@ -123,57 +124,61 @@ std::pair<std::pair<Product, Ratio>, Sum> without_common(const Sum& sum) {
 }
 
 NodeId product_of(Terms& terms, const Product& product, const Ratio& factor, const Newest& newest) {
-    NodeId above = no_node, below = no_node;
-    const auto multiply = [&](NodeId& so_far, NodeId by) {
-        so_far = so_far == no_node ? by : terms.add(TapeOp::mul, {so_far, by});
+    NodeId numerator_node = no_node, denominator_node = no_node;
+    const auto multiply = [&](NodeId& accumulated, NodeId operand) {
+        accumulated = accumulated == no_node ? operand : terms.add(TapeOp::mul, {accumulated, operand});
     };
-    const auto whole = [&](NodeId& so_far, std::int64_t x) {
-        if (x != 1) multiply(so_far, terms.constant(static_cast<std::int32_t>(x)));
+    const auto multiply_integer = [&](NodeId& accumulated, std::int64_t x) {
+        if (x != 1) multiply(accumulated, terms.constant(static_cast<std::int32_t>(x)));
     };
-    whole(above, std::abs(factor.numerator));
-    whole(below, factor.denominator);
+    multiply_integer(numerator_node, std::abs(factor.numerator));
+    multiply_integer(denominator_node, factor.denominator);
     for (const auto& [atom, power] : product) {
-        const auto now = newest.find(terms.meaning(atom));
-        NodeId base = now == newest.end() || terms.factors_of(atom) ? atom : now->second;
+        const auto found = newest.find(terms.meaning(atom));
+        NodeId base = found == newest.end() || terms.factors_of(atom) ? atom : found->second;
         for (int k = 0; k + 1 < std::abs(power); k += 2)
-            multiply(power > 0 ? above : below, terms.add(TapeOp::mul, {base, base}));
-        if (std::abs(power) % 2 == 1) multiply(power > 0 ? above : below, base);
+            multiply(power > 0 ? numerator_node : denominator_node, terms.add(TapeOp::mul, {base, base}));
+        if (std::abs(power) % 2 == 1) multiply(power > 0 ? numerator_node : denominator_node, base);
     }
-    if (above == no_node) above = terms.constant(1);
-    return below == no_node ? above : terms.add(TapeOp::div, {above, below});
+    if (numerator_node == no_node) numerator_node = terms.constant(1);
+    return denominator_node == no_node ? numerator_node : terms.add(TapeOp::div, {numerator_node, denominator_node});
 }
 
 NodeId written_out(Terms& terms, const Sum& sum, const Newest& newest, std::string_view label) {
     if (sum.size() == 1) {
         const auto& [product, factor] = *sum.begin();
-        const NodeId size = product_of(terms, product, factor, newest);
-        return terms.named(factor.numerator < 0 ? terms.add(TapeOp::neg, {size}) : size, label);
+        const NodeId magnitude = product_of(terms, product, factor, newest);
+        return terms.named(factor.numerator < 0 ? terms.add(TapeOp::neg, {magnitude}) : magnitude, label);
     }
     const auto [common, rest] = without_common(sum);
-    NodeId all = no_node;
+    NodeId sum_node = no_node;
     for (const bool negative : {false, true}) {
         for (const auto& [product, factor] : rest) {
             if ((factor.numerator < 0) != negative) continue;
-            const NodeId one = product_of(terms, product, factor, newest);
-            if (all == no_node) all = negative ? terms.add(TapeOp::neg, {one}) : one;
-            else all = terms.add(negative ? TapeOp::sub : TapeOp::add, {all, one});
+            const NodeId term = product_of(terms, product, factor, newest);
+            if (sum_node == no_node) sum_node = negative ? terms.add(TapeOp::neg, {term}) : term;
+            else sum_node = terms.add(negative ? TapeOp::sub : TapeOp::add, {sum_node, term});
         }
     }
     const auto& [shared, factor] = common;
-    const bool alone = shared.empty() && factor == Ratio(1, 1);
-    if (alone) return terms.named(all, label);
-    const auto positive = [](const Product& p) {
+    const bool is_plain = shared.empty() && factor == Ratio(1, 1);
+    if (is_plain) return terms.named(sum_node, label);
+    const auto has_positive_powers = [](const Product& p) {
         return std::ranges::all_of(p, [](const auto& x) { return x.second > 0; });
     };
-    if (positive(shared) && factor.denominator == 1)
-        return terms.add(TapeOp::mul, {product_of(terms, shared, factor, newest), all}, label);
+    if (has_positive_powers(shared) && factor.denominator == 1)
+        return terms.add(TapeOp::mul, {product_of(terms, shared, factor, newest), sum_node}, label);
     // k·s/(m·n) is written as (k·s)/(m·n), not as a product with a quotient.
-    Product above, below;
-    for (const auto& [atom, power] : shared) (power > 0 ? above[atom] : below[atom]) = std::abs(power);
-    NodeId upper = all;
-    if (!above.empty() || factor.numerator != 1)
-        upper = terms.add(TapeOp::mul, {product_of(terms, above, Ratio(factor.numerator, 1), newest), all});
-    return terms.add(TapeOp::div, {upper, product_of(terms, below, Ratio(factor.denominator, 1), newest)}, label);
+    Product numerator_product, denominator_product;
+    for (const auto& [atom, power] : shared)
+        (power > 0 ? numerator_product[atom] : denominator_product[atom]) = std::abs(power);
+    NodeId numerator_node = sum_node;
+    if (!numerator_product.empty() || factor.numerator != 1)
+        numerator_node = terms.add(
+            TapeOp::mul, {product_of(terms, numerator_product, Ratio(factor.numerator, 1), newest), sum_node});
+    return terms.add(TapeOp::div,
+                     {numerator_node, product_of(terms, denominator_product, Ratio(factor.denominator, 1), newest)},
+                     label);
 }
 
 }  // namespace lostbits::measure::identity

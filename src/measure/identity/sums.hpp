@@ -1,4 +1,4 @@
-// A number of a formula as a sum of products, independent of its brackets; identities are found in such sums.
+// A number of a formula as a sum of products, independent of its brackets. Rules search for identities in such sums.
 #pragma once
 
 #include <cstdint>
@@ -26,27 +26,28 @@ struct Ratio {
     friend bool operator==(const Ratio&, const Ratio&) = default;
 };
 
-/// Powers of atoms (numbers that are taken as they are); negative powers are divisors.
+/// Powers of atoms, which are numbers that are not multiplied out. An atom with a negative power is a divisor.
 using Product = std::map<NodeId, int>;
 inline Product power(NodeId atom, int exponent) { return {{atom, exponent}}; }
 Product times(Product a, const Product& b);
 Product inverse(Product a);
 
-/// Products with their factors, none of which is zero.
+/// Products with their factors. No factor is zero.
 using Sum = std::map<Product, Ratio>;
 Sum plus(Sum a, const Sum& b);
 Sum times(const Sum& a, const Sum& b);
 
-/// Limit on the products of a sum; rules skip longer ones.
+/// Largest number of products in a sum. Rules skip longer sums.
 inline constexpr std::size_t most_products = 32;
 
-/// Multiplies out node i. Atoms are dot products, and everything that is not a sum, a difference, a product, or a
-/// quotient by one product. Each atom stands for all nodes with the same meaning. `written`: as it was before rules
-/// were applied. `kept`: further nodes to take as atoms. Nothing if the sum would be too long.
-std::optional<Sum> multiplied_out(const Terms& terms, NodeId i, bool written = false,
-                                  const std::set<NodeId>& kept = {});
+/// Multiplies out node i. Atoms are dot products, and all numbers that are not a sum, a difference, a product, or a
+/// quotient by one product. Each atom represents all nodes with the same meaning. If `before_rules`, nodes are expanded
+/// as they were before rules were applied. `extra_atoms` are further nodes to use as atoms. Returns nothing if the sum
+/// would be too long.
+std::optional<Sum> multiplied_out(const Terms& terms, NodeId i, bool before_rules = false,
+                                  const std::set<NodeId>& extra_atoms = {});
 
-/// Node to write for each `meaning`: the newest one of a formula.
+/// The node to write for each `meaning`: the newest node of a formula with that meaning.
 using Newest = std::map<NodeId, NodeId>;
 Newest newest_of(const Terms& terms, const std::vector<NodeId>& needed);
 
@@ -54,9 +55,9 @@ Newest newest_of(const Terms& terms, const std::vector<NodeId>& needed);
 /// must not be empty.
 NodeId written_out(Terms& terms, const Sum& sum, const Newest& newest, std::string_view label = {});
 
-/// The common factor, and the sum without it.
+/// Returns the common factor of all products, and the sum without it.
 std::pair<std::pair<Product, Ratio>, Sum> without_common(const Sum& sum);
-/// Writes a product with its factor.
+/// Writes a product with its factor, and returns its node.
 NodeId product_of(Terms& terms, const Product& product, const Ratio& factor, const Newest& newest);
 
 }  // namespace lostbits::measure::identity

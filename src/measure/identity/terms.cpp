@@ -6,42 +6,43 @@ namespace lostbits::measure::identity {
 
 namespace {
 
-/// a + b and a·b round the same as b + a and b·a.
-bool commutes(TapeOp op) { return op == TapeOp::add || op == TapeOp::mul; }
+/// True if a op b and b op a round to the same number.
+bool is_commutative(TapeOp op) { return op == TapeOp::add || op == TapeOp::mul; }
 
 }  // namespace
 
 Terms::Terms(const Tape& form) : format_(form.format_of(form.outputs.t)) {
     tape_.formats = form.formats;
-    std::map<NodeId, NodeId> place;
+    std::map<NodeId, NodeId> new_nodes;
     for (NodeId i = 0; i < form.size(); ++i) {
         TapeNode n = form[i];
         if (!is_given(n.op))
             for (NodeId& operand : n.operands)
-                if (operand != no_node) operand = place.at(operand);
-        place[i] = known_or_new(n);
+                if (operand != no_node) operand = new_nodes.at(operand);
+        new_nodes[i] = find_or_add(n);
     }
     const auto [hit, t, near, far] = form.outputs;
-    tape_.outputs = {place.at(hit), place.at(t), place.at(near), place.at(far)};
+    tape_.outputs = {new_nodes.at(hit), new_nodes.at(t), new_nodes.at(near), new_nodes.at(far)};
 }
 
-NodeId Terms::known_or_new(TapeNode n) {
-    std::array<NodeId, 3> of = n.operands;
-    if (commutes(n.op) && of[0] > of[1]) std::swap(of[0], of[1]);
-    const auto [known, is_new] = known_.try_emplace({n.op, n.format, of[0], of[1], of[2]}, tape_.size());
+NodeId Terms::find_or_add(TapeNode n) {
+    std::array<NodeId, 3> operands = n.operands;
+    if (is_commutative(n.op) && operands[0] > operands[1]) std::swap(operands[0], operands[1]);
+    const auto [found, is_new] =
+        known_.try_emplace({n.op, n.format, operands[0], operands[1], operands[2]}, tape_.size());
     if (!is_new) {
-        if (!n.label.empty()) tape_.name(known->second, n.label);
-        return known->second;
+        if (!n.label.empty()) tape_.name(found->second, n.label);
+        return found->second;
     }
     tape_.nodes.push_back(n);
-    meaning_.push_back(known->second);
-    note_dot(known->second);
-    return known->second;
+    meaning_.push_back(found->second);
+    remember_dot(found->second);
+    return found->second;
 }
 
-NodeId Terms::add(TapeOp op, const TapeOperands& of, std::string_view label) {
-    const auto place = std::ranges::find(tape_.formats, format_) - tape_.formats.begin();
-    return known_or_new({op, static_cast<std::uint8_t>(place), {of.a, of.b, of.c}, 0, label});
+NodeId Terms::add(TapeOp op, const TapeOperands& operands, std::string_view label) {
+    const auto format_index = std::ranges::find(tape_.formats, format_) - tape_.formats.begin();
+    return find_or_add({op, static_cast<std::uint8_t>(format_index), {operands.a, operands.b, operands.c}, 0, label});
 }
 
 NodeId Terms::constant(std::int32_t x) {
@@ -93,7 +94,7 @@ std::optional<std::pair<Triple, Triple>> Terms::factors_of(NodeId i) const {
     return factors;
 }
 
-void Terms::note_dot(NodeId i) {
+void Terms::remember_dot(NodeId i) {
     if (const auto factors = factors_of(i)) {
         const auto& [a, b] = *factors;
         dots_.try_emplace({std::min(a, b), std::max(a, b)}, i);
@@ -105,74 +106,75 @@ std::optional<NodeId> Terms::known_dot(const Triple& a, const Triple& b) const {
     return found == dots_.end() ? std::nullopt : std::optional(found->second);
 }
 
-NodeId Terms::renewed(NodeId i, std::map<NodeId, NodeId>& done) {
-    if (const auto found = done.find(i); found != done.end()) return found->second;
+NodeId Terms::renew(NodeId i, std::map<NodeId, NodeId>& renewed_nodes) {
+    if (const auto found = renewed_nodes.find(i); found != renewed_nodes.end()) return found->second;
     TapeNode n = tape_[i];
-    bool changed = false;
+    bool is_changed = false;
     if (!is_given(n.op))
         for (NodeId& operand : n.operands) {
             if (operand == no_node) continue;
-            const NodeId now = renewed(operand, done);
-            changed |= now != operand;
-            operand = now;
+            const NodeId replacement = renew(operand, renewed_nodes);
+            is_changed |= replacement != operand;
+            operand = replacement;
         }
-    NodeId made = i;
-    if (changed) {
-        made = known_or_new(n);
-        unite(i, made);
+    NodeId result = i;
+    if (is_changed) {
+        result = find_or_add(n);
+        unite(i, result);
     }
-    return done[i] = made;
+    return renewed_nodes[i] = result;
 }
 
 TapeOutputs Terms::with_replaced(const TapeOutputs& outputs, const std::vector<std::pair<NodeId, NodeId>>& replaced) {
-    std::map<NodeId, NodeId> done;
-    for (const auto& [old, now] : replaced) {
-        unite(old, now);
-        done[old] = now;
+    std::map<NodeId, NodeId> renewed_nodes;
+    for (const auto& [node, replacement] : replaced) {
+        unite(node, replacement);
+        renewed_nodes[node] = replacement;
     }
-    return {renewed(outputs.hit, done), renewed(outputs.t, done), renewed(outputs.near, done),
-            renewed(outputs.far, done)};
+    return {renew(outputs.hit, renewed_nodes), renew(outputs.t, renewed_nodes), renew(outputs.near, renewed_nodes),
+            renew(outputs.far, renewed_nodes)};
 }
 
 std::vector<NodeId> Terms::needed(const TapeOutputs& outputs) const {
     std::set<NodeId> found;
-    std::vector<NodeId> open;
-    const auto ask = [&](NodeId i) {
-        if (i != no_node && found.insert(i).second) open.push_back(i);
+    std::vector<NodeId> pending;
+    const auto add_node = [&](NodeId i) {
+        if (i != no_node && found.insert(i).second) pending.push_back(i);
     };
-    for (const NodeId i : all_of(outputs)) ask(i);
-    while (!open.empty()) {
-        const TapeNode& n = tape_[open.back()];
-        open.pop_back();
+    for (const NodeId i : all_of(outputs)) add_node(i);
+    while (!pending.empty()) {
+        const TapeNode& n = tape_[pending.back()];
+        pending.pop_back();
         if (!is_given(n.op))
-            for (const NodeId operand : n.operands) ask(operand);
+            for (const NodeId operand : n.operands) add_node(operand);
     }
     return {found.begin(), found.end()};
 }
 
 Tape Terms::tape(const TapeOutputs& outputs, std::vector<NodeId>* origins) const {
-    std::set<NodeId> all;
+    std::set<NodeId> nodes;
     for (NodeId i = 0; i < tape_.size(); ++i)
-        if (tape_[i].op == TapeOp::input) all.insert(i);
+        if (tape_[i].op == TapeOp::input) nodes.insert(i);
     const auto used = needed(outputs);
-    all.insert(used.begin(), used.end());
-    Tape made;
-    std::map<NodeId, NodeId> place;
-    for (const NodeId i : all) {
+    nodes.insert(used.begin(), used.end());
+    Tape result;
+    std::map<NodeId, NodeId> new_nodes;
+    for (const NodeId i : nodes) {
         TapeNode n = tape_[i];
         if (n.op == TapeOp::input) {
-            place[i] = made.add_input(tape_.format_of(i), n.value);
+            new_nodes[i] = result.add_input(tape_.format_of(i), n.value);
             continue;
         }
         if (!is_given(n.op))
             for (NodeId& operand : n.operands)
-                if (operand != no_node) operand = place.at(operand);
-        place[i] = made.add(n.op, tape_.format_of(i), n.value, {n.operands[0], n.operands[1], n.operands[2]});
-        made[place[i]].label = n.label;
+                if (operand != no_node) operand = new_nodes.at(operand);
+        new_nodes[i] = result.add(n.op, tape_.format_of(i), n.value, {n.operands[0], n.operands[1], n.operands[2]});
+        result[new_nodes[i]].label = n.label;
     }
-    made.outputs = {place.at(outputs.hit), place.at(outputs.t), place.at(outputs.near), place.at(outputs.far)};
-    if (origins) origins->assign(all.begin(), all.end());
-    return made;
+    result.outputs = {new_nodes.at(outputs.hit), new_nodes.at(outputs.t), new_nodes.at(outputs.near),
+                      new_nodes.at(outputs.far)};
+    if (origins) origins->assign(nodes.begin(), nodes.end());
+    return result;
 }
 
 Triple direction_of(const Terms& terms) {

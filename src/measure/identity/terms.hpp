@@ -1,4 +1,5 @@
-// Formulas as terms: rewriting makes every operation only once, and each knows the operation that it replaces.
+// Formulas as terms: every operation exists only once while rules rewrite a formula, and each knows the operation that
+// it replaces.
 #pragma once
 
 #include <array>
@@ -14,56 +15,57 @@
 
 namespace lostbits::measure::identity {
 
-/// Three numbers, usually the components of a vector: an identity of vectors holds for any three.
+/// Three numbers, usually the components of a vector. An identity of vectors holds for any three numbers.
 using Triple = std::array<NodeId, 3>;
 
 /// A growing tape in which equal operations are one node, so two formulas are the same if their outputs are. The
 /// meaning of a node is the oldest node that it equals in real arithmetic.
 class Terms {
 public:
-    /// Takes a form's whole tape, which is computed in one format.
+    /// Copies a form's whole tape. The operations that rules rewrite have the format of the answer.
     explicit Terms(const Tape& form);
 
     [[nodiscard]] const TapeNode& operator[](NodeId i) const { return tape_[i]; }
     [[nodiscard]] NodeId size() const { return tape_.size(); }
     /// Outputs of the form.
     [[nodiscard]] const TapeOutputs& outputs() const { return tape_.outputs; }
-    /// Format of the answer; everything that rules add is computed in it.
+    /// Format of the answer. All operations that rules add are computed in it.
     [[nodiscard]] const FloatFormat& format() const { return format_; }
-    /// True if node i is computed in that format.
+    /// True if node i is computed in the format of the answer.
     [[nodiscard]] bool is_own(NodeId i) const { return tape_.format_of(i) == format_; }
 
-    NodeId add(TapeOp op, const TapeOperands& of, std::string_view label = {});
+    NodeId add(TapeOp op, const TapeOperands& operands, std::string_view label = {});
     NodeId constant(std::int32_t x);
-    /// Gives a node a name, if it has none.
+    /// Gives a node a name, if it has none, and returns the node.
     NodeId named(NodeId i, std::string_view label) { return label.empty() ? i : (tape_.name(i, label), i); }
-    /// a·b = a.x b.x + a.y b.y + a.z b.z, summed from the first.
+    /// a·b = a.x b.x + a.y b.y + a.z b.z, summed from the first product on.
     NodeId dot(const Triple& a, const Triple& b, std::string_view label = {});
     Triple cross(const Triple& a, const Triple& b);
 
     [[nodiscard]] NodeId meaning(NodeId i) const;
-    /// Records that two nodes are equal in real arithmetic, for rays that satisfy the conditions of the form and its
-    /// rules.
+    /// Records that two nodes are equal in real arithmetic. The equality holds for rays that satisfy the conditions of
+    /// the form and of the rules.
     void unite(NodeId a, NodeId b);
 
-    /// Factors of a node that is a sum of three products.
+    /// The two vectors of a dot product, for a node that is a sum of three products.
     [[nodiscard]] std::optional<std::pair<Triple, Triple>> factors_of(NodeId i) const;
     /// The first node that is the dot product of a and b, in either order.
     [[nodiscard]] std::optional<NodeId> known_dot(const Triple& a, const Triple& b) const;
 
-    /// Outputs of a formula with some nodes replaced by others; nodes computed from those are made anew.
+    /// Outputs of a formula with some nodes replaced by others. Nodes computed from the replaced nodes are created
+    /// again.
     TapeOutputs with_replaced(const TapeOutputs& outputs, const std::vector<std::pair<NodeId, NodeId>>& replaced);
     /// Nodes that the outputs are computed from, in order, including inputs.
     [[nodiscard]] std::vector<NodeId> needed(const TapeOutputs& outputs) const;
-    /// A formula as a tape of its own, with all inputs of the form. `origins` receives the node here for each node
-    /// there.
+    /// A formula as a separate tape, with all inputs of the form. `origins` receives, for each node of that tape, its
+    /// node in these terms.
     [[nodiscard]] Tape tape(const TapeOutputs& outputs, std::vector<NodeId>* origins = nullptr) const;
 
 private:
     using Key = std::tuple<TapeOp, int, NodeId, NodeId, NodeId>;
-    NodeId known_or_new(TapeNode n);
-    void note_dot(NodeId i);
-    NodeId renewed(NodeId i, std::map<NodeId, NodeId>& done);
+    NodeId find_or_add(TapeNode n);
+    void remember_dot(NodeId i);
+    NodeId renew(NodeId i, std::map<NodeId, NodeId>& renewed_nodes);
 
     Tape tape_;
     FloatFormat format_;

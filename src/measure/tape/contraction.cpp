@@ -34,52 +34,54 @@ constexpr bool is_sum(TapeOp op) { return op == TapeOp::add || op == TapeOp::sub
 
 class Contraction {
 public:
-    explicit Contraction(const Tape& tape) : from_(tape), same_(tape.nodes.size()), takers_(tape.nodes.size()) {
-        for (NodeId i = 0; i < tape.size(); ++i) at(same_, i) = first_of(i);
-        find_takers();
-        for (const NodeId i : in_order_of_text())
+    explicit Contraction(const Tape& tape) : source_(tape), first_equal_(tape.nodes.size()), users_(tape.nodes.size()) {
+        for (NodeId i = 0; i < tape.size(); ++i) at(first_equal_, i) = find_first_equal(i);
+        find_users();
+        for (const NodeId i : source_order())
             if (tape[i].op == TapeOp::mul) fuse(i);
     }
 
-    Tape made() {
-        place_.assign(from_.nodes.size(), no_node);
-        for (NodeId i = 0; i < from_.size(); ++i) {
-            const bool needed = from_[i].op == TapeOp::input || !at(takers_, i).empty() || is_answer(i);
-            if (same(i) == i && needed && !dropped_.contains(i)) at(place_, i) = copied(i);
+    Tape contract() {
+        new_nodes_.assign(source_.nodes.size(), no_node);
+        for (NodeId i = 0; i < source_.size(); ++i) {
+            const bool is_needed = source_[i].op == TapeOp::input || !at(users_, i).empty() || is_answer(i);
+            if (first_equal(i) == i && is_needed && !removed_.contains(i)) at(new_nodes_, i) = copy_node(i);
         }
-        const auto [hit, t, near, far] = from_.outputs;
-        made_.outputs = {placed(hit), placed(t), placed(near), placed(far)};
-        return std::move(made_);
+        const auto [hit, t, near, far] = source_.outputs;
+        result_.outputs = {new_node(hit), new_node(t), new_node(near), new_node(far)};
+        return std::move(result_);
     }
 
 private:
-    /// Sum that has a product as one operand, with the signs of the product and of the other operand.
-    struct Fused {
+    /// A sum that has a product as one operand, with the signs of the product and of the other operand.
+    struct FusedSum {
         NodeId product, addend;
         bool minus_product, minus_addend;
     };
 
     template <class T>
-    static T& at(std::vector<T>& of, NodeId i) {
-        return of[static_cast<std::size_t>(i)];
+    static T& at(std::vector<T>& values, NodeId i) {
+        return values[static_cast<std::size_t>(i)];
     }
     template <class T>
-    static const T& at(const std::vector<T>& of, NodeId i) {
-        return of[static_cast<std::size_t>(i)];
+    static const T& at(const std::vector<T>& values, NodeId i) {
+        return values[static_cast<std::size_t>(i)];
     }
-    [[nodiscard]] NodeId same(NodeId i) const { return i == no_node ? no_node : same_[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] NodeId first_equal(NodeId i) const {
+        return i == no_node ? no_node : first_equal_[static_cast<std::size_t>(i)];
+    }
     [[nodiscard]] bool is_answer(NodeId i) const {
-        const auto [hit, t, near, far] = from_.outputs;
-        return std::ranges::any_of(std::array{hit, t, near, far}, [&](NodeId out) { return same(out) == i; });
+        const auto [hit, t, near, far] = source_.outputs;
+        return std::ranges::any_of(std::array{hit, t, near, far}, [&](NodeId out) { return first_equal(out) == i; });
     }
 
-    /// First node that is equal to node i: the same operation on the same operands, in any order where the order makes
-    /// no difference.
-    NodeId first_of(NodeId i) {
-        const TapeNode& n = from_[i];
+    /// Returns the first node that is equal to node i: the same operation on the same operands, in either order if the
+    /// operation is commutative.
+    NodeId find_first_equal(NodeId i) {
+        const TapeNode& n = source_[i];
         std::array<NodeId, 3> operands = n.operands;
         if (!is_given(n.op))
-            for (NodeId& operand : operands) operand = same(operand);
+            for (NodeId& operand : operands) operand = first_equal(operand);
         if (n.op == TapeOp::add || n.op == TapeOp::mul) {
             if (operands[1] < operands[0]) std::swap(operands[0], operands[1]);
         }
@@ -87,160 +89,162 @@ private:
         return first_.try_emplace({n.op, n.format, operands, std::bit_cast<std::uint64_t>(given)}, i).first->second;
     }
 
-    /// Lists for each operation those that need it, once for each operand, from the answers backwards.
-    void find_takers() {
-        std::vector<bool> needed(from_.nodes.size());
-        const auto [hit, t, near, far] = from_.outputs;
+    /// Lists for each operation the operations that use it, once for each operand, from the answers backwards.
+    void find_users() {
+        std::vector<bool> needed(source_.nodes.size());
+        const auto [hit, t, near, far] = source_.outputs;
         for (const NodeId out : {hit, t, near, far})
-            if (out != no_node) needed[static_cast<std::size_t>(same(out))] = true;
-        for (NodeId i = from_.size() - 1; i >= 0; --i) {
-            if (!needed[static_cast<std::size_t>(i)] || is_given(from_[i].op)) continue;
-            for (const NodeId operand : from_[i].operands) {
+            if (out != no_node) needed[static_cast<std::size_t>(first_equal(out))] = true;
+        for (NodeId i = source_.size() - 1; i >= 0; --i) {
+            if (!needed[static_cast<std::size_t>(i)] || is_given(source_[i].op)) continue;
+            for (const NodeId operand : source_[i].operands) {
                 if (operand == no_node) continue;
-                needed[static_cast<std::size_t>(same(operand))] = true;
-                at(takers_, same(operand)).push_back(i);
+                needed[static_cast<std::size_t>(first_equal(operand))] = true;
+                at(users_, first_equal(operand)).push_back(i);
             }
         }
     }
 
     /// Operations that the answers need, in the order of the source text: operands from left to right, before the
-    /// operation that takes them. The tape may have another order: it is the one in which the compiler of this program
-    /// evaluates the arguments of a call, which may be from right to left.
-    [[nodiscard]] std::vector<NodeId> in_order_of_text() const {
+    /// operation that uses them. The tape may have another order: that in which the compiler of this program evaluates
+    /// the arguments of a call, which may be from right to left.
+    [[nodiscard]] std::vector<NodeId> source_order() const {
         std::vector<NodeId> order;
-        std::vector<bool> seen(from_.nodes.size());
-        const auto visit = [&](const auto& again, NodeId i) -> void {
+        std::vector<bool> seen(source_.nodes.size());
+        const auto visit = [&](const auto& self, NodeId i) -> void {
             if (i == no_node || seen[static_cast<std::size_t>(i)]) return;
             seen[static_cast<std::size_t>(i)] = true;
-            if (!is_given(from_[i].op))
-                for (const NodeId operand : from_[i].operands) again(again, same(operand));
+            if (!is_given(source_[i].op))
+                for (const NodeId operand : source_[i].operands) self(self, first_equal(operand));
             order.push_back(i);
         };
-        const auto [hit, t, near, far] = from_.outputs;
-        for (NodeId i = 0; i < from_.size(); ++i)
-            if (same(i) == i && (!at(takers_, i).empty() || is_answer(i)) && from_[i].label.size() > 0) visit(visit, i);
-        for (const NodeId out : {hit, t, near, far}) visit(visit, same(out));
+        const auto [hit, t, near, far] = source_.outputs;
+        for (NodeId i = 0; i < source_.size(); ++i)
+            if (first_equal(i) == i && (!at(users_, i).empty() || is_answer(i)) && source_[i].label.size() > 0)
+                visit(visit, i);
+        for (const NodeId out : {hit, t, near, far}) visit(visit, first_equal(out));
         return order;
     }
 
-    /// Part of `product`, or of its negative, in a sum; nothing where it is both operands, or the sum is fused already.
-    [[nodiscard]] std::optional<Fused> part_of(NodeId sum, NodeId part, NodeId product, bool negative) const {
-        const TapeNode& n = from_[sum];
-        if (!is_sum(n.op) || n.format != from_[product].format || fused_.contains(sum)) return std::nullopt;
-        const NodeId a = same(n.operands[0]), b = same(n.operands[1]);
+    /// The sum with `product`, or its negative, as one operand. Returns nothing if both operands are the product, or if
+    /// the sum is fused already.
+    [[nodiscard]] std::optional<FusedSum> part_of(NodeId sum, NodeId part, NodeId product, bool negative) const {
+        const TapeNode& n = source_[sum];
+        if (!is_sum(n.op) || n.format != source_[product].format || fused_.contains(sum)) return std::nullopt;
+        const NodeId a = first_equal(n.operands[0]), b = first_equal(n.operands[1]);
         if (a == b) return std::nullopt;
         const bool subtracts = n.op == TapeOp::sub;
-        if (a == part) return Fused{product, b, negative, subtracts};
-        return Fused{product, a, negative != subtracts, false};
+        if (a == part) return FusedSum{product, b, negative, subtracts};
+        return FusedSum{product, a, negative != subtracts, false};
     }
 
-    /// Fuses a product with each operation that takes it, if all of these are sums; the product itself is then dropped.
+    /// Fuses a product with each operation that uses it, if all of these are sums. The product itself is then removed.
     void fuse(NodeId product) {
         if (is_answer(product)) return;
-        std::vector<std::pair<NodeId, Fused>> sums;
+        std::vector<std::pair<NodeId, FusedSum>> sums;
         std::vector<NodeId> negatives;
-        for (const NodeId taker : takers_[static_cast<std::size_t>(product)]) {
-            const bool negates = from_[taker].op == TapeOp::neg;
-            NodeId sum = taker;
+        for (const NodeId user : users_[static_cast<std::size_t>(product)]) {
+            const bool negates = source_[user].op == TapeOp::neg;
+            NodeId sum = user;
             if (negates) {
-                const auto& of_negative = takers_[static_cast<std::size_t>(taker)];
-                if (of_negative.size() != 1 || is_answer(taker)) return;
-                sum = of_negative.front();
-                negatives.push_back(taker);
+                const auto& users_of_negative = users_[static_cast<std::size_t>(user)];
+                if (users_of_negative.size() != 1 || is_answer(user)) return;
+                sum = users_of_negative.front();
+                negatives.push_back(user);
             }
-            const auto part = part_of(sum, taker == sum ? product : taker, product, negates);
+            const auto part = part_of(sum, user == sum ? product : user, product, negates);
             if (!part) return;
             sums.emplace_back(sum, *part);
         }
         if (sums.empty()) return;
         fused_.insert(sums.begin(), sums.end());
-        dropped_.insert(product);
-        dropped_.insert(negatives.begin(), negatives.end());
+        removed_.insert(product);
+        removed_.insert(negatives.begin(), negatives.end());
     }
 
-    [[nodiscard]] NodeId placed(NodeId i) const {
-        return i == no_node ? no_node : place_[static_cast<std::size_t>(same(i))];
+    [[nodiscard]] NodeId new_node(NodeId i) const {
+        return i == no_node ? no_node : new_nodes_[static_cast<std::size_t>(first_equal(i))];
     }
 
-    NodeId copied(NodeId i) {
-        const TapeNode& n = from_[i];
-        const FloatFormat& format = from_.format_of(i);
-        if (n.op == TapeOp::input) return made_.add_input(format, n.value);
-        if (const auto fused = fused_.find(i); fused != fused_.end()) return fused_sum(i, fused->second);
+    NodeId copy_node(NodeId i) {
+        const TapeNode& n = source_[i];
+        const FloatFormat& format = source_.format_of(i);
+        if (n.op == TapeOp::input) return result_.add_input(format, n.value);
+        if (const auto fused = fused_.find(i); fused != fused_.end()) return add_fused_sum(i, fused->second);
         std::array<NodeId, 3> operands = n.operands;
         if (!is_given(n.op))
-            for (NodeId& operand : operands) operand = placed(operand);
-        const NodeId made = made_.add(n.op, format, n.value, {operands[0], operands[1], operands[2]});
-        made_[made].label = n.label;
-        return made;
+            for (NodeId& operand : operands) operand = new_node(operand);
+        const NodeId copy = result_.add(n.op, format, n.value, {operands[0], operands[1], operands[2]});
+        result_[copy].label = n.label;
+        return copy;
     }
-    NodeId fused_sum(NodeId i, const Fused& f) {
-        const FloatFormat& format = from_.format_of(i);
-        const TapeNode& product = from_[f.product];
+    NodeId add_fused_sum(NodeId i, const FusedSum& f) {
+        const FloatFormat& format = source_.format_of(i);
+        const TapeNode& product = source_[f.product];
         const auto signed_part = [&](NodeId part, bool negative) {
-            const NodeId here = placed(part);
-            return negative ? made_.add(TapeOp::neg, format, -from_[part].value, {here}) : here;
+            const NodeId node = new_node(part);
+            return negative ? result_.add(TapeOp::neg, format, -source_[part].value, {node}) : node;
         };
         const NodeId first = signed_part(product.operands[0], f.minus_product);
-        const NodeId second = placed(product.operands[1]), addend = signed_part(f.addend, f.minus_addend);
-        const NodeId made = made_.add(TapeOp::fma, format, from_[i].value, {first, second, addend});
-        made_[made].label = from_[i].label.empty() ? product.label : from_[i].label;
-        return made;
+        const NodeId second = new_node(product.operands[1]), addend = signed_part(f.addend, f.minus_addend);
+        const NodeId sum = result_.add(TapeOp::fma, format, source_[i].value, {first, second, addend});
+        result_[sum].label = source_[i].label.empty() ? product.label : source_[i].label;
+        return sum;
     }
 
-    const Tape& from_;
+    const Tape& source_;
     std::map<std::tuple<TapeOp, std::uint8_t, std::array<NodeId, 3>, std::uint64_t>, NodeId> first_;
-    std::vector<NodeId> same_;
-    std::vector<std::vector<NodeId>> takers_;
-    std::map<NodeId, Fused> fused_;  ///< by the sum
-    std::set<NodeId> dropped_;       ///< products that all their sums are fused with, and their negatives
-    std::vector<NodeId> place_;
-    Tape made_;
+    std::vector<NodeId> first_equal_;
+    std::vector<std::vector<NodeId>> users_;
+    std::map<NodeId, FusedSum> fused_;  ///< indexed by the node of the sum
+    std::set<NodeId> removed_;  ///< products that are fused with all their sums, and the negatives of these products
+    std::vector<NodeId> new_nodes_;
+    Tape result_;
 };
 
-/// Contracted form: tapes for f32 and f64, and lists of operations for every other arithmetic.
+/// A contracted form: tapes for f32 and f64, and lists of operations for every other arithmetic.
 struct Contracted {
-    std::unique_ptr<TapeForm> in32, in64;
+    std::unique_ptr<TapeForm> tape32, tape64;
     std::unique_ptr<WrittenForm> written;
 
     Contracted(const Intersector& form, const std::string& name) {
         std::array<std::shared_ptr<const WrittenFormula>, 2> lists;
-        const auto make = [&](const Format& format, std::unique_ptr<TapeForm>& in, auto& list) {
+        const auto make = [&](const Format& format, std::unique_ptr<TapeForm>& tape_form, auto& list) {
             if (!form.exists_in(format)) return;
             const Tape tape = contracted(tape_of(form, format));
-            in = std::make_unique<TapeForm>(form, format, tape, name, std::string(form.info->title));
+            tape_form = std::make_unique<TapeForm>(form, format, tape, name, std::string(form.info->title));
             list = std::make_shared<const WrittenFormula>(intersect::table::written(tape, form.shape, name));
         };
-        make(*find_format("f32"), in32, lists[0]);
-        make(*find_format("f64"), in64, lists[1]);
+        make(*find_format("f32"), tape32, lists[0]);
+        make(*find_format("f64"), tape64, lists[1]);
         if (lists[0] != nullptr || lists[1] != nullptr) written = std::make_unique<WrittenForm>(lists[0], lists[1]);
     }
 };
 
 using Rows = intersect::table::ComposedForms<std::tuple<const Intersector*>>;
 Rows& rows() {
-    static Rows all;
-    return all;
+    static Rows composed_rows;
+    return composed_rows;
 }
 
-void fill(Rows::Made& made) {
-    static std::deque<Contracted> all;  // rows point into it
-    const Intersector& form = *std::get<0>(made.parts);
-    made.name = std::string(form.info->name) + std::string(contracted_suffix);
-    made.title = std::string(form.info->title) + "; each added product is rounded together with its sum";
-    made.source = form.info->source;
-    made.take_contract(*form.info);
-    const Contracted& own = all.emplace_back(form, made.name);
-    made.row = {.info = &made.info, .shape = form.shape, .native32 = nullptr, .native64 = nullptr};
-    if (own.written) own.written->fill(made.row);
-    if (!form.rounded) made.row.rounded = nullptr;
-    if (own.in32) made.row.native32 = own.in32->row().native32;
-    if (own.in64) made.row.native64 = own.in64->row().native64;
+void fill(Rows::Made& composed) {
+    static std::deque<Contracted> contractions;  // rows point to its elements
+    const Intersector& form = *std::get<0>(composed.parts);
+    composed.name = std::string(form.info->name) + std::string(contracted_suffix);
+    composed.title = std::string(form.info->title) + "; each added product is rounded together with its sum";
+    composed.source = form.info->source;
+    composed.take_contract(*form.info);
+    const Contracted& contraction = contractions.emplace_back(form, composed.name);
+    composed.row = {.info = &composed.info, .shape = form.shape, .native32 = nullptr, .native64 = nullptr};
+    if (contraction.written) contraction.written->fill(composed.row);
+    if (!form.rounded) composed.row.rounded = nullptr;
+    if (contraction.tape32) composed.row.native32 = contraction.tape32->row().native32;
+    if (contraction.tape64) composed.row.native64 = contraction.tape64->row().native64;
 }
 
 }  // namespace
 
-Tape contracted(const Tape& tape) { return Contraction(tape).made(); }
+Tape contracted(const Tape& tape) { return Contraction(tape).contract(); }
 
 const Intersector& contracted_row(const Intersector& form) {
     if (form.is_placed)
@@ -250,9 +254,9 @@ const Intersector& contracted_row(const Intersector& form) {
     if (is_contracted(form)) throw InputError(std::string(form.info->name) + ": it is contracted already");
     try {
         if (!has_tape(form)) static_cast<void>(tape_of(form, *find_format("f32")));  // throws the reason
-    } catch (const InputError& why) {
+    } catch (const InputError& reason) {
         throw InputError(fmt::format("{}{}: its operations cannot be contracted: {}", form.info->name,
-                                     contracted_suffix, why.what()));
+                                     contracted_suffix, reason.what()));
     }
     return rows().row_of({&form}, fill);
 }

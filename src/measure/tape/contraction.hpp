@@ -1,4 +1,4 @@
-// Contraction: what a compiler makes of a formula if it may round a product together with the sum that takes it.
+// Contraction: the formula that a compiler creates if it may round a product together with the sum that uses it.
 #pragma once
 
 #include "intersect/table/table.hpp"
@@ -7,20 +7,20 @@
 namespace lostbits::measure::tape {
 
 /// Contracts a tape as GCC compiles it at -O2 with -ffp-contract=fast and FMA. Equal operations on the same operands
-/// are merged. A product is fused where every operation that takes it, or takes its negative, is an addition or
-/// subtraction: a b ± c and c ± a b are rounded once. Of two products that are added the left one is fused, and the
-/// other is its addend; but a product inside an expression with a name of its own comes first. A product that is also
-/// compared, chosen, multiplied or answered stays as it is. clang fuses the same ones, except those that are taken
-/// twice. Values are those of the given tape.
+/// are merged. A product is fused if every operation that uses it, or uses its negative, is an addition or subtraction:
+/// a b ± c and c ± a b are rounded once. If two products are added, the left one is fused and the other is its addend,
+/// unless the other is part of an expression with a name of its own, which comes first. A product that is also
+/// compared, selected, multiplied or returned is not fused. clang fuses the same products, except those that are used
+/// twice. The values on the contracted tape are those of the given tape.
 Tape contracted(const Tape& tape);
 
-/// The row `FORM+fma`: the form's operations, contracted, in every arithmetic. Without rounding it is the form. Its
-/// kernels run the operations one by one over columns: their bits are those of compiled code, but their time is not.
-/// Each row is made once and kept. InputError as for `tape_of`, and for a form with a transform method, which comes
-/// last in a name.
+/// The row `FORM+fma`: the form's operations, contracted, in every arithmetic. Without rounding it equals the form. Its
+/// kernels run the operations one by one over columns: they have the bits of compiled code, but not its speed. Each row
+/// is created once and kept. Throws InputError as `tape_of` does, and for a form with a transform method, because the
+/// transform comes last in a name.
 const intersect::table::Intersector& contracted_row(const intersect::table::Intersector& form);
 
-/// True for a row that was made so.
+/// True for a row that `contracted_row` created.
 bool is_contracted(const intersect::table::Intersector& row);
 
 }  // namespace lostbits::measure::tape

@@ -16,25 +16,25 @@ using intersect::table::Intersector;
 
 constexpr std::size_t ray_count = 4096;
 constexpr int most_ulps = 4;
-constexpr std::size_t most_sites = 12;  ///< operations whose subsets are all tried
+constexpr std::size_t most_sites = 12;  ///< number of operations up to which all subsets are tried
 
 using intersect::table::RandomRays;
 using intersect::table::RowAnswers;
 
-/// A program with rewritings, as a driver might run it.
+/// The program with some rewritings, as a driver might run it.
 struct Suspect {
-    DerivedTape made;
+    DerivedTape program;
     bool flushes = false;
     NodeId inexact = no_node;
     int ulps = 0;
 };
 
 template <class S>
-S flushed(S x) {
+S flush_subnormal(S x) {
     return std::fpclassify(x) == FP_SUBNORMAL ? std::copysign(S(0), x) : x;
 }
 
-double rounded(TapeOp op, double a, double b, double c, bool is_float) {
+double compute_rounded(TapeOp op, double a, double b, double c, bool is_float) {
     const auto f = [&](double x) { return is_float ? static_cast<double>(static_cast<float>(x)) : x; };
     switch (op) {
         case TapeOp::add: return f(a + b);
@@ -70,7 +70,7 @@ struct Answer {
 };
 
 Answer answer_of(const Suspect& s, const RandomRays<float>& rays, std::size_t ray, std::vector<double>& values) {
-    const Tape& tape = s.made.tape;
+    const Tape& tape = s.program.tape;
     values.resize(tape.nodes.size());
     for (NodeId i = 0; i < tape.size(); ++i) {
         const TapeNode& n = tape[i];
@@ -80,8 +80,8 @@ Answer answer_of(const Suspect& s, const RandomRays<float>& rays, std::size_t ra
         double value = 0;
         if (n.op == TapeOp::input) value = rays.input(ray, static_cast<std::size_t>(n.operands[0]));
         else if (n.op == TapeOp::constant) value = n.operands[0];
-        else value = rounded(n.op, x(0), x(1), x(2), tape.format_of(i) == binary32);
-        if (s.flushes && tape.format_of(i) == binary32) value = flushed(static_cast<float>(value));
+        else value = compute_rounded(n.op, x(0), x(1), x(2), tape.format_of(i) == binary32);
+        if (s.flushes && tape.format_of(i) == binary32) value = flush_subnormal(static_cast<float>(value));
         if (i == s.inexact)
             for (int k = 0; k < std::abs(s.ulps); ++k)
                 value = std::nextafter(static_cast<float>(value), s.ulps > 0 ? INFINITY : -INFINITY);
@@ -95,114 +95,119 @@ class Search {
 public:
     Search(const Tape& tape, const RandomRays<float>& rays, const RowAnswers<float>& driver)
         : rays_(rays), driver_(driver), names_(driver_rewritings()) {
-        own_.tape = tape;
-        own_.origins.resize(tape.nodes.size());
-        std::iota(own_.origins.begin(), own_.origins.end(), 0);
+        original_.tape = tape;
+        original_.origins.resize(tape.nodes.size());
+        std::iota(original_.origins.begin(), original_.origins.end(), 0);
     }
 
-    void find(DriverDifference& found) {
+    void find(DriverDifference& difference) {
         std::vector<unsigned> sets(std::size_t{1} << (names_.size() + 1));
         std::iota(sets.begin(), sets.end(), 0U);
         std::ranges::stable_sort(sets, {}, [](unsigned set) { return std::popcount(set); });
         for (const unsigned set : sets) {
-            Chosen all;
-            if (const auto made = with(set, nullptr, &all); made && explains(*made)) return told(set, all, found);
+            SitesByRewriting sites;
+            if (const auto suspect = rewrite(set, nullptr, &sites); suspect && explains_all_rays(*suspect))
+                return report_minimal(set, sites, difference);
         }
         for (const unsigned set : sets)
-            if (std::popcount(set) <= 2 && is_partly_rewritten(set, found)) return;
+            if (std::popcount(set) <= 2 && find_partial_rewriting(set, difference)) return;
         for (const unsigned set : sets)
-            if (std::popcount(set) <= 2 && is_inexact(set, found)) return;
+            if (std::popcount(set) <= 2 && find_inexact_operation(set, difference)) return;
     }
 
 private:
-    using Chosen = std::vector<std::vector<NodeId>>;  ///< sites of each rewriting
+    using SitesByRewriting = std::vector<std::vector<NodeId>>;  ///< sites of each rewriting
 
-    /// The program with the rewritings of a set; nothing if one of them changes nothing.
-    std::optional<Suspect> with(unsigned set, const Chosen* sites, Chosen* changed) const {
-        Suspect made{.made = own_, .flushes = (set >> names_.size()) != 0};
+    /// The program with the rewritings of a set. Returns nothing if one of the rewritings changes nothing.
+    std::optional<Suspect> rewrite(unsigned set, const SitesByRewriting* sites, SitesByRewriting* changed) const {
+        Suspect suspect{.program = original_, .flushes = (set >> names_.size()) != 0};
         for (std::size_t k = 0; k < names_.size(); ++k) {
-            std::vector<NodeId> at;
+            std::vector<NodeId> changed_sites;
             if ((set >> k & 1U) != 0) {
-                made.made = rewritten_by_driver(made.made, k, sites ? &(*sites)[k] : nullptr, at);
-                if (at.empty()) return {};
+                suspect.program =
+                    rewritten_by_driver(suspect.program, k, sites ? &(*sites)[k] : nullptr, changed_sites);
+                if (changed_sites.empty()) return {};
             }
-            if (changed) changed->push_back(at);
+            if (changed) changed->push_back(changed_sites);
         }
-        return made;
+        return suspect;
     }
-    bool is_drivers(const Suspect& s, std::size_t ray) {
-        const Answer own = answer_of(s, rays_, ray, values_);
-        return RowAnswers<float>::are_same(own.hit, own.t, driver_.hit[ray] != 0, driver_.numbers[0][ray]);
+    bool has_drivers_bits(const Suspect& s, std::size_t ray) {
+        const Answer answer = answer_of(s, rays_, ray, values_);
+        return RowAnswers<float>::are_same(answer.hit, answer.t, driver_.hit[ray] != 0, driver_.numbers[0][ray]);
     }
-    bool explains(const Suspect& s) {
+    bool explains_all_rays(const Suspect& s) {
         for (std::size_t i = 0; i < ray_count; ++i)
-            if (!is_drivers(s, i)) return false;
+            if (!has_drivers_bits(s, i)) return false;
         return true;
     }
-    /// Tries the rewritings of a set at some of the operations only, at few of them first.
-    bool is_partly_rewritten(unsigned set, DriverDifference& found) {
-        Chosen all;
-        if (!with(set, nullptr, &all)) return false;
+    /// Tries the rewritings of a set at some of the operations only, beginning with few operations. Returns true if a
+    /// subset explains all rays.
+    bool find_partial_rewriting(unsigned set, DriverDifference& difference) {
+        SitesByRewriting all_sites;
+        if (!rewrite(set, nullptr, &all_sites)) return false;
         std::vector<std::pair<std::size_t, NodeId>> sites;
-        for (std::size_t k = 0; k < all.size(); ++k)
-            for (const NodeId i : all[k]) sites.emplace_back(k, i);
+        for (std::size_t k = 0; k < all_sites.size(); ++k)
+            for (const NodeId i : all_sites[k]) sites.emplace_back(k, i);
         if (sites.size() > most_sites) return false;
         std::vector<unsigned> masks(std::size_t{1} << sites.size());
         std::iota(masks.begin(), masks.end(), 0U);
         std::ranges::stable_sort(masks, {}, [](unsigned mask) { return std::popcount(mask); });
         for (const unsigned mask : masks) {
-            Chosen some(all.size());
+            SitesByRewriting subset(all_sites.size());
             for (std::size_t j = 0; j < sites.size(); ++j)
-                if ((mask >> j & 1U) != 0) some[sites[j].first].push_back(sites[j].second);
-            if (const auto made = with(set, &some, nullptr); made && explains(*made))
-                return told(set, some, found), true;
+                if ((mask >> j & 1U) != 0) subset[sites[j].first].push_back(sites[j].second);
+            if (const auto suspect = rewrite(set, &subset, nullptr); suspect && explains_all_rays(*suspect))
+                return report_minimal(set, subset, difference), true;
         }
         return false;
     }
-    /// Leaves out every operation that does not have to be rewritten.
-    void told(unsigned set, Chosen sites, DriverDifference& found) {
+    /// Reports the rewritings, without every operation that does not have to be rewritten.
+    void report_minimal(unsigned set, SitesByRewriting sites, DriverDifference& difference) {
         for (std::size_t k = 0; k < names_.size(); ++k)
             for (std::size_t j = sites[k].size(); j-- > 0 && sites[k].size() > 1;) {
-                Chosen fewer = sites;
-                fewer[k].erase(fewer[k].begin() + static_cast<std::ptrdiff_t>(j));
-                if (const auto made = with(set, &fewer, nullptr); made && explains(*made)) sites = fewer;
+                SitesByRewriting fewer_sites = sites;
+                fewer_sites[k].erase(fewer_sites[k].begin() + static_cast<std::ptrdiff_t>(j));
+                if (const auto suspect = rewrite(set, &fewer_sites, nullptr); suspect && explains_all_rays(*suspect))
+                    sites = fewer_sites;
             }
         for (std::size_t k = 0; k < names_.size(); ++k)
-            if (!sites[k].empty()) found.rewritings.push_back({names_[k], sites[k]});
-        if (set >> names_.size() != 0) found.rewritings.push_back({"makes subnormal numbers 0", {}});
+            if (!sites[k].empty()) difference.rewritings.push_back({names_[k], sites[k]});
+        if (set >> names_.size() != 0) difference.rewritings.push_back({"makes subnormal numbers 0", {}});
     }
-    /// Tries one quotient or root after the other as an operation that is some units in the last place off.
-    bool is_inexact(unsigned set, DriverDifference& found) {
-        Chosen sites;
-        auto made = with(set, nullptr, &sites);
-        if (!made) return false;
-        const Tape& tape = made->made.tape;
+    /// Tries each quotient or root as an operation whose result has an error of some units in the last place. Returns
+    /// true if one of them explains all rays.
+    bool find_inexact_operation(unsigned set, DriverDifference& difference) {
+        SitesByRewriting sites;
+        auto suspect = rewrite(set, nullptr, &sites);
+        if (!suspect) return false;
+        const Tape& tape = suspect->program.tape;
         for (NodeId i = 0; i < tape.size(); ++i) {
             if (tape[i].op != TapeOp::div && tape[i].op != TapeOp::sqrt) continue;
-            made->inexact = i;
-            int most = 0;
-            const bool all = [&] {
+            suspect->inexact = i;
+            int largest_ulps = 0;
+            const bool is_explained = [&] {
                 for (std::size_t ray = 0; ray < ray_count; ++ray) {
-                    const int ulps = ulps_at(*made, ray);
+                    const int ulps = ulps_at(*suspect, ray);
                     if (ulps > most_ulps) return false;
-                    most = std::max(most, ulps);
+                    largest_ulps = std::max(largest_ulps, ulps);
                 }
                 return true;
             }();
-            if (!all) continue;
+            if (!is_explained) continue;
             for (std::size_t k = 0; k < names_.size(); ++k)
-                if (!sites[k].empty()) found.rewritings.push_back({names_[k], sites[k]});
-            found.inexact = made->made.origins[static_cast<std::size_t>(i)], found.ulps = most;
+                if (!sites[k].empty()) difference.rewritings.push_back({names_[k], sites[k]});
+            difference.inexact = suspect->program.origins[static_cast<std::size_t>(i)], difference.ulps = largest_ulps;
             return true;
         }
         return false;
     }
-    /// The least error of the inexact operation that gives the driver's bits; more than `most_ulps`: none.
+    /// The least error of the inexact operation that gives the driver's bits; more than `most_ulps` if no error does.
     int ulps_at(Suspect& s, std::size_t ray) {
-        for (int size = 0; size <= most_ulps; ++size)
+        for (int magnitude = 0; magnitude <= most_ulps; ++magnitude)
             for (const int sign : {1, -1}) {
-                s.ulps = sign * size;
-                if (is_drivers(s, ray)) return size;
+                s.ulps = sign * magnitude;
+                if (has_drivers_bits(s, ray)) return magnitude;
             }
         return most_ulps + 1;
     }
@@ -210,7 +215,7 @@ private:
     const RandomRays<float>& rays_;
     const RowAnswers<float>& driver_;
     std::vector<std::string> names_;
-    DerivedTape own_;
+    DerivedTape original_;
     std::vector<double> values_;
 };
 
@@ -226,11 +231,13 @@ NodeId DriverDifference::first() const {
 
 DriverDifference driver_difference(const Intersector& driver, const Intersector& program) {
     const RandomRays<float> rays(program.shape, ray_count, driver.info->direction == intersect::Direction::unit);
-    const RowAnswers<float> theirs = rays.answers(driver.native32), ours = rays.answers(program.native32);
-    DriverDifference found{.rays = ray_count, .differ = 0, .rewritings = {}};
-    for (std::size_t i = 0; i < ray_count; ++i) found.differ += theirs.are_same(ours, i) ? 0 : 1;
-    if (found.differ > 0) Search(tape_of(program, *find_format("f32")), rays, theirs).find(found);
-    return found;
+    const RowAnswers<float> driver_answers = rays.answers(driver.native32),
+                            program_answers = rays.answers(program.native32);
+    DriverDifference difference{.rays = ray_count, .differ = 0, .rewritings = {}};
+    for (std::size_t i = 0; i < ray_count; ++i)
+        difference.differ += driver_answers.are_same(program_answers, i) ? 0 : 1;
+    if (difference.differ > 0) Search(tape_of(program, *find_format("f32")), rays, driver_answers).find(difference);
+    return difference;
 }
 
 }  // namespace lostbits::measure::tape

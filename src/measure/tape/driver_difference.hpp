@@ -1,5 +1,5 @@
-// A driver's answers beside those of the program that it compiled: where bits differ, the rewriting that explains them
-// and the first operation that it changes.
+// Compares a driver's answers with those of the program that it compiled. If bits differ, finds the rewriting that
+// explains them and the first operation that it changes.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +11,19 @@
 
 namespace lostbits::measure::tape {
 
-/// Changes that drivers make to the operations of a program.
+/// A change that drivers make to the operations of a program.
 struct DriverRewriting {
-    std::string name;           ///< `a b + c rounded once`
-    std::vector<NodeId> sites;  ///< operations that it changes, the first one first
+    std::string name;           ///< such as `a b + c rounded once`
+    std::vector<NodeId> sites;  ///< operations that the rewriting changes, in ascending order
 };
 
 struct DriverDifference {
     std::size_t rays = 0, differ = 0;
-    /// The fewest of the rewritings, with the fewest operations, with which the program has the driver's bits on all
-    /// rays; none: no rewriting that was tried has.
+    /// The smallest set of rewritings, with the fewest operations, with which the program has the driver's bits on all
+    /// rays. Empty if no tested set has them.
     std::vector<DriverRewriting> rewritings;
-    /// An operation of which the driver's results are so many units in the last place off; 0: exact.
+    /// An operation whose results in the driver have an error of `ulps` units in the last place; `no_node` if none is
+    /// needed.
     NodeId inexact = no_node;
     int ulps = 0;
 
@@ -30,22 +31,23 @@ struct DriverDifference {
     [[nodiscard]] NodeId first() const;
 };
 
-/// Compares both rows, of one shape and in f32, on random rays.
+/// Compares two rows of one shape in f32, on random rays.
 DriverDifference driver_difference(const intersect::table::Intersector& driver,
                                    const intersect::table::Intersector& program);
 
-/// The rewritings that are tried, by name.
+/// Names of the rewritings that are tried.
 std::vector<std::string> driver_rewritings();
 
-/// A tape that was made from another one, and the node there that each node stands for.
+/// A tape that was derived from another one. `origins` has, for each node, the node of the original tape that it
+/// replaces.
 struct DerivedTape {
     Tape tape;
     std::vector<NodeId> origins;
 };
 
-/// Rewrites operations, by the nodes that they stand for: these, or all if `sites` is null. `changed` receives those
-/// that were changed.
-DerivedTape rewritten_by_driver(const DerivedTape& from, std::size_t which, const std::vector<NodeId>* sites,
+/// Applies the rewriting with index `rewriting` to the operations that replace the nodes `sites` of the original tape,
+/// or to all operations if `sites` is null. `changed` receives the nodes that were changed.
+DerivedTape rewritten_by_driver(const DerivedTape& source, std::size_t rewriting, const std::vector<NodeId>* sites,
                                 std::vector<NodeId>& changed);
 
 }  // namespace lostbits::measure::tape

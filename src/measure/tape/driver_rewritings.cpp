@@ -1,4 +1,4 @@
-// The rewritings of drivers. Each keeps what the operations are in real arithmetic.
+// The rewritings of drivers. In real arithmetic each leaves the results unchanged.
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -8,122 +8,128 @@
 namespace lostbits::measure::tape {
 namespace {
 
-/// A tape that grows while another one is copied. Nodes keep their order; those of the old tape are found by `place`.
-class Copy {
+/// A tape that grows while another one is copied. Nodes keep their order; `copy_of` finds the copy of a node of the
+/// source tape.
+class TapeCopy {
 public:
-    explicit Copy(const DerivedTape& all) : from_(all.tape), origins_(all.origins), uses_(from_.nodes.size()) {
-        const Tape& from = all.tape;
-        for (const TapeNode& n : from.nodes)
+    explicit TapeCopy(const DerivedTape& source)
+        : source_(source.tape), origins_(source.origins), uses_(source_.nodes.size()) {
+        const Tape& source_tape = source.tape;
+        for (const TapeNode& n : source_tape.nodes)
             if (!is_given(n.op))
                 for (const NodeId o : n.operands)
                     if (o != no_node) ++uses_[static_cast<std::size_t>(o)];
-        for (const NodeId o : {from.outputs.hit, from.outputs.t, from.outputs.near, from.outputs.far})
+        for (const NodeId o :
+             {source_tape.outputs.hit, source_tape.outputs.t, source_tape.outputs.near, source_tape.outputs.far})
             ++uses_[static_cast<std::size_t>(o)];
-        made_.tape.formats = from.formats;
+        result_.tape.formats = source_tape.formats;
     }
-    [[nodiscard]] const TapeNode& old(NodeId i) const { return from_[i]; }
+    [[nodiscard]] const TapeNode& source_node(NodeId i) const { return source_[i]; }
     [[nodiscard]] bool is_used_once(NodeId i) const { return uses_[static_cast<std::size_t>(i)] == 1; }
-    [[nodiscard]] NodeId at(NodeId i) const { return place_[static_cast<std::size_t>(i)]; }
-    NodeId add(TapeOp op, NodeId like, std::array<NodeId, 3> operands) {
-        made_.tape.nodes.push_back({op, from_[like].format, operands, 0});
-        made_.origins.push_back(origins_[static_cast<std::size_t>(like)]);
-        return made_.tape.size() - 1;
+    [[nodiscard]] NodeId copy_of(NodeId i) const { return copies_[static_cast<std::size_t>(i)]; }
+    NodeId add(TapeOp op, NodeId model, std::array<NodeId, 3> operands) {
+        result_.tape.nodes.push_back({op, source_[model].format, operands, 0});
+        result_.origins.push_back(origins_[static_cast<std::size_t>(model)]);
+        return result_.tape.size() - 1;
     }
-    void put(NodeId made) { place_.push_back(made); }
-    void copy(NodeId i) {
-        TapeNode n = from_[i];
+    void set_copy(NodeId copied) { copies_.push_back(copied); }
+    void copy_node(NodeId i) {
+        TapeNode n = source_[i];
         if (!is_given(n.op))
             for (NodeId& o : n.operands)
-                if (o != no_node) o = at(o);
-        made_.tape.nodes.push_back(n);
-        made_.origins.push_back(origins_[static_cast<std::size_t>(i)]);
-        put(made_.tape.size() - 1);
+                if (o != no_node) o = copy_of(o);
+        result_.tape.nodes.push_back(n);
+        result_.origins.push_back(origins_[static_cast<std::size_t>(i)]);
+        set_copy(result_.tape.size() - 1);
     }
-    DerivedTape done() {
-        const auto [hit, t, near, far] = from_.outputs;
-        made_.tape.outputs = {at(hit), at(t), at(near), at(far)};
-        return std::move(made_);
+    DerivedTape finish() {
+        const auto [hit, t, near, far] = source_.outputs;
+        result_.tape.outputs = {copy_of(hit), copy_of(t), copy_of(near), copy_of(far)};
+        return std::move(result_);
     }
 
 private:
-    const Tape& from_;
+    const Tape& source_;
     const std::vector<NodeId>& origins_;
-    DerivedTape made_;
+    DerivedTape result_;
     std::vector<int> uses_;
-    std::vector<NodeId> place_;
+    std::vector<NodeId> copies_;
 };
 
-/// The new node in place of node i; nothing if the rewriting does not apply there.
-using Rewrite = std::optional<NodeId>(Copy& c, NodeId i);
+/// Returns the new node that replaces node i, or nothing if the rewriting does not apply there.
+using Rewrite = std::optional<NodeId>(TapeCopy& c, NodeId i);
 
-std::optional<NodeId> fused(Copy& c, NodeId i) {
-    const TapeNode& n = c.old(i);
+std::optional<NodeId> fuse_product(TapeCopy& c, NodeId i) {
+    const TapeNode& n = c.source_node(i);
     if (n.op != TapeOp::add && n.op != TapeOp::sub) return {};
     for (const std::size_t k : {0, 1}) {
         const NodeId product = n.operands[k], other = n.operands[1 - k];
-        if (c.old(product).op != TapeOp::mul || !c.is_used_once(product)) continue;
-        NodeId a = c.at(c.old(product).operands[0]), addend = c.at(other);
+        if (c.source_node(product).op != TapeOp::mul || !c.is_used_once(product)) continue;
+        NodeId a = c.copy_of(c.source_node(product).operands[0]), addend = c.copy_of(other);
         if (n.op == TapeOp::sub && k == 0) addend = c.add(TapeOp::neg, i, {addend, no_node, no_node});
         if (n.op == TapeOp::sub && k == 1) a = c.add(TapeOp::neg, i, {a, no_node, no_node});
-        return c.add(TapeOp::fma, i, {a, c.at(c.old(product).operands[1]), addend});
+        return c.add(TapeOp::fma, i, {a, c.copy_of(c.source_node(product).operands[1]), addend});
     }
     return {};
 }
 
-std::optional<NodeId> in_other_order(Copy& c, NodeId i) {
-    const TapeNode& n = c.old(i);
+std::optional<NodeId> reorder_sum(TapeCopy& c, NodeId i) {
+    const TapeNode& n = c.source_node(i);
     if (n.op != TapeOp::add) return {};
     const NodeId left = n.operands[0];
-    if (c.old(left).op != TapeOp::add || !c.is_used_once(left)) return {};
-    const NodeId last = c.add(TapeOp::add, i, {c.at(c.old(left).operands[1]), c.at(n.operands[1]), no_node});
-    return c.add(TapeOp::add, i, {c.at(c.old(left).operands[0]), last, no_node});
+    if (c.source_node(left).op != TapeOp::add || !c.is_used_once(left)) return {};
+    const NodeId last =
+        c.add(TapeOp::add, i, {c.copy_of(c.source_node(left).operands[1]), c.copy_of(n.operands[1]), no_node});
+    return c.add(TapeOp::add, i, {c.copy_of(c.source_node(left).operands[0]), last, no_node});
 }
 
-std::optional<NodeId> rounded_twice(Copy& c, NodeId i) {
-    const TapeNode& n = c.old(i);
+std::optional<NodeId> round_twice(TapeCopy& c, NodeId i) {
+    const TapeNode& n = c.source_node(i);
     if (n.op != TapeOp::fma) return {};
-    const NodeId product = c.add(TapeOp::mul, i, {c.at(n.operands[0]), c.at(n.operands[1]), no_node});
-    return c.add(TapeOp::add, i, {product, c.at(n.operands[2]), no_node});
+    const NodeId product = c.add(TapeOp::mul, i, {c.copy_of(n.operands[0]), c.copy_of(n.operands[1]), no_node});
+    return c.add(TapeOp::add, i, {product, c.copy_of(n.operands[2]), no_node});
 }
 
-std::optional<NodeId> by_reciprocal(Copy& c, NodeId i) {
-    const TapeNode& n = c.old(i);
-    if (n.op != TapeOp::div || c.old(n.operands[0]).op == TapeOp::constant) return {};
+std::optional<NodeId> multiply_by_reciprocal(TapeCopy& c, NodeId i) {
+    const TapeNode& n = c.source_node(i);
+    if (n.op != TapeOp::div || c.source_node(n.operands[0]).op == TapeOp::constant) return {};
     const NodeId one = c.add(TapeOp::constant, i, {1, no_node, no_node});
-    const NodeId inverse = c.add(TapeOp::div, i, {one, c.at(n.operands[1]), no_node});
-    return c.add(TapeOp::mul, i, {c.at(n.operands[0]), inverse, no_node});
+    const NodeId inverse = c.add(TapeOp::div, i, {one, c.copy_of(n.operands[1]), no_node});
+    return c.add(TapeOp::mul, i, {c.copy_of(n.operands[0]), inverse, no_node});
 }
 
-std::optional<NodeId> with_common_factor(Copy& c, NodeId i) {
-    const TapeNode& n = c.old(i);
+std::optional<NodeId> extract_common_factor(TapeCopy& c, NodeId i) {
+    const TapeNode& n = c.source_node(i);
     if (n.op != TapeOp::add && n.op != TapeOp::sub) return {};
-    const TapeNode &a = c.old(n.operands[0]), &b = c.old(n.operands[1]);
+    const TapeNode &a = c.source_node(n.operands[0]), &b = c.source_node(n.operands[1]);
     if (a.op != TapeOp::mul || b.op != TapeOp::mul) return {};
     for (const std::size_t k : {0, 1})
         for (const std::size_t l : {0, 1})
             if (a.operands[k] == b.operands[l]) {
-                const NodeId sum = c.add(n.op, i, {c.at(a.operands[1 - k]), c.at(b.operands[1 - l]), no_node});
-                return c.add(TapeOp::mul, i, {c.at(a.operands[k]), sum, no_node});
+                const NodeId sum =
+                    c.add(n.op, i, {c.copy_of(a.operands[1 - k]), c.copy_of(b.operands[1 - l]), no_node});
+                return c.add(TapeOp::mul, i, {c.copy_of(a.operands[k]), sum, no_node});
             }
     return {};
 }
 
-std::optional<NodeId> without_root(Copy& c, NodeId i) {
-    const TapeNode& n = c.old(i);
-    if (n.op != TapeOp::mul || n.operands[0] != n.operands[1] || c.old(n.operands[0]).op != TapeOp::sqrt) return {};
-    return c.at(c.old(n.operands[0]).operands[0]);
+std::optional<NodeId> remove_root(TapeCopy& c, NodeId i) {
+    const TapeNode& n = c.source_node(i);
+    if (n.op != TapeOp::mul || n.operands[0] != n.operands[1] || c.source_node(n.operands[0]).op != TapeOp::sqrt)
+        return {};
+    return c.copy_of(c.source_node(n.operands[0]).operands[0]);
 }
 
 struct DriverRow {
     const char* name;
     Rewrite* rewrite;
 };
-constexpr std::array driver_rows{DriverRow{"adds x + (y + z) in place of (x + y) + z", in_other_order},
-                                 DriverRow{"rounds fma(a, b, c) twice", rounded_twice},
-                                 DriverRow{"rounds a*b + c once", fused},
-                                 DriverRow{"multiplies by 1/y in place of dividing by y", by_reciprocal},
-                                 DriverRow{"takes a common factor out of a sum", with_common_factor},
-                                 DriverRow{"takes x in place of sqrt(x)*sqrt(x)", without_root}};
+constexpr std::array driver_rows{DriverRow{"adds x + (y + z) in place of (x + y) + z", reorder_sum},
+                                 DriverRow{"rounds fma(a, b, c) twice", round_twice},
+                                 DriverRow{"rounds a*b + c once", fuse_product},
+                                 DriverRow{"multiplies by 1/y in place of dividing by y", multiply_by_reciprocal},
+                                 DriverRow{"takes a common factor out of a sum", extract_common_factor},
+                                 DriverRow{"takes x in place of sqrt(x)*sqrt(x)", remove_root}};
 
 }  // namespace
 
@@ -133,17 +139,18 @@ std::vector<std::string> driver_rewritings() {
     return names;
 }
 
-DerivedTape rewritten_by_driver(const DerivedTape& from, std::size_t which, const std::vector<NodeId>* sites,
+DerivedTape rewritten_by_driver(const DerivedTape& source, std::size_t rewriting, const std::vector<NodeId>* sites,
                                 std::vector<NodeId>& changed) {
-    Copy copy(from);
-    for (NodeId i = 0; i < from.tape.size(); ++i) {
-        const NodeId origin = from.origins[static_cast<std::size_t>(i)];
-        const bool asked = sites == nullptr || std::ranges::find(*sites, origin) != sites->end();
-        const auto made = asked && !is_given(from.tape[i].op) ? driver_rows.at(which).rewrite(copy, i) : std::nullopt;
-        if (made) copy.put(*made), changed.push_back(origin);
+    TapeCopy copy(source);
+    for (NodeId i = 0; i < source.tape.size(); ++i) {
+        const NodeId origin = source.origins[static_cast<std::size_t>(i)];
+        const bool is_selected = sites == nullptr || std::ranges::find(*sites, origin) != sites->end();
+        const auto rewritten =
+            is_selected && !is_given(source.tape[i].op) ? driver_rows.at(rewriting).rewrite(copy, i) : std::nullopt;
+        if (rewritten) copy.set_copy(*rewritten), changed.push_back(origin);
         else copy.copy(i);
     }
-    return copy.done();
+    return copy.finish();
 }
 
 }  // namespace lostbits::measure::tape

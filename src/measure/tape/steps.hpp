@@ -9,30 +9,31 @@
 
 namespace lostbits::measure::tape {
 
-/// Arithmetic of a node: a float, a double, or two of either as one number.
-enum class Word : std::uint8_t { single, twice, pair, twice_pair, decision };
+/// Arithmetic of a node: one float, one double, or a pair of either as one number. A decision is a bool.
+enum class NodeArithmetic : std::uint8_t { one_float, one_double, float_pair, double_pair, decision };
 
-/// Operation on columns.
+/// One operation on columns.
 struct TapeStep {
     TapeOp op;
-    Word word, from;  ///< arithmetic of the result, and of the operands that are numbers
+    NodeArithmetic arithmetic, operand_arithmetic;  ///< arithmetic of the result, and of the operands that are numbers
     std::array<std::uint16_t, 3> operands;
     std::uint16_t out;
 };
 
-/// Number of rays computed together: the columns of a form stay in the first-level cache, and fill whole registers of
-/// any width.
-inline constexpr std::size_t together = 128;
+/// Number of rays in a batch. The columns of a form for a batch fit in the first-level cache, and fill whole registers
+/// of any width.
+inline constexpr std::size_t batch_rays = 128;
 
-/// Columns of `together` numbers each. A number of two words has its low words in the next column.
+/// Columns of `batch_rays` numbers each. A pair has its low words in the next column.
 struct StepColumns {
     float* floats;
     double* doubles;
     bool* decisions;
-    std::size_t rays;  ///< valid rays; the rest of their last register is computed too, and never read
+    std::size_t
+        rays;  ///< number of valid rays; the other lanes of their last register are computed too, but never read
 };
 
-/// One function a register width, each in an object of its own.
+/// One function for each register width, each in its own object.
 void run_steps_w128(const TapeStep* steps, std::size_t count, const StepColumns& columns);
 void run_steps_w256(const TapeStep* steps, std::size_t count, const StepColumns& columns);
 void run_steps_w512(const TapeStep* steps, std::size_t count, const StepColumns& columns);

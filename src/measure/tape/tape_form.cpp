@@ -13,94 +13,99 @@ using intersect::table::Intersector;
 
 namespace {
 
-/// Copies a tape node by node, with some operations in a wider format. `copied` chooses the format of each node.
+/// Copies a tape node by node, with some operations in a wider format. `copy_node` chooses the format of each node.
 class Widening {
 public:
-    Widening(const Tape& from, const std::vector<NodeId>& operations, const FloatFormat& to)
-        : from_(from), to_(to), wide_(from.nodes.size()), place_(from.nodes.size(), no_node) {
+    Widening(const Tape& source, const std::vector<NodeId>& operations, const FloatFormat& wide_format)
+        : source_(source),
+          wide_format_(wide_format),
+          wide_(source.nodes.size()),
+          new_nodes_(source.nodes.size(), no_node) {
         for (const NodeId i : operations) wide_[static_cast<std::size_t>(i)] = true;
     }
 
-    Tape made() {
-        for (NodeId i = 0; i < from_.size(); ++i) place_[static_cast<std::size_t>(i)] = copied(i);
-        const auto answer = [&](NodeId i) { return taken_in(i, from_.format_of(i)); };
-        const auto [hit, t, near, far] = from_.outputs;
-        made_.outputs = {at(hit), answer(t), answer(near), answer(far)};
-        return std::move(made_);
+    Tape widen() {
+        for (NodeId i = 0; i < source_.size(); ++i) new_nodes_[static_cast<std::size_t>(i)] = copy_node(i);
+        const auto answer = [&](NodeId i) { return in_format(i, source_.format_of(i)); };
+        const auto [hit, t, near, far] = source_.outputs;
+        result_.outputs = {new_node(hit), answer(t), answer(near), answer(far)};
+        return std::move(result_);
     }
 
 private:
-    [[nodiscard]] NodeId at(NodeId i) const { return i == no_node ? no_node : place_[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] NodeId new_node(NodeId i) const {
+        return i == no_node ? no_node : new_nodes_[static_cast<std::size_t>(i)];
+    }
 
-    /// Result of node i, converted to a format where it has another one.
-    NodeId taken_in(NodeId i, const FloatFormat& format) {
-        const NodeId here = at(i);
-        const TapeNode n = made_[here];
-        if (made_.format_of(here) == format) return here;
-        const auto [known, is_new] = converted_.try_emplace({here, format.precision}, no_node);
-        if (!is_new) return known->second;
+    /// The result of node i, converted if its format is not `format`.
+    NodeId in_format(NodeId i, const FloatFormat& format) {
+        const NodeId node = new_node(i);
+        const TapeNode n = result_[node];
+        if (result_.format_of(node) == format) return node;
+        const auto [found, is_new] = converted_.try_emplace({node, format.precision}, no_node);
+        if (!is_new) return found->second;
         const bool is_whole = n.op == TapeOp::constant && n.value == n.operands[0];
-        return known->second = is_whole ? made_.add(TapeOp::constant, format, n.value, {n.operands[0]})
-                                        : made_.add(TapeOp::convert, format, n.value, {here});
+        return found->second = is_whole ? result_.add(TapeOp::constant, format, n.value, {n.operands[0]})
+                                        : result_.add(TapeOp::convert, format, n.value, {node});
     }
 
     /// The widest format of the operands that are numbers.
     [[nodiscard]] FloatFormat widest(const TapeNode& n) const {
-        FloatFormat found{};
+        FloatFormat widest_format{};
         for (const NodeId operand : n.operands) {
-            if (operand == no_node || is_decision(from_[operand].op)) continue;
-            const FloatFormat& f = made_.format_of(at(operand));
-            if (f.precision > found.precision) found = f;
+            if (operand == no_node || is_decision(source_[operand].op)) continue;
+            const FloatFormat& f = result_.format_of(new_node(operand));
+            if (f.precision > widest_format.precision) widest_format = f;
         }
-        return found;
+        return widest_format;
     }
 
-    NodeId copied(NodeId i) {
-        const TapeNode& n = from_[i];
-        const FloatFormat& own = from_.format_of(i);
-        if (is_given(n.op)) return put(n, own, n.operands);
-        if (n.op == TapeOp::convert) return taken_in(n.operands[0], own);
-        const bool logic = kind_of(n.op) == OperationKind::logic;
+    NodeId copy_node(NodeId i) {
+        const TapeNode& n = source_[i];
+        const FloatFormat& own_format = source_.format_of(i);
+        if (is_given(n.op)) return append_node(n, own_format, n.operands);
+        if (n.op == TapeOp::convert) return in_format(n.operands[0], own_format);
+        const bool is_logic = kind_of(n.op) == OperationKind::logic;
         const FloatFormat format = kind_of(n.op) == OperationKind::rounded
-                                       ? wide_[static_cast<std::size_t>(i)] ? to_ : own
-                                   : logic ? own
-                                           : widest(n);
+                                       ? wide_[static_cast<std::size_t>(i)] ? wide_format_ : own_format
+                                   : is_logic ? own_format
+                                              : widest(n);
         std::array<NodeId, 3> operands{no_node, no_node, no_node};
         for (std::size_t k = 0; k < 3; ++k) {
             const NodeId operand = n.operands[k];
             if (operand == no_node) continue;
-            operands[k] = is_decision(from_[operand].op) ? at(operand) : taken_in(operand, format);
+            operands[k] = is_decision(source_[operand].op) ? new_node(operand) : in_format(operand, format);
         }
-        return put(n, is_decision(n.op) ? own : format, operands);
+        return append_node(n, is_decision(n.op) ? own_format : format, operands);
     }
 
-    NodeId put(const TapeNode& n, const FloatFormat& format, const std::array<NodeId, 3>& operands) {
-        const NodeId made = n.op == TapeOp::input
-                                ? made_.add_input(format, n.value)
-                                : made_.add(n.op, format, n.value, {operands[0], operands[1], operands[2]});
-        made_[made].label = n.label;
-        return made;
+    NodeId append_node(const TapeNode& n, const FloatFormat& format, const std::array<NodeId, 3>& operands) {
+        const NodeId node = n.op == TapeOp::input
+                                ? result_.add_input(format, n.value)
+                                : result_.add(n.op, format, n.value, {operands[0], operands[1], operands[2]});
+        result_[node].label = n.label;
+        return node;
     }
 
-    const Tape& from_;
-    FloatFormat to_;
+    const Tape& source_;
+    FloatFormat wide_format_;
     std::vector<bool> wide_;
-    std::vector<NodeId> place_;
+    std::vector<NodeId> new_nodes_;
     std::map<std::pair<NodeId, int>, NodeId> converted_;
-    Tape made_;
+    Tape result_;
 };
 
 template <class S>
-void run_program(void* own, const intersect::table::RayBatch<S>& rays, const intersect::Target<S>& target,
+void run_program(void* program, const intersect::table::RayBatch<S>& rays, const intersect::Target<S>& target,
                  const intersect::table::HitBatch<S>& hits) {
-    static_cast<const TapeProgram*>(own)->run<S>(rays, target, hits);
+    static_cast<const TapeProgram*>(program)->run<S>(rays, target, hits);
 }
 
 }  // namespace
 
 namespace {
 
-/// Reason why no tape can have all operations of a form; empty where one can.
+/// Reason why no tape can have all operations of a form; empty if a tape can.
 std::string refusal_of_tape(const Intersector& form) {
     if (!is_primitive(form.shape))
         return "it marches, so its operations differ from ray to ray; name a form of a primitive";
@@ -122,34 +127,34 @@ std::string refusal_of_tape(const Intersector& form) {
 bool has_tape(const Intersector& form) { return refusal_of_tape(form).empty(); }
 
 Tape tape_of(const Intersector& form, const Format& format, bool from_inverse) {
-    if (const std::string why = refusal_of_tape(form); !why.empty())
-        throw InputError(std::string(form.info->name) + ": " + why);
-    const Ray<double> any{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)};
+    if (const std::string reason = refusal_of_tape(form); !reason.empty())
+        throw InputError(std::string(form.info->name) + ": " + reason);
+    const Ray<double> sample_ray{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)};
     Primitive<double> primitive(form.shape);
     for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = static_cast<double>(k + 1);
     if (form.is_placed) primitive.placed = {{2, 0, 0, 1, 0, 2, 0, 1, 0, 0, 2, 1}, from_inverse};
     Tape tape;
     tape.every_loop = true;
-    form.record(format, any, intersect::Target<double>(primitive), HUGE_VAL, tape);
+    form.record(format, sample_ray, intersect::Target<double>(primitive), HUGE_VAL, tape);
     return tape;
 }
 
 std::vector<double> inputs_of(const Ray<double>& ray, const Primitive<double>& primitive, double tmax) {
     const auto &o = ray.origin, &d = ray.direction;
-    std::vector<double> all{o.x, o.y, o.z, d.x, d.y, d.z};
+    std::vector<double> inputs{o.x, o.y, o.z, d.x, d.y, d.z};
     const auto used = primitive.used();
-    all.insert(all.end(), used.begin(), used.end());
-    if (primitive.placed) all.insert(all.end(), primitive.placed->matrix.begin(), primitive.placed->matrix.end());
-    all.push_back(tmax);
-    return all;
+    inputs.insert(inputs.end(), used.begin(), used.end());
+    if (primitive.placed) inputs.insert(inputs.end(), primitive.placed->matrix.begin(), primitive.placed->matrix.end());
+    inputs.push_back(tmax);
+    return inputs;
 }
 
 Ray<double> ray_of(const std::vector<double>& inputs) {
     return {{inputs[0], inputs[1], inputs[2]}, {inputs[3], inputs[4], inputs[5]}};
 }
 
-Primitive<double> primitive_of(const std::vector<double>& inputs, const Primitive<double>& like) {
-    Primitive<double> primitive = like;
+Primitive<double> primitive_of(const std::vector<double>& inputs, const Primitive<double>& model) {
+    Primitive<double> primitive = model;
     auto next = inputs.begin() + 6;
     for (double& x : primitive.used()) x = *next++;
     if (primitive.placed)
@@ -158,25 +163,25 @@ Primitive<double> primitive_of(const std::vector<double>& inputs, const Primitiv
 }
 
 std::vector<NodeId> rounded_operations(const Tape& tape) {
-    std::vector<bool> needed(tape.nodes.size());
+    std::vector<bool> is_needed(tape.nodes.size());
     for (const NodeId out : {tape.outputs.hit, tape.outputs.t, tape.outputs.near, tape.outputs.far})
-        needed[static_cast<std::size_t>(out)] = true;
+        is_needed[static_cast<std::size_t>(out)] = true;
     for (NodeId i = tape.size() - 1; i >= 0; --i) {
-        if (!needed[static_cast<std::size_t>(i)] || is_given(tape[i].op)) continue;
+        if (!is_needed[static_cast<std::size_t>(i)] || is_given(tape[i].op)) continue;
         for (const NodeId operand : tape[i].operands)
-            if (operand != no_node) needed[static_cast<std::size_t>(operand)] = true;
+            if (operand != no_node) is_needed[static_cast<std::size_t>(operand)] = true;
     }
-    std::vector<NodeId> found;
+    std::vector<NodeId> operations;
     for (NodeId i = 0; i < tape.size(); ++i) {
-        if (needed[static_cast<std::size_t>(i)] && kind_of(tape[i].op) == OperationKind::rounded &&
+        if (is_needed[static_cast<std::size_t>(i)] && kind_of(tape[i].op) == OperationKind::rounded &&
             tape.format_of(i) == tape.format_of(tape.outputs.t))
-            found.push_back(i);
+            operations.push_back(i);
     }
-    return found;
+    return operations;
 }
 
 Tape widened(const Tape& tape, const std::vector<NodeId>& operations, const FloatFormat& to) {
-    return Widening(tape, operations, to).made();
+    return Widening(tape, operations, to).widen();
 }
 
 FloatFormat wider_than(const FloatFormat& format, bool two_words) {
@@ -184,12 +189,17 @@ FloatFormat wider_than(const FloatFormat& format, bool two_words) {
     return two_words ? two_floats : binary64;
 }
 
-TapeForm::TapeForm(const Intersector& like, const Format& format, const Tape& tape, std::string name, std::string title)
+TapeForm::TapeForm(const Intersector& model, const Format& format, const Tape& tape, std::string name,
+                   std::string title)
     : program_(tape),
       name_(std::move(name)),
       title_(std::move(title)),
-      info_(*like.info),
-      row_{.info = &info_, .shape = like.shape, .native32 = nullptr, .native64 = nullptr, .is_placed = like.is_placed} {
+      info_(*model.info),
+      row_{.info = &info_,
+           .shape = model.shape,
+           .native32 = nullptr,
+           .native64 = nullptr,
+           .is_placed = model.is_placed} {
     info_.name = name_;
     info_.title = title_;
     if (format.engine == Format::Engine::native32) row_.native32 = {run_program<float>, &program_};

@@ -1,4 +1,4 @@
-// Tape as a row of the table, so that all commands that measure forms can measure it.
+// A tape as a row of the table, so that all commands that measure forms can measure it.
 #pragma once
 
 #include <string>
@@ -9,40 +9,41 @@
 
 namespace lostbits::measure::tape {
 
-/// Records every operation that a form can do to a ray in a format, with the values of some ray. The tape is the same
-/// for all rays if the form does not decide by itself which way the formula goes. InputError for a form whose
-/// operations are not visible, that marches, or that is several forms. `from_inverse`: the primitives' matrices are
-/// stored as inverses (world to object).
+/// Records every operation that a form can perform on a ray in a format, with the values of one fixed ray. The tape is
+/// the same for all rays if the form itself has no branches on its values. Throws InputError for a form whose
+/// operations are not visible, for one that marches, and for a set of forms. `from_inverse` is true if the primitives'
+/// matrices are stored as inverses (world to object).
 Tape tape_of(const intersect::table::Intersector& form, const Format& format, bool from_inverse = false);
-/// True where `tape_of` gives a tape.
+/// True if `tape_of` returns a tape for this form.
 bool has_tape(const intersect::table::Intersector& form);
 
-/// Inputs on the tape of a form, in its order (`input_names`). The next two give back the ray and the primitive that
-/// they stand for: equal to `like` in everything that is not a number.
+/// The inputs on the tape of a form, in the order of `input_names`. `ray_of` and `primitive_of` convert them back to a
+/// ray and a primitive; the primitive equals `model` in everything that is not a number.
 std::vector<double> inputs_of(const Ray<double>& ray, const Primitive<double>& primitive, double tmax);
 Ray<double> ray_of(const std::vector<double>& inputs);
-Primitive<double> primitive_of(const std::vector<double>& inputs, const Primitive<double>& like);
+Primitive<double> primitive_of(const std::vector<double>& inputs, const Primitive<double>& model);
 
-/// Operations that can be done wider: their results are rounded in the format of the answer and are needed for it.
+/// Operations that can be computed in a wider format: the answer needs their results, which are rounded to its format.
 std::vector<NodeId> rounded_operations(const Tape& tape);
 
-/// Tape with these operations in a wider format, as code would have it. The operands of such an operation are widened
-/// exactly. Its result is rounded before another operation takes it, and before it is the answer. Comparisons, choices
-/// and signs are as wide as the widest of their operands.
+/// A tape with these operations in a wider format, as source code would have them. The operands of such an operation
+/// are widened exactly. Its result is rounded before another operation uses it, and before it is part of the answer.
+/// Comparisons, choices and signs are computed in the widest format of their operands.
 Tape widened(const Tape& tape, const std::vector<NodeId>& operations, const FloatFormat& to);
 
-/// Next wider arithmetic: double for float, two doubles for double; with `two_words`, two of the format's own words.
+/// The next wider arithmetic: double for float, two doubles for double. With `two_words`, it is two words of the format
+/// itself.
 FloatFormat wider_than(const FloatFormat& format, bool two_words);
 
-/// Row that runs a program in one format, with the contract of the form that it was made from.
+/// A row that runs a tape in one format, with the contract of the form that the tape was recorded from.
 class TapeForm {
 public:
-    TapeForm(const intersect::table::Intersector& like, const Format& format, const Tape& tape, std::string name,
+    TapeForm(const intersect::table::Intersector& model, const Format& format, const Tape& tape, std::string name,
              std::string title);
     TapeForm(const TapeForm&) = delete;
     TapeForm& operator=(const TapeForm&) = delete;
 
-    /// Row of the table; valid as long as this is.
+    /// Row of the table; valid as long as this object.
     [[nodiscard]] const intersect::table::Intersector& row() const { return row_; }
     [[nodiscard]] const TapeProgram& program() const { return program_; }
 

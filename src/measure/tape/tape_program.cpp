@@ -17,17 +17,22 @@ using intersect::table::RayBatch;
 
 namespace {
 
-/// Number of a primitive in the order of `input_names`: its own, then those of its matrix.
+/// A number of a primitive, by its index in the order of `input_names`: the numbers of the shape, then those of its
+/// matrix.
 template <class S>
-S number_of(const Primitive<S>& primitive, std::size_t number) {
-    const auto own = primitive.used();
-    return number < own.size() ? own[number] : primitive.placed->matrix[number - own.size()];
+S number_of(const Primitive<S>& primitive, std::size_t index) {
+    const auto numbers = primitive.used();
+    return index < numbers.size() ? numbers[index] : primitive.placed->matrix[index - numbers.size()];
 }
 
-constexpr bool is_pair(Word w) { return w == Word::pair || w == Word::twice_pair; }
-/// Kind of column that holds a word: 0 floats, 1 doubles, 2 decisions.
-constexpr std::size_t kind_of_column(Word w) {
-    return w == Word::decision ? 2 : w == Word::twice || w == Word::twice_pair ? 1 : 0;
+constexpr bool is_pair(NodeArithmetic arithmetic) {
+    return arithmetic == NodeArithmetic::float_pair || arithmetic == NodeArithmetic::double_pair;
+}
+/// Kind of column that holds a number of this arithmetic: 0 for floats, 1 for doubles, 2 for decisions.
+constexpr std::size_t kind_of_column(NodeArithmetic arithmetic) {
+    return arithmetic == NodeArithmetic::decision                                                  ? 2
+           : arithmetic == NodeArithmetic::one_double || arithmetic == NodeArithmetic::double_pair ? 1
+                                                                                                   : 0;
 }
 
 void run_steps(const std::vector<TapeStep>& steps, const StepColumns& columns) {
@@ -43,44 +48,44 @@ void run_steps(const std::vector<TapeStep>& steps, const StepColumns& columns) {
 
 }  // namespace
 
-Word word_of(const FloatFormat& format) {
-    if (format == binary32) return Word::single;
-    if (format == binary64) return Word::twice;
-    if (format == two_floats) return Word::pair;
-    if (format == two_doubles) return Word::twice_pair;
+NodeArithmetic arithmetic_of(const FloatFormat& format) {
+    if (format == binary32) return NodeArithmetic::one_float;
+    if (format == binary64) return NodeArithmetic::one_double;
+    if (format == two_floats) return NodeArithmetic::float_pair;
+    if (format == two_doubles) return NodeArithmetic::double_pair;
     throw std::logic_error("a program of a tape computes in float, double, two floats and two doubles");
 }
 
-/// Memory of one run.
+/// The columns of one run.
 class TapeProgram::Columns {
 public:
     explicit Columns(const std::array<std::uint16_t, 3>& counts)
-        : floats_(std::make_unique_for_overwrite<float[]>(counts[0] * together)),
-          doubles_(std::make_unique_for_overwrite<double[]>(counts[1] * together)),
-          decisions_(std::make_unique<bool[]>(counts[2] * together)) {}
+        : floats_(std::make_unique_for_overwrite<float[]>(counts[0] * batch_rays)),
+          doubles_(std::make_unique_for_overwrite<double[]>(counts[1] * batch_rays)),
+          decisions_(std::make_unique<bool[]>(counts[2] * batch_rays)) {}
 
     template <class P>
     [[nodiscard]] P* at(std::uint16_t column) const {
-        if constexpr (std::same_as<P, float>) return floats_.get() + column * together;
-        else if constexpr (std::same_as<P, double>) return doubles_.get() + column * together;
-        else return decisions_.get() + column * together;
+        if constexpr (std::same_as<P, float>) return floats_.get() + column * batch_rays;
+        else if constexpr (std::same_as<P, double>) return doubles_.get() + column * batch_rays;
+        else return decisions_.get() + column * batch_rays;
     }
-    /// Sets x for all rays, in one column, or in two if the word is a pair.
-    void fill(Word word, std::uint16_t place, double x) const {
-        const auto put = [&]<class P>(std::uint16_t column, P value) { std::fill_n(at<P>(column), rays, value); };
-        const auto in = [&]<class P>(P high) {
-            put(place, high);
-            if (is_pair(word))
-                put(static_cast<std::uint16_t>(place + 1), static_cast<P>(x - static_cast<double>(high)));
+    /// Sets x for all rays, in one column, or in two if the arithmetic is a pair.
+    void fill(NodeArithmetic arithmetic, std::uint16_t column, double x) const {
+        const auto fill_column = [&]<class P>(std::uint16_t index, P value) { std::fill_n(at<P>(index), rays, value); };
+        const auto fill_words = [&]<class P>(P high) {
+            fill_column(column, high);
+            if (is_pair(arithmetic))
+                fill_column(static_cast<std::uint16_t>(column + 1), static_cast<P>(x - static_cast<double>(high)));
         };
-        if (kind_of_column(word) == 0) in(static_cast<float>(x));
-        else in(x);
+        if (kind_of_column(arithmetic) == 0) fill_words(static_cast<float>(x));
+        else fill_words(x);
     }
     void run(const std::vector<TapeStep>& steps) const {
         run_steps(steps, {floats_.get(), doubles_.get(), decisions_.get(), rays});
     }
 
-    std::size_t rays = 0;  ///< number of rays, at most `together`
+    std::size_t rays = 0;  ///< number of rays, at most `batch_rays`
 
 private:
     std::unique_ptr<float[]> floats_;
@@ -90,29 +95,31 @@ private:
 
 namespace {
 
-/// Hands out columns of each kind and takes them back.
-class Places {
+/// Allocates columns of each kind, and reuses released ones.
+class ColumnPool {
 public:
-    std::uint16_t take(Word word) {
-        auto& free = free_[static_cast<std::size_t>(word)];
+    std::uint16_t acquire(NodeArithmetic arithmetic) {
+        auto& free = free_[static_cast<std::size_t>(arithmetic)];
         if (!free.empty()) {
-            const std::uint16_t place = free.back();
+            const std::uint16_t column = free.back();
             free.pop_back();
-            return place;
+            return column;
         }
-        std::uint16_t& count = counts[kind_of_column(word)];
-        const std::uint16_t place = count;
-        count = static_cast<std::uint16_t>(count + (is_pair(word) ? 2 : 1));
-        return place;
+        std::uint16_t& count = counts[kind_of_column(arithmetic)];
+        const std::uint16_t column = count;
+        count = static_cast<std::uint16_t>(count + (is_pair(arithmetic) ? 2 : 1));
+        return column;
     }
-    void give_back(Word word, std::uint16_t place) { free_[static_cast<std::size_t>(word)].push_back(place); }
+    void release(NodeArithmetic arithmetic, std::uint16_t column) {
+        free_[static_cast<std::size_t>(arithmetic)].push_back(column);
+    }
     std::array<std::uint16_t, 3> counts{};
 
 private:
     std::array<std::vector<std::uint16_t>, 5> free_;
 };
 
-/// Last node that takes each node as an operand; `size()` for an output, −1 for a node that nothing needs.
+/// The last node that uses each node as an operand: `size()` for an output, −1 for a node that no output needs.
 std::vector<NodeId> last_uses(const Tape& tape) {
     std::vector<NodeId> last(tape.nodes.size(), no_node);
     for (const NodeId out : {tape.outputs.hit, tape.outputs.t, tape.outputs.near, tape.outputs.far})
@@ -131,81 +138,88 @@ std::vector<NodeId> last_uses(const Tape& tape) {
 }  // namespace
 
 TapeProgram::TapeProgram(const Tape& tape) {
-    const std::vector<NodeId> last = last_uses(tape);
-    const auto word = [&](NodeId i) { return is_decision(tape[i].op) ? Word::decision : word_of(tape.format_of(i)); };
-    Places places;
-    std::vector<std::uint16_t> place(tape.nodes.size());
-    const auto at = [&](NodeId i) -> std::uint16_t& { return place[static_cast<std::size_t>(i)]; };
+    const std::vector<NodeId> last_use = last_uses(tape);
+    const auto node_arithmetic = [&](NodeId i) {
+        return is_decision(tape[i].op) ? NodeArithmetic::decision : arithmetic_of(tape.format_of(i));
+    };
+    ColumnPool pool;
+    std::vector<std::uint16_t> columns_of_nodes(tape.nodes.size());
+    const auto column_of = [&](NodeId i) -> std::uint16_t& { return columns_of_nodes[static_cast<std::size_t>(i)]; };
     for (NodeId i = 0; i < tape.size(); ++i) {
         const TapeNode& n = tape[i];
         if (n.op == TapeOp::input) ++input_count_;
-        if (last[static_cast<std::size_t>(i)] == no_node || !is_given(n.op)) continue;
-        at(i) = places.take(word(i));  // never given back: inputs and constants stay for all rays
-        if (n.op == TapeOp::input) inputs_.push_back({static_cast<std::size_t>(n.operands[0]), at(i)});
-        else constants_.push_back({word(i), n.value, at(i)});
+        if (last_use[static_cast<std::size_t>(i)] == no_node || !is_given(n.op)) continue;
+        column_of(i) = pool.acquire(node_arithmetic(i));  // never released: inputs and constants are kept for all rays
+        if (n.op == TapeOp::input) inputs_.push_back({static_cast<std::size_t>(n.operands[0]), column_of(i)});
+        else constants_.push_back({node_arithmetic(i), n.value, column_of(i)});
     }
     for (NodeId i = 0; i < tape.size(); ++i) {
         const TapeNode& n = tape[i];
-        if (last[static_cast<std::size_t>(i)] == no_node || is_given(n.op)) continue;
-        TapeStep s{.op = n.op,
-                   .word = word(i),
-                   .from = word(n.operands[n.op == TapeOp::select ? 1 : 0]),
-                   .operands = {},
-                   .out = 0};
+        if (last_use[static_cast<std::size_t>(i)] == no_node || is_given(n.op)) continue;
+        TapeStep step{.op = n.op,
+                      .arithmetic = node_arithmetic(i),
+                      .operand_arithmetic = node_arithmetic(n.operands[n.op == TapeOp::select ? 1 : 0]),
+                      .operands = {},
+                      .out = 0};
         for (std::size_t k = 0; k < 3; ++k)
-            if (n.operands[k] != no_node) s.operands[k] = at(n.operands[k]);
+            if (n.operands[k] != no_node) step.operands[k] = column_of(n.operands[k]);
         for (std::size_t k = 0; k < 3; ++k) {
             const NodeId operand = n.operands[k];
-            const bool again = std::find(n.operands.begin(), n.operands.begin() + k, operand) != n.operands.begin() + k;
-            if (operand != no_node && !again && !is_given(tape[operand].op) &&
-                last[static_cast<std::size_t>(operand)] == i)
-                places.give_back(word(operand), at(operand));
+            const bool is_repeated =
+                std::find(n.operands.begin(), n.operands.begin() + k, operand) != n.operands.begin() + k;
+            if (operand != no_node && !is_repeated && !is_given(tape[operand].op) &&
+                last_use[static_cast<std::size_t>(operand)] == i)
+                pool.release(node_arithmetic(operand), column_of(operand));
         }
-        s.out = at(i) = places.take(s.word);
-        steps_.push_back(s);
+        step.out = column_of(i) = pool.acquire(step.arithmetic);
+        steps_.push_back(step);
     }
-    columns_ = places.counts;
-    outputs_ = {at(tape.outputs.hit), at(tape.outputs.t), at(tape.outputs.near), at(tape.outputs.far)};
+    columns_ = pool.counts;
+    outputs_ = {column_of(tape.outputs.hit), column_of(tape.outputs.t), column_of(tape.outputs.near),
+                column_of(tape.outputs.far)};
 }
 
 template <class S>
 void TapeProgram::run(const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) const {
-    const std::array six{rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz};
+    const std::array ray_columns{rays.ox, rays.oy, rays.oz, rays.dx, rays.dy, rays.dz};
     Columns columns(columns_);
-    // Some callers ask for one ray and one primitive at a time. So columns that are the same for all rays are filled
-    // only as far as there are rays.
-    columns.rays = std::min(together, rays.size());
-    for (const Constant& c : constants_) columns.fill(c.word, c.out, c.value);
+    // Columns whose numbers are the same for all rays are filled only as far as there are rays, because some callers
+    // run one ray at a time.
+    columns.rays = std::min(batch_rays, rays.size());
+    for (const Constant& c : constants_) columns.fill(c.arithmetic, c.out, c.value);
     const bool one_primitive = target.primitives.size() == 1;
-    const std::size_t limit = input_count_ - 1;
-    const auto is_of_rays = [&](std::size_t number) { return number < 6 || number == limit; };
-    const Word own = std::same_as<S, float> ? Word::single : Word::twice;
-    for (const Input& in : inputs_) {
-        if (one_primitive && !is_of_rays(in.number))
-            columns.fill(own, in.out, static_cast<double>(number_of(target.primitives[0], in.number - 6)));
-        if (in.number == limit && rays.tmax.empty()) columns.fill(own, in.out, std::numeric_limits<double>::infinity());
+    const std::size_t tmax_index = input_count_ - 1;
+    const auto is_ray_input = [&](std::size_t index) { return index < 6 || index == tmax_index; };
+    const NodeArithmetic ray_arithmetic =
+        std::same_as<S, float> ? NodeArithmetic::one_float : NodeArithmetic::one_double;
+    for (const Input& input : inputs_) {
+        if (one_primitive && !is_ray_input(input.index))
+            columns.fill(ray_arithmetic, input.out,
+                         static_cast<double>(number_of(target.primitives[0], input.index - 6)));
+        if (input.index == tmax_index && rays.tmax.empty())
+            columns.fill(ray_arithmetic, input.out, std::numeric_limits<double>::infinity());
     }
-    for (std::size_t begin = 0; begin < rays.size(); begin += together) {
-        columns.rays = std::min(together, rays.size() - begin);
-        for (const Input& in : inputs_) {
-            S* const out = columns.template at<S>(in.out);
-            const auto copy = [&](std::span<const S> from) {
-                std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(begin), columns.rays, out);
+    for (std::size_t begin = 0; begin < rays.size(); begin += batch_rays) {
+        columns.rays = std::min(batch_rays, rays.size() - begin);
+        for (const Input& input : inputs_) {
+            S* const out = columns.template at<S>(input.out);
+            const auto copy_column = [&](std::span<const S> source) {
+                std::copy_n(source.begin() + static_cast<std::ptrdiff_t>(begin), columns.rays, out);
             };
-            if (in.number < 6) copy(six[in.number]);
-            else if (in.number == limit && !rays.tmax.empty()) copy(rays.tmax);
-            else if (in.number != limit && !one_primitive)
+            if (input.index < 6) copy_column(ray_columns[input.index]);
+            else if (input.index == tmax_index && !rays.tmax.empty()) copy_column(rays.tmax);
+            else if (input.index != tmax_index && !one_primitive)
                 for (std::size_t i = 0; i < columns.rays; ++i)
-                    out[i] = number_of(target.primitives[begin + i], in.number - 6);
+                    out[i] = number_of(target.primitives[begin + i], input.index - 6);
         }
         columns.run(steps_);
-        const auto put = [&](const auto* from, const auto& to) {
-            std::copy_n(from, columns.rays, to.begin() + static_cast<std::ptrdiff_t>(begin));
+        const auto copy_out = [&](const auto* source, const auto& destination) {
+            std::copy_n(source, columns.rays, destination.begin() + static_cast<std::ptrdiff_t>(begin));
         };
-        put(columns.template at<bool>(outputs_[0]), hits.hit);
-        put(columns.template at<S>(outputs_[1]), hits.t);
-        put(columns.template at<S>(outputs_[2]), hits.near);
-        put(columns.template at<S>(outputs_[3]), hits.far);
+        copy_out(columns.template at<bool>(outputs_[0]), hits.hit);
+        copy_out(columns.template at<S>(outputs_[1]), hits.t);
+        copy_out(columns.template at<S>(outputs_[2]), hits.near);
+        copy_out(columns.template at<S>(outputs_[3]), hits.far);
     }
 }
 

@@ -1,5 +1,5 @@
-// Runs a tape over columns of rays: what was recorded on one ray is done to many, each operation in the format that the
-// tape has for it. A form whose operations are the same for every ray (`select` in place of `if`) is one program.
+// Runs a tape over columns of rays: the operations recorded for one ray are performed for many, each in its format on
+// the tape. A form whose operations are the same for every ray (`select` in place of `if`) is a single program.
 #pragma once
 
 #include <array>
@@ -12,36 +12,36 @@
 
 namespace lostbits::measure::tape {
 
-/// Two floats or two doubles, high and low (`number::wide::TwoWords`), as the format of a node.
+/// Formats of a node that is a pair of floats or of doubles, high and low (`number::wide::TwoWords`).
 inline constexpr FloatFormat two_floats{48, -126, 127}, two_doubles{106, -1022, 1023};
 
-/// Arithmetic of a format. std::logic_error for a format that a program has no arithmetic for.
-Word word_of(const FloatFormat& format);
+/// Arithmetic of a format. Throws std::logic_error for a format without arithmetic in a program.
+NodeArithmetic arithmetic_of(const FloatFormat& format);
 
-/// Program of a tape: the columns of its results, and the operations on them in order.
+/// A tape as a program: the columns of its results, and the operations on them in order.
 class TapeProgram {
 public:
-    /// Takes the nodes that the outputs are computed from. std::logic_error for a node in a format without arithmetic
-    /// here.
+    /// Uses only the nodes that the outputs depend on. Throws std::logic_error for a node in a format without
+    /// arithmetic.
     explicit TapeProgram(const Tape& tape);
 
     /// Runs as a kernel of the table (`Intersector::native32`, `native64`). The answers are the tape's outputs, which
-    /// are in the format S, and the inputs are taken in the order of `input_names`. Thread-safe.
+    /// are in the format S. The inputs are in the order of `input_names`. Thread-safe.
     template <class S>
     void run(const intersect::table::RayBatch<S>& rays, const intersect::Target<S>& target,
              const intersect::table::HitBatch<S>& hits) const;
 
-    /// Number of operations that are done to each ray.
+    /// Number of operations that are performed for each ray.
     [[nodiscard]] std::size_t operations() const { return steps_.size(); }
 
 private:
     struct Constant {
-        Word word;
+        NodeArithmetic arithmetic;
         double value;
         std::uint16_t out;
     };
     struct Input {
-        std::size_t number;
+        std::size_t index;
         std::uint16_t out;
     };
     class Columns;

@@ -7,9 +7,9 @@ NodeId BoundsRecorder::input(double x, bool in_double) {
 }
 
 template <class F>
-NodeId BoundsRecorder::computed(TapeOp op, const TapeOperands& of) {
-    const auto x = [&](NodeId i) { return number<F>(i); };
-    const auto& [a, b, c] = of;
+NodeId BoundsRecorder::compute(TapeOp op, const TapeOperands& operands) {
+    const auto x = [&](NodeId i) { return bounded_number<F>(i); };
+    const auto& [a, b, c] = operands;
     switch (op) {
         case TapeOp::add: return add(x(a) + x(b));
         case TapeOp::sub: return add(x(a) - x(b));
@@ -22,43 +22,43 @@ NodeId BoundsRecorder::computed(TapeOp op, const TapeOperands& of) {
         case TapeOp::copysign: return add(copysign(x(a), x(b)));
         case TapeOp::min: return add(min(x(a), x(b)));
         case TapeOp::max: return add(max(x(a), x(b)));
-        case TapeOp::select: return add(select(decision(a), x(b), x(c)));
+        case TapeOp::select: return add(select(decision_mask(a), x(b), x(c)));
         case TapeOp::next_up: return add(next_up(x(a)));
         case TapeOp::next_down: return add(next_down(x(a)));
         case TapeOp::less: return add(x(a) < x(b));
         case TapeOp::less_equal: return add(x(a) <= x(b));
         case TapeOp::greater: return add(x(a) > x(b));
         case TapeOp::greater_equal: return add(x(a) >= x(b));
-        case TapeOp::both: return add(decision(a) && decision(b));
-        case TapeOp::either: return add(decision(a) || decision(b));
-        case TapeOp::opposite: return add(!decision(a));
+        case TapeOp::both: return add(decision_mask(a) && decision_mask(b));
+        case TapeOp::either: return add(decision_mask(a) || decision_mask(b));
+        case TapeOp::opposite: return add(!decision_mask(a));
         case TapeOp::any: return a;
         case TapeOp::input:
         case TapeOp::constant:
         case TapeOp::call:
-        case TapeOp::convert: break;  // functions of their own
+        case TapeOp::convert: break;  // have functions of their own
     }
     return a;
 }
 
-NodeId BoundsRecorder::apply(TapeOp op, const TapeOperands& of) {
-    const bool in_double = at(op == TapeOp::select ? of.b : of.a).in_double;
-    return in_double ? computed<double>(op, of) : computed<float>(op, of);
+NodeId BoundsRecorder::apply(TapeOp op, const TapeOperands& operands) {
+    const bool in_double = entry_of(op == TapeOp::select ? operands.b : operands.a).in_double;
+    return in_double ? compute<double>(op, operands) : compute<float>(op, operands);
 }
 
 NodeId BoundsRecorder::convert(NodeId x, bool to_double) {
-    if (at(x).in_double == (to_double || is_double_)) return x;
-    return to_double ? add(number<float>(x).template converted<double>())
-                     : add(number<double>(x).template converted<float>());
+    if (entry_of(x).in_double == (to_double || is_double_)) return x;
+    return to_double ? add(bounded_number<float>(x).template converted<double>())
+                     : add(bounded_number<double>(x).template converted<float>());
 }
 
-NodeId BoundsRecorder::call(const Call& of, std::span<const NodeId> arguments, double value, bool in_double) {
-    const auto known = [&]<class F>() {
+NodeId BoundsRecorder::call(const Call& callee, std::span<const NodeId> arguments, double value, bool in_double) {
+    const auto add_result = [&]<class F>() {
         std::vector<Bounded<F>> numbers;
-        for (const NodeId a : arguments) numbers.push_back(number<F>(a));
-        return add(called(of, std::span<const Bounded<F>>(numbers), static_cast<F>(value)));
+        for (const NodeId a : arguments) numbers.push_back(bounded_number<F>(a));
+        return add(called(callee, std::span<const Bounded<F>>(numbers), static_cast<F>(value)));
     };
-    return in_double || is_double_ ? known.template operator()<double>() : known.template operator()<float>();
+    return in_double || is_double_ ? add_result.template operator()<double>() : add_result.template operator()<float>();
 }
 
 }  // namespace lostbits::number::recorders

@@ -15,40 +15,40 @@ public:
 
     NodeId constant(int x, bool in_double) override { return add(x, 0, in_double || is_double_); }
     NodeId input(double x, bool in_double) override;
-    NodeId apply(TapeOp op, const TapeOperands& of) override;
+    NodeId apply(TapeOp op, const TapeOperands& operands) override;
     NodeId convert(NodeId x, bool to_double) override;
-    NodeId call(const Call& of, std::span<const NodeId> arguments, double value, bool in_double) override;
-    [[nodiscard]] double value(NodeId x) const override { return at(x).value; }
-    bool goes_on(NodeId decision) override { return at(decision).value != 0 || !is_proved(decision); }
+    NodeId call(const Call& callee, std::span<const NodeId> arguments, double value, bool in_double) override;
+    [[nodiscard]] double value(NodeId x) const override { return entry_of(x).value; }
+    bool goes_on(NodeId decision) override { return entry_of(decision).value != 0 || !is_proved(decision); }
 
-    /// Bound on the distance from the same formula without rounding; infinity if nothing is known.
-    [[nodiscard]] double error(NodeId x) const { return at(x).error; }
+    /// Bound on the distance from the result of the same formula without rounding; infinity if nothing is known.
+    [[nodiscard]] double error(NodeId x) const { return entry_of(x).error; }
     /// True if the bounds prove a decision.
-    [[nodiscard]] bool is_proved(NodeId decision) const { return at(decision).error == 0; }
+    [[nodiscard]] bool is_proved(NodeId decision) const { return entry_of(decision).error == 0; }
 
 private:
-    /// Decisions have the value 1 or 0, and the error 0 if they are proved.
+    /// A decision has the value 1 or 0. Its error is 0 if it is proved, 1 otherwise.
     struct Entry {
         double value, error;
         bool in_double;
     };
-    [[nodiscard]] const Entry& at(NodeId x) const { return entries_[static_cast<std::size_t>(x)]; }
+    [[nodiscard]] const Entry& entry_of(NodeId x) const { return entries_[static_cast<std::size_t>(x)]; }
     NodeId add(double value, double error, bool in_double) {
         entries_.push_back({value, error, in_double});
         return static_cast<NodeId>(entries_.size()) - 1;
     }
     template <class F>
-    [[nodiscard]] Bounded<F> number(NodeId x) const {
-        return {static_cast<F>(at(x).value), static_cast<F>(at(x).error)};
+    [[nodiscard]] Bounded<F> bounded_number(NodeId x) const {
+        return {static_cast<F>(entry_of(x).value), static_cast<F>(entry_of(x).error)};
     }
-    [[nodiscard]] BoundedMask decision(NodeId x) const { return {at(x).value != 0, at(x).error == 0}; }
+    [[nodiscard]] BoundedMask decision_mask(NodeId x) const { return {entry_of(x).value != 0, entry_of(x).error == 0}; }
     template <class F>
     NodeId add(const Bounded<F>& x) {
         return add(x.value(), x.error(), sizeof(F) == sizeof(double));
     }
     NodeId add(const BoundedMask& x) { return add(x.value() ? 1 : 0, x.is_proved() ? 0 : 1, false); }
     template <class F>
-    NodeId computed(TapeOp op, const TapeOperands& of);
+    NodeId compute(TapeOp op, const TapeOperands& operands);
 
     bool is_double_;
     std::vector<Entry> entries_;

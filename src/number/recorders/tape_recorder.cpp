@@ -4,25 +4,26 @@ namespace lostbits::number::recorders {
 
 namespace {
 
-/// An operation on numbers of T, or a decision about them or about decisions (1 or 0), by the values of its operands.
-template <class T, class Lift, class Drop>
-double computed(TapeOp op, double x, double y, double z, const Lift& lift, const Drop& drop) {
-    const T a = lift(x), b = lift(y), c = lift(z);
+/// Computes an operation on numbers of T, or a decision (1 or 0) about numbers or decisions, from the values of its
+/// operands.
+template <class T, class ToNumber, class ToValue>
+double compute(TapeOp op, double x, double y, double z, const ToNumber& to_number, const ToValue& to_value) {
+    const T a = to_number(x), b = to_number(y), c = to_number(z);
     switch (op) {
-        case TapeOp::add: return drop(a + b);
-        case TapeOp::sub: return drop(a - b);
-        case TapeOp::mul: return drop(a * b);
-        case TapeOp::div: return drop(a / b);
-        case TapeOp::sqrt: return drop(sqrt(a));
-        case TapeOp::fma: return drop(fma(a, b, c));
+        case TapeOp::add: return to_value(a + b);
+        case TapeOp::sub: return to_value(a - b);
+        case TapeOp::mul: return to_value(a * b);
+        case TapeOp::div: return to_value(a / b);
+        case TapeOp::sqrt: return to_value(sqrt(a));
+        case TapeOp::fma: return to_value(fma(a, b, c));
         case TapeOp::neg: return -x;
         case TapeOp::abs: return abs(x);
         case TapeOp::copysign: return copysign(x, y);
         case TapeOp::min: return x < y ? x : y;
         case TapeOp::max: return x > y ? x : y;
         case TapeOp::select: return x != 0 ? y : z;
-        case TapeOp::next_up: return drop(next_up(a));
-        case TapeOp::next_down: return drop(next_down(a));
+        case TapeOp::next_up: return to_value(next_up(a));
+        case TapeOp::next_down: return to_value(next_down(a));
         case TapeOp::less: return x < y;
         case TapeOp::less_equal: return x <= y;
         case TapeOp::greater: return x > y;
@@ -34,17 +35,17 @@ double computed(TapeOp op, double x, double y, double z, const Lift& lift, const
         case TapeOp::input:
         case TapeOp::constant:
         case TapeOp::call:
-        case TapeOp::convert: break;  // functions of their own
+        case TapeOp::convert: break;  // have functions of their own
     }
     return x;
 }
 
-double computed_in(const FloatFormat& format, TapeOp op, double x, double y, double z) {
-    const auto lift_float = [](double v) { return static_cast<float>(v); };
-    const auto same = [](auto v) { return static_cast<double>(v); };
-    if (format == binary32) return computed<float>(op, x, y, z, lift_float, same);
-    if (format == binary64) return computed<double>(op, x, y, z, same, same);
-    return computed<RoundedAny>(op, x, y, z, RoundedAny::holding, [](RoundedAny v) { return v.value(); });
+double compute_in(const FloatFormat& format, TapeOp op, double x, double y, double z) {
+    const auto to_float = [](double v) { return static_cast<float>(v); };
+    const auto widen = [](auto v) { return static_cast<double>(v); };
+    if (format == binary32) return compute<float>(op, x, y, z, to_float, widen);
+    if (format == binary64) return compute<double>(op, x, y, z, widen, widen);
+    return compute<RoundedAny>(op, x, y, z, RoundedAny::holding, [](RoundedAny v) { return v.value(); });
 }
 
 }  // namespace
@@ -59,21 +60,23 @@ NodeId TapeRecorder::input(double x, bool in_double) {
     return tape_.add_input(format_of(in_double), in_double ? x : RoundedAny(x).value());
 }
 
-NodeId TapeRecorder::apply(TapeOp op, const TapeOperands& of) {
+NodeId TapeRecorder::apply(TapeOp op, const TapeOperands& operands) {
     const auto value = [this](NodeId i) { return i == no_node ? 0.0 : tape_[i].value; };
-    const FloatFormat format = tape_.format_of(op == TapeOp::select ? of.b : of.a);
-    const FloatFormat& noted = is_decision(op) ? tape_.formats.front() : format;
-    return tape_.add(op, noted, computed_in(format, op, value(of.a), value(of.b), value(of.c)), of);
+    const FloatFormat operand_format = tape_.format_of(op == TapeOp::select ? operands.b : operands.a);
+    const FloatFormat& result_format = is_decision(op) ? tape_.formats.front() : operand_format;
+    return tape_.add(op, result_format,
+                     compute_in(operand_format, op, value(operands.a), value(operands.b), value(operands.c)), operands);
 }
 
 NodeId TapeRecorder::convert(NodeId x, bool to_double) {
-    const FloatFormat& to = format_of(to_double);
-    if (tape_.format_of(x) == to) return x;
-    return tape_.add(TapeOp::convert, to, to_double ? tape_[x].value : RoundedAny(tape_[x].value).value(), {x});
+    const FloatFormat& target_format = format_of(to_double);
+    if (tape_.format_of(x) == target_format) return x;
+    return tape_.add(TapeOp::convert, target_format, to_double ? tape_[x].value : RoundedAny(tape_[x].value).value(),
+                     {x});
 }
 
-NodeId TapeRecorder::call(const Call& of, std::span<const NodeId> arguments, double value, bool in_double) {
-    return tape_.add_call(of, format_of(in_double), value, {arguments.begin(), arguments.end()});
+NodeId TapeRecorder::call(const Call& callee, std::span<const NodeId> arguments, double value, bool in_double) {
+    return tape_.add_call(callee, format_of(in_double), value, {arguments.begin(), arguments.end()});
 }
 
 }  // namespace lostbits::number::recorders

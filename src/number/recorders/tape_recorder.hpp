@@ -5,17 +5,17 @@
 
 namespace lostbits::number::recorders {
 
-/// Computes each operation in the format of its operands, to the bit as the machine (binary32, binary64) or `Rounded`
-/// does, and appends it to the tape. Decisions have the tape's first format.
+/// Computes each operation in the format of its operands and appends it to the tape. The bits are those of the machine
+/// (binary32, binary64) or of `Rounded`. Decisions have the tape's first format.
 class TapeRecorder final : public Recorder {
 public:
     TapeRecorder(Tape& tape, const FloatFormat& format) : Recorder(format), tape_(tape) {}
 
     NodeId constant(int x, bool in_double) override;
     NodeId input(double x, bool in_double) override;
-    NodeId apply(TapeOp op, const TapeOperands& of) override;
+    NodeId apply(TapeOp op, const TapeOperands& operands) override;
     NodeId convert(NodeId x, bool to_double) override;
-    NodeId call(const Call& of, std::span<const NodeId> arguments, double value, bool in_double) override;
+    NodeId call(const Call& callee, std::span<const NodeId> arguments, double value, bool in_double) override;
     [[nodiscard]] double value(NodeId x) const override { return tape_[x].value; }
     bool goes_on(NodeId decision) override { return tape_[decision].value != 0 || tape_.every_loop; }
     void name(NodeId x, std::string_view label) override { tape_.name(x, label); }

@@ -14,13 +14,13 @@
 
 namespace lostbits::number::wide {
 
-/// All real x = x₀ + Σ sᵢ ηᵢ + r with |r| ≤ `rest`, where the same ηᵢ stand in every number of a problem: affine
-/// arithmetic (Stolfi and de Figueiredo, Self-Validated Numerical Methods and Applications, 1997, chapter 3). Each ηᵢ
-/// lies between −1 and 1, or they form vectors of length at most 1 (`Vectors`). x₀ has two words with a running bound,
+/// All real x = x₀ + Σ sᵢ ηᵢ + r with |r| ≤ `rest`, where every number of a problem has the same ηᵢ: affine arithmetic
+/// (Stolfi and de Figueiredo, Self-Validated Numerical Methods and Applications, 1997, chapter 3). Each ηᵢ lies between
+/// −1 and 1, or the ηᵢ form vectors of length at most 1 (`Vectors`). The centre x₀ has two words with a running bound,
 /// so that numbers that cancel to 100 bits are distinguished from 0. The sᵢ are doubles, and their rounding errors are
 /// in `rest`.
 ///
-/// Products of deviations are of second order and go to `rest`. With |x − x₀| ≤ D:
+/// Products of deviations are of second order and are added to `rest`. With |x − x₀| ≤ D:
 ///     x y:    terms x₀ sᵢ(y) + y₀ sᵢ(x),   |x₀| r_y + |y₀| r_x + D_x D_y
 ///     1/y:    terms −sᵢ/y₀²,               r/y₀² + D²/(y₀² (|y₀| − D)),     where |y₀| > D
 ///     √x:     terms sᵢ/(2 √x₀),            r/(2 √x₀) + D²/(2 x₀ √x₀),       where x₀ > D
@@ -30,55 +30,56 @@ template <std::size_t N>
 class AffineForm {
 public:
     using Centre = Running<TwoWords<double>>;
-    /// Index behind the last component of each vector, in ascending order, up to N. Empty: each ηᵢ stands alone.
+    /// Index behind the last component of each vector, in ascending order, up to N. If empty, each ηᵢ is bounded by
+    /// itself.
     using Vectors = std::span<const std::size_t>;
-    /// An ηᵢ for each input.
+    /// A value of ηᵢ for each input.
     using Deviations = std::array<double, N>;
-    /// Answers comparisons that the enclosures leave open. To cover all cases, a formula is run once for each answer.
+    /// Decides comparisons that the enclosures leave open. To cover all cases, a formula is run once for each outcome.
     struct Open {
         virtual ~Open() = default;
         /// Decides x < 0, or x ≤ 0 if `or_equal`.
         virtual Tri is_below(const AffineForm& x, bool or_equal) = 0;
     };
-    /// Answers comparisons of this thread; null: they stay unknown.
+    /// Decides the comparisons of this thread that are left open. If null, they stay unknown.
     static inline thread_local Open* open = nullptr;
-    /// Set while only signs of sums and products are needed. Quotients and roots are then unknown, and cost nothing.
+    /// Set while only signs of sums and products are needed. Quotients and roots are then unknown and take no time.
     static inline thread_local bool signs_only = false;
 
     AffineForm() = default;
     AffineForm(const AffineForm& x) { *this = x; }
     AffineForm& operator=(const AffineForm& x) {
-        centre_ = x.centre_, used_ = x.used_, sum_ = x.sum_, rest_ = x.rest_, vectors_ = x.vectors_;
-        std::copy_n(x.terms_.begin(), used_, terms_.begin());
+        centre_ = x.centre_, term_count_ = x.term_count_, sum_ = x.sum_, rest_ = x.rest_, vectors_ = x.vectors_;
+        std::copy_n(x.terms_.begin(), term_count_, terms_.begin());
         return *this;
     }
     explicit AffineForm(int x) : centre_(x) {}
     explicit AffineForm(double x) : centre_(TwoWords<double>(x)) {}
-    /// Input number i: x + step ηᵢ, with a bound `off` on the error of x itself. `vectors` must outlive every number
-    /// that is computed from it.
-    AffineForm(double x, std::size_t i, double step, double off, Vectors vectors) : AffineForm(x) {
-        rest_ = off;
+    /// Input i: x + step ηᵢ, with a bound `centre_error` on the error of x itself. `vectors` must outlive every number
+    /// that is computed from this one.
+    AffineForm(double x, std::size_t i, double step, double centre_error, Vectors vectors) : AffineForm(x) {
+        rest_ = centre_error;
         std::fill_n(terms_.begin(), i, 0);
         terms_[i] = step;
         sum_ = std::fabs(step);
-        used_ = i + 1;
+        term_count_ = i + 1;
         vectors_ = vectors;
     }
 
     friend AffineForm operator-(const AffineForm& a) { return a.linear(-a.centre_, -1, a.rest_); }
     friend AffineForm operator+(const AffineForm& a, const AffineForm& b) {
-        return joined(a.centre_ + b.centre_, a, 1, b, 1, a.rest_ + b.rest_);
+        return combined(a.centre_ + b.centre_, a, 1, b, 1, a.rest_ + b.rest_);
     }
     friend AffineForm operator-(const AffineForm& a, const AffineForm& b) {
-        return joined(a.centre_ - b.centre_, a, 1, b, -1, a.rest_ + b.rest_);
+        return combined(a.centre_ - b.centre_, a, 1, b, -1, a.rest_ + b.rest_);
     }
     friend AffineForm operator*(const AffineForm& a, const AffineForm& b) {
         if (a.is_zero() || b.is_zero()) return AffineForm(0);
         if (&a == &b && !a.is_constant()) return a.squared();
-        const double x = a.most(), y = b.most(), off_x = a.off(), off_y = b.off();
-        const double second = a.is_constant() || b.is_constant() ? 0 : a.deviation() * b.deviation();
-        const double rest = x * b.rest_ + y * a.rest_ + second + off_x * b.sum() + off_y * a.sum();
-        return joined(a.centre_ * b.centre_, a, b.centre_.first(), b, a.centre_.first(), rest);
+        const double x = a.largest_centre(), y = b.largest_centre(), off_x = a.centre_error(), off_y = b.centre_error();
+        const double second_order = a.is_constant() || b.is_constant() ? 0 : a.deviation() * b.deviation();
+        const double rest = x * b.rest_ + y * a.rest_ + second_order + off_x * b.sum() + off_y * a.sum();
+        return combined(a.centre_ * b.centre_, a, b.centre_.first(), b, a.centre_.first(), rest);
     }
     friend AffineForm operator/(const AffineForm& a, const AffineForm& b) {
         return signs_only ? unknown() : a * inverse(b);
@@ -88,12 +89,13 @@ public:
     AffineForm& operator*=(const AffineForm& b) { return *this = *this * b; }
 
     friend AffineForm sqrt(const AffineForm& x) {
-        if (x.is_constant() && x.centre_.first() == 0 && x.off() == 0) return x;
+        if (x.is_constant() && x.centre_.first() == 0 && x.centre_error() == 0) return x;
         if (signs_only) return unknown();
-        const double least = x.least(), deviation = x.deviation();
-        if (!(x.centre_.first() > 0 && least > deviation)) return unknown();
-        const double slope = 0.5 / std::sqrt(x.centre_.first()), most_slope = 0.5 / std::sqrt(least);
-        const double rest = most_slope * (x.rest_ + deviation * deviation / least) + x.off() / least * slope * x.sum();
+        const double least_centre = x.least_centre(), deviation = x.deviation();
+        if (!(x.centre_.first() > 0 && least_centre > deviation)) return unknown();
+        const double slope = 0.5 / std::sqrt(x.centre_.first()), most_slope = 0.5 / std::sqrt(least_centre);
+        const double rest = most_slope * (x.rest_ + deviation * deviation / least_centre) +
+                            x.centre_error() / least_centre * slope * x.sum();
         return x.linear(sqrt(x.centre_), slope, rest);
     }
     friend AffineForm fma(const AffineForm& a, const AffineForm& b, const AffineForm& c) { return a * b + c; }
@@ -102,8 +104,8 @@ public:
     friend AffineForm next_down(const AffineForm& x) { return x; }
     friend AffineForm abs(const AffineForm& x) { return select(x < AffineForm(0), -x, x); }
     friend AffineForm copysign(const AffineForm& a, const AffineForm& b) {
-        const AffineForm size = abs(a);
-        return select(b < AffineForm(0), -size, size);
+        const AffineForm magnitude = abs(a);
+        return select(b < AffineForm(0), -magnitude, magnitude);
     }
     /// The result is unknown if the mask is undecided.
     friend AffineForm select(Tri mask, const AffineForm& a, const AffineForm& b) {
@@ -127,63 +129,67 @@ public:
         } else {
             std::size_t i = 0;
             for (const std::size_t end : vectors_) {
-                double squares = 0;
-                for (; i < std::min(end, used_); ++i) squares += terms_[i] * terms_[i];
-                first_order += std::sqrt(squares) * up + tiny;
+                double sum_of_squares = 0;
+                for (; i < std::min(end, term_count_); ++i) sum_of_squares += terms_[i] * terms_[i];
+                first_order += std::sqrt(sum_of_squares) * inflate + tiny;
             }
         }
-        return (first_order + rest_) * up;
+        return (first_order + rest_) * inflate;
     }
 
-    /// Ends of the enclosure.
-    [[nodiscard]] double lowest() const { return ends().middle - ends().size * up; }
-    [[nodiscard]] double highest() const { return ends().middle + ends().size * up; }
-    /// The ηᵢ in whose direction x grows fastest, to first order.
+    /// Lower and upper end of the enclosure.
+    [[nodiscard]] double lowest() const { return enclosure().middle - enclosure().radius * inflate; }
+    [[nodiscard]] double highest() const { return enclosure().middle + enclosure().radius * inflate; }
+    /// The ηᵢ for which x is largest, to first order.
     [[nodiscard]] Deviations steepest() const {
-        Deviations by{};
+        Deviations deviations{};
         if (vectors_.empty())
-            for (std::size_t i = 0; i < used_; ++i) by[i] = terms_[i] > 0 ? 1 : terms_[i] < 0 ? -1 : 0;
+            for (std::size_t i = 0; i < term_count_; ++i) deviations[i] = terms_[i] > 0 ? 1 : terms_[i] < 0 ? -1 : 0;
         std::size_t i = 0;
         for (const std::size_t end : vectors_) {
-            double squares = 0;
-            for (std::size_t k = i; k < std::min(end, used_); ++k) squares += terms_[k] * terms_[k];
-            for (; i < std::min(end, used_); ++i) by[i] = squares > 0 ? terms_[i] / std::sqrt(squares) : 0;
+            double sum_of_squares = 0;
+            for (std::size_t k = i; k < std::min(end, term_count_); ++k) sum_of_squares += terms_[k] * terms_[k];
+            for (; i < std::min(end, term_count_); ++i)
+                deviations[i] = sum_of_squares > 0 ? terms_[i] / std::sqrt(sum_of_squares) : 0;
         }
-        return by;
+        return deviations;
     }
-    /// 1 if this is the same function of the inputs as x, −1 if it is the same as −x, otherwise 0.
+    /// Returns 1 if this is the same function of the inputs as x, −1 if it is the same as −x, and 0 otherwise.
     [[nodiscard]] int is_multiple_of(const AffineForm& x) const {
-        if (rest_ != x.rest_ || used_ != x.used_ || !std::isfinite(rest_)) return 0;
-        const auto is = [&](double k) {
+        if (rest_ != x.rest_ || term_count_ != x.term_count_ || !std::isfinite(rest_)) return 0;
+        const auto equals_multiple = [&](double k) {
             if (centre_.first() != k * x.centre_.first() || centre_.second() != k * x.centre_.second()) return false;
-            for (std::size_t i = 0; i < used_; ++i)
+            for (std::size_t i = 0; i < term_count_; ++i)
                 if (terms_[i] != k * x.terms_[i]) return false;
             return true;
         };
-        return is(1) ? 1 : is(-1) ? -1 : 0;
+        return equals_multiple(1) ? 1 : equals_multiple(-1) ? -1 : 0;
     }
 
-    /// Root searches in enclosures need these: a point of an enclosure, an enclosure of two others, the largest
-    /// magnitude in an enclosure, as a point, and the number of bits of a number.
+    /// Functions for root searches in enclosures. `middle` is a point of an enclosure, `between` an enclosure of two
+    /// others, `largest` the largest magnitude in an enclosure, as a point, and `precision_of` the number of bits of a
+    /// number.
     friend AffineForm middle(const AffineForm& x) {
-        AffineForm point;
-        point.centre_ = Centre(x.centre_.words());
-        return point;
+        AffineForm result;
+        result.centre_ = Centre(x.centre_.words());
+        return result;
     }
     friend AffineForm between(const AffineForm& low, const AffineForm& high) {
-        AffineForm all = middle(AffineForm(0.5) * (low + high));
-        const double up_to = largest(high - all).hi(), down_to = largest(all - low).hi();
-        all.rest_ = !(up_to <= down_to) ? up_to : down_to;
-        return all;
+        AffineForm result = middle(AffineForm(0.5) * (low + high));
+        const double above = largest(high - result).hi(), below = largest(result - low).hi();
+        result.rest_ = !(above <= below) ? above : below;
+        return result;
     }
-    friend AffineForm largest(const AffineForm& x) { return AffineForm((x.most() + x.deviation()) * up); }
+    friend AffineForm largest(const AffineForm& x) {
+        return AffineForm((x.largest_centre() + x.deviation()) * inflate);
+    }
     friend int precision_of(const AffineForm&) { return 100; }
     [[nodiscard]] double hi() const { return centre_.first(); }
-    [[nodiscard]] bool is_bounded() const { return deviation() + off() < HUGE_VAL; }
+    [[nodiscard]] bool is_bounded() const { return deviation() + centre_error() < HUGE_VAL; }
 
 private:
-    /// Compensates the roundings of a bound: fewer than 2^10 of them, 2^-53 each.
-    static constexpr double up = 1 + 0x1p-42;
+    /// Factor that compensates the roundings of a bound: fewer than 2^10 of them, 2^-53 each.
+    static constexpr double inflate = 1 + 0x1p-42;
     static constexpr double tiny = 0x1p-500;  ///< above the square root of the loss of a square to underflow
 
     static AffineForm unknown() {
@@ -192,72 +198,79 @@ private:
         return x;
     }
     static AffineForm inverse(const AffineForm& y) {
-        const double least = y.least(), deviation = y.deviation();
-        if (!(least > deviation)) return unknown();
-        const double q = 1 / y.centre_.first(), most = 1 / least * up;
-        const double rest = most * most * (y.rest_ + deviation * deviation / (least - deviation) * up);
-        return y.linear(AffineForm(1).centre_ / y.centre_, -(q * q), rest + 4 * y.off() * most * most * most * y.sum());
+        const double least_centre = y.least_centre(), deviation = y.deviation();
+        if (!(least_centre > deviation)) return unknown();
+        const double q = 1 / y.centre_.first(), largest_centre = 1 / least_centre * inflate;
+        const double rest =
+            largest_centre * largest_centre * (y.rest_ + deviation * deviation / (least_centre - deviation) * inflate);
+        return y.linear(AffineForm(1).centre_ / y.centre_, -(q * q),
+                        rest + 4 * y.centre_error() * largest_centre * largest_centre * largest_centre * y.sum());
     }
 
     [[nodiscard]] AffineForm squared() const {
-        const double x = most(), d = deviation(), second = d * d / 2;
-        if (!(second < HUGE_VAL)) return unknown();
-        const double rest = 2 * x * rest_ + second * up + 2 * off() * sum();
-        return joined(centre_ * centre_ + Centre(TwoWords<double>(second)), *this, 2 * centre_.first(), AffineForm(0),
-                      0, rest);
+        const double x = largest_centre(), d = deviation(), second_order = d * d / 2;
+        if (!(second_order < HUGE_VAL)) return unknown();
+        const double rest = 2 * x * rest_ + second_order * inflate + 2 * centre_error() * sum();
+        return combined(centre_ * centre_ + Centre(TwoWords<double>(second_order)), *this, 2 * centre_.first(),
+                        AffineForm(0), 0, rest);
     }
     /// Decides whether this is below 0, or at most 0 if `or_equal`.
     [[nodiscard]] Tri is_below(bool or_equal) const {
-        const auto [middle, size] = ends();
-        if (or_equal ? middle <= -size : middle < -size) return Tri::yes;
-        if (or_equal ? middle > size : middle >= size) return Tri::no;
+        const auto [middle, radius] = enclosure();
+        if (or_equal ? middle <= -radius : middle < -radius) return Tri::yes;
+        if (or_equal ? middle > radius : middle >= radius) return Tri::no;
         return open ? open->is_below(*this, or_equal) : Tri::unknown;
     }
-    [[nodiscard]] bool is_zero() const { return centre_.first() == 0 && off() == 0 && rest_ == 0 && sum() == 0; }
+    [[nodiscard]] bool is_zero() const {
+        return centre_.first() == 0 && centre_error() == 0 && rest_ == 0 && sum() == 0;
+    }
     [[nodiscard]] bool is_constant() const { return vectors_.data() == nullptr && rest_ == 0 && sum() == 0; }
     /// Bound on the distance of x₀ from its first word.
-    [[nodiscard]] double off() const { return std::fabs(centre_.first()) * 0x1p-52 + centre_.radius(); }
-    [[nodiscard]] double most() const { return std::fabs(centre_.first()) + off(); }
-    [[nodiscard]] double least() const { return std::fabs(centre_.first()) * (1 - 0x1p-50) - centre_.radius() * up; }
+    [[nodiscard]] double centre_error() const { return std::fabs(centre_.first()) * 0x1p-52 + centre_.radius(); }
+    [[nodiscard]] double largest_centre() const { return std::fabs(centre_.first()) + centre_error(); }
+    [[nodiscard]] double least_centre() const {
+        return std::fabs(centre_.first()) * (1 - 0x1p-50) - centre_.radius() * inflate;
+    }
     /// Σ |sᵢ|, rounded up.
     [[nodiscard]] double sum() const { return sum_; }
-    struct Ends {
-        double middle, size;
+    struct Enclosure {
+        double middle, radius;
     };
-    /// A number within `size` of `middle`. An exact 0 has size 0.
-    [[nodiscard]] Ends ends() const { return {centre_.first(), (deviation() + off()) * up}; }
+    /// A number within `radius` of `middle`. An exact 0 has radius 0.
+    [[nodiscard]] Enclosure enclosure() const { return {centre_.first(), (deviation() + centre_error()) * inflate}; }
 
-    /// This number times k, with another centre. The product of a term is rounded, by at most 2^-53 of itself.
+    /// This number times k, with another centre. Each product of a term with k is rounded, by at most 2^-53 of itself.
     [[nodiscard]] AffineForm linear(const Centre& centre, double k, double rest) const {
-        return joined(centre, *this, k, AffineForm(0), 0, rest);
+        return combined(centre, *this, k, AffineForm(0), 0, rest);
     }
-    static AffineForm joined(const Centre& centre, const AffineForm& a, double of_a, const AffineForm& b, double of_b,
-                             double rest) {
+    static AffineForm combined(const Centre& centre, const AffineForm& a, double factor_a, const AffineForm& b,
+                               double factor_b, double rest) {
         AffineForm x;
         x.centre_ = centre;
-        x.used_ = std::max(a.used_, b.used_);
+        x.term_count_ = std::max(a.term_count_, b.term_count_);
         double sum = 0;
-        const std::size_t both = std::min(a.used_, b.used_);
-        for (std::size_t i = 0; i < both; ++i) {
-            x.terms_[i] = a.terms_[i] * of_a + b.terms_[i] * of_b;
+        const std::size_t common_count = std::min(a.term_count_, b.term_count_);
+        for (std::size_t i = 0; i < common_count; ++i) {
+            x.terms_[i] = a.terms_[i] * factor_a + b.terms_[i] * factor_b;
             sum += std::fabs(x.terms_[i]);
         }
-        const auto& [longer, k] = a.used_ > both ? std::pair(&a, of_a) : std::pair(&b, of_b);
-        for (std::size_t i = both; i < x.used_; ++i) {
+        const auto& [longer, k] = a.term_count_ > common_count ? std::pair(&a, factor_a) : std::pair(&b, factor_b);
+        for (std::size_t i = common_count; i < x.term_count_; ++i) {
             x.terms_[i] = longer->terms_[i] * k;
             sum += std::fabs(x.terms_[i]);
         }
-        x.sum_ = sum * up;
-        const double size = std::fabs(of_a) * a.sum_ + std::fabs(of_b) * b.sum_;
+        x.sum_ = sum * inflate;
+        const double magnitude = std::fabs(factor_a) * a.sum_ + std::fabs(factor_b) * b.sum_;
         x.vectors_ = a.vectors_.empty() ? b.vectors_ : a.vectors_;
-        // Rounding of the two products and their sum, 3 · 2^-53 of their size, and the loss of a product to underflow.
-        x.rest_ = rest == 0 && size == 0 ? 0 : (rest + size * 0x1p-51 + tiny * tiny) * up;
+        // Rounding of the two products and their sum, 3 · 2^-53 of their magnitude, and the loss of a product to
+        // underflow.
+        x.rest_ = rest == 0 && magnitude == 0 ? 0 : (rest + magnitude * 0x1p-51 + tiny * tiny) * inflate;
         return x;
     }
 
     Centre centre_{0};
     std::array<double, N> terms_;
-    std::size_t used_ = 0;  ///< all terms from here on are 0, and not stored
+    std::size_t term_count_ = 0;  ///< number of stored terms; all further terms are 0
     double sum_ = 0, rest_ = 0;
     Vectors vectors_{};
 };

@@ -12,12 +12,12 @@ thread_local ColumnRecorder* recorder = nullptr;
 
 }  // namespace
 
-ColumnRecorder::ColumnRecorder(int words, std::size_t inputs) : before_(recorder) {
+ColumnRecorder::ColumnRecorder(int words, std::size_t inputs) : previous_(recorder) {
     program_.words = words;
     program_.inputs = program_.columns = inputs;
     recorder = this;
 }
-ColumnRecorder::~ColumnRecorder() { recorder = before_; }
+ColumnRecorder::~ColumnRecorder() { recorder = previous_; }
 
 ColumnRecorder& ColumnRecorder::current() {
     if (!recorder) throw std::logic_error("a column is recorded, and no program is being written");
@@ -25,44 +25,45 @@ ColumnRecorder& ColumnRecorder::current() {
 }
 
 ColumnIndex ColumnRecorder::constant(double x) {
-    const auto [known, is_new] = constants_.try_emplace(std::bit_cast<std::uint64_t>(x), ColumnIndex{0});
+    const auto [found, is_new] = constants_.try_emplace(std::bit_cast<std::uint64_t>(x), ColumnIndex{0});
     if (is_new) {
         program_.constants.push_back(x);
-        known->second = static_cast<ColumnIndex>(-static_cast<int>(program_.constants.size()));
+        found->second = static_cast<ColumnIndex>(-static_cast<int>(program_.constants.size()));
     }
-    return known->second;
+    return found->second;
 }
 
-std::array<ColumnIndex, ColumnInstruction::most_out> ColumnRecorder::record(ColumnInstruction step) {
-    Key key{static_cast<std::int32_t>(step.operation), step.exact};
-    for (std::size_t k = 0; k < step.ins; ++k) key[2 + k] = step.in[k];
-    const auto [known, is_new] = known_.try_emplace(key);
-    if (!is_new) return known->second;
-    for (std::size_t k = 0; k < step.outs; ++k) {
+std::array<ColumnIndex, ColumnInstruction::most_outputs> ColumnRecorder::record(ColumnInstruction instruction) {
+    Key key{static_cast<std::int32_t>(instruction.operation), instruction.exact};
+    for (std::size_t k = 0; k < instruction.ins; ++k) key[2 + k] = instruction.in[k];
+    const auto [found, is_new] = results_.try_emplace(key);
+    if (!is_new) return found->second;
+    for (std::size_t k = 0; k < instruction.outs; ++k) {
         if (program_.columns > static_cast<std::size_t>(std::numeric_limits<ColumnIndex>::max()))
             throw std::logic_error("a program has more columns than places");
-        step.out[k] = static_cast<ColumnIndex>(program_.columns++);
+        instruction.out[k] = static_cast<ColumnIndex>(program_.columns++);
     }
-    program_.instructions.push_back(step);
-    return known->second = step.out;
+    program_.instructions.push_back(instruction);
+    return found->second = instruction.out;
 }
 
 ColumnProgram ColumnRecorder::finish(std::vector<ColumnIndex> outputs) {
-    std::vector<bool> wanted(program_.columns, false);
-    const auto want = [&wanted](ColumnIndex place) {
-        if (place >= 0) wanted[static_cast<std::size_t>(place)] = true;
+    std::vector<bool> is_needed(program_.columns, false);
+    const auto mark_needed = [&is_needed](ColumnIndex index) {
+        if (index >= 0) is_needed[static_cast<std::size_t>(index)] = true;
     };
-    for (const ColumnIndex place : outputs) want(place);
-    std::vector<ColumnInstruction> kept;
+    for (const ColumnIndex index : outputs) mark_needed(index);
+    std::vector<ColumnInstruction> needed_instructions;
     for (std::size_t i = program_.instructions.size(); i-- > 0;) {
-        const ColumnInstruction& step = program_.instructions[i];
-        bool is_wanted = step.operation == ColumnOperation::gate;
-        for (std::size_t k = 0; k < step.outs; ++k) is_wanted |= wanted[static_cast<std::size_t>(step.out[k])];
-        if (!is_wanted) continue;
-        for (std::size_t k = 0; k < step.ins; ++k) want(step.in[k]);
-        kept.push_back(step);
+        const ColumnInstruction& instruction = program_.instructions[i];
+        bool has_needed_result = instruction.operation == ColumnOperation::gate;
+        for (std::size_t k = 0; k < instruction.outs; ++k)
+            has_needed_result |= is_needed[static_cast<std::size_t>(instruction.out[k])];
+        if (!has_needed_result) continue;
+        for (std::size_t k = 0; k < instruction.ins; ++k) mark_needed(instruction.in[k]);
+        needed_instructions.push_back(instruction);
     }
-    program_.instructions.assign(kept.rbegin(), kept.rend());
+    program_.instructions.assign(needed_instructions.rbegin(), needed_instructions.rend());
     program_.outputs = std::move(outputs);
     return std::move(program_);
 }

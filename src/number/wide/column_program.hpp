@@ -1,4 +1,4 @@
-// A program over columns of doubles: operations in the order in which they were recorded, each on whole columns.
+// A program over columns of doubles: a list of operations in the order of their recording, each on whole columns.
 #pragma once
 
 #include <array>
@@ -9,8 +9,8 @@
 
 namespace lostbits::number::wide {
 
-/// Operation of an instruction. A number is a column of words, a decision a column of masks. A bounded number is two or
-/// three columns: its one or two words and its bound (`Running`).
+/// Operation of an instruction. A number is a column of words, a decision a column of masks. A bounded number has two
+/// or three columns: its one or two words and its bound (`Running`).
 enum class ColumnOperation : std::uint8_t {
     // on words
     add,
@@ -40,10 +40,10 @@ enum class ColumnOperation : std::uint8_t {
     root,
     is_less,     ///< yes, no
     is_at_most,  ///< yes, no
-    // on several words: the operations of a whole step
+    // operations of a whole step of a formula, on several words
     order_of_first_words,  ///< x, y, least: less yes, no, at most yes, no
     near_root_of_quartic,  ///< coefficients of x⁴, x², x, 1, begin, bound
-    /// Produces no number. If its mask is unset in every lane, no number recorded after it is needed.
+    /// Has no result. If its mask is unset in every lane, no result recorded after the gate is needed.
     gate,
 };
 inline constexpr std::size_t column_operations = static_cast<std::size_t>(ColumnOperation::gate) + 1;
@@ -72,7 +72,7 @@ inline constexpr std::size_t bounded_operands(ColumnOperation operation) {
     }
 }
 
-/// Numbers of columns that an operation on words or masks reads and writes.
+/// Number of columns that an operation on words or masks reads and writes, together.
 inline constexpr std::size_t word_columns(ColumnOperation operation) {
     using enum ColumnOperation;
     switch (operation) {
@@ -87,32 +87,34 @@ inline constexpr std::size_t word_columns(ColumnOperation operation) {
     }
 }
 
-/// Selects, for an operation on bounded numbers, the largest set of exact operands that has a kernel of its own. For
-/// two operands every choice has a kernel. For a cross or dot product there are kernels for exact first factors, exact
-/// second factors, or all, since rays and primitives as given are exact.
+/// Returns the largest subset of the exact operands for which a kernel exists. For two operands every subset has a
+/// kernel. For a cross or dot product there are kernels for exact first factors, exact second factors, or all, since
+/// rays and primitives as given are exact.
 inline constexpr unsigned known_exact(unsigned exact, std::size_t operands) {
-    const unsigned all = (1U << operands) - 1, firsts = 0b010101U & all, seconds = 0b101010U & all;
+    const unsigned all = (1U << operands) - 1, first_factors = 0b010101U & all, second_factors = 0b101010U & all;
     if (operands <= 2 || exact == all) return exact;
     if (operands == 3) return 0;
-    return (exact & firsts) == firsts ? firsts : (exact & seconds) == seconds ? seconds : 0;
+    return (exact & first_factors) == first_factors     ? first_factors
+           : (exact & second_factors) == second_factors ? second_factors
+                                                        : 0;
 }
 
-/// A column of a program. Those below 0 are constants: `constant_at`.
+/// Index of a column of a program. An index below 0 is that of a constant (`constant_at`).
 using ColumnIndex = std::int16_t;
 
-/// One step of a program: the columns that it reads and writes. For bounded numbers, bit k of `exact` means that
-/// operand k is one word without a bound, so that only one column of it is read. Otherwise all its words and its bound
-/// are read.
+/// One instruction of a program, with the columns that it reads and writes. For bounded numbers, bit k of `exact` means
+/// that operand k is one word without a bound, so that only one column of it is read. Otherwise all its words and its
+/// bound are read.
 struct ColumnInstruction {
-    static constexpr std::size_t most_in = 18, most_out = 4;
+    static constexpr std::size_t most_inputs = 18, most_outputs = 4;
 
     ColumnOperation operation{};
     std::uint8_t exact = 0, ins = 0, outs = 0;
-    std::array<ColumnIndex, most_in> in{};
-    std::array<ColumnIndex, most_out> out{};
+    std::array<ColumnIndex, most_inputs> in{};
+    std::array<ColumnIndex, most_outputs> out{};
 };
 
-/// Instructions over columns of inputs and of constants, which compute all requested numbers.
+/// Instructions over columns of inputs and of constants. They compute all outputs.
 struct ColumnProgram {
     int words = 1;           ///< words of a bounded number
     std::size_t inputs = 0;  ///< columns 0 to inputs − 1
@@ -121,13 +123,13 @@ struct ColumnProgram {
     std::vector<ColumnInstruction> instructions;
     std::vector<ColumnIndex> outputs;
 
-    [[nodiscard]] double constant_at(ColumnIndex place) const {
-        return constants[static_cast<std::size_t>(-1 - place)];
+    [[nodiscard]] double constant_at(ColumnIndex index) const {
+        return constants[static_cast<std::size_t>(-1 - index)];
     }
 };
 
-/// Writes a program: operations recorded in its lifetime, by its thread, become instructions of it. An operation that
-/// was already recorded with the same operands is not recorded again.
+/// Writes a program: operations that its thread records in its lifetime become instructions of the program. An
+/// operation with the same operands as an earlier one is not recorded again.
 class ColumnRecorder {
 public:
     ColumnRecorder(int words, std::size_t inputs);
@@ -138,19 +140,19 @@ public:
     static ColumnRecorder& current();
 
     ColumnIndex constant(double x);
-    [[nodiscard]] double constant_at(ColumnIndex place) const { return program_.constant_at(place); }
-    /// Columns of the results of the operation.
-    std::array<ColumnIndex, ColumnInstruction::most_out> record(ColumnInstruction step);
-    /// The finished program with these outputs; the recorder is empty afterwards.
+    [[nodiscard]] double constant_at(ColumnIndex index) const { return program_.constant_at(index); }
+    /// Records an instruction and returns the columns of its results.
+    std::array<ColumnIndex, ColumnInstruction::most_outputs> record(ColumnInstruction instruction);
+    /// Returns the finished program with these outputs. The recorder is empty afterwards.
     ColumnProgram finish(std::vector<ColumnIndex> outputs);
 
 private:
-    using Key = std::array<std::int32_t, 2 + ColumnInstruction::most_in>;
+    using Key = std::array<std::int32_t, 2 + ColumnInstruction::most_inputs>;
 
     ColumnProgram program_;
-    std::map<std::uint64_t, ColumnIndex> constants_;  ///< by their bits
-    std::map<Key, std::array<ColumnIndex, ColumnInstruction::most_out>> known_;
-    ColumnRecorder* before_;
+    std::map<std::uint64_t, ColumnIndex> constants_;  ///< indexed by the bits of the constants
+    std::map<Key, std::array<ColumnIndex, ColumnInstruction::most_outputs>> results_;
+    ColumnRecorder* previous_;
 };
 
 }  // namespace lostbits::number::wide

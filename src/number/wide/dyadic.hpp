@@ -1,6 +1,6 @@
-// Exact sums and products of doubles of any size: they decide when words would overflow or underflow. Scalar and slow,
-// some ten microseconds a ray at worst. `For` is the number type of the formula that asks: for packs it keeps the code
-// of one instruction set apart from another's (number/pack.hpp).
+// Exact sums and products of doubles of any magnitude, which decide when words would overflow or underflow. They are
+// scalar and slow, some ten microseconds a ray at worst. `Tag` is the number type of the formula that uses them; for
+// packs it keeps the code of one instruction set apart from another's (number/pack.hpp).
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace lostbits::number::wide {
 
 /// m·2^e with a double m and any e, accurate to the last places of a double.
-template <class For>
+template <class Tag>
 struct Scaled {
     double m = 0;
     int e = 0;
@@ -25,8 +25,8 @@ struct Scaled {
     [[nodiscard]] double value() const { return std::ldexp(m, e); }
     friend Scaled operator+(const Scaled& a, const Scaled& b) {
         if (a.m == 0 || b.m == 0) return a.m == 0 ? b : a;
-        const int top = std::max(a.e, b.e);
-        return Scaled(std::ldexp(a.m, a.e - top) + std::ldexp(b.m, b.e - top), top);
+        const int top_exponent = std::max(a.e, b.e);
+        return Scaled(std::ldexp(a.m, a.e - top_exponent) + std::ldexp(b.m, b.e - top_exponent), top_exponent);
     }
     friend Scaled operator/(const Scaled& a, const Scaled& b) { return Scaled(a.m / b.m, a.e - b.e); }
     friend Scaled abs(const Scaled& a) { return Scaled(std::fabs(a.m), a.e); }
@@ -39,7 +39,7 @@ struct Scaled {
 /// ±Σ limb[i]·2^(32(first + i)). A finite double lies between 2^-1074 and 2^1024, so a sum of products of four doubles,
 /// or of four sums of two doubles, has its bits between 2^-4296 and 2^4110: 264 limbs, and one at either end for the
 /// alignment.
-template <class For>
+template <class Tag>
 class Dyadic {
 public:
     Dyadic() = default;
@@ -49,7 +49,7 @@ public:
         copy_limbs(x);
         return *this;
     }
-    /// Infinity is taken as the largest number, NaN as zero.
+    /// Infinity is converted to the largest number, NaN to zero.
     explicit Dyadic(double x) : negative_(std::signbit(x)) {
         if (!(std::fabs(x) > 0)) return;
         x = std::min(std::fabs(x), std::numeric_limits<double>::max());
@@ -68,11 +68,11 @@ public:
 
     [[nodiscard]] int sign() const { return size_ == 0 ? 0 : negative_ ? -1 : 1; }
     /// Value computed from the three highest limbs, accurate to the last place of a double.
-    [[nodiscard]] Scaled<For> scaled() const {
-        double top = 0;
-        const int from = std::max(size_ - 3, 0);
-        for (int i = size_; i-- > from;) top = top * 0x1p32 + limbs_[i];
-        return Scaled<For>(negative_ ? -top : top, 32 * (first_ + from));
+    [[nodiscard]] Scaled<Tag> scaled() const {
+        double leading = 0;
+        const int lowest = std::max(size_ - 3, 0);
+        for (int i = size_; i-- > lowest;) leading = leading * 0x1p32 + limbs_[i];
+        return Scaled<Tag>(negative_ ? -leading : leading, 32 * (first_ + lowest));
     }
 
     friend Dyadic operator-(Dyadic a) {
@@ -81,9 +81,9 @@ public:
     }
     friend Dyadic operator+(const Dyadic& a, const Dyadic& b) {
         if (a.size_ == 0 || b.size_ == 0) return a.size_ == 0 ? b : a;
-        if (a.negative_ == b.negative_) return combined(a, b, 1);
-        const int order = compare_sizes(a, b);
-        return order == 0 ? Dyadic() : order > 0 ? combined(a, b, -1) : combined(b, a, -1);
+        if (a.negative_ == b.negative_) return add_magnitudes(a, b, 1);
+        const int order = compare_magnitudes(a, b);
+        return order == 0 ? Dyadic() : order > 0 ? add_magnitudes(a, b, -1) : add_magnitudes(b, a, -1);
     }
     friend Dyadic operator-(const Dyadic& a, const Dyadic& b) { return a + -b; }
     friend Dyadic operator*(const Dyadic& a, const Dyadic& b) {
@@ -96,9 +96,9 @@ public:
         for (int i = 0; i < a.size_; ++i) {
             std::uint64_t carry = 0;
             for (int j = 0; j < b.size_; ++j) {
-                std::uint32_t& at = r.limbs_[i + j];
-                carry += std::uint64_t{a.limbs_[i]} * b.limbs_[j] + at;
-                at = static_cast<std::uint32_t>(carry);
+                std::uint32_t& limb = r.limbs_[i + j];
+                carry += std::uint64_t{a.limbs_[i]} * b.limbs_[j] + limb;
+                limb = static_cast<std::uint32_t>(carry);
                 carry >>= 32;
             }
             r.limbs_[i + b.size_] = static_cast<std::uint32_t>(carry);
@@ -110,30 +110,30 @@ public:
 private:
     static constexpr int most_limbs = 272;
 
-    /// Most numbers have a few limbs.
+    /// Copies only the limbs in use: most numbers have a few.
     void copy_limbs(const Dyadic& x) {
         for (int i = 0; i < x.size_; ++i) limbs_[i] = x.limbs_[i];
     }
 
     [[nodiscard]] int end() const { return first_ + size_; }
-    /// The limb at 2^(32 place).
-    [[nodiscard]] std::uint32_t at(int place) const {
-        return place < first_ || place >= end() ? 0 : limbs_[place - first_];
+    /// The limb at 2^(32 index).
+    [[nodiscard]] std::uint32_t limb_at(int index) const {
+        return index < first_ || index >= end() ? 0 : limbs_[index - first_];
     }
-    static int compare_sizes(const Dyadic& a, const Dyadic& b) {
-        for (int place = std::max(a.end(), b.end()); place-- > std::min(a.first_, b.first_);)
-            if (a.at(place) != b.at(place)) return a.at(place) > b.at(place) ? 1 : -1;
+    static int compare_magnitudes(const Dyadic& a, const Dyadic& b) {
+        for (int index = std::max(a.end(), b.end()); index-- > std::min(a.first_, b.first_);)
+            if (a.limb_at(index) != b.limb_at(index)) return a.limb_at(index) > b.limb_at(index) ? 1 : -1;
         return 0;
     }
     /// |a| ± |b| with the sign of a; for a difference |a| > |b|.
-    static Dyadic combined(const Dyadic& a, const Dyadic& b, int sign) {
+    static Dyadic add_magnitudes(const Dyadic& a, const Dyadic& b, int sign) {
         Dyadic r;
         r.negative_ = a.negative_;
         r.first_ = std::min(a.first_, b.first_);
         r.size_ = std::max(a.end(), b.end()) + 1 - r.first_;
         std::int64_t carry = 0;
         for (int i = 0; i < r.size_; ++i) {
-            carry += std::int64_t{a.at(r.first_ + i)} + sign * std::int64_t{b.at(r.first_ + i)};
+            carry += std::int64_t{a.limb_at(r.first_ + i)} + sign * std::int64_t{b.limb_at(r.first_ + i)};
             r.limbs_[i] = static_cast<std::uint32_t>(carry & 0xffffffff);
             carry >>= 32;
         }

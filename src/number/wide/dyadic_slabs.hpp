@@ -1,4 +1,4 @@
-// A ray against three slabs in sums of any size: the last step of `box.filtered`.
+// Intersects a ray with three slabs in exact sums of any magnitude: the last step of `box.filtered`.
 #pragma once
 
 #include <array>
@@ -8,23 +8,23 @@
 
 namespace lostbits::number::wide {
 
-/// The decision and t for doubles of any size. `in` holds origin, direction, first and second planes, and the end.
-/// `out` receives 1 for a hit or −1 for a miss, then tmin and tmax.
-template <class For>
+/// Computes the decision and t for doubles of any magnitude. `in` holds origin, direction, first and second planes, and
+/// the end of the ray. `out` receives 1 for a hit or −1 for a miss, then tmin and tmax.
+template <class Tag>
 [[gnu::noinline]] static void meet_slabs(const std::array<double, 13>& in, std::array<double, 3>& out) {
-    using D = Dyadic<For>;
+    using D = Dyadic<Tag>;
     D n[3], f[3], m[3];
     const double end = in[12];
     bool hit = end >= 0;
     out = {-1, 0, end};
     for (std::size_t i = 0; i < 3; ++i) {
         const D o(in[i]);
-        const bool back = std::signbit(in[3 + i]);
-        n[i] = back ? o - D(in[6 + i]) : D(in[6 + i]) - o;
-        f[i] = back ? o - D(in[9 + i]) : D(in[9 + i]) - o;
+        const bool is_reversed = std::signbit(in[3 + i]);
+        n[i] = is_reversed ? o - D(in[6 + i]) : D(in[6 + i]) - o;
+        f[i] = is_reversed ? o - D(in[9 + i]) : D(in[9 + i]) - o;
         m[i] = D(std::fabs(in[3 + i]));
-        const bool endless = std::isinf(end) && m[i].sign() > 0;
-        hit = hit && f[i].sign() >= 0 && (endless || (D(std::isinf(end) ? 0 : end) * m[i] - n[i]).sign() >= 0);
+        const bool is_endless = std::isinf(end) && m[i].sign() > 0;
+        hit = hit && f[i].sign() >= 0 && (is_endless || (D(std::isinf(end) ? 0 : end) * m[i] - n[i]).sign() >= 0);
         if (m[i].sign() == 0) continue;
         out[1] = std::fmax(out[1], (n[i].scaled() / m[i].scaled()).value());
         out[2] = std::fmin(out[2], (f[i].scaled() / m[i].scaled()).value());

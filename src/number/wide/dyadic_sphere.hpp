@@ -1,4 +1,4 @@
-// A ray against a sphere in sums of any size: the last step of `sphere.filtered`.
+// Intersects a ray with a sphere in exact sums of any magnitude: the last step of `sphere.filtered`.
 #pragma once
 
 #include <array>
@@ -7,11 +7,12 @@
 
 namespace lostbits::number::wide {
 
-/// The decision and t for doubles of any size, by h = f·d, c = f·f − r², a = d·d and D = h² − ac with f = o − c. `in`
-/// holds origin, direction, centre and radius. `out` receives 1 for a hit or −1 for a miss, then t or −1.
-template <class For>
+/// Computes the decision and t for doubles of any magnitude: with f = origin − centre, h = f·d, c = f·f − r² and a =
+/// d·d, the discriminant is h² − ac. `in` holds origin, direction, centre and radius. `out` receives 1 for a hit or −1
+/// for a miss, then t or −1.
+template <class Tag>
 [[gnu::noinline]] static void meet_sphere(const std::array<double, 10>& in, std::array<double, 2>& out) {
-    using D = Dyadic<For>;
+    using D = Dyadic<Tag>;
     const D r(in[9]);
     D h, a, c = -(r * r);
     for (std::size_t i = 0; i < 3; ++i) {
@@ -26,7 +27,7 @@ template <class For>
     const D disc = h * h - a * c;
     if (disc.sign() < 0) return;
     out[0] = 1;
-    const Scaled<For> q = abs(h.scaled()) + sqrt(disc.scaled());
+    const Scaled<Tag> q = abs(h.scaled()) + sqrt(disc.scaled());
     out[1] = (c.sign() < 0 && h.sign() <= 0 ? q / a.scaled() : abs(c.scaled()) / q).value();
 }
 

@@ -14,33 +14,33 @@ namespace lostbits::number::wide {
 template <class P, std::size_t size>
 class ExactSum {
 public:
-    /// Skips a word that is zero in every lane: for floats, whose products are doubles, most words are.
+    /// Adds a word, unless it is zero in every lane. For floats, whose products are doubles, most words are zero.
     void add(const P& word) {
-        if (any_of(!(abs(word) <= P(0)))) words_[used_++] = word;
+        if (any_of(!(abs(word) <= P(0)))) words_[count_++] = word;
     }
-    /// Adds both words. Those of a product are exact unless the product underflows.
+    /// Adds both words. The words of a product are exact unless the product underflows.
     void add(const TwoWords<P>& words) {
         add(words.hi);
         add(words.lo);
     }
     void add_product(const P& x, const P& y) { add(product_of(x, y)); }
-    [[nodiscard]] std::span<const P> words() const { return {words_.data(), used_}; }
+    [[nodiscard]] std::span<const P> words() const { return {words_.data(), count_}; }
 
     /// The sum, accurate to 2^-59 of itself. It is zero if and only if the exact sum is.
     ///
-    /// A pass adds neighbours without error, from the first word to the last (VecSum of Ogita, Rump and Oishi,
-    /// "Accurate sum and dot product", 2005). The last word is then the rounded sum and the others are the rounding
-    /// errors; the sum of all words stays the same. Each pass makes the others smaller by a factor of about size·u. The
-    /// passes end if the others add up to at most 2^-60 of the last word, or to zero. They reach zero because all words
-    /// are multiples of the smallest last place among them. `most_passes` are enough for 1600 bits between the largest
-    /// word and the smallest.
+    /// Each pass adds neighbours without error, from the first word to the last (VecSum of Ogita, Rump and Oishi,
+    /// "Accurate sum and dot product", 2005). After the pass the last word is the rounded sum and the others are the
+    /// rounding errors; the sum of all words is unchanged. Each pass makes the others smaller by a factor of about
+    /// size·u. The passes end if the others add up to at most 2^-60 of the last word, or to zero. They reach zero
+    /// because all words are multiples of the smallest last place among them. `most_passes` are enough for 1600 bits
+    /// between the largest word and the smallest.
     P value() {
         constexpr int most_passes = 40;
-        if (used_ == 0) return P(0);
-        P& last = words_[used_ - 1];
+        if (count_ == 0) return P(0);
+        P& last = words_[count_ - 1];
         for (int pass = 0; pass < most_passes; ++pass) {
             P others(0);
-            for (std::size_t i = 1; i < used_; ++i) {
+            for (std::size_t i = 1; i < count_; ++i) {
                 const TwoWords<P> s = sum_of(words_[i], words_[i - 1]);
                 words_[i] = s.hi;
                 words_[i - 1] = s.lo;
@@ -58,7 +58,7 @@ private:
     }
 
     std::array<P, size> words_ = zeros(std::make_index_sequence<size>());
-    std::size_t used_ = 0;
+    std::size_t count_ = 0;
 };
 
 }  // namespace lostbits::number::wide

@@ -16,13 +16,14 @@ inline double binade(double x) {
     return __builtin_bit_cast(double, __builtin_bit_cast(std::uint64_t, x) & std::uint64_t{0xfff} << 52);
 }
 
-/// Largest magnitude of some numbers, and a power of two that divides them all.
+/// The unit and the size of a set of numbers: a power of two that divides them all, and their largest magnitude.
 template <class P>
 struct Grid {
     P unit, size;
 
-    /// Fits numbers whose bits span at most `bits` (1 to 50), from the highest bit of the largest number to the lowest
-    /// bit of any. If they span more, if one is not finite, or if all are 0, the size is infinite or there is no unit.
+    /// Fits a grid to numbers whose bits span at most `bits` (1 to 50), from the highest bit of the largest number to
+    /// the lowest bit of any. If the numbers span more bits, or if one is not finite, the size is infinite. If all are
+    /// 0, there is no unit.
     template <class... Ps>
     static Grid of(int bits, const Ps&... numbers) {
         using lostbits::abs, lostbits::max, lostbits::select;
@@ -30,16 +31,16 @@ struct Grid {
         ((size = max(size, abs(numbers))), ...);
         const P unit = binade(size) * power_of_two<P>(1 - bits), rounder = unit * P(0x1.8p+52);
         // x + 1.5·2^52 U lies between 2^52 U and 2^53 U, so the rounded sum is a multiple of U.
-        P left(0);
-        ((left += abs(((numbers + rounder) - rounder) - numbers)), ...);
-        return {unit, select(left <= P(0), size, P(HUGE_VAL))};
+        P remainder_sum(0);
+        ((remainder_sum += abs(((numbers + rounder) - rounder) - numbers)), ...);
+        return {unit, select(remainder_sum <= P(0), size, P(HUGE_VAL))};
     }
 };
 
-/// An integer multiple x of a unit U, a power of two, with |x| ≤ S. For a result, S is the sum or product of those of
-/// its operands, and U their minimum or product, so S/U never decreases. S is infinite if a product would have U below
-/// 2^-1000. If S < 2^100 U, with S as rounded sums give it, the two words are x exactly, and so they are for all
-/// numbers that x was computed from:
+/// An integer multiple x of a unit U, a power of two, with |x| ≤ S. The S of a result is the sum or product of those of
+/// its operands, and its U the minimum or product of theirs, so S/U never decreases. S is infinite if a product would
+/// have U below 2^-1000. If S < 2^100 U, with S as rounded sums give it, the two words are x exactly, and the same
+/// holds for all numbers that x was computed from:
 ///
 ///     a + b of one word   is one word if S, as rounded, is below 2^53 U; otherwise S is infinite
 ///     a b of one word     is two words: the rounded product and its rounding error
@@ -52,8 +53,8 @@ struct Grid {
 ///     a b + c d + f g     the rounding errors of the three products, at most 3·2^-53 S, and those of both sums of
 ///                         their first words are such doubles, and so is the sum of all of them
 ///
-/// A comparison of such numbers is decided, equality included; a comparison with any other number is not. Quotients and
-/// roots are not multiples.
+/// A comparison of two numbers with S < 2^100 U is decided, equality included. A comparison with any other number is
+/// not decided. Quotients and roots are not multiples.
 template <class P>
 class Multiple {
 public:
@@ -92,24 +93,24 @@ public:
                 min(min(a.unit_ * b.unit_, c.unit_ * d.unit_), f.unit_ * g.unit_),
                 (size_of_product(a, b) + size_of_product(c, d)) + size_of_product(f, g)};
     }
-    friend Multiple operator/(const Multiple& a, const Multiple& b) { return no_multiple(a.w_ / b.w_); }
-    friend Multiple sqrt(const Multiple& a) { return no_multiple(sqrt(a.w_)); }
+    friend Multiple operator/(const Multiple& a, const Multiple& b) { return not_a_multiple(a.w_ / b.w_); }
+    friend Multiple sqrt(const Multiple& a) { return not_a_multiple(sqrt(a.w_)); }
     Multiple& operator+=(const Multiple& b) { return *this = *this + b; }
     Multiple& operator-=(const Multiple& b) { return *this = *this - b; }
     Multiple& operator*=(const Multiple& b) { return *this = *this * b; }
 
     friend Tris<Lanes> operator<(const Multiple& a, const Multiple& b) {
-        const Lanes held = a.is_held() && b.is_held();
-        if (is_known_zero(b.w_.hi)) return {held && a.w_.hi < P(0), held && a.w_.hi >= P(0)};
-        if (is_known_zero(a.w_.hi)) return {held && b.w_.hi > P(0), held && b.w_.hi <= P(0)};
-        return {held && a.w_ < b.w_, held && a.w_ >= b.w_};
+        const Lanes are_held = a.is_held() && b.is_held();
+        if (is_known_zero(b.w_.hi)) return {are_held && a.w_.hi < P(0), are_held && a.w_.hi >= P(0)};
+        if (is_known_zero(a.w_.hi)) return {are_held && b.w_.hi > P(0), are_held && b.w_.hi <= P(0)};
+        return {are_held && a.w_ < b.w_, are_held && a.w_ >= b.w_};
     }
     friend Tris<Lanes> operator<=(const Multiple& a, const Multiple& b) { return !(b < a); }
     friend Tris<Lanes> operator>(const Multiple& a, const Multiple& b) { return b < a; }
     friend Tris<Lanes> operator>=(const Multiple& a, const Multiple& b) { return !(a < b); }
 
     friend Multiple fma(const Multiple& a, const Multiple& b, const Multiple& c) { return a * b + c; }
-    /// Represents exact numbers, which have no neighbours.
+    /// Returns a: the type represents exact numbers, which have no neighbours.
     friend Multiple next_up(const Multiple& a) { return a; }
     friend Multiple next_down(const Multiple& a) { return a; }
     friend Multiple abs(const Multiple& a) { return {abs(a.w_), a.unit_, a.size_}; }
@@ -127,13 +128,13 @@ private:
     using W = TwoWords<P>;
 
     Multiple(const W& w, const P& unit, const P& size) : w_(w), unit_(unit), size_(size) {}
-    static Multiple no_multiple(const W& w) { return {w, P(1), P(HUGE_VAL)}; }
+    static Multiple not_a_multiple(const W& w) { return {w, P(1), P(HUGE_VAL)}; }
 
     static P size_of_product(const Multiple& a, const Multiple& b) {
         using lostbits::select;
         return select(a.unit_ * b.unit_ >= P(0x1p-1000), a.size_ * b.size_, P(HUGE_VAL));
     }
-    /// Product of the first words, and the sum of all that remains.
+    /// Product of the first words, and the sum of all other products and rounding errors.
     static W parts_of_product(const W& a, const W& b) {
         const W p = product_of(a.hi, b.hi);
         if (is_known_zero(a.lo) && is_known_zero(b.lo)) return p;

@@ -1,5 +1,5 @@
 // Proving: a number of a formula together with a bound on its rounding error, both in the formula's own format. A
-// filter decides a comparison if these bounds allow it.
+// filter decides a comparison if the bounds of both numbers prove it.
 #pragma once
 
 #include "number/tri.hpp"
@@ -20,11 +20,12 @@ P outward_of() {
     else return P(513) / P(512);
 }
 
-/// A word w of T and a bound e of P. w is computed by T's own operations, so it has the same bits as T, and T records
-/// it in the same way. P is T without recording. The pair encloses all real x with |x − w| ≤ e (1 + 2^-10), for formats
-/// with 2^20 u ≤ 1. If e is infinite or NaN, nothing is known about x, and no comparison with it is decided.
+/// A word w of T and a bound e of P. T's own operations compute w, so it has the same bits as in T, and T records it in
+/// the same way. P is T without recording. The pair encloses all real x with |x − w| ≤ e (1 + 2^-10), for formats with
+/// 2^20 u ≤ 1. If e is infinite or NaN, nothing is known about x, and no comparison with it is decided.
 ///
-/// Let x and y be enclosed by a and b, w the rounded result, η the least subnormal number, and L the least normal one:
+/// Let x and y be the exact values that a and b enclose, w the rounded result, η the least subnormal number, and L the
+/// least normal one:
 ///
 ///     w = a ± b    |x ± y − w| ≤ e_a + e_b + u|w|                     (a sum does not underflow)
 ///     w = a b      |x y − w|   ≤ (|a| + e_a) e_b + |b| e_a + u|w| + η
@@ -54,26 +55,26 @@ public:
     Proving(const T& w, const P& e) : w_(w), e_(e) {}
 
     [[nodiscard]] const T& word() const { return w_; }
-    /// Upper bound on the distance from the word to any x that is enclosed.
+    /// Upper bound on the distance from the word to any enclosed x.
     [[nodiscard]] P radius() const { return e_ * outward_of<P>(); }
-    /// True if the word is positive. It may be wrong about the sign of x.
+    /// True if the word is positive; x itself may have the other sign.
     [[nodiscard]] Mask word_is_positive() const {
-        const Lanes up = value_of(w_) > P(0);
-        return {up, !up};
+        const Lanes is_positive = value_of(w_) > P(0);
+        return {is_positive, !is_positive};
     }
 
     friend Proving operator+(const Proving& a, const Proving& b) { return rounded(a.w_ + b.w_, a.e_ + b.e_); }
     friend Proving operator-(const Proving& a, const Proving& b) { return rounded(a.w_ - b.w_, a.e_ + b.e_); }
     friend Proving operator-(const Proving& a) { return {-a.w_, a.e_}; }
     friend Proving operator*(const Proving& a, const Proving& b) {
-        return rounded(a.w_ * b.w_, (a.size() + a.e_) * b.e_ + b.size() * a.e_ + least_normal<P>());
+        return rounded(a.w_ * b.w_, (a.magnitude() + a.e_) * b.e_ + b.magnitude() * a.e_ + least_normal<P>());
     }
     friend Proving operator/(const Proving& a, const Proving& b) {
         using lostbits::select;
         const Proving q = rounded(a.w_ / b.w_, least_normal<P>());
-        const P left = b.size() - b.radius(), lost = least_normal<P>();
-        const P spread = (a.e_ + (q.size() + lost) * b.e_ + lost) / left;
-        return {q.w_, select(left > P(0), q.e_ + spread, P(1) / P(0))};
+        const P least_divisor = b.magnitude() - b.radius(), underflow_loss = least_normal<P>();
+        const P propagated_error = (a.e_ + (q.magnitude() + underflow_loss) * b.e_ + underflow_loss) / least_divisor;
+        return {q.w_, select(least_divisor > P(0), q.e_ + propagated_error, P(1) / P(0))};
     }
     Proving& operator+=(const Proving& b) { return *this = *this + b; }
     Proving& operator-=(const Proving& b) { return *this = *this - b; }
@@ -90,8 +91,8 @@ public:
     friend Proving sqrt(const Proving& a) {
         using lostbits::sqrt, lostbits::select;
         const Proving root = rounded(sqrt(a.w_), P(0));
-        const P spread = (a.e_ + least_normal<P>()) / value_of(root.w_);
-        return {root.w_, select(value_of(a.w_) > a.radius(), root.e_ + spread, P(1) / P(0))};
+        const P propagated_error = (a.e_ + least_normal<P>()) / value_of(root.w_);
+        return {root.w_, select(value_of(a.w_) > a.radius(), root.e_ + propagated_error, P(1) / P(0))};
     }
     friend Proving fma(const Proving& a, const Proving& b, const Proving& c) { return a * b + c; }
     /// Returns the number itself: the pair encloses real numbers, which have no neighbours.
@@ -113,13 +114,13 @@ public:
     }
 
 private:
-    [[nodiscard]] P size() const {
+    [[nodiscard]] P magnitude() const {
         using lostbits::abs;
         return abs(value_of(w_));
     }
-    static Proving rounded(const T& w, const P& spread) {
+    static Proving rounded(const T& w, const P& propagated_error) {
         using lostbits::abs;
-        return {w, spread + roundoff_of<P>() * abs(value_of(w))};
+        return {w, propagated_error + roundoff_of<P>() * abs(value_of(w))};
     }
 
     T w_;

@@ -1,4 +1,4 @@
-// `Running` over recorded words: a formula is instantiated once with these numbers to become a program of columns.
+// `Running` over recorded words. A formula instantiated once with these numbers becomes a program of columns.
 #pragma once
 
 #include <concepts>
@@ -8,104 +8,110 @@
 
 namespace lostbits::number::wide {
 
-/// An instruction of words or of masks, with one result.
-template <class... Places>
-ColumnIndex recorded(ColumnOperation operation, Places... places) {
-    ColumnInstruction step{.operation = operation, .ins = sizeof...(places), .outs = 1, .in = {places...}};
-    return ColumnRecorder::current().record(step)[0];
+/// Records an instruction on words or masks, and returns its only result.
+template <class... Columns>
+ColumnIndex record_instruction(ColumnOperation operation, Columns... columns) {
+    ColumnInstruction instruction{.operation = operation, .ins = sizeof...(columns), .outs = 1, .in = {columns...}};
+    return ColumnRecorder::current().record(instruction)[0];
 }
 
-/// A decision about every ray of a column.
+/// A decision for every ray of a column.
 class ColumnMask : public NotABool {
 public:
     ColumnMask() = default;
-    explicit ColumnMask(ColumnIndex place) : place_(place) {}
+    explicit ColumnMask(ColumnIndex place) : index_(place) {}
 
-    [[nodiscard]] ColumnIndex place() const { return place_; }
+    [[nodiscard]] ColumnIndex place() const { return index_; }
 
     friend ColumnMask operator&&(const ColumnMask& a, const ColumnMask& b) {
-        return ColumnMask(recorded(ColumnOperation::both, a.place_, b.place_));
+        return ColumnMask(record_instruction(ColumnOperation::both, a.index_, b.index_));
     }
     friend ColumnMask operator||(const ColumnMask& a, const ColumnMask& b) {
-        return ColumnMask(recorded(ColumnOperation::either, a.place_, b.place_));
+        return ColumnMask(record_instruction(ColumnOperation::either, a.index_, b.index_));
     }
     friend ColumnMask operator!(const ColumnMask& a) {
-        return ColumnMask(recorded(ColumnOperation::opposite, a.place_));
+        return ColumnMask(record_instruction(ColumnOperation::opposite, a.index_));
     }
-    /// Always true: a program takes every branch.
+    /// True in every case: a program contains every branch.
     friend bool any_of(const ColumnMask&) { return true; }
     /// Begins a part of the program that is needed only if the mask is set in some lane.
     friend bool is_unset(const ColumnMask& a) {
-        ColumnRecorder::current().record({.operation = ColumnOperation::gate, .ins = 1, .in = {a.place_}});
+        ColumnRecorder::current().record({.operation = ColumnOperation::gate, .ins = 1, .in = {a.index_}});
         return false;
     }
 
 private:
-    ColumnIndex place_ = 0;
+    ColumnIndex index_ = 0;
 };
 
-/// A double of every ray of a column.
+/// A double for every ray of a column.
 class ColumnWord {
 public:
     ColumnWord() = default;
     explicit ColumnWord(std::integral auto x) : ColumnWord(static_cast<double>(x)) {}
     explicit ColumnWord(std::floating_point auto x)
-        : place_(ColumnRecorder::current().constant(static_cast<double>(x))), is_zero_(!(x < 0) && !(x > 0)) {}
+        : index_(ColumnRecorder::current().constant(static_cast<double>(x))), is_zero_(!(x < 0) && !(x > 0)) {}
 
     static ColumnWord at(ColumnIndex place) {
         ColumnWord x;
-        x.place_ = place;
+        x.index_ = place;
         return x;
     }
-    [[nodiscard]] ColumnIndex place() const { return place_; }
-    /// True if x is known to be 0 from the recording, whatever the inputs.
+    [[nodiscard]] ColumnIndex place() const { return index_; }
+    /// True if x is known while recording to be 0, whatever the inputs.
     friend bool is_known_zero(const ColumnWord& x) { return x.is_zero_; }
 
-    friend ColumnWord operator+(const ColumnWord& a, const ColumnWord& b) { return of(ColumnOperation::add, a, b); }
+    friend ColumnWord operator+(const ColumnWord& a, const ColumnWord& b) {
+        return record_word(ColumnOperation::add, a, b);
+    }
     friend ColumnWord operator-(const ColumnWord& a, const ColumnWord& b) {
-        return of(ColumnOperation::subtract, a, b);
+        return record_word(ColumnOperation::subtract, a, b);
     }
     friend ColumnWord operator*(const ColumnWord& a, const ColumnWord& b) {
-        return of(ColumnOperation::multiply, a, b);
+        return record_word(ColumnOperation::multiply, a, b);
     }
-    friend ColumnWord operator/(const ColumnWord& a, const ColumnWord& b) { return of(ColumnOperation::divide, a, b); }
+    friend ColumnWord operator/(const ColumnWord& a, const ColumnWord& b) {
+        return record_word(ColumnOperation::divide, a, b);
+    }
     friend ColumnWord operator-(const ColumnWord& a) {
-        if (a.place_ < 0) return ColumnWord(-ColumnRecorder::current().constant_at(a.place_));
-        return of(ColumnOperation::negate, a);
+        if (a.index_ < 0) return ColumnWord(-ColumnRecorder::current().constant_at(a.index_));
+        return record_word(ColumnOperation::negate, a);
     }
-    friend ColumnWord abs(const ColumnWord& a) { return of(ColumnOperation::absolute, a); }
-    friend ColumnWord max(const ColumnWord& a, const ColumnWord& b) { return of(ColumnOperation::largest, a, b); }
-    friend ColumnWord binade(const ColumnWord& a) { return of(ColumnOperation::power_below, a); }
+    friend ColumnWord abs(const ColumnWord& a) { return record_word(ColumnOperation::absolute, a); }
+    friend ColumnWord max(const ColumnWord& a, const ColumnWord& b) {
+        return record_word(ColumnOperation::largest, a, b);
+    }
+    friend ColumnWord binade(const ColumnWord& a) { return record_word(ColumnOperation::power_below, a); }
     friend ColumnWord select(const ColumnMask& mask, const ColumnWord& a, const ColumnWord& b) {
-        if (a.place_ == b.place_) return a;
-        return at(recorded(ColumnOperation::choose, mask.place(), a.place_, b.place_));
+        if (a.index_ == b.index_) return a;
+        return at(record_instruction(ColumnOperation::choose, mask.place(), a.index_, b.index_));
     }
     friend ColumnMask operator<(const ColumnWord& a, const ColumnWord& b) {
-        return ColumnMask(recorded(ColumnOperation::less, a.place_, b.place_));
+        return ColumnMask(record_instruction(ColumnOperation::less, a.index_, b.index_));
     }
     friend ColumnMask operator<=(const ColumnWord& a, const ColumnWord& b) {
-        return ColumnMask(recorded(ColumnOperation::at_most, a.place_, b.place_));
+        return ColumnMask(record_instruction(ColumnOperation::at_most, a.index_, b.index_));
     }
     friend ColumnMask operator>(const ColumnWord& a, const ColumnWord& b) { return b < a; }
     friend ColumnMask operator>=(const ColumnWord& a, const ColumnWord& b) { return b <= a; }
 
 private:
     template <class... Words>
-    static ColumnWord of(ColumnOperation operation, const Words&... words) {
-        return at(recorded(operation, words.place_...));
+    static ColumnWord record_word(ColumnOperation operation, const Words&... words) {
+        return at(record_instruction(operation, words.index_...));
     }
 
-    ColumnIndex place_ = 0;
+    ColumnIndex index_ = 0;
     bool is_zero_ = false;
 };
 
-/// The operation of three words and four masks: see `stages::certain_order`.
+/// Records the operation of three words and four masks described at `stages::certain_order`.
 inline Order<Tris<ColumnMask>> order_of_first_words(const ColumnWord& x, const ColumnWord& y, const ColumnWord& least) {
-    const auto out = ColumnRecorder::current().record({.operation = ColumnOperation::order_of_first_words,
-                                                       .ins = 3,
-                                                       .outs = 4,
-                                                       .in = {x.place(), y.place(), least.place()}});
-    const auto mask = [&out](std::size_t k) { return ColumnMask(out[k]); };
+    const auto results = ColumnRecorder::current().record({.operation = ColumnOperation::order_of_first_words,
+                                                           .ins = 3,
+                                                           .outs = 4,
+                                                           .in = {x.place(), y.place(), least.place()}});
+    const auto mask = [&results](std::size_t k) { return ColumnMask(results[k]); };
     return {{mask(0), mask(1)}, {mask(2), mask(3)}};
 }
 
@@ -113,8 +119,8 @@ template <class W>
 concept ColumnWords = std::same_as<W, ColumnWord> || std::same_as<W, TwoWords<ColumnWord>>;
 
 /// Running numbers over recorded words. Each operation is one instruction, whose kernel is that of `Running` over
-/// packs, so its words and bounds have the same bits. If a number is known to have no second word and no bound when it
-/// is recorded, that holds for every ray.
+/// packs, so its words and bounds have the same bits. If a number has no second word and no bound when it is recorded,
+/// it has none for any ray.
 template <ColumnWords W>
 class Running<W> {
 public:
@@ -132,30 +138,38 @@ public:
     [[nodiscard]] const P& bound() const { return e_; }
     [[nodiscard]] P radius() const { return e_ * P(1 + 0x1p-40); }
 
-    friend Running operator+(const Running& a, const Running& b) { return number(ColumnOperation::sum, a, b); }
-    friend Running operator-(const Running& a, const Running& b) { return number(ColumnOperation::difference, a, b); }
+    friend Running operator+(const Running& a, const Running& b) { return record_number(ColumnOperation::sum, a, b); }
+    friend Running operator-(const Running& a, const Running& b) {
+        return record_number(ColumnOperation::difference, a, b);
+    }
     friend Running operator-(const Running& a) { return {Words<W>::negative(a.w_), a.e_}; }
-    friend Running operator*(const Running& a, const Running& b) { return number(ColumnOperation::product, a, b); }
-    friend Running operator/(const Running& a, const Running& b) { return number(ColumnOperation::quotient, a, b); }
-    friend Running square(const Running& a) { return number(ColumnOperation::squared, a); }
-    friend Running sqrt(const Running& a) { return number(ColumnOperation::root, a); }
+    friend Running operator*(const Running& a, const Running& b) {
+        return record_number(ColumnOperation::product, a, b);
+    }
+    friend Running operator/(const Running& a, const Running& b) {
+        return record_number(ColumnOperation::quotient, a, b);
+    }
+    friend Running square(const Running& a) { return record_number(ColumnOperation::squared, a); }
+    friend Running sqrt(const Running& a) { return record_number(ColumnOperation::root, a); }
     friend Running difference_of_products(const Running& a, const Running& b, const Running& c, const Running& d) {
-        return number(ColumnOperation::product_difference, a, b, c, d);
+        return record_number(ColumnOperation::product_difference, a, b, c, d);
     }
     friend Running sum_of_products(const Running& a, const Running& b, const Running& c, const Running& d,
                                    const Running& f, const Running& g) {
-        return number(ColumnOperation::product_sum, a, b, c, d, f, g);
+        return record_number(ColumnOperation::product_sum, a, b, c, d, f, g);
     }
     friend Running sum_of_squares(const Running& a, const Running& b, const Running& c) {
-        return number(ColumnOperation::square_sum, a, b, c);
+        return record_number(ColumnOperation::square_sum, a, b, c);
     }
     Running& operator+=(const Running& b) { return *this = *this + b; }
     Running& operator-=(const Running& b) { return *this = *this - b; }
     Running& operator*=(const Running& b) { return *this = *this * b; }
 
-    friend Tris<Lanes> operator<(const Running& a, const Running& b) { return told(ColumnOperation::is_less, a, b); }
+    friend Tris<Lanes> operator<(const Running& a, const Running& b) {
+        return record_decision(ColumnOperation::is_less, a, b);
+    }
     friend Tris<Lanes> operator<=(const Running& a, const Running& b) {
-        return told(ColumnOperation::is_at_most, a, b);
+        return record_decision(ColumnOperation::is_at_most, a, b);
     }
     friend Tris<Lanes> operator>(const Running& a, const Running& b) { return !(a <= b); }
     friend Tris<Lanes> operator>=(const Running& a, const Running& b) { return !(a < b); }
@@ -164,8 +178,8 @@ public:
     friend Running next_up(const Running& a) { return a; }
     friend Running next_down(const Running& a) { return a; }
     friend Running abs(const Running& a) {
-        const Lanes below = a.first() < P(0);
-        return {select(below, Words<W>::negative(a.w_), a.w_), a.e_};
+        const Lanes is_negative = a.first() < P(0);
+        return {select(is_negative, Words<W>::negative(a.w_), a.w_), a.e_};
     }
     friend Running copysign(const Running& a, const Running& b) {
         const Running x = abs(a), zero(0);
@@ -180,37 +194,39 @@ public:
     }
 
 private:
-    static constexpr bool has_two = !std::same_as<W, ColumnWord>;
+    static constexpr bool has_two_words = !std::same_as<W, ColumnWord>;
 
-    [[nodiscard]] bool is_one_word() const {
+    [[nodiscard]] bool is_exact_word() const {
         if (!is_known_zero(e_)) return false;
-        if constexpr (has_two) return is_known_zero(w_.lo);
+        if constexpr (has_two_words) return is_known_zero(w_.lo);
         else return true;
     }
     template <class... Numbers>
-    static auto step(ColumnOperation operation, std::uint8_t outs, const Numbers&... numbers) {
-        const std::array<const Running*, sizeof...(numbers)> all{&numbers...};
+    static auto record_operation(ColumnOperation operation, std::uint8_t outs, const Numbers&... numbers) {
+        const std::array<const Running*, sizeof...(numbers)> operands{&numbers...};
         unsigned exact = 0;
-        for (std::size_t k = 0; k < all.size(); ++k) exact |= static_cast<unsigned>(all[k]->is_one_word()) << k;
-        ColumnInstruction one{
-            .operation = operation, .exact = static_cast<std::uint8_t>(known_exact(exact, all.size())), .outs = outs};
-        for (std::size_t k = 0; k < all.size(); ++k) {
-            one.in[one.ins++] = all[k]->first().place();
-            if ((one.exact >> k & 1) != 0) continue;
-            if constexpr (has_two) one.in[one.ins++] = all[k]->w_.lo.place();
-            one.in[one.ins++] = all[k]->e_.place();
+        for (std::size_t k = 0; k < operands.size(); ++k)
+            exact |= static_cast<unsigned>(operands[k]->is_exact_word()) << k;
+        ColumnInstruction instruction{.operation = operation,
+                                      .exact = static_cast<std::uint8_t>(known_exact(exact, operands.size())),
+                                      .outs = outs};
+        for (std::size_t k = 0; k < operands.size(); ++k) {
+            instruction.in[instruction.ins++] = operands[k]->first().place();
+            if ((instruction.exact >> k & 1) != 0) continue;
+            if constexpr (has_two_words) instruction.in[instruction.ins++] = operands[k]->w_.lo.place();
+            instruction.in[instruction.ins++] = operands[k]->e_.place();
         }
-        return ColumnRecorder::current().record(one);
+        return ColumnRecorder::current().record(instruction);
     }
     template <class... Numbers>
-    static Running number(ColumnOperation operation, const Numbers&... numbers) {
-        const auto out = step(operation, has_two ? 3 : 2, numbers...);
-        if constexpr (has_two) return {W(P::at(out[0]), P::at(out[1])), P::at(out[2])};
-        else return {P::at(out[0]), P::at(out[1])};
+    static Running record_number(ColumnOperation operation, const Numbers&... numbers) {
+        const auto results = record_operation(operation, has_two_words ? 3 : 2, numbers...);
+        if constexpr (has_two_words) return {W(P::at(results[0]), P::at(results[1])), P::at(results[2])};
+        else return {P::at(results[0]), P::at(results[1])};
     }
-    static Tris<Lanes> told(ColumnOperation operation, const Running& a, const Running& b) {
-        const auto out = step(operation, 2, a, b);
-        return {Lanes(out[0]), Lanes(out[1])};
+    static Tris<Lanes> record_decision(ColumnOperation operation, const Running& a, const Running& b) {
+        const auto results = record_operation(operation, 2, a, b);
+        return {Lanes(results[0]), Lanes(results[1])};
     }
 
     W w_;

@@ -1,4 +1,4 @@
-// Running: an enclosure for many rays at once: a number of one or two words, and a bound on its error.
+// Running: an enclosure for many rays at once. It has a number of one or two words, and a bound on its error.
 #pragma once
 
 #include <cmath>
@@ -12,9 +12,9 @@
 
 namespace lostbits::number::wide {
 
-/// True if the compiler knows that x is 0 in every lane. The bounds and second words of inputs are, and their results
-/// need not be computed. For finite numbers the bits are the same either way, except for the signs of zeros. A result
-/// that is not finite carries no information.
+/// True if the compiler knows that x is 0 in every lane. The bounds and second words of inputs are known to be 0, and
+/// results that depend only on them need not be computed. For finite numbers the bits are the same either way, except
+/// for the signs of zeros. A result that is not finite carries no information.
 template <std::floating_point F>
 [[gnu::always_inline]] inline bool is_known_zero(const F& x) {
     return __builtin_constant_p(x) & (x >= 0) & (x <= 0);
@@ -25,13 +25,13 @@ template <class P>
 requires requires(const P& x) { x.words(); }
 [[gnu::always_inline]] inline bool is_known_zero(const P& x) {
     const auto words = x.words();
-    const auto all = [&]<std::size_t... i>(std::index_sequence<i...>) { return (words[i] | ...); }
+    const auto joined_bits = [&]<std::size_t... i>(std::index_sequence<i...>) { return (words[i] | ...); }
     (std::make_index_sequence<P::lanes>());
-    return __builtin_constant_p(all) & (static_cast<std::uint64_t>(all) << 1 == 0);
+    return __builtin_constant_p(joined_bits) & (static_cast<std::uint64_t>(joined_bits) << 1 == 0);
 }
 
-/// True if the mask is set in no lane, so that a step can end here. (A recorded step goes on, and its program skips the
-/// rest.)
+/// True if no lane of the mask is set, so that a step of a formula can end here. (While a program is recorded it
+/// returns false; the program itself skips the rest.)
 template <class M>
 bool is_unset(const M& mask) {
     return !any_of(mask);
@@ -57,28 +57,28 @@ struct Words<TwoWords<P>> {
     static constexpr double error = word_error;
     static const P& first(const W& w) { return w.hi; }
     static const P& second(const W& w) { return w.lo; }
-    static W negative(const W& a) { return {-a.hi, is_one(a) ? a.lo : -a.lo}; }
+    static W negative(const W& a) { return {-a.hi, is_single_word(a) ? a.lo : -a.lo}; }
     static W sum(const W& a, const W& b) {
-        if (!is_one(a) && !is_one(b)) return a + b;
+        if (!is_single_word(a) && !is_single_word(b)) return a + b;
         const W s = sum_of(a.hi, b.hi);
-        if (is_one(a) && is_one(b)) return s;
-        return ordered_sum<P>(s.hi, s.lo + (is_one(a) ? b.lo : a.lo));
+        if (is_single_word(a) && is_single_word(b)) return s;
+        return ordered_sum<P>(s.hi, s.lo + (is_single_word(a) ? b.lo : a.lo));
     }
     static W product(const W& a, const W& b) {
-        if (is_one(a) && is_one(b)) return product_of(a.hi, b.hi);
-        return is_one(b) ? a * b.hi : is_one(a) ? b * a.hi : a * b;
+        if (is_single_word(a) && is_single_word(b)) return product_of(a.hi, b.hi);
+        return is_single_word(b) ? a * b.hi : is_single_word(a) ? b * a.hi : a * b;
     }
 
 private:
-    static bool is_one(const W& w) { return is_known_zero(w.lo); }
+    static bool is_single_word(const W& w) { return is_known_zero(w.lo); }
 };
 
 /// All real x with |x − w| ≤ e (1 + 2^-41). If e is infinite or NaN, nothing is known about x, and no comparison with
 /// it is decided. For two words, w has the bits of `Ball`'s midpoint.
 ///
-/// Let u = 2^-53, η = 2^-1075, w the words of a result, and |w| the magnitude of the first. Let ε = u for one word and
-/// 2^-102 for two; every operation loses less than two thirds of the latter (the bounds are listed at `Ball`). For x
-/// and y in a and b:
+/// Let u = 2^-53, η = 2^-1075, w the words of a result, and |w| the magnitude of the first word. Let ε = u for one word
+/// and 2^-102 for two; the error of an operation on two words is less than two thirds of 2^-102 (the bounds are listed
+/// at `Ball`). For x enclosed by a and y enclosed by b:
 ///
 ///     w = a ± b    |x ± y − w| ≤ e_a + e_b + ε|w|
 ///     w = a b      |x y − w|   ≤ |a| e_b + (|b| + e_b) e_a + ε|w| + 4η
@@ -94,13 +94,13 @@ private:
 ///
 /// Nothing is known about a quotient if |b| ≤ e_b, nor about a root if a ≤ e_a. A sum does not underflow: an operand
 /// too small for ε|w| to be normal is added exactly, or the sum rounds by no more than ε|w|. Each of the four products
-/// inside a product of two words can lose an η. The remainder of a quotient loses three before it is divided.
+/// inside a product of two words can lose an η. The remainder of a quotient loses three η before it is divided.
 ///
-/// Each product in these bounds can lose an η too: `lost`, which is added once an operation that multiplies, is 2^75 η.
-/// Each step of these bounds loses a factor of at most 1 + 2u, including the second words that |a| and |b| leave out.
-/// The only subtraction is |b| − e_b, with e_b rounded up. Up to `longest_chain` steps, one after the other, lose less
-/// than the 2^-41 above: (1 + 2u)^n < exp(2nu) < 1 + 2nu + (2nu)² for 2nu < 1. A test counts the steps of every shape's
-/// span, its matrix and its roots.
+/// Each product in these bounds can lose an η too. `underflow_loss`, which is added once in an operation that
+/// multiplies, is 2^75 η. Each step of these bounds loses a factor of at most 1 + 2u, including the second words that
+/// |a| and |b| leave out. The only subtraction is |b| − e_b, with e_b rounded up. Up to `longest_chain` steps, one
+/// after the other, lose less than the 2^-41 above: (1 + 2u)^n < exp(2nu) < 1 + 2nu + (2nu)² for 2nu < 1. A test counts
+/// the steps of every shape's span, its matrix and its roots.
 ///
 /// If a word overflows, the first word is infinite or NaN, and so is ε|w|. One kind of sum is an exception: if two
 /// numbers of one word each have a sum just within the range, a difference inside 2Sum can overflow, and the result is
@@ -132,34 +132,39 @@ public:
     friend Running operator-(const Running& a, const Running& b) { return a + -b; }
     friend Running operator-(const Running& a) { return {Traits::negative(a.w_), a.e_}; }
     friend Running operator*(const Running& a, const Running& b) {
-        return rounded(Traits::product(a.w_, b.w_), plus(spread_of(a, b), P(lost)));
+        return rounded(Traits::product(a.w_, b.w_), plus(propagated_error_of(a, b), P(underflow_loss)));
     }
     friend Running square(const Running& a) {
-        return rounded(Traits::product(a.w_, a.w_), plus(spread_of(a), P(lost)));
+        return rounded(Traits::product(a.w_, a.w_), plus(propagated_error_of(a), P(underflow_loss)));
     }
     friend Running difference_of_products(const Running& a, const Running& b, const Running& c, const Running& d) {
         const W x = Traits::product(a.w_, b.w_), y = Traits::negative(Traits::product(c.w_, d.w_));
         const W w = Traits::sum(x, y);
-        const P sizes = size_of(x) + size_of(y) + size_of(w);
-        return {w, plus(plus(spread_of(a, b), spread_of(c, d)), P(error) * sizes + P(lost))};
+        const P magnitude_sum = magnitude_of(x) + magnitude_of(y) + magnitude_of(w);
+        return {w, plus(plus(propagated_error_of(a, b), propagated_error_of(c, d)),
+                        P(error) * magnitude_sum + P(underflow_loss))};
     }
     friend Running sum_of_products(const Running& a, const Running& b, const Running& c, const Running& d,
                                    const Running& f, const Running& g) {
         const W x = Traits::product(a.w_, b.w_), y = Traits::product(c.w_, d.w_), z = Traits::product(f.w_, g.w_);
         const W s = Traits::sum(x, y), w = Traits::sum(s, z);
-        const P sizes = (size_of(x) + size_of(y)) + (size_of(s) + size_of(z)) + size_of(w);
-        return {w, plus(plus(plus(spread_of(a, b), spread_of(c, d)), spread_of(f, g)), P(error) * sizes + P(lost))};
+        const P magnitude_sum =
+            (magnitude_of(x) + magnitude_of(y)) + (magnitude_of(s) + magnitude_of(z)) + magnitude_of(w);
+        return {w, plus(plus(plus(propagated_error_of(a, b), propagated_error_of(c, d)), propagated_error_of(f, g)),
+                        P(error) * magnitude_sum + P(underflow_loss))};
     }
     friend Running sum_of_squares(const Running& a, const Running& b, const Running& c) {
         const W x = Traits::product(a.w_, a.w_), y = Traits::product(b.w_, b.w_), z = Traits::product(c.w_, c.w_);
         const W w = Traits::sum(Traits::sum(x, y), z);
-        return {w, plus(plus(plus(spread_of(a), spread_of(b)), spread_of(c)), P(3 * error) * size_of(w) + P(lost))};
+        return {w, plus(plus(plus(propagated_error_of(a), propagated_error_of(b)), propagated_error_of(c)),
+                        P(3 * error) * magnitude_of(w) + P(underflow_loss))};
     }
     friend Running operator/(const Running& a, const Running& b) {
-        const Running q = rounded(a.w_ / b.w_, P(lost));
-        const P least = b.size() * P(1 - 0x1p-50) - b.radius();
-        const P spread = (a.e_ + (q.size() + P(lost)) * b.e_ + P(lost)) / least;
-        return {q.w_, select(least > P(0), q.e_ + spread, P(HUGE_VAL))};
+        const Running q = rounded(a.w_ / b.w_, P(underflow_loss));
+        const P least_divisor = b.magnitude() * P(1 - 0x1p-50) - b.radius();
+        const P propagated_error =
+            (a.e_ + (q.magnitude() + P(underflow_loss)) * b.e_ + P(underflow_loss)) / least_divisor;
+        return {q.w_, select(least_divisor > P(0), q.e_ + propagated_error, P(HUGE_VAL))};
     }
     Running& operator+=(const Running& b) { return *this = *this + b; }
     Running& operator-=(const Running& b) { return *this = *this - b; }
@@ -179,12 +184,12 @@ public:
     friend Running sqrt(const Running& a) {
         using lostbits::sqrt;
         const Running root = rounded(sqrt(a.w_), P(0));
-        const P spread = (a.e_ + P(lost)) / root.first();
+        const P propagated_error = (a.e_ + P(underflow_loss)) / root.first();
         const auto positive = a.first() * P(1 - 0x1p-50) > a.radius();
-        return {root.w_, select(positive, root.e_ + spread, P(HUGE_VAL))};
+        return {root.w_, select(positive, root.e_ + propagated_error, P(HUGE_VAL))};
     }
     friend Running fma(const Running& a, const Running& b, const Running& c) { return a * b + c; }
-    /// Represents exact numbers, which have no neighbours.
+    /// Returns a: the type represents exact numbers, which have no neighbours.
     friend Running next_up(const Running& a) { return a; }
     friend Running next_down(const Running& a) { return a; }
     friend Running abs(const Running& a) {
@@ -208,25 +213,28 @@ public:
 
 private:
     using Traits = Words<W>;
-    static constexpr double lost = 0x1p-1000, error = Words<W>::error;
+    static constexpr double underflow_loss = 0x1p-1000, error = Words<W>::error;
 
-    static P size_of(const W& w) {
+    static P magnitude_of(const W& w) {
         using lostbits::abs;
         return abs(Words<W>::first(w));
     }
-    [[nodiscard]] P size() const { return size_of(w_); }
-    static Running rounded(const W& w, const P& spread) { return {w, plus(spread, P(error) * size_of(w))}; }
-
-    /// Contribution of the bounds of a and b to the bound of a b; for a² that of a.
-    static P spread_of(const Running& a, const Running& b) {
-        return plus(times(a.size(), b.e_), times(plus(b.size(), b.e_), a.e_));
+    [[nodiscard]] P magnitude() const { return magnitude_of(w_); }
+    static Running rounded(const W& w, const P& propagated_error) {
+        return {w, plus(propagated_error, P(error) * magnitude_of(w))};
     }
-    static P spread_of(const Running& a) { return times(a.size() + a.size() + a.e_, a.e_); }
+
+    /// Contribution of the bounds of a and b to the bound of a b, or of the bound of a to that of a².
+    static P propagated_error_of(const Running& a, const Running& b) {
+        return plus(times(a.magnitude(), b.e_), times(plus(b.magnitude(), b.e_), a.e_));
+    }
+    static P propagated_error_of(const Running& a) { return times(a.magnitude() + a.magnitude() + a.e_, a.e_); }
 
     static P plus(const P& x, const P& y) { return is_known_zero(x) ? y : is_known_zero(y) ? x : x + y; }
     static P times(const P& x, const P& e) { return is_known_zero(e) ? P(0) : x * e; }
 
-    /// Ends of x − y. The midpoint h + l is off by u of h, of l and of their sum; it is exact if h = l = 0.
+    /// Ends of a − b. The midpoint h + l has an error of at most u of h, of l and of their sum; it is exact if h = l =
+    /// 0.
     struct Ends {
         P low, high;
     };

@@ -1,5 +1,5 @@
-// Double-double arithmetic over any number type P: a number is the sum of two words of P. The operations are those of
-// `Ball` on its midpoint, in the same order, so the bits are the same.
+// TwoWords: double-double arithmetic over any number type P. A number is hi + lo, two words of P. The operations are
+// those of `Ball` on its midpoint, in the same order, so they give the same bits.
 #pragma once
 
 #include <bit>
@@ -22,7 +22,7 @@ P power_of_two(int k) {
     }
 }
 
-/// hi + lo with |lo| ≤ ulp(hi)/2. Unless something underflows or overflows, the error of every operation is less than
+/// hi + lo with |lo| ≤ ulp(hi)/2. Unless a word underflows or overflows, the error of every operation is less than
 /// `word_error` of its result (the bounds are listed at `Ball`). This holds for sums of any signs too.
 template <class P>
 struct TwoWords {
@@ -48,16 +48,16 @@ struct TwoWords {
 
     friend TwoWords abs(const TwoWords& a) { return select(a.hi < P(0), -a, a); }
     friend TwoWords copysign(const TwoWords& a, const TwoWords& b) {
-        const TwoWords size = abs(a);
-        return select(copysign(P(1), b.hi) < P(0), -size, size);
+        const TwoWords magnitude = abs(a);
+        return select(copysign(P(1), b.hi) < P(0), -magnitude, magnitude);
     }
     friend TwoWords select(const mask_t<P>& mask, const TwoWords& a, const TwoWords& b) {
         return {select(mask, a.hi, b.hi), select(mask, a.lo, b.lo)};
     }
-    /// Rounds twice, for the product and for the sum.
+    /// a b + c, rounded twice: the product and the sum.
     friend TwoWords fma(const TwoWords& a, const TwoWords& b, const TwoWords& c) { return a * b + c; }
-    /// Moves a by 2 `word_error` of itself, which is the distance of a neighbour if operations are accurate to
-    /// `word_error`.
+    /// Returns a + 2 `word_error` |a|, or a plus the smallest positive number of P if that is larger. Operations are
+    /// accurate to `word_error`, so this is the distance to a neighbour.
     friend TwoWords next_up(const TwoWords& a) {
         return a + TwoWords(max(abs(a.hi) * power_of_two<P>(-101), next_up(P(0))));
     }
@@ -66,21 +66,21 @@ struct TwoWords {
 
 inline constexpr double word_error = 0x1p-102;
 
-/// a + b, exactly.
+/// a + b, exactly (2Sum, as `two_sum` of error_free.hpp).
 template <class P>
 TwoWords<P> sum_of(const P& a, const P& b) {
     const P s = a + b, bb = s - a;
     return {s, (a - (s - bb)) + (b - bb)};
 }
 
-/// a + b, exactly, where |a| ≥ |b|.
+/// a + b, exactly, where |a| ≥ |b| (Fast2Sum, as `quick_two_sum`).
 template <class P>
 TwoWords<P> ordered_sum(const P& a, const P& b) {
     const P s = a + b;
     return {s, b - (s - a)};
 }
 
-/// a b, exactly.
+/// a b, exactly (as `two_product`).
 template <class P>
 TwoWords<P> product_of(const P& a, const P& b) {
     const P p = a * b;
@@ -117,14 +117,14 @@ TwoWords<P> operator*(const TwoWords<P>& a, const P& b) {
 template <class P>
 TwoWords<P> operator/(const TwoWords<P>& a, const TwoWords<P>& b) {
     const P q = a.hi / b.hi;
-    const P rest = fma(-q, b.hi, a.hi);
-    return ordered_sum<P>(q, (rest + (a.lo - q * b.lo)) / b.hi);
+    const P remainder = fma(-q, b.hi, a.hi);
+    return ordered_sum<P>(q, (remainder + (a.lo - q * b.lo)) / b.hi);
 }
 template <class P>
 TwoWords<P> operator/(const TwoWords<P>& a, const P& b) {
     const P q = a.hi / b;
-    const P rest = fma(-q, b, a.hi);
-    return ordered_sum<P>(q, (rest + a.lo) / b);
+    const P remainder = fma(-q, b, a.hi);
+    return ordered_sum<P>(q, (remainder + a.lo) / b);
 }
 
 template <class P>

@@ -5,14 +5,14 @@
 
 namespace lostbits::number::wide {
 
-/// The doubles for a pack of floats: the same number of lanes in twice as many registers.
+/// The doubles for a pack of floats: the same number of lanes, in twice as many registers.
 template <class Width>
 class WidePack {
 public:
     using Half = Pack<double, Width>;
     using Narrow = Pack<float, Width>;
 
-    /// A decision in each lane; it also serves as a decision about the floats.
+    /// A decision in each lane, which converts to a decision about the floats.
     struct Lanes {
         PackMask<double, Width> low, high;
 
@@ -38,7 +38,7 @@ public:
             high_ = Half::load(lanes + Half::lanes);
         }
     }
-    /// Each lane rounded once.
+    /// Converts to floats; each lane is rounded once.
     [[nodiscard]] Narrow narrow() const {
         if constexpr (has_pack_registers) {
             return Narrow(typename Narrow::Register(pack_narrow(low_.registers(), high_.registers())));

@@ -11,7 +11,8 @@
 
 namespace lostbits::number::wide {
 
-/// Widest number of one word: double for float and for formats that a double holds; T itself if nothing is wider.
+/// The widest number of one word: double for float and for formats that a double holds; T itself if no wider type
+/// exists.
 template <class T>
 using OneWord = typename Wider<T>::type;
 
@@ -19,8 +20,7 @@ using OneWord = typename Wider<T>::type;
 template <class T>
 inline constexpr bool has_wider_word = !std::same_as<OneWord<T>, T>;
 
-/// True if the format of T is narrower than `OneWord`. For numbers whose format is chosen at run time: the current
-/// format.
+/// True if the format of T is narrower than `OneWord`. If T's format is chosen at run time, the current format counts.
 template <class T>
 bool widens() {
     if constexpr (traces_operations<T> && has_wider_word<T>) return !(T::format() == binary64);
@@ -34,21 +34,21 @@ concept InRegisters = requires {
     T::lanes;
 };
 
-/// Converts x exactly to W, which is `OneWord<T>` or two of them.
+/// Converts x exactly to W, which is `OneWord<T>` or two words of that type.
 template <class W, class T>
 W widen(const T& x) {
     if constexpr (std::same_as<W, OneWord<T>>) return Wider<T>::widen(x);
     else return W(Wider<T>::widen(x));
 }
 
-/// Converts x to T, rounded once from `OneWord<T>`, and once more from two of them.
+/// Converts x to T: rounded once if x is a `OneWord<T>`; if x has two words, its first word is rounded.
 template <class T, class W>
 T narrow(const W& x) {
     if constexpr (std::same_as<W, OneWord<T>>) return Wider<T>::narrow(x);
     else return Wider<T>::narrow(x.hi);
 }
 
-/// Strips the record of a number's operations: the filter's own decisions are not part of the answer.
+/// Removes the record of a number's operations: the filter's own decisions are not part of the answer.
 template <class T>
 auto value_of(const T& x) {
     if constexpr (traces_operations<T>) return x.value();
@@ -59,14 +59,14 @@ auto value_of(const Vec<T>& x) {
     return Vec<decltype(value_of(x.x))>(value_of(x.x), value_of(x.y), value_of(x.z));
 }
 
-/// Converts a decision about such bare numbers to one of T: proved, and a constant on a tape.
+/// Converts a decision about numbers without a record to one of T: proved, and a constant on a tape.
 template <class T, class Mask>
 mask_t<T> constant_mask(const Mask& mask) {
     if constexpr (traces_operations<T>) return T(mask ? 1 : 0) > T(0);
     else return mask;
 }
 
-/// Name of each answer of an exact step, for numbers that record operations.
+/// Name of each result of an exact step, for numbers that record operations.
 inline constexpr std::string_view name_of(CallAnswer answer) {
     constexpr std::array<std::string_view, 4> names{"exact_decision", "exact_t", "exact_near", "exact_far"};
     return names[static_cast<std::size_t>(answer)];
@@ -74,11 +74,13 @@ inline constexpr std::string_view name_of(CallAnswer answer) {
 
 /// Records a step that none of T's own operations performed; `value` is its result.
 template <class T, std::size_t n>
-T record_call(const Call& of, const std::array<T, n>& arguments, const decltype(value_of(std::declval<T>()))& value) {
-    return named(name_of(of.answer), called(of, std::span<const T>(arguments), value));
+T record_call(const Call& callee, const std::array<T, n>& arguments,
+              const decltype(value_of(std::declval<T>()))& value) {
+    return named(name_of(callee.answer), called(callee, std::span<const T>(arguments), value));
 }
 
-/// Smallest normal number of T: a product below it may be off by u times this number, however small the product is.
+/// Smallest normal number of T. The error of a product below it is up to u times this number, however small the product
+/// is.
 template <class T>
 T least_normal() {
     if constexpr (std::floating_point<T>) return std::numeric_limits<T>::min();
@@ -95,14 +97,14 @@ T root_of_least_normal() {
     else return sqrt(least_normal<T>());
 }
 
-/// True if numbers of T are computed in doubles whose products may overflow or underflow; `masked_lanes` then answers.
-/// Products of four floats do neither in double.
+/// True if numbers of T are computed in doubles whose products may overflow or underflow, so that `masked_lanes` is
+/// needed. Products of four floats do neither in double.
 template <class T>
 inline constexpr bool has_whole_range =
     !std::same_as<T, float> && (std::same_as<OneWord<T>, double> || (InRegisters<T> && !has_wider_word<T>));
 
-/// True if the smallest normal number of the wider word is below that of T. Some formats of fewer bits reach as low as
-/// double.
+/// True if the smallest normal number of the wider word is below that of T. Some formats with fewer bits than double
+/// have the same smallest normal number.
 template <class T>
 mask_t<T> goes_deeper() {
     if constexpr (std::same_as<OneWord<T>, double> && has_wider_word<T>)
@@ -110,32 +112,32 @@ mask_t<T> goes_deeper() {
     else return widens<T>() ? T(0) < T(1) : T(1) < T(0);
 }
 
-/// Calls `f(in, out)` for each lane with `ask` > 0. `in` holds the lane's numbers as doubles. `out` holds that lane of
-/// `out` before the call, and the lane of the result after it.
+/// Calls `f(in, out)` for each lane with `request` > 0. `in` holds the lane's numbers as doubles. `out` holds the lane
+/// of the argument `out` before the call, and the lane of the result after it.
 template <class T, std::size_t ins, std::size_t outs, class F>
-std::array<T, outs> masked_lanes(const T& ask, const std::array<T, ins>& in, std::array<T, outs> out, const F& f) {
+std::array<T, outs> masked_lanes(const T& request, const std::array<T, ins>& in, std::array<T, outs> out, const F& f) {
     if constexpr (InRegisters<T>) {
-        double asked[T::lanes], from[ins][T::lanes], to[outs][T::lanes];
-        ask.store(asked);
-        for (std::size_t k = 0; k < ins; ++k) in[k].store(from[k]);
-        for (std::size_t k = 0; k < outs; ++k) out[k].store(to[k]);
+        double requests[T::lanes], input_lanes[ins][T::lanes], output_lanes[outs][T::lanes];
+        request.store(requests);
+        for (std::size_t k = 0; k < ins; ++k) in[k].store(input_lanes[k]);
+        for (std::size_t k = 0; k < outs; ++k) out[k].store(output_lanes[k]);
         for (std::size_t lane = 0; lane < T::lanes; ++lane) {
-            if (!(asked[lane] > 0)) continue;
-            std::array<double, ins> numbers;
-            std::array<double, outs> found;
-            for (std::size_t k = 0; k < ins; ++k) numbers[k] = from[k][lane];
-            for (std::size_t k = 0; k < outs; ++k) found[k] = to[k][lane];
-            f(numbers, found);
-            for (std::size_t k = 0; k < outs; ++k) to[k][lane] = found[k];
+            if (!(requests[lane] > 0)) continue;
+            std::array<double, ins> lane_inputs;
+            std::array<double, outs> lane_results;
+            for (std::size_t k = 0; k < ins; ++k) lane_inputs[k] = input_lanes[k][lane];
+            for (std::size_t k = 0; k < outs; ++k) lane_results[k] = output_lanes[k][lane];
+            f(lane_inputs, lane_results);
+            for (std::size_t k = 0; k < outs; ++k) output_lanes[k][lane] = lane_results[k];
         }
-        for (std::size_t k = 0; k < outs; ++k) out[k] = T::load(to[k]);
-    } else if (ask > T(0)) {
-        std::array<double, ins> numbers;
-        std::array<double, outs> found;
-        for (std::size_t k = 0; k < ins; ++k) numbers[k] = widen<double>(in[k]);
-        for (std::size_t k = 0; k < outs; ++k) found[k] = widen<double>(out[k]);
-        f(numbers, found);
-        for (std::size_t k = 0; k < outs; ++k) out[k] = narrow<T>(found[k]);
+        for (std::size_t k = 0; k < outs; ++k) out[k] = T::load(output_lanes[k]);
+    } else if (request > T(0)) {
+        std::array<double, ins> lane_inputs;
+        std::array<double, outs> lane_results;
+        for (std::size_t k = 0; k < ins; ++k) lane_inputs[k] = widen<double>(in[k]);
+        for (std::size_t k = 0; k < outs; ++k) lane_results[k] = widen<double>(out[k]);
+        f(lane_inputs, lane_results);
+        for (std::size_t k = 0; k < outs; ++k) out[k] = narrow<T>(lane_results[k]);
     }
     return out;
 }

@@ -172,7 +172,7 @@ TEST_CASE("a tape that cannot become a program is refused with the reason", "[ta
           &intersect::bounding_box::behind(intersect::bounding_box::usual_box_method(), box, filtered)})
         CHECK_THROWS_WITH(tape_of(*form, format), Catch::Contains("uses more precision where a ray needs it"));
     CHECK_THROWS_WITH(tape_of(test::form_named("sphere.press+box.signs"), format), Catch::Contains("several forms"));
-    CHECK_THROWS(word_of(bfloat16));
+    CHECK_THROWS(arithmetic_of(bfloat16));
 }
 
 }  // namespace lostbits::test::test_tape_program
