@@ -114,7 +114,7 @@ bool has_nearer_hit(std::span<const S> t, std::span<const std::uint8_t> hit, S b
 /// Tests rays against the spheres of one page, in the order of the spheres. Skips the spheres that a ray cannot meet,
 /// and finds the same hits as `find_nearest_hits`.
 template <class S>
-class PageOfSpheres {
+class PageTester {
 public:
     PageTester(const OneToMany<S>& kernel, const RayBlock& rays, const FormatInputs& in, Answers& answers)
         : kernel_(kernel), rays_(rays), in_(in), answers_(answers) {}

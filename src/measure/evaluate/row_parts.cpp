@@ -78,7 +78,7 @@ void FormStatements::fill(metric::Sample& sample) const {
     if (levels_) sample.levels = &*levels_;
 }
 
-WorstRay RowSums::worst(std::size_t i) const {
+WorstRay RowSums::worst_hit(std::size_t i) const {
     WorstRay w = ray_with_inputs(i, Outcome::agree_hit);
     w.ulps = ulps_[i];
     w.size = std::fabs(ulps_[i]);
