@@ -326,8 +326,8 @@ void add_map(const shell::Command& program, const Common& common) {
     command.add("--against", o->against,
                 "Also compare every form with this form: draw and count the rays on which the answers differ");
     command.add("--envelope", o->envelope,
-                "Draw a pixel of lost_bits paler if it lies within the envelope: an error of half an ulp in every "
-                "input can cost as many bits as the form lost");
+                "Draw a pixel of lost_bits paler if an error of half an ulp in every input could cost as many bits as "
+                "the form lost");
     add_shard(command, o->shard);
     selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });

@@ -94,8 +94,8 @@ int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation*
         require(operations, "operations");
         if (form->foreign_row == nullptr)
             throw InputError(
-                "form: this form comes from a source file, so its operations are known; write operations "
-                "only to a form that has none");
+                "form: the operations of this form come from its source file; call lostbits_form_write only for a "
+                "form that was made without a file");
         if (bits != 32 && bits != 64) throw InputError("bits must be 32 or 64");
         WrittenFormula formula{.name = std::string(form->foreign_row->info.name),
                                .shape = form->row.shape,

@@ -94,7 +94,7 @@ public:
     template <class... Position>
     void stepped(bool active, const T& t, const Position&... position) {
         LastStep<T>::stepped(active, t, position...);
-        if (active) steps_.back().stands = this->stands();
+        if (active) steps_.back().stands = this->is_stagnant();
     }
     [[nodiscard]] std::vector<MarchStep> take() { return std::move(steps_); }
 

@@ -53,7 +53,7 @@ std::string required_inputs_text(const ChoiceResult& chosen, const Candidate& ne
     const char* const wider_format = obstacle.wider_than_f64 ? "more than binary64" : "binary64";
     if (!obstacle.enough) {
         const InputTrial& all_wider = obstacle.trials.back();
-        return fmt::format("  Even with all of them in {} exact arithmetic keeps {}{}.\n", wider_format,
+        return fmt::format("  Even with all inputs in {}, exact arithmetic keeps {}{}.\n", wider_format,
                            kept_and_wrong(all_wider.exact, requirement), form_in_f64(all_wider));
     }
     const InputTrial& trial = obstacle.trials[*obstacle.enough];
@@ -120,7 +120,7 @@ std::string obstacle_text(const ChoiceResult& chosen, const Candidate& nearest) 
             return fmt::format(
                        "  What limits it: the problem, not the formula. Half an ulp of {} in each input would cost "
                        "{:.1f} "
-                       "of its {} bits and leave {}; any bits kept beyond that are due to inputs that are exact.{}\n",
+                       "of its {} bits and leave {}. Forms keep more than that only where inputs need no rounding.{}\n",
                        format, precision - obstacle.inherent_kept, precision, remaining_bits, f64_sentence) +
                    rounded_scene_text(chosen, nearest);
         case Obstacle::Cause::formula: break;
