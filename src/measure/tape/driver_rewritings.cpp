@@ -148,7 +148,7 @@ DerivedTape rewritten_by_driver(const DerivedTape& source, std::size_t rewriting
         const auto rewritten =
             is_selected && !is_given(source.tape[i].op) ? driver_rows.at(rewriting).rewrite(copy, i) : std::nullopt;
         if (rewritten) copy.set_copy(*rewritten), changed.push_back(origin);
-        else copy.copy(i);
+        else copy.copy_node(i);
     }
     return copy.finish();
 }
