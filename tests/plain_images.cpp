@@ -34,7 +34,7 @@ class PlainPng final : public PngWriter {
 public:
     PlainPng(std::unique_ptr<file::ByteSink> sink, const PngSpec& spec) : file_(std::move(sink)) {
         file_.put("png " + std::to_string(spec.width) + " " + std::to_string(spec.height));
-        file_.put(spec.words);
+        file_.put(spec.metadata);
     }
     void write_rows(int /*rows*/, std::span<const Rgb8> pixels) override { file_.put(pixels); }
     void close() override { file_.commit(); }

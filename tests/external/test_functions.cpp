@@ -361,7 +361,8 @@ void compare_random(std::uint64_t seed, int count, RandomCounts& counts) {
 
 TEST_CASE("functions: random functions have the bits of the compiled ones", "[external]") {
     RandomCounts counts;
-    // LOSTBITS_FILES=1250 makes 100,000 functions, which take an hour of one core; LOSTBITS_FIRST_FILE=626 begins there.
+    // LOSTBITS_FILES=1250 makes 100,000 functions, which take an hour of one core; LOSTBITS_FIRST_FILE=626 begins
+    // there.
     const auto given = [](const char* name, std::uint64_t usual) {
         const char* const text = std::getenv(name);
         return text ? std::strtoull(text, nullptr, 10) : usual;

@@ -182,8 +182,9 @@ Scene with_rays(Scene scene, const camera::RayGenerator& generator) {
     scene.camera.rays = &generator;
     if (scene.inputs == Inputs::own) return scene;
     if (scene.flake || scene.mesh)
-        throw InputError(message_start +
-                         ": each format must round the meshes and flakes too, if it computes the rays; write inputs = \"own\"");
+        throw InputError(
+            message_start +
+            ": each format must round the meshes and flakes too, if it computes the rays; write inputs = \"own\"");
     const auto rounded = [](const Real& x) { return Real(toml::round_to_format(x, binary32)); };
     Camera& camera = scene.camera;
     for (Vec<Real>* const v : {&camera.eye, &camera.look_at, &camera.up})

@@ -132,7 +132,7 @@ void check_ray(const Point& o, const Point& d, const std::vector<Corners>& mesh,
         REQUIRE(x.at_rim == y.at_rim);
         REQUIRE(x.t.is_zero() == (y.n == 0));
         REQUIRE(std::fabs(std::ldexp(x.t.hi, static_cast<int>(x.t.exponent)) - t) <= 0x1p-52 * t);
-        const int step = i == 0 ? x.place : x.place - found.in_order[i - 1].place;
+        const int step = i == 0 ? x.rank : x.rank - found.in_order[i - 1].rank;
         REQUIRE(step == (i > 0 && expected[i - 1].n * y.m != y.n * expected[i - 1].m ? 1 : 0));
     }
 }
