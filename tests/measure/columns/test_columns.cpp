@@ -66,7 +66,7 @@ struct Problems {
             if (random.one_in(5)) answer = missing;
             answers.push_back(answer);
             truths.push_back(truth);
-            lengths.put(i, truth, intersect::Direction::any);
+            lengths.set(i, truth, intersect::Direction::any);
         }
     }
     [[nodiscard]] Sample sample(std::size_t i) const {
@@ -166,7 +166,7 @@ TEST_CASE("an error of half an ulp loses no bit and 2^k ulps lose k + 1, in colu
                     p.truths[i].t.lo = 0x1p-53;
                     p.answers[i] = 1;
                 }
-                p.lengths.put(i, p.truths[i], intersect::Direction::any);
+                p.lengths.set(i, p.truths[i], intersect::Direction::any);
             }
             CHECK(Columns(p).values[1] == std::vector<double>(8, k + 1));
             CHECK(measure::metric::find_metric("lost_bits")->value(p.sample(0)) == k + 1);
