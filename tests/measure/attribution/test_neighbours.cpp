@@ -53,7 +53,7 @@ TEST_CASE("neighbours differ by at most an ulp per number, keep zeros and repeat
     std::vector<int> down(6), up(6);
     for (std::size_t k = 0; k < around.size(); ++k) {
         const auto here = around[k].inputs(form, f32), same = again[k].inputs(form, f32);
-        CHECK(around[k].keeps(here));  // numbers of the format
+        CHECK(around[k].is_unrounded(here));  // numbers of the format
         const auto x = numbers_of(here.all.rays[here.index]);
         CHECK(x == numbers_of(same.all.rays[same.index]));
         for (std::size_t i = 0; i < x.size(); ++i) {
