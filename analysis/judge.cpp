@@ -73,7 +73,7 @@ void note_digits(const std::string& file, const Format& format, const JudgeResul
             "lostbits: {}: its numbers have at most {} digits, but {} needs {}{}; bits that were not printed count as "
             "lost: print with %.{}g (std::setprecision({}))\n",
             file, result.digits, format.name, digits_for(format),
-            is_wide ? fmt::format(" (of f32 {})", digits_for(narrow)) : "", digits_for(format), digits_for(format));
+            is_wide ? fmt::format(" (f32 needs {})", digits_for(narrow)) : "", digits_for(format), digits_for(format));
 }
 
 /// Indices of the metrics that count hits that fail --bits or --tolerance, each with the title of its column.
@@ -325,7 +325,10 @@ void add_judge(const shell::Command& program, const Common& common) {
     command.add("--size", o->size, "Draw the rays as a picture of WxH pixels, row by row");
     selection::add_pictures(command, o->pictures);
     command.add("--rows", o->rows, "Also write one row per ray, with the columns of the file");
-    command.add("--worst-rays", o->worst, "Number of rays of each kind in worst.toml (default: 10)");
+    command.add(
+        "--worst-rays", o->worst,
+        "Number of rays of each kind in worst.toml: correct hits with the largest errors, and each kind of wrong "
+        "decision (default: 10)");
     add_shard(command, o->shard);
     selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });

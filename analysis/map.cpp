@@ -325,9 +325,10 @@ void add_map(const shell::Command& program, const Common& common) {
                 "Also write SCENE.exr, with the answers, outcomes and metrics of every pixel (docs/files.md)");
     command.add("--against", o->against,
                 "Also compare every form with this form: draw and count the rays on which the answers differ");
-    command.add("--envelope", o->envelope,
-                "Draw a pixel of lost_bits paler if an error of half an ulp in every input could cost as many bits as "
-                "the form lost");
+    command.add(
+        "--envelope", o->envelope,
+        "Draw a pixel of lost_bits paler where the problem is to blame, not the formula: an error of half an ulp "
+        "in every input could cost as many bits as the form lost");
     add_shard(command, o->shard);
     selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });

@@ -134,12 +134,14 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
 
 namespace {
 
-/// Says for a message which keys of a search may leave no ray.
+/// For a message: the keys of a search that may leave no ray, and what to write instead.
 std::string what_excludes_rays(const scene::sweep::SearchFile& search) {
-    if (search.aim) return "distance may move all origins out of the range of origin; widen origin, or narrow distance";
-    if (search.at_edge) return "origin may exclude all rays to the edges of the boxes";
-    if (search.is_round()) return "distance_radii and impact_radii may exclude all rays of the other ranges";
-    return "the ranges of the primitive may hold none that is valid, or none that a ray meets";
+    if (search.aim)
+        return "distance may put every origin outside the range of origin; widen origin, or narrow distance";
+    if (search.at_edge) return "rays to the edges of the boxes may all start outside the range of origin; widen origin";
+    if (search.is_round())
+        return "distance_radii and impact_radii may exclude every ray of the other ranges; widen one of them";
+    return "the ranges may contain no valid primitive, or none that a ray of the ranges meets; change the ranges";
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ std::optional<scene::file::Scene> scene_of(const RayFileOptions& o, const std::f
     const std::size_t beside_meshes = scene.primitive_count() - (scene.mesh ? scene.mesh->faces.size() : 0);
     if (beside_meshes > max_primitives)
         throw InputError(
-            fmt::format("--scene {}: has {} primitives beside its meshes; every ray is tested with each of them, and "
+            fmt::format("--scene {}: has {} primitives besides its meshes; every ray is tested with each of them, and "
                         "at most {} are allowed; give each ray the primitive that it meets in columns of the file, or "
                         "write the scene as a mesh of triangles",
                         o.scene, beside_meshes, max_primitives));

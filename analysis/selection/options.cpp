@@ -151,8 +151,10 @@ std::optional<output::map::BarRange> parse_range(const std::string& text, const 
     for (const Metric* m : drawn) {
         if (m->ramp == Ramp::categories) continue;
         if (first && (m->unit != first->unit || (m->ramp == Ramp::magnitude) != (first->ramp == Ramp::magnitude)))
-            throw InputError(fmt::format("--range {}: {} and {} have different units; draw them in two runs", text,
-                                         first->name, m->name));
+            throw InputError(
+                fmt::format("--range {}: {} and {} cannot share one range, because their units or scales differ; draw "
+                            "them in two runs",
+                            text, first->name, m->name));
         first = m;
     }
     if (!first)

@@ -182,10 +182,11 @@ void compare_against(std::vector<TestedForm>& rows, const std::string& name, boo
     std::erase_if(rows, [&fits](const TestedForm& row) { return !fits(row); });
     const std::string formats = formats_of(other);
     if (rows.empty())
-        throw InputError(fmt::format(
-            "--against {}: this form intersects {}, in {}; no selected form does, so choose others with -i and -f",
-            name, other.is_set() ? "a scene of several shapes" : with_article(other.shape),
-            formats == "all" ? "all formats" : formats));
+        throw InputError(
+            fmt::format("--against {}: this form intersects {}, in {}; no selected form can be compared with it; "
+                        "select forms for the same shapes and formats with -i and -f",
+                        name, other.is_set() ? "a scene of several shapes" : with_article(other.shape),
+                        formats == "all" ? "all formats" : formats));
     for (TestedForm& row : rows) {
         row.against = &other;
         if (quiet || measure::answer::are_comparable(*row.form->info, *other.info)) continue;

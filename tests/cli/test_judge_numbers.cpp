@@ -108,7 +108,7 @@ TEST_CASE("judge: decimals too short for a format are told apart from lost bits"
     CHECK(said("0,0,%.9g,0,0,1,1,%.9g\n", f32).empty());
     CHECK(said("0,0,%a,0,0,1,1,%a\n", f32).empty());
     // With f64 as the format, six digits look like floats too, which would not be better.
-    CHECK(has(said(six.c_str(), ""), "at most 6 digits, but f64 needs 17 (of f32 9)"));
+    CHECK(has(said(six.c_str(), ""), "at most 6 digits, but f64 needs 17 (f32 needs 9)"));
     CHECK_FALSE(has(said(six.c_str(), ""), "--answer-format f32"));
     CHECK(has(said("0,0,%.8g,0,0,1,1,%.8g\n", ""), "at most 8 digits, but f64 needs 17"));
     // Nine digits, or as many of a float, look like floats.

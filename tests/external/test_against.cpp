@@ -85,7 +85,7 @@ TEST_CASE("against: a sweep counts differences too, and wrong words are refused"
     for (const auto& step : steps) most = std::max(most, std::stoi(step.at("against_other_alone_hits")));
     CHECK(most > 300);  // far away the schoolbook form misses what unified hits
     check_refused(Scratch(), "map near-benign --size 32x24 -o out",
-                  {{"-i sphere.press --against box.signs", "no selected form does"},
+                  {{"-i sphere.press --against box.signs", "no selected form can be compared with it"},
                    {"-f f64 -i sphere.press --against sphere.double_inside", "in f32"},
                    {"--against sphere.unifide", "did you mean"},
                    {"--metric apart", "--against FORM"}});

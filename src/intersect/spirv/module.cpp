@@ -146,7 +146,7 @@ void Translator::declare_type(const SpirvInstruction& i) {
         if (!(item_count >= 1 && item_count * static_cast<double>(item.size) <= max_bytes))
             i.fail("a type is too large");
         if (is_matrix && (item_count > 4 || item.kind != Kind::vector))
-            i.fail("a matrix has columns that are not followed");
+            i.fail("a matrix has more than 4 columns, or columns that are not vectors, which is not supported");
         const auto count = static_cast<std::size_t>(item_count);
         return add_type(i, {is_matrix ? Kind::matrix : Kind::sequence,
                             {},

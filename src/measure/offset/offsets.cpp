@@ -151,7 +151,7 @@ void require_few_primitives(const Scene& scene) {
     const std::size_t outside_meshes = scene.primitive_count() - (scene.mesh ? scene.mesh->faces.size() : 0);
     if (outside_meshes <= most_primitives) return;
     throw InputError(
-        fmt::format("scene {} has {} primitives beside its meshes, and every ray is tested against all of them; {} is "
+        fmt::format("scene {} has {} primitives besides its meshes, and every ray is tested against all of them; {} is "
                     "the most: try a part of the scene",
                     scene.id, outside_meshes, most_primitives));
 }

@@ -125,11 +125,11 @@ std::string probes_text(const RepairSummary& r, const std::vector<RowQuality>& p
         else fails.push_back({quality, {probe_text}});
     }
     std::string text;
-    const std::string where =
-        fmt::format("on {} moved with the primitives", scene::toml::counted(r.repair.probed_rays, "ray"));
-    if (!holds.empty()) text += fmt::format("  It also holds {}: {}.\n", where, fmt::join(holds, "; "));
+    const std::string moved = fmt::format("if rays and primitives are moved together ({})",
+                                          scene::toml::counted(r.repair.probed_rays, "ray"));
+    if (!holds.empty()) text += fmt::format("  It also holds {}: {}.\n", moved, fmt::join(holds, "; "));
     for (const auto& [quality, probes] : fails)
-        text += fmt::format("  It fails {}: {}: {}.\n", where, fmt::join(probes, "; "), quality);
+        text += fmt::format("  It fails {}: {}. Then it keeps {}.\n", moved, fmt::join(probes, "; "), quality);
     return text;
 }
 
@@ -141,7 +141,7 @@ std::string symmetric_set_text(const RepairSummary& r) {
     const auto& set = *repair.symmetric;
     std::string text = fmt::format(
         "  It is not symmetric: it was found for the axes as they are.\nWith {} of its {} operations in {}, the same "
-        "ones for x, y and z, it keeps {}.\n  They are in: {}.\n",
+        "ones for x, y and z, it keeps {}.\n  Statements with wider operations: {}.\n",
         set.operations.size(), repair.operations, name_of_wider(repair.wider),
         in_words(set.quality, r.request.requirement), names_of(r, set.operations));
     text += change_lines(r, r.has_set() ? 1 : 0);
@@ -161,7 +161,7 @@ std::string wider_set_text(const RepairSummary& r) {
     std::string text =
         fmt::format("With {} of its {} operations in {} it keeps {} ({} with all of them).\n", size, repair.operations,
                     wider, in_words(repair.set->quality, requirement), in_words(repair.all, requirement));
-    text += fmt::format("  They are in: {}.\n", names_of(r, repair.set->operations));
+    text += fmt::format("  Statements with wider operations: {}.\n", names_of(r, repair.set->operations));
     text += change_lines(r, 0);
     const auto best = std::ranges::min_element(repair.set->without, measure::repair::is_more_accurate);
     text += fmt::format(

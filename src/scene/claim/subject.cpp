@@ -253,7 +253,7 @@ Subject read_measured(TableReader& table, Claim& claim) {
         toml::fail(
             table.where(),
             "claim.given needs a scene, a sweep, a search, a table, a scene to render, or a scene for offsets or "
-            "consistency; write one of them. A study needs a scene beside its name");
+            "consistency; write one of them. A study needs a scene besides its name");
     auto& [kind, name] = named.front();
     if (!kind->no_position_reason.empty()) {
         for (const char* key : {"at", "case", "convention"}) table.reject(key, kind->no_position_reason);

@@ -82,7 +82,7 @@ public:
         while (!skip_if(']')) {
             NpyHeader::Field& field = values.emplace_back();
             require('(');
-            if (next_is('(')) fail("a field has a title beside its name, which is not supported");
+            if (next_is('(')) fail("a field has a title besides its name, which is not supported");
             field.name = string();
             require(',');
             if (next_is('['))
