@@ -208,8 +208,11 @@ std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const e
     const std::size_t tests_per_point = other_primitives + std::min(faces, most_near_triangles);
     const auto affordable_pixels = static_cast<int>(std::clamp<std::size_t>(most_tests / tests_per_point, 64, 65536));
     const scene::file::Scene small_scene = with_smaller_picture(scene, std::min(pixels, affordable_pixels));
-    const offset::OffsetStudy offset_study{
-        .scene = small_scene, .rows = {{row}}, .strategies = offset::all_strategies(), .limit = limit, .quiet = false};
+    const offset::OffsetStudy offset_study{.scene = small_scene,
+                                           .rows = {{row}},
+                                           .strategies = offset::all_strategies(),
+                                           .limit = limit,
+                                           .finds_quiet_offset = false};
     const offset::OffsetSummary summary = std::move(study::run_study(offset_study).front());
     SafeOffsets safe;
     safe.points = summary.points;

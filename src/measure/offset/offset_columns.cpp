@@ -46,7 +46,7 @@ constexpr OffsetColumn table[] = {
     {"bad_fraction", "", "share of rays with any fault other than a start on the wrong side, which alone harms nothing",
      false,
      [](const S& s, Side side, std::size_t k) {
-         return fraction(strategy_of(s, side, k).bad, s.side_summary(side).rays);
+         return fraction(strategy_of(s, side, k).bad_rays, s.side_summary(side).rays);
      }},
     {"self_hit_fraction", "",
      "share of rays that truly meet the primitive that they leave, except for its far wall; for rays into the "
@@ -75,22 +75,22 @@ constexpr OffsetColumn table[] = {
     {"offset_max", "world units", "maximum over the points of the largest distance from p to a new origin", false,
      offset_percentile<&E::size, 100>},
     {"oversize_points", "", "points whose smallest safe offset is finite and not 0", true,
-     [](const S& s, Side side, std::size_t k) { return to_double(strategy_of(s, side, k).oversize.count()); }},
+     [](const S& s, Side side, std::size_t k) { return to_double(strategy_of(s, side, k).size_ratio.count()); }},
     {"oversize_p50", "", "of these, how many times larger the offset is than the smallest safe one: median", false,
-     offset_percentile<&E::oversize, 50>},
-    {"oversize_p99", "", "the same: 99th percentile", false, offset_percentile<&E::oversize, 99>},
-    {"oversize_max", "", "the same: largest", false, offset_percentile<&E::oversize, 100>},
+     offset_percentile<&E::size_ratio, 50>},
+    {"oversize_p99", "", "the same: 99th percentile", false, offset_percentile<&E::size_ratio, 99>},
+    {"oversize_max", "", "the same: largest", false, offset_percentile<&E::size_ratio, 100>},
     {"too_small_fraction", "", "share of these points whose offset is less than the smallest safe one", false,
      [](const S& s, Side side, std::size_t k) {
-         return fraction(strategy_of(s, side, k).too_small, strategy_of(s, side, k).oversize.count());
+         return fraction(strategy_of(s, side, k).too_small, strategy_of(s, side, k).size_ratio.count());
      }},
     {"already_safe_fraction", "", "share of points that need no offset", false, share_of_points<&D::already_safe>},
     {"never_safe_fraction", "", "share of points that no offset along the normal makes safe", false,
      share_of_points<&D::never_safe>},
     {"safe_p50", "world units", "smallest safe offset of the points that have one, 0 among them: median", false,
-     side_percentile<&D::safe, 50>},
-    {"safe_p99", "world units", "the same: 99th percentile", false, side_percentile<&D::safe, 99>},
-    {"safe_max", "world units", "the same: largest", false, side_percentile<&D::safe, 100>},
+     side_percentile<&D::safe_offset, 50>},
+    {"safe_p99", "world units", "the same: 99th percentile", false, side_percentile<&D::safe_offset, 99>},
+    {"safe_max", "world units", "the same: largest", false, side_percentile<&D::safe_offset, 100>},
     {"safe_ulps_p50", "ulp", "the same in ulps of the largest coordinate of p: median", false,
      side_percentile<&D::safe_ulps, 50>},
     {"safe_ulps_p99", "ulp", "the same: 99th percentile", false, side_percentile<&D::safe_ulps, 99>},
@@ -99,9 +99,9 @@ constexpr OffsetColumn table[] = {
      "share of points that no offset along the normal makes safe both by truth and by the form's own arithmetic", false,
      share_of_points<&D::never_quiet>},
     {"quiet_p50", "world units", "smallest offset that is safe by truth and by the form's arithmetic: median", false,
-     side_percentile<&D::quiet, 50>},
-    {"quiet_p99", "world units", "the same: 99th percentile", false, side_percentile<&D::quiet, 99>},
-    {"quiet_max", "world units", "the same: largest", false, side_percentile<&D::quiet, 100>},
+     side_percentile<&D::quiet_offset, 50>},
+    {"quiet_p99", "world units", "the same: 99th percentile", false, side_percentile<&D::quiet_offset, 99>},
+    {"quiet_max", "world units", "the same: largest", false, side_percentile<&D::quiet_offset, 100>},
 };
 
 }  // namespace

@@ -89,7 +89,7 @@ Table<SafeOffsetRow> offset_table() {
         {"oversize_p50", "1",
          "how many times longer than the smallest safe offset, median; the larger of the sides; missing: no offset is "
          "needed",
-         or_missing([](const R& r) { return r.safe.oversize; })}};
+         or_missing([](const R& r) { return r.safe.size_ratio; })}};
 }
 
 std::vector<SafeOffsetRow> offset_rows(const measure::choice::SafeOffsets& offsets) {

@@ -12,8 +12,8 @@ using measure::offset::SideSummary;
 namespace {
 
 std::string subject_text(const OffsetRow& row, Side side) {
-    return fmt::format("{} in {}, {} points, rays {}", row.row.form->info->name, row.row.format.name,
-                       name_of(row.point), in_words(side));
+    return fmt::format("{} in {}, {} points, rays {}", row.form_row.form->info->name, row.form_row.format.name,
+                       name_of(row.point_kind), in_words(side));
 }
 
 /// Look of a strategy in every plot: its index in the table of strategies. The index after the last one is for the
@@ -68,7 +68,7 @@ void AlongFiles::plot_wrong(std::size_t row, Side side) const {
                         {"share of rays", plot::AxisSpec::Scale::linear, 0.0, {}, false, false, 1});
     for (std::size_t k = 0; k < study_.strategies.size(); ++k)
         spec.series.push_back(series_of(
-            row, side, [k](const SideSummary& s) { return measure::truth::fraction(s.strategies[k].bad, s.rays); },
+            row, side, [k](const SideSummary& s) { return measure::truth::fraction(s.strategies[k].bad_rays, s.rays); },
             study_.strategies[k]));
     spec.notes = {
         "wrong: a self-hit (by truth or by the form's arithmetic), a lost occluder, or a lost exit",
@@ -78,7 +78,7 @@ void AlongFiles::plot_wrong(std::size_t row, Side side) const {
 
 void AlongFiles::plot_size(std::size_t row, Side side) const {
     auto spec = spec_of(row, side, "Offsets", {"world units", plot::AxisSpec::Scale::log10, {}, {}});
-    spec.series = {series_of(row, side, [](const SideSummary& s) { return s.safe.quantile(1); })};
+    spec.series = {series_of(row, side, [](const SideSummary& s) { return s.safe_offset.quantile(1); })};
     for (std::size_t k = 0; k < study_.strategies.size(); ++k)
         if (!study_.strategies[k]->keeps_point)
             spec.series.push_back(series_of(

@@ -34,7 +34,7 @@ struct StrategyRow {
     const OffsetSummary* summary;
     Side side;
     const Strategy* strategy;
-    std::size_t place;  ///< index of the strategy
+    std::size_t strategy_index;
 };
 /// A view, see output/study/study_files.hpp. One sheet shows all offsets: the smallest safe offset and the strategies
 /// across; forms, formats, kinds of points and sides down. `<form>.<format>.<point>.<side>.safe.png` and
@@ -61,7 +61,7 @@ struct OffsetView {
 
 /// Findings for row `r` of a study, one sentence per line. For each side: the largest of the smallest safe offsets,
 /// and the strategies that are right for every ray. Then the cheapest strategy that is right on both sides (`none`,
-/// which leaves the point as it is, is a strategy too). Empty if no point counts.
+/// which leaves the point as it is, is a strategy too). Empty if the summary has no points.
 [[nodiscard]] std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t r,
                                                      const OffsetSummary& summary);
 
