@@ -186,15 +186,15 @@ Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const Re
     auto choice = output::choice::choose_among(request, measured_candidates, timed_rays);
     choice.requirement_map = std::move(requirement_map);
     choice.repaired = std::move(repaired);
-    if (choice.meets && request.scene)
-        choice.offsets =
-            measure::choice::safe_offsets(*request.scene, measured_candidates[*choice.meets].row, request.limit);
+    if (choice.cheapest_index && request.scene)
+        choice.offsets = measure::choice::safe_offsets(*request.scene, measured_candidates[*choice.cheapest_index].row,
+                                                       request.limit);
     files.finish(choice);
     complete(result_folder);
     progress.finish();
     fmt::print("{}", output::choice::in_words(choice));
     if (!common.quiet) fmt::print("{}\n", (files.folder() / "choose.csv").string());
-    return choice.meets ? Exit::done : Exit::answer_is_no;
+    return choice.cheapest_index ? Exit::done : Exit::answer_is_no;
 }
 
 Exit choose_for_scene(const ChooseOptions& o, const Common& common) {

@@ -57,7 +57,7 @@ void run_case_file(const std::filesystem::path& path, const SweepSelection& chos
         [&file] { return measure::attribution::OwnedSetting(file.rays(0, binary64).front()); });
     for (TestedForm row : rows) {
         for (const auto& convention : file.conventions) {
-            row.judged = convention;
+            row.touching = convention;
             request.rows.push_back(row);
         }
     }
@@ -136,8 +136,9 @@ ShapePredicate check_file(const std::filesystem::path& path, SweepKind kind, con
     if (kind == K::axes) {
         const scene::sweep::SweepFile sweep(path, data, selection::read_changes(o), stop);
         const char* const why = !sweep.has_random_rays() ? "has the rays of its scene and draws none at random"
-                                : sweep.axes.size() != 1 ? "has two axes; more seeds repeat the onset of a sweep along one axis"
-                                                         : nullptr;
+                                : sweep.axes.size() != 1
+                                    ? "has two axes; more seeds repeat the onset of a sweep along one axis"
+                                    : nullptr;
         if (why != nullptr && o.seeds.value_or(0) > 0)
             throw InputError(fmt::format("--seeds {}: {} {}; leave out --seeds", *o.seeds, sweep.id, why));
         if (o.pictures == "all" && sweep.axes.size() != 2)

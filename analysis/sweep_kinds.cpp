@@ -50,7 +50,7 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
     if (sweep_.scene) request_.scene = selection::name_of_scene(*sweep_.scene, chosen.data());
     for (TestedForm row : selection::fitting(chosen.rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
         if (row.format.engine != Format::Engine::native32) continue;
-        row.judged = sweep_.convention;
+        row.touching = sweep_.convention;
         request_.rows.push_back(row);
     }
 }

@@ -35,9 +35,9 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Selection& 
     const auto summaries = measure::evaluate::run_map(request, show);
     auto csv = table.writer();
     const auto name_of = [&](const measure::evaluate::WorstRay& ray) {
-        return given.explain_arguments.empty()
-                   ? std::string()
-                   : output::attribution::name_of_pixel(given.explain_arguments, static_cast<int>(ray.x), ray.y);
+        return given.explain_arguments.empty() ? std::string()
+                                               : output::attribution::explain_pixel_arguments(
+                                                     given.explain_arguments, static_cast<int>(ray.x), ray.y);
     };
     for (std::size_t r = 0; r < request.rows.size(); ++r)
         summary.add_row(csv, {request.rows[r], &summaries[r], name_of});

@@ -197,10 +197,11 @@ std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Sel
         });
     auto csv = table.writer();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        for (const auto& row : output::map::summary_rows(r, request.rows[r], judgement.summaries[r], judgement.groups,
-                                                         [](const measure::evaluate::WorstRay& ray) {
-                                                             return output::attribution::name_of_ray(ray.given.get());
-                                                         }))
+        for (const auto& row :
+             output::map::summary_rows(r, request.rows[r], judgement.summaries[r], judgement.groups,
+                                       [](const measure::evaluate::WorstRay& ray) {
+                                           return output::attribution::explain_ray_arguments(ray.given.get());
+                                       }))
             summary.add_row(csv, row);
     }
     if (const auto file_row = request.file_place())

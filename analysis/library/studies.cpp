@@ -174,7 +174,7 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
     result.add_table("choose", output::choice::candidate_table(), output::choice::candidate_rows(found));
     result.add_table("room", output::choice::margin_table(), found.margins);
     result.texts.push_back(output::choice::in_words(found));
-    return found.meets.has_value();
+    return found.cheapest_index.has_value();
 }
 
 /// The arguments of a call with a requirement.

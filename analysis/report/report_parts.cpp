@@ -50,8 +50,8 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
         .limit = {.stop = stop}};
     for (TestedForm row : work.rows) {
-        for (const auto& judged : file.conventions) {
-            row.judged = judged;
+        for (const auto& touching : file.conventions) {
+            row.touching = touching;
             request.rows.push_back(row);
         }
     }
@@ -64,12 +64,12 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
                    .rows = keys_of(work.rows)};
     for (std::size_t i = 0; i < file.size(); ++i) part.cases.push_back(file.name(i));
     part.json = page::case_json(request, cases);
-    for (const auto& judged : file.conventions) {
+    for (const auto& touching : file.conventions) {
         const std::string alt =
-            judged ? fmt::format("{}, judged by the {} primitive", file.title, intersect::convention_name(judged))
-                   : file.title;
-        part.charts.push_back({alt, svg_text(output::sweep::case_matrix(request, cases, judged)),
-                               std::string(intersect::convention_name(judged)), false});
+            touching ? fmt::format("{}, judged by the {} primitive", file.title, intersect::convention_name(touching))
+                     : file.title;
+        part.charts.push_back({alt, svg_text(output::sweep::case_matrix(request, cases, touching)),
+                               std::string(intersect::convention_name(touching)), false});
     }
     return part;
 }
@@ -113,7 +113,7 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
         .metrics = selection::measured(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
         .limit = {.stop = stop}};
-    for (TestedForm& row : request.rows) row.judged = sweep.convention;
+    for (TestedForm& row : request.rows) row.touching = sweep.convention;
     const auto steps = measure::sweep::run_sweep(request);
     SweepPart part{.kind = SweepPart::Kind::line,
                    .id = sweep.id,

@@ -185,7 +185,7 @@ SelectedRay worst_of_sweep(const RayOptions& options, TestedForm row, const std:
     if (kind == SweepKind::cases) {
         const scene::sweep::CaseFile file(path);
         row = row_for(row, "the file of cases " + file.id, [&](Shapes forms) { return file.meets(forms); });
-        row.judged = convention_of(options, file);
+        row.touching = convention_of(options, file);
         return worst_of_cases(file, row, options.stop);
     }
     if (kind != SweepKind::axes)
@@ -194,7 +194,7 @@ SelectedRay worst_of_sweep(const RayOptions& options, TestedForm row, const std:
                          "tables have the command that explains the worst ray");
     const scene::sweep::SweepFile sweep(path, data, read_changes(changes), options.stop);
     row = row_for(row, "the sweep " + sweep.id, [&](Shapes forms) { return sweep.meets(forms); });
-    row.judged = options.convention.empty() ? sweep.convention : scene::sweep::convention_named(options.convention);
+    row.touching = options.convention.empty() ? sweep.convention : scene::sweep::convention_named(options.convention);
     return worst_along(sweep, row, options.stop);
 }
 
@@ -208,7 +208,7 @@ SelectedRay ray_of_case(const RayOptions& options, TestedForm row, const std::fi
     const scene::sweep::CaseFile file(path);
     row = row_for(row, "the file of cases " + file.id, [&](Shapes forms) { return file.meets(forms); });
     const auto [case_index, ray_index] = named_ray(file, options.named_case);
-    row.judged = convention_of(options, file);
+    row.touching = convention_of(options, file);
     const int rays = file.rays_of(case_index);
     auto groups = file.rays(case_index, row.format.parameters);
     const int count = rays * static_cast<int>(groups.size());
@@ -220,7 +220,7 @@ SelectedRay ray_of_case(const RayOptions& options, TestedForm row, const std::fi
                       fmt::format("Case \"{}\", ray {} of {}{}.\n", file.name(case_index), k, count,
                                   ray_index || count == 1 ? " (counted from 0)"
                                                           : " (counted from 0), the worst of them for this form")};
-    found.ray.judge_by(row.judged);
+    found.ray.judge_by(row.touching);
     return found;
 }
 
@@ -353,13 +353,13 @@ SelectedRay find_ray(const RayOptions& options, const TestedForm& row, const std
     if (const auto sweep = options.worst ? sweep_named(options.subject, data) : std::nullopt)
         return worst_of_sweep(options, row, *sweep, data);
     TestedForm judged_row = row;
-    judged_row.judged = scene::sweep::convention_named(options.convention);
+    judged_row.touching = scene::sweep::convention_named(options.convention);
     if (!options.steps.empty())
         throw InputError("--steps " + options.steps +
                          " is for the worst ray of a sweep; add --worst, or leave --steps out");
     SelectedRay found =
         options.subject.empty() ? ray_of_own_primitives(options, row) : ray_of_scene(options, judged_row, data);
-    found.ray.judge_by(judged_row.judged);
+    found.ray.judge_by(judged_row.touching);
     return found;
 }
 

@@ -97,7 +97,7 @@ SelectedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, cons
         scene, OneRay(*scene, x, worst.ray->y, {.stop = stop}), row.form,
         fmt::format("Pixel {},{}, the worst of {} for this form: {}.\n", x, worst.ray->y, worst.rays, worst.why),
         std::pair{x, worst.ray->y}};
-    found.ray.judge_by(row.judged);
+    found.ray.judge_by(row.touching);
     return found;
 }
 
@@ -128,7 +128,7 @@ SelectedRay worst_along(const scene::sweep::SweepFile& sweep, const TestedForm& 
                     "form: {}.\n",
                     index_among(sweep.rays(values[worst.summary_index]), *ray), summaries[worst.summary_index].rays,
                     step, worst.rays, summaries.size(), worst.why)};
-    found.ray.judge_by(row.judged);
+    found.ray.judge_by(row.touching);
     return found;
 }
 
@@ -146,7 +146,7 @@ SelectedRay worst_of_cases(const scene::sweep::CaseFile& file, const TestedForm&
         nullptr, OneRay(ray_of(file.rays(worst.summary_index, row.format.parameters), rays_per_group, k)), row.form,
         fmt::format("Case \"{}\", ray {} (counted from 0), the worst of {} in {} cases for this form: {}.\n",
                     file.name(worst.summary_index), k, worst.rays, summaries.size(), worst.why)};
-    found.ray.judge_by(row.judged);
+    found.ray.judge_by(row.touching);
     return found;
 }
 

@@ -41,7 +41,7 @@ measure::sweep::SweepRequest sweep_of(const scene::sweep::SweepFile& sweep, std:
     request.metrics =
         metric_set.for_forms(selection::measured(metrics, request.rows), measure::evaluate::forms_of(request.rows),
                              [&sweep] { return OwnedSetting(sweep.first_rays()); });
-    for (TestedForm& row : request.rows) row.judged = sweep.convention;
+    for (TestedForm& row : request.rows) row.touching = sweep.convention;
     request.further_draws = 2;
     request.recoveries = request.both_ends = true;
     return request;

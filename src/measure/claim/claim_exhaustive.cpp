@@ -114,7 +114,7 @@ evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t row,
             .outcome = float_answer.outcome,
             .ulps = float_answer.ulps,
             .truth = float_answer.truth,
-            .judged = request.rows[row].judged,
+            .touching = request.rows[row].touching,
             .given = given};
 }
 
@@ -123,7 +123,7 @@ TestedForm float_row(const Claim& claim, const ExhaustiveFile& file) {
     if (row.format.engine != Format::Engine::native32)
         scene::toml::fail(claim.where,
                           claim.subject_name() + " tries every number of f32 only; write format = \"f32\"");
-    if (!row.judged) row.judged = file.convention;
+    if (!row.touching) row.touching = file.convention;
     return row;
 }
 

@@ -131,7 +131,7 @@ void measure_axes(const SubjectClaims<SweepSubject>& claims, const AxesPosition&
     std::vector<std::size_t> rows;
     for (const auto& [claim, subject, result] : claims) {
         TestedForm row = row_for(claim, sweep);
-        if (!row.judged) row.judged = sweep.convention;
+        if (!row.touching) row.touching = sweep.convention;
         rows.push_back(index_or_added(request.rows, row));
     }
     const OwnedSetting setting(sweep.first_rays());

@@ -24,8 +24,8 @@ struct AnswerSample {
 };
 
 /// Makes an AnswerSample with both units of a true hit. `t` counts if the row's form has roots, and is NaN otherwise.
-AnswerSample judged(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth,
-                    const evaluate::TestedForm& row, bool hit, double t);
+AnswerSample answer_sample(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth,
+                           const evaluate::TestedForm& row, bool hit, double t);
 
 /// Source of the answers. The advice about a file does not mention the contract of a library.
 enum class AnswerSource : std::uint8_t { intersector, file };

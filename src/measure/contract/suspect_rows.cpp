@@ -24,15 +24,15 @@ void collect_samples(const truth::Band& band, const evaluate::TestedForm& row, s
         if (truth.decision == truth::Truth::Decision::unresolved) continue;
         const std::size_t primitive =
             answer::measured_primitive(in, i, truth.is_hit() ? truth.object : answers.object[i]);
-        rays.push_back(judged(in.rays_for(*row.form->info)[i], in.primitives[primitive], truth, row,
-                              answers.hit[i] != 0, answers.t[i]));
+        rays.push_back(answer_sample(in.rays_for(*row.form->info)[i], in.primitives[primitive], truth, row,
+                                     answers.hit[i] != 0, answers.t[i]));
     }
 }
 
 }  // namespace
 
-AnswerSample judged(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth,
-                    const evaluate::TestedForm& row, bool hit, double t) {
+AnswerSample answer_sample(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth,
+                           const evaluate::TestedForm& row, bool hit, double t) {
     const bool unit = row.form->info->direction == intersect::Direction::unit;
     const FloatFormat& format = row.format.parameters;
     if (row.form->info->roots == intersect::Roots::none) t = std::nan("");

@@ -145,7 +145,7 @@ WorstRay RowSums::ray_with_inputs(std::size_t i, Outcome outcome) const {
                .primitive = result_.inputs->primitives[primitive],
                .t = hit && tells_t ? result_.answers->t[i] : missing,
                .outcome = outcome,
-               .judged = row_.judged};
+               .touching = row_.touching};
     if (truth.is_hit())
         w.truth = result_.band->rounded_truth(i, binary64, row_.form->info->direction, row_.convention());
     // Two primitives decide which hit is nearest: the form's and the true one. A distance field depends on all

@@ -263,9 +263,9 @@ private:
             const bool hit = piece.answers.hit[i] != 0;
             if (truth.decision == truth::Truth::Decision::unresolved || !(hit || truth.is_hit())) continue;
             const int object = truth.is_hit() ? truth.object : piece.answers.object[i];
-            result_.first.push_back(contract::judged(inputs.rays_for(*row.form->info)[i],
-                                                     inputs.primitives[static_cast<std::size_t>(object)], truth, row,
-                                                     hit, piece.answers.t[i]));
+            result_.first.push_back(contract::answer_sample(inputs.rays_for(*row.form->info)[i],
+                                                            inputs.primitives[static_cast<std::size_t>(object)], truth,
+                                                            row, hit, piece.answers.t[i]));
         }
     }
 

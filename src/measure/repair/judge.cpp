@@ -46,7 +46,7 @@ private:
 };
 
 TestedForm row_like(const TestedForm& row, const TapeForm& form) {
-    return {.form = &form.row(), .format = row.format, .judged = row.judged};
+    return {.form = &form.row(), .format = row.format, .touching = row.touching};
 }
 
 /// Runs a tape on rays that have candidates among many primitives, with many pairs of a ray and a primitive in one

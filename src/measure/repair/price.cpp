@@ -208,7 +208,7 @@ std::vector<intersect::external::Formula> compile_and_load(const RepairRequest& 
         form_request.row = original;
         Judge judge(form_request);
         const evaluate::TestedForm compiled{
-            .form = &formulas[k].row, .format = original.format, .judged = original.judged};
+            .form = &formulas[k].row, .format = original.format, .touching = original.touching};
         if (!answers_as(compiled, *forms[k].tape, form_request, judge))
             throw std::logic_error(forms[k].type + ": the compiled form has other answers than its tape");
         if (!compiled.form->is_placed) simd::register_packs({{formulas[k].row.info, formulas[k].packed}});

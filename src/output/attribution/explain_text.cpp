@@ -272,10 +272,10 @@ std::string explain_text(const Explanation& x, bool show_all, const std::optiona
     if (x.form->is_set())
         text +=
             fmt::format("It is a {}, which the form {} answers.\n", name_of(x.shape), x.form->of(x.shape).info->name);
-    if (x.judged)
-        text +=
-            fmt::format("Judged by the {} primitive: a ray that only touches is a {}.\n",
-                        intersect::convention_name(x.judged), *x.judged == intersect::Touching::hit ? "hit" : "miss");
+    if (x.touching)
+        text += fmt::format("Judged by the {} primitive: a ray that only touches is a {}.\n",
+                            intersect::convention_name(x.touching),
+                            *x.touching == intersect::Touching::hit ? "hit" : "miss");
     if (x.rounded_inputs) {
         text += fmt::format(
             "{} cannot represent all of these numbers and gets them rounded, as below. The true t is the one for the "

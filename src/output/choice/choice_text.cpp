@@ -283,10 +283,10 @@ std::string in_words(const Requirement& requirement) {
 
 std::string in_words(const ChoiceResult& chosen) {
     std::string text = fmt::format("{}: {}\n", chosen.request.id(), in_words(chosen.request.requirement));
-    if (!chosen.meets) {
+    if (!chosen.cheapest_index) {
         text += nothing_meets_text(chosen);
     } else {
-        const Candidate& c = chosen.all[*chosen.meets];
+        const Candidate& c = chosen.all[*chosen.cheapest_index];
         const int precision = c.row.format.parameters.precision;
         text += fmt::format("The cheapest is {}: {}, {}.\n", candidate_name(c),
                             kept_phrase(c.quality, precision, chosen.request.requirement), decisions_phrase(c.quality));

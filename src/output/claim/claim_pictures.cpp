@@ -36,7 +36,7 @@ std::vector<TestedForm> rows_of(const std::vector<const Claim*>& claims) {
     for (const Claim* const c : claims) {
         const TestedForm row = measure::claim::claim_row(*c);
         const auto is_same_series = [&](const TestedForm& r) {
-            return r.form == row.form && r.format == row.format && r.judged == row.judged;
+            return r.form == row.form && r.format == row.format && r.touching == row.touching;
         };
         if (std::ranges::none_of(rows, is_same_series)) rows.push_back(row);
     }
@@ -139,12 +139,12 @@ std::string picture_of(const scene::claim::SweepSubject& subject, const ShownSub
             .file = file, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = run.stop}};
         const auto cases = measure::sweep::run_cases(request);
         std::string text;
-        for (const std::optional<Touching> judged :
+        for (const std::optional<Touching> touching :
              {std::optional<Touching>{}, std::optional{Touching::hit}, std::optional{Touching::miss}}) {
-            if (std::ranges::none_of(rows, [&](const TestedForm& r) { return r.judged == judged; })) continue;
+            if (std::ranges::none_of(rows, [&](const TestedForm& r) { return r.touching == touching; })) continue;
             const std::string picture =
-                judged ? fmt::format("{}.{}.png", file.id, intersect::convention_name(judged)) : file.id + ".png";
-            image::save_figure(picture_path(shown, picture), sweep::case_matrix(request, cases, judged));
+                touching ? fmt::format("{}.{}.png", file.id, intersect::convention_name(touching)) : file.id + ".png";
+            image::save_figure(picture_path(shown, picture), sweep::case_matrix(request, cases, touching));
             text += picture_link(shown, file.title, picture);
         }
         return text;
@@ -152,7 +152,7 @@ std::string picture_of(const scene::claim::SweepSubject& subject, const ShownSub
     const scene::sweep::SweepFile sweep(path, run.data_dir, {}, run.stop);
     measure::sweep::SweepRequest request{
         .sweep = sweep, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = run.stop}};
-    for (TestedForm& row : request.rows) row.judged = row.judged ? row.judged : sweep.convention;
+    for (TestedForm& row : request.rows) row.touching = row.touching ? row.touching : sweep.convention;
     const auto steps = measure::sweep::run_sweep(request);
     std::string text;
     if (sweep.axes.size() == 2) {

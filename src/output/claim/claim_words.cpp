@@ -27,14 +27,14 @@ std::string witness_text(const ClaimResult& r) {
 
 std::string explain_witness(const Claim& c, const ClaimResult& r) {
     if (r.witness.x < 0) return "";
-    const std::string name =
-        r.witness.given ? attribution::name_of_ray(r.witness.given.get())
-        : c.on<scene::claim::SceneSubject>()
-            ? attribution::name_of_pixel(shell_word(c.subject_name()), static_cast<int>(r.witness.x), r.witness.y)
-            : "";
+    const std::string name = r.witness.given ? attribution::explain_ray_arguments(r.witness.given.get())
+                             : c.on<scene::claim::SceneSubject>()
+                                 ? attribution::explain_pixel_arguments(shell_word(c.subject_name()),
+                                                                        static_cast<int>(r.witness.x), r.witness.y)
+                                 : "";
     if (name.empty()) return "";
     measure::evaluate::TestedForm row = measure::claim::claim_row(c);
-    row.judged = r.witness.judged;
+    row.touching = r.witness.touching;
     return attribution::explain_command(name, row);
 }
 

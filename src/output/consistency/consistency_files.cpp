@@ -174,7 +174,8 @@ Table<CheckRow> ConsistencyView::summary_table() {
         return [ray](const R& r) {
             const auto& shown_pixel = r.summary->shown;
             return shown_pixel && !(shown_pixel->rays.*ray).primitives.empty()
-                       ? attribution::explain_command(attribution::name_of_ray(&(shown_pixel->rays.*ray)), *r.row)
+                       ? attribution::explain_command(attribution::explain_ray_arguments(&(shown_pixel->rays.*ray)),
+                                                      *r.row)
                        : std::string();
         };
     };

@@ -39,7 +39,9 @@ scene::file::Scene scene_of(const JudgeRequest& request, const Dump& dump, const
 }
 
 /// Arguments of `lostbits explain` that name a ray; empty if its primitives are too many to be named.
-std::string ray_arguments(const measure::evaluate::WorstRay& ray) { return attribution::name_of_ray(ray.given.get()); }
+std::string ray_arguments(const measure::evaluate::WorstRay& ray) {
+    return attribution::explain_ray_arguments(ray.given.get());
+}
 
 std::string case_name(const TestedForm& row, const ReportedRay& ray) {
     const std::string error_text =
@@ -181,7 +183,7 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
                                                       .single_pictures = p.options.single_pictures,
                                                       .scene_arguments = "",
                                                       .other_tables = tables,
-                                                      .name_of_ray = ray_arguments,
+                                                      .ray_arguments = ray_arguments,
                                                       .listed = !request.picture,
                                                       .keep = p.keep_of_map(),
                                                       .by = request.by ? dump.layout().kept()[*request.by] : ""});

@@ -104,9 +104,9 @@ void MapFiles::finish(const std::vector<FormSummary>& summaries, const measure::
     p.pictures->finish(summaries);
     if (!p.summary) return;
     const auto ray_arguments = [&p](const measure::evaluate::WorstRay& ray) {
-        return p.options.name_of_ray
-                   ? p.options.name_of_ray(ray)
-                   : attribution::name_of_pixel(p.options.scene_arguments, static_cast<int>(ray.x), ray.y);
+        return p.options.ray_arguments
+                   ? p.options.ray_arguments(ray)
+                   : attribution::explain_pixel_arguments(p.options.scene_arguments, static_cast<int>(ray.x), ray.y);
     };
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         p.summary->add_all(summary_rows(r, p.request.rows[r], summaries[r], groups, ray_arguments));

@@ -29,7 +29,7 @@ struct MapFilesOptions {
     MapExr* exr = nullptr;  ///< for the same request; filled, and closed before summary.csv; null: no EXR is written
     std::vector<file::DataResource> other_tables =
         {};                              ///< tables that others write into the folder, for datapackage.json
-    NameOfRay name_of_ray = {};          ///< replaces `scene_arguments` if the rays come from a file
+    RayArguments ray_arguments = {};     ///< replaces `scene_arguments` if the rays come from a file
     bool listed = false;                 ///< the rays are a list and not a picture, so none is drawn
     std::optional<BarRange> range = {};  ///< for every colour bar; absent: what fits each format
     pixel::KeepPiece keep = {};          ///< receives the pieces of a shard

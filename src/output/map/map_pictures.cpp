@@ -178,7 +178,7 @@ std::string MapPictures::worst_pixel_text(const Drawing& drawing, const measure:
     if (!row.form->record || options_.scene_arguments.empty()) return text;
     return text + ": " +
            attribution::explain_command(
-               attribution::name_of_pixel(options_.scene_arguments, static_cast<int>(worst.x), worst.y), row);
+               attribution::explain_pixel_arguments(options_.scene_arguments, static_cast<int>(worst.x), worst.y), row);
 }
 
 pixel::SheetEnd MapPictures::end_of(std::size_t sheet, const std::vector<FormSummary>& summaries) const {

@@ -47,8 +47,8 @@ void add_columns(Table<SummaryRow>& table, const std::vector<SummaryColumn>& col
 }
 
 std::string worst_ray_command(const SummaryRow& r, const measure::evaluate::WorstRay* ray) {
-    const std::string name = ray != nullptr && ray->x >= 0 ? r.name_of_ray(*ray) : "";
-    return name.empty() ? "" : attribution::explain_command(name, r.row);
+    const std::string arguments = ray != nullptr && ray->x >= 0 ? r.ray_arguments(*ray) : "";
+    return arguments.empty() ? "" : attribution::explain_command(arguments, r.row);
 }
 
 }  // namespace
@@ -77,10 +77,10 @@ Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const
 }
 
 std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& row, const FormSummary& summary,
-                                     const measure::evaluate::Groups& groups, const NameOfRay& name_of_ray) {
-    std::vector<SummaryRow> rows{{row, &summary, name_of_ray}};
+                                     const measure::evaluate::Groups& groups, const RayArguments& ray_arguments) {
+    std::vector<SummaryRow> rows{{row, &summary, ray_arguments}};
     for (const measure::evaluate::Group& group : groups.all())
-        rows.push_back({row, &group.summaries[r], name_of_ray, group.value.empty() ? "(empty)" : group.value});
+        rows.push_back({row, &group.summaries[r], ray_arguments, group.value.empty() ? "(empty)" : group.value});
     return rows;
 }
 

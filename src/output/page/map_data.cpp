@@ -238,24 +238,25 @@ Json summary_json(const MapStudy& request, const TestedForm& row, const FormSumm
     }
     const FloatFormat& f = row.format.parameters;
     const measure::evaluate::WorstRay* const worst = s.worst_ray();
-    return {{"form", row.form->info->name},
-            {"format", row.format.name},
-            {"title", map::title_of(*row.form->info)},
-            {"precision", f.precision},
-            {"emin", f.emin},
-            {"coding", coding_name(row.format)},
-            {"direction", row.form->info->direction == Direction::unit ? "unit" : "any"},
-            {"formula", row.form->is_template()},
-            {"from", attribution::plugin_options_for(row.form->info->name)},
-            {"group", group},
-            {"outcomes", s.outcomes},
-            {"true_hits", s.true_hits},
-            {"statistics", std::move(statistics)},
-            {"worst_explain",
-             worst ? attribution::explain_command(
-                         attribution::name_of_pixel(scene_with_size, static_cast<int>(worst->x), worst->y), row)
-                   : ""},
-            {"worst", worst ? Json{{"x", worst->x}, {"y", worst->y}} : Json()}};
+    return {
+        {"form", row.form->info->name},
+        {"format", row.format.name},
+        {"title", map::title_of(*row.form->info)},
+        {"precision", f.precision},
+        {"emin", f.emin},
+        {"coding", coding_name(row.format)},
+        {"direction", row.form->info->direction == Direction::unit ? "unit" : "any"},
+        {"formula", row.form->is_template()},
+        {"from", attribution::plugin_options_for(row.form->info->name)},
+        {"group", group},
+        {"outcomes", s.outcomes},
+        {"true_hits", s.true_hits},
+        {"statistics", std::move(statistics)},
+        {"worst_explain",
+         worst ? attribution::explain_command(
+                     attribution::explain_pixel_arguments(scene_with_size, static_cast<int>(worst->x), worst->y), row)
+               : ""},
+        {"worst", worst ? Json{{"x", worst->x}, {"y", worst->y}} : Json()}};
 }
 
 }  // namespace

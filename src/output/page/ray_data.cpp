@@ -123,7 +123,7 @@ Json rays_json(const MapStudy& request, const TestedForm& row, const std::vector
     std::vector<Json> explained(rays.size());
     intersect::process::in_parallel(0, rays.size(), [&](std::size_t i) {
         measure::answer::OneRay ray(scene, rays[i].x, rays[i].y, request.limit);
-        ray.judge_by(row.judged);
+        ray.judge_by(row.touching);
         const Explanation explanation = measure::attribution::explain_alone(*row.form, row.format, ray);
         explained[i] = ray_json(rays[i], explanation, attribution::end_of_march(*row.form, row.format, ray));
     });

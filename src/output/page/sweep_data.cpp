@@ -118,7 +118,7 @@ Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std
                 return number_json(inherent < request.metrics.size() ? case_summaries[r].metrics[inherent].quantile(1)
                                                                      : measure::truth::missing);
             });
-            row["judged"] = intersect::convention_name(request.rows[r].judged);
+            row["judged"] = intersect::convention_name(request.rows[r].touching);
             row["verdicts"] = array_of(cases, [&](const std::vector<FormSummary>& case_summaries) {
                 return measure::sweep::verdict_names[static_cast<std::size_t>(
                     measure::sweep::verdict_of(case_summaries[r], request.metrics, file.right_within_bits))];

@@ -38,7 +38,7 @@ struct FloatsRow {
     [[nodiscard]] std::string explain(std::uint32_t float_index) const {
         const scene::rays::RayGroup group = request.sweep.group_at(ray, float_at(float_index));
         const std::string scene = request.sweep.mesh ? request.scene + " " : "";
-        return attribution::explain_command(scene + attribution::name_of_ray(&group), request.rows[row]);
+        return attribution::explain_command(scene + attribution::explain_ray_arguments(&group), request.rows[row]);
     }
 
     const ExhaustiveRequest& request;
@@ -259,8 +259,8 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& f) {
     std::string text =
         fmt::format("all {} between {} and {} were tried: {}", scene::toml::counted(tally.floats(), "float"),
                     float_text(f.floats.first), float_text(f.floats.last), request.rows[f.row].form->info->name);
-    if (const auto judged = request.rows[f.row].judged)
-        text += fmt::format(", judged by the {} primitive,", intersect::convention_name(judged));
+    if (const auto touching = request.rows[f.row].touching)
+        text += fmt::format(", judged by the {} primitive,", intersect::convention_name(touching));
     if (sweep.rays.size() > 1) text += fmt::format(" on the ray {}", sweep.rays[f.ray].name);
     if (!tally.first_wrong) {
         text += tally.count(Outcome::unresolved) == 0

@@ -93,8 +93,8 @@ public:
 
     [[nodiscard]] std::vector<std::string> subtitle() const {
         std::vector<std::string> lines{request_.sweep.title, "every float in each binade was tried"};
-        if (const auto judged = request_.sweep.convention)
-            lines.front() += fmt::format(", judged by the {} primitive", intersect::convention_name(judged));
+        if (const auto touching = request_.sweep.convention)
+            lines.front() += fmt::format(", judged by the {} primitive", intersect::convention_name(touching));
         if (lacks_floats_) lines.back() += "; zeros, infinities and NaNs are only in the tables";
         return lines;
     }

@@ -182,7 +182,7 @@ image::Canvas plane_picture(const SweepRequest& request, const std::vector<Sweep
          .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), tested.format.parameters),
          .unit = "lost bits",
          .legend = map::outcome_legend(drawn.wrong),
-         .none_means = drawn.has_few ? gap_means() : "no value"});
+         .none_means = drawn.has_few ? gap_text() : "no value"});
 }
 
 void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& request,
@@ -202,7 +202,7 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
     }
     std::vector<image::LegendEntry> legend = map::outcome_legend(wrong);
     for (image::LegendEntry& entry : legend) entry.count.clear();
-    if (has_gap) legend.push_back({gap_means(), no_value, ""});
+    if (has_gap) legend.push_back({gap_text(), no_value, ""});
     if (has_explained) legend.push_back({map::paler_means, map::paler(scale.bar().at(0.5)), ""});
     const auto axis_text = [](const scene::sweep::Axis& axis, const std::vector<double>& values) {
         return fmt::format("{}, from {} to {}", plot_axis(axis).title, file::short_decimal(values.front(), 3),

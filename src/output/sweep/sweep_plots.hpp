@@ -94,7 +94,7 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
 /// Quantile of a metric over agreed hits; NaN, a gap in the line, if too few hits agree.
 [[nodiscard]] double drawn_quantile(const FormSummary& s, std::size_t metric, double q);
 /// Meaning of a gap, here and on the page.
-[[nodiscard]] std::string gap_means();
+[[nodiscard]] std::string gap_text();
 
 /// Part of an axis, with its ends.
 struct AxisPart {
@@ -106,7 +106,7 @@ struct AxisPart {
 /// Found by bisection to 2^-9 of the value, on the first ray; the rays of a distribution are all equally far away.
 /// Nothing if neither end of the axis is in the part, or if there is not exactly one sphere.
 [[nodiscard]] std::optional<AxisPart> too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format);
-inline constexpr const char* too_far_means = "shaded: an ulp of the distance is at least as wide as the sphere";
+inline constexpr const char* too_far_text = "shaded: an ulp of the distance is at least as wide as the sphere";
 
 /// Shades the part that is too far in a plot along a sweep, and explains the gaps of lines over agreed hits.
 void shade_and_note(plot::LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& format, bool over_hits);

@@ -113,7 +113,7 @@ table::Table<WorstRow> worst_table(const WorstRequest& request) {
         {"explain", "the command that explains the worst ray and prints these numbers again", [](const R& r) {
              if (!r.worst) return std::string();
              const scene::rays::RayGroup group = group_of_worst(*r.worst);
-             return attribution::explain_command(attribution::name_of_ray(&group), r.row);
+             return attribution::explain_command(attribution::explain_ray_arguments(&group), r.row);
          }});
 }
 
@@ -234,7 +234,7 @@ std::string census_phrase(const measure::edges::EdgeFinding& finding) {
 void NearestFiles::write(const std::filesystem::path& folder) const {
     const auto explain = [this](std::size_t r, const NearestRay& nearest) {
         const scene::rays::RayGroup group = scene::rays::group_of(nearest.ray);
-        return attribution::explain_command(scene + " " + attribution::name_of_ray(&group), request.rows[r]);
+        return attribution::explain_command(scene + " " + attribution::explain_ray_arguments(&group), request.rows[r]);
     };
     table::TableFile<NearestRow> csv(
         folder, "worst.csv", "One row per form, format and outcome: the nearest ray found at an edge", nearest_table());
