@@ -190,7 +190,7 @@ Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const Re
         choice.offsets = measure::choice::safe_offsets(*request.scene, measured_candidates[*choice.cheapest_index].row,
                                                        request.limit);
     files.finish(choice);
-    complete(result_folder);
+    complete_folder(result_folder);
     progress.finish();
     fmt::print("{}", output::choice::in_words(choice));
     if (!common.quiet) fmt::print("{}\n", (files.folder() / "choose.csv").string());

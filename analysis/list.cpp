@@ -208,7 +208,7 @@ std::pair<std::string, std::string> axis_and_title(const std::filesystem::path& 
     switch (scene::sweep::sweep_kind(path)) {
         case SweepKind::cases:
             return describe(scene::sweep::CaseFile(path),
-                            [](const auto& f) { return scene::toml::counted(f.size(), "case"); });
+                            [](const auto& f) { return scene::toml::count_with_noun(f.size(), "case"); });
         case SweepKind::search:
             return describe(scene::sweep::SearchFile(path), [](const auto& f) { return "search for " + f.metric; });
         case SweepKind::edge_search:

@@ -323,7 +323,7 @@ Exit run(const ReportOptions& o, const Common& common) {
     progress.finish();
     file.write(output::page::page(report));
     file.commit();
-    complete(folder);
+    complete_folder(folder);
     if (!common.quiet) fmt::print("{}\n", file.path().string());
     if (const Exit exit_code = report_unproved(unresolved); exit_code != Exit::done) return exit_code;
     const bool all_agree = std::ranges::all_of(report.results, [](const ClaimResult& r) {

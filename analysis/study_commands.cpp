@@ -199,7 +199,7 @@ Exit run_command(const StudyOptions& o, const Common& common) {
         input_files.push_back(scene.path);
         units += units_of<Adapter>(studies.back(), o.values);
     }
-    auto run_division = divide(o.shard, o.out, input_files, common);
+    auto run_division = divide_run(o.shard, o.out, input_files, common);
     run_division.division.expect(jobs);
     SceneFolders folders(scenes, run_division, common);
     for (const auto& scene : scenes) selection::note_numbers(scene, o.scenes.set, rows, common.quiet);
@@ -210,7 +210,7 @@ Exit run_command(const StudyOptions& o, const Common& common) {
     const std::uint64_t unproved = folders.for_each(studies.size(), progress, [&](std::size_t k, const auto& complete) {
         return measure_scene<Adapter>(studies[k], run, complete);
     });
-    finish(run_division, common);
+    finish_run(run_division, common);
     return report_unproved(unproved, studies.front().limit.bits);
 }
 

@@ -71,7 +71,7 @@ void run_case_file(const std::filesystem::path& path, const SweepSelection& chos
     const auto found = chosen.measure_or_join(file.id, units, request, measure::sweep::run_cases);
     if (!found) return;
     files->finish(*found);
-    complete(result_folder);
+    complete_folder(result_folder);
     if (!chosen.common.quiet) fmt::print("{}\n", (folder / "cases.csv").string());
 }
 
@@ -96,7 +96,7 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     const auto& [steps, onsets] = *found;
     output::sweep::write_sweep_plots(folder, {request, steps, onsets}, chosen.o.pictures == "all");
     files->finish(steps, onsets);
-    complete(result_folder);
+    complete_folder(result_folder);
     note_suspicions(request.rows, common, [&sweep](const measure::evaluate::TestedForm& row) {
         std::vector<double> first_values;
         std::string position;
@@ -218,7 +218,7 @@ Exit run(SweepOptions o, const Common& common) {
     std::vector<std::filesystem::path> files;
     for (const Sweep& sweep : sweeps)
         std::ranges::move(selection::files_of(sweep.path, sweep.kind, o, data, common.stop), std::back_inserter(files));
-    run_division = divide(o.shard, o.out, files, common, o.resume);
+    run_division = divide_run(o.shard, o.out, files, common, o.resume);
     std::vector<std::string> jobs;
     for (const Sweep& sweep : sweeps) jobs.push_back("sweep " + sweep.path.stem().string());
     run_division.division.expect(jobs);
@@ -242,7 +242,7 @@ Exit run(SweepOptions o, const Common& common) {
     }
     std::uint64_t unproved = 0;
     for (const auto& run : exhaustive) unproved += run->run(exhaustive.size() > 1);
-    finish(run_division, common);
+    finish_run(run_division, common);
     for (const auto& run : exhaustive) run->forget_state();
     return report_unproved(unproved);
 }

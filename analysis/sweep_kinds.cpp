@@ -122,7 +122,7 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
     const auto findings = measure::sweep::findings_of(request_, *found);
     files->finish(*found, findings);
     if (!others_follow) output::file::forget_result(state_file_.path());
-    complete(result_folder);
+    complete_folder(result_folder);
     std::uint64_t unresolved = 0;
     for (const auto& finding : findings) unresolved += finding.tally.count(Outcome::unresolved);
     if (common.quiet) return unresolved;
@@ -169,7 +169,7 @@ void run_search(const std::filesystem::path& path, const SweepSelection& chosen)
                               what_excludes_rays(search));
     }
     output::sweep::write_worst(folder, request, *found);
-    complete(result_folder);
+    complete_folder(result_folder);
     if (!chosen.common.quiet) fmt::print("{}\n", (folder / "worst.csv").string());
 }
 
@@ -210,7 +210,7 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
     if (!found) return;
     const output::sweep::NearestFiles files{request, *found, selection::name_of_scene(search.scene, chosen.data())};
     files.write(folder);
-    complete(result_folder);
+    complete_folder(result_folder);
     if (chosen.common.quiet) return;
     fmt::print("{}\n{}\n", (folder / "census.csv").string(), (folder / "worst.csv").string());
     for (std::size_t r = 0; r < found->size(); ++r) fmt::print("{}\n", files.sentence(r));

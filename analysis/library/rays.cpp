@@ -94,8 +94,8 @@ GivenRays read_rays(const lostbits_rays& rays, const CallRun& running) {
                 "a scene");
         result.shape = *shape;
         if (rays.paired != 0 && rays.primitive_count != rays.count)
-            throw InputError("there are " + scene::toml::counted(rays.count, "ray") + " and " +
-                             scene::toml::counted(rays.primitive_count, "primitive") +
+            throw InputError("there are " + scene::toml::count_with_noun(rays.count, "ray") + " and " +
+                             scene::toml::count_with_noun(rays.primitive_count, "primitive") +
                              "; pairs need the same number of both");
         if (rays.paired == 0 && rays.primitive_count == 0)
             throw InputError("the list of primitives is empty; give at least one");

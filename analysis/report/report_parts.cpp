@@ -163,7 +163,7 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
     page::Picture contact_sheet =
         page::picture(fmt::format("{}: lost bits of every form and format", scene.title), [&](const auto& file) {
             output::map::MapFiles sheet(request, {.folder = {},
-                                                  .drawn = {measure::metric::find_metric("lost_bits")},
+                                                  .drawn_metrics = {measure::metric::find_metric("lost_bits")},
                                                   .scene_arguments = work.scene_arguments,
                                                   .sheet_alone = file});
             summaries = measure::evaluate::run_map(

@@ -230,7 +230,7 @@ std::string difference_in_words(const measure::tape::DriverDifference& found) {
                                               : std::string()));
     if (found.inexact != no_node)
         parts.push_back(fmt::format("is up to {} in the last place off in an operation",
-                                    scene::toml::counted(static_cast<std::uint64_t>(found.ulps), "unit")));
+                                    scene::toml::count_with_noun(static_cast<std::uint64_t>(found.ulps), "unit")));
     return fmt::format("{}", fmt::join(parts, ", and "));
 }
 

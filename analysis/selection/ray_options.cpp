@@ -214,7 +214,7 @@ SelectedRay ray_of_case(const RayOptions& options, TestedForm row, const std::fi
     const int count = rays * static_cast<int>(groups.size());
     if (ray_index && *ray_index >= count)
         throw InputError(fmt::format("--case {}: the case has {}, counted from 0", options.named_case,
-                                     scene::toml::counted(count, "ray")));
+                                     scene::toml::count_with_noun(count, "ray")));
     const int k = ray_index ? *ray_index : worst_of(groups, rays, row, options.stop);
     SelectedRay found{nullptr, OneRay(ray_of(std::move(groups), rays, k)), row.form,
                       fmt::format("Case \"{}\", ray {} of {}{}.\n", file.name(case_index), k, count,

@@ -205,7 +205,8 @@ void note_rounded(const std::string& files, std::uint64_t count, const Format& f
         stderr,
         "lostbits: {}: {} representable in {} and {} rounded; name the format in which the answers were computed "
         "with --answer-format\n",
-        files, scene::toml::counted(count, "value is not", "values are not"), format.name, count == 1 ? "was" : "were");
+        files, scene::toml::count_with_noun(count, "value is not", "values are not"), format.name,
+        count == 1 ? "was" : "were");
 }
 
 }  // namespace lostbits::analysis::selection

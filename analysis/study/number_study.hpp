@@ -1,12 +1,12 @@
 // Studies of one number per pixel. A struct defines such a study and computes the number; everything else is here. The
 // struct has
 //
-//   name, title           its command, and what it does
-//   unit, meaning         of the number
-//   options()             its options
+//   name, title             its command, and what it does
+//   unit, meaning           of the number
+//   options()               its options
 //   a constructor from StudyValues
-//   scale()               colours of its picture
-//   operator()(RightHit)  the number of a pixel; NaN if it has none
+//   scale()                 colours of its picture
+//   operator()(CorrectHit)  the number of a pixel; NaN if it has none
 #pragma once
 
 #include <fmt/format.h>
@@ -34,7 +34,7 @@
 namespace lostbits::analysis::study {
 
 /// A pixel on which a form hits the primitive that the ray truly hits first.
-struct RightHit {
+struct CorrectHit {
     const measure::consistency::FormOnBand& form_on_band;
     std::size_t pixel;
     measure::truth::Truth truth;
@@ -43,8 +43,9 @@ struct RightHit {
     [[nodiscard]] Primitive<Real> primitive() const {
         return lift_primitive<Real>(form_on_band.inputs.primitives[static_cast<std::size_t>(truth.object)]);
     }
-    /// The t that the form computed, and the true one.
+    /// The computed t.
     [[nodiscard]] Real t() const { return Real(form_on_band.closest.t[pixel]); }
+    /// t*, the true t.
     [[nodiscard]] Real true_t() const {
         const auto& t = form_on_band.is_unit() ? truth.distance : truth.t;
         return ldexp(Real(Real(t.hi) + Real(t.lo)), static_cast<int>(t.exponent));
@@ -87,7 +88,7 @@ struct NumberStudy {
             const measure::truth::Truth truth = band.truth(i, rows[row].convention());
             if (truth.decision == measure::truth::Truth::Decision::unresolved) ++summary.unresolved;
             if (!truth.is_hit() || on_band.closest.hit[i] == 0 || on_band.closest.object[i] != truth.object) continue;
-            result.numbers[i] = number(RightHit{on_band, i, truth});
+            result.numbers[i] = number(CorrectHit{on_band, i, truth});
             summary.numbers.add(result.numbers[i]);
         }
         return result;

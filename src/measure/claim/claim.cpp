@@ -78,8 +78,8 @@ ClaimResult judge(const Claim& claim, double measured, const evaluate::FormSumma
         if (claim.metric == "wrong_fraction" && summary->fault() != nullptr) result.witness = *summary->fault();
     }
     if (summary && summary->count(answer::Outcome::unresolved) > 0) {
-        result.trouble = scene::toml::counted(summary->count(answer::Outcome::unresolved), "ray has no proved truth",
-                                              "rays have no proved truth");
+        result.trouble = scene::toml::count_with_noun(summary->count(answer::Outcome::unresolved),
+                                                      "ray has no proved truth", "rays have no proved truth");
     } else if (std::isnan(measured)) {
         result.trouble = "no ray to measure it on";
     } else {
@@ -159,7 +159,7 @@ TestedForm claim_row(const Claim& claim) {
 void require_proof(ClaimResult& result, std::uint64_t unproved, const char* one, const char* several) {
     if (unproved == 0) return;
     result.state = ClaimResult::State::broken;
-    result.trouble = scene::toml::counted(unproved, one, several);
+    result.trouble = scene::toml::count_with_noun(unproved, one, several);
 }
 
 void add_draw(ClaimResult& result, const ClaimResult& draw) {

@@ -66,7 +66,7 @@ std::vector<double> position_on_axes(const SubjectClaim<SweepSubject>& subject_c
     std::vector<double> position = part ? part->values : std::vector<double>{};
     if (position.size() != sweep.axes.size()) {
         scene::toml::fail(claim.where, "sweep \"" + subject.name + "\" has " +
-                                           scene::toml::counted(sweep.axes.size(), "axis", "axes") +
+                                           scene::toml::count_with_noun(sweep.axes.size(), "axis", "axes") +
                                            "; write as many values in `at`");
     }
     for (std::size_t a = 0; a < position.size(); ++a) {

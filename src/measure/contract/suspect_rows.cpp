@@ -53,7 +53,7 @@ std::string on_rays_of(const std::string& where, std::uint64_t sampled, std::uin
                        const std::string& suspicion) {
     if (suspicion.empty()) return "";
     const std::string rays = sampled >= total
-                                 ? fmt::format("on all {} of {}: ", scene::toml::counted(total, "ray"), where)
+                                 ? fmt::format("on all {} of {}: ", scene::toml::count_with_noun(total, "ray"), where)
                                  : fmt::format("on a sample of {}, the first {} {}: ", where, sampled, which);
     return rays + suspicion;
 }

@@ -57,7 +57,7 @@ std::size_t records_of_piece(const JudgeRequest& request) {
 
 [[noreturn]] void throw_wrong_size(const Dump& dump, const JudgeRequest& request, const JudgeResult& result,
                                    const char* count_phrase) {
-    throw InputError(dump.name() + ": " + count_phrase + " " + scene::toml::counted(result.rays, "ray") +
+    throw InputError(dump.name() + ": " + count_phrase + " " + scene::toml::count_with_noun(result.rays, "ray") +
                      ", but a picture of " + std::to_string(request.picture->first) + "x" +
                      std::to_string(request.picture->second) + " has " + std::to_string(pixels_of(request)) +
                      "; its --size is columns x rows");

@@ -50,7 +50,7 @@ struct JudgeRequest {
     truth::TruthLimit limit = {};
     truth::StageCounts* stages = nullptr;  ///< receives the counts of stages; may be null
     /// The pieces of the file to measure, see `count_pieces`; absent: all pieces.
-    std::optional<shard::Units> pieces = {};
+    std::optional<shard::UnitRange> pieces = {};
     /// Receives the numbers of rays and of bytes of the file done since the last call; may throw to stop.
     std::function<void(std::uint64_t rays, std::uint64_t bytes)> progress = [](std::uint64_t, std::uint64_t) {};
 

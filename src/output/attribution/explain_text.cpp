@@ -85,8 +85,8 @@ std::string table(const Explanation& x, const OperationView& view, bool show_all
                                    fmt::format("share of {}, ulp", view.subject()));
     const OperationTable operations = operation_table(x, view, show_all);
     if (operations.first > 0)
-        text +=
-            fmt::format("  ({} of earlier samples: --verbose)\n", scene::toml::counted(operations.first, "operation"));
+        text += fmt::format("  ({} of earlier samples: --verbose)\n",
+                            scene::toml::count_with_noun(operations.first, "operation"));
     for (const OperationRow& row : operations.rows) text += table_line(x, row);
     return text;
 }

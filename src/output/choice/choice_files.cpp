@@ -147,7 +147,7 @@ image::Canvas front_plot(const ChoiceResult& chosen) {
                     "to quartile. Named: the Pareto front, on which fewer wrong decisions count before more bits, and "
                     "the chosen form.",
                     chosen.timed.rays, chosen.timed.primitives,
-                    scene::toml::counted(chosen.request.plan.repetitions, "repetition"))};
+                    scene::toml::count_with_noun(chosen.request.plan.repetitions, "repetition"))};
     spec.x = {"time per ray and primitive, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
     spec.y = {"bits kept", plot::AxisSpec::Scale::linear, 0.0, {}};
     std::vector<speed::FrontPoint> points;

@@ -82,7 +82,7 @@ std::string picture_of(const SceneSubject& subject, const ShownSubject& shown) {
                                               .limit = {.stop = shown.run.stop}};
     const std::string file = scene.id + ".png";
     map::MapFiles sheet(request, {.folder = {},
-                                  .drawn = request.metrics,
+                                  .drawn_metrics = request.metrics,
                                   .scene_arguments = scene.id,
                                   .sheet_alone = picture_path(shown, file)});
     sheet.finish(measure::evaluate::run_map(request, sheet.show()));

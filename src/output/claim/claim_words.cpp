@@ -45,7 +45,7 @@ std::string quantity(const Claim& c) {
 }
 
 std::string floats_text(const ClaimResult& r) {
-    return r.floats == 0 ? "" : "all " + scene::toml::counted(r.floats, "float");
+    return r.floats == 0 ? "" : "all " + scene::toml::count_with_noun(r.floats, "float");
 }
 
 std::string evidence_text(const Claim& c, const ClaimResult& r) {
@@ -114,7 +114,7 @@ std::string expected_and_measured(const Claim& c, const ClaimResult& r) {
     if (r.further.empty()) return fmt::format("{}, measured {}", expected, file::decimal(r.measured));
     const auto s = r.spread();
     return fmt::format("{}, measured {}, and {} to {} over {}", expected, file::decimal(r.measured),
-                       file::decimal(s.low), file::decimal(s.high), scene::toml::counted(s.draws, "draw"));
+                       file::decimal(s.low), file::decimal(s.high), scene::toml::count_with_noun(s.draws, "draw"));
 }
 
 }  // namespace

@@ -163,21 +163,21 @@ std::string RowVerdict::text(const std::string& second) const {
         lines.push_back(
             fmt::format("not comparable in {}: the two forms are asked different questions, so other rays are "
                         "hits (agree_hit + false_miss differ)",
-                        scene::toml::counted(other_truth, "row")));
+                        scene::toml::count_with_noun(other_truth, "row")));
     if (one_sided > 0)
         lines.push_back(
             fmt::format("not comparable in {}: as many wrong decisions, but only one side has a lost_bits_p99",
-                        scene::toml::counted(one_sided, "row")));
+                        scene::toml::count_with_noun(one_sided, "row")));
     if (of_other_hits > 0)
         lines.push_back(fmt::format(
             "in {} both forms decide equally many rays wrongly, perhaps not the same ones: each lost_bits_p99 is "
             "over its own hits; `lostbits map --against` compares the hits that both have",
-            scene::toml::counted(of_other_hits, "row")));
+            scene::toml::count_with_noun(of_other_hits, "row")));
     if (better + worse + even > 0)
         lines.push_back(fmt::format("{} is better in {}, worse in {}, the same in {}: by {}{}{}{}", second,
-                                    scene::toml::counted(better, "row"), worse, even, by_shares ? "the share of " : "",
-                                    by_decisions ? "wrong decisions" : "", by_decisions && by_bits ? ", then by " : "",
-                                    by_bits ? "lost_bits_p99" : ""));
+                                    scene::toml::count_with_noun(better, "row"), worse, even,
+                                    by_shares ? "the share of " : "", by_decisions ? "wrong decisions" : "",
+                                    by_decisions && by_bits ? ", then by " : "", by_bits ? "lost_bits_p99" : ""));
     return fmt::format("{}", fmt::join(lines, "\n"));
 }
 

@@ -179,7 +179,7 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
         tables.push_back(p.rows.back()->rows()->about());
     }
     p.map.emplace(p.map_request, map::MapFilesOptions{.folder = p.options.folder,
-                                                      .drawn = p.options.drawn,
+                                                      .drawn_metrics = p.options.drawn_metrics,
                                                       .single_pictures = p.options.single_pictures,
                                                       .scene_arguments = "",
                                                       .other_tables = tables,

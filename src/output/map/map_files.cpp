@@ -78,9 +78,9 @@ MapFiles::MapFiles(const MapStudy& request, const MapFilesOptions& options)
     Parts& p = *parts_;
     // The limit on open files is checked before an hour of work is spent.
     const std::size_t files_per_row =
-        (options.single_pictures ? options.drawn.size() : 0) + (options.pixels_csv ? 1 : 0);
-    file::require_open_files(request.rows.size() * files_per_row + options.drawn.size() + 2, options.folder.string(),
-                             "select fewer forms, formats or metrics");
+        (options.single_pictures ? options.drawn_metrics.size() : 0) + (options.pixels_csv ? 1 : 0);
+    file::require_open_files(request.rows.size() * files_per_row + options.drawn_metrics.size() + 2,
+                             options.folder.string(), "select fewer forms, formats or metrics");
     const bool has_tables = !options.keep && options.sheet_alone.empty();
     if (has_tables)
         p.summary.emplace(options.folder, "summary.csv",

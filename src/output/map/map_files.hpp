@@ -16,12 +16,12 @@
 namespace lostbits::output::map {
 
 struct MapFilesOptions {
-    std::filesystem::path folder;  ///< folder of the scene; created if missing
-    std::vector<const Metric*>
-        drawn;  ///< metrics on sheets; metrics that are drawn alike share a sheet. The first metric is also the preview
-    bool single_pictures = false;  ///< also a picture of each metric of each row
-    bool pixels_csv = false;       ///< a row per pixel in `<form>.<format>.csv`
-    std::string scene_arguments;   ///< names the scene to `lostbits explain`: an id and perhaps options
+    std::filesystem::path folder;              ///< folder of the scene; created if missing
+    std::vector<const Metric*> drawn_metrics;  ///< metrics on sheets; metrics that are drawn alike share a sheet. The
+                                               ///< first metric is also the preview
+    bool single_pictures = false;              ///< also a picture of each metric of each row
+    bool pixels_csv = false;                   ///< a row per pixel in `<form>.<format>.csv`
+    std::string scene_arguments;               ///< names the scene to `lostbits explain`: an id and perhaps options
     std::string explaining_sheet =
         {};  ///< the sheet of this run that explains p99, orders and worst pixels; empty: this one
     /// Draws lost bits in a paler colour where the problem explains them (`is_inside_envelope`). Needs `excess_bits`.

@@ -34,7 +34,7 @@ std::string file_name_part(const Metric& metric) {
 
 std::vector<MapSheet> sheets_of(const MapStudy& request, const MapFilesOptions& options) {
     std::vector<MapSheet> sheets;
-    for (const Metric* m : options.drawn) {
+    for (const Metric* m : options.drawn_metrics) {
         const auto applies = [m](const TestedForm& row) {
             return MetricPaint(*m, row.format.parameters).applies_to(row);
         };
@@ -111,7 +111,7 @@ std::vector<MapPictures::Column> MapPictures::add_columns() {
     std::vector<Column> columns;
     for (std::size_t r = 0; r < request_.rows.size(); ++r) {
         const TestedForm& row = request_.rows[r];
-        for (const Metric* m : options_.drawn) {
+        for (const Metric* m : options_.drawn_metrics) {
             const auto paint = std::make_shared<const MetricPaint>(*m, row.format.parameters, options_.range);
             if (!paint->applies_to(row)) continue;
             const auto sheet = std::ranges::find_if(
@@ -131,7 +131,7 @@ MapPictures::Column MapPictures::column_of(const Drawing& drawing) const {
     const TestedForm& row = request_.rows[drawing.row];
     const Metric& m = drawing.paint->metric();
     pixel::ColumnSpec spec{
-        .file = row_name(row) + (options_.drawn.size() == 1 ? "" : "." + file_name_part(m)) + ".png",
+        .file = row_name(row) + (options_.drawn_metrics.size() == 1 ? "" : "." + file_name_part(m)) + ".png",
         .title = fmt::format(
             "{} in {}: {}{}", row.form->info->name, row.format.name, m.name,
             m.domain == measure::metric::MetricDomain::pairs ? fmt::format(" {}", row.against->info->name) : ""),
@@ -251,7 +251,7 @@ std::vector<std::string> sheet_subtitle(const SheetSubject& sheet) {
 
 std::string cell_note(const MetricPaint& paint, const FormSummary& summary, std::size_t m) {
     const measure::evaluate::WorstRay* const worst = paint.names_worst() ? summary.worst_ray() : nullptr;
-    return paint.glance(summary, m) + (worst ? fmt::format("\nworst pixel {},{}", worst->x, worst->y) : "");
+    return paint.short_summary(summary, m) + (worst ? fmt::format("\nworst pixel {},{}", worst->x, worst->y) : "");
 }
 
 std::vector<std::size_t> best_first(std::size_t forms, std::span<const SheetCell> cells, std::size_t lost_bits_index) {

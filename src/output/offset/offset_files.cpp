@@ -244,23 +244,24 @@ std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t r, 
         }
         const double largest = side_summary.safe_offset.quantile(1);
         const std::string safe_text =
-            std::isnan(largest)
-                ? fmt::format("no offset is safe at any of {}", scene::toml::counted(side_summary.never_safe, "point"))
-                : fmt::format("smallest safe offset up to {}{}", file::short_decimal(largest, 3),
-                              side_summary.never_safe == 0 ? ""
-                              : side_summary.never_safe == 1
-                                  ? " (1 point has none)"
-                                  : fmt::format(" ({} points have none)", side_summary.never_safe));
+            std::isnan(largest) ? fmt::format("no offset is safe at any of {}",
+                                              scene::toml::count_with_noun(side_summary.never_safe, "point"))
+                                : fmt::format("smallest safe offset up to {}{}", file::short_decimal(largest, 3),
+                                              side_summary.never_safe == 0 ? ""
+                                              : side_summary.never_safe == 1
+                                                  ? " (1 point has none)"
+                                                  : fmt::format(" ({} points have none)", side_summary.never_safe));
         lines.push_back(fmt::format("{} {}: {}; right for all {}: {}", row_text, name_of(side), safe_text,
-                                    scene::toml::counted(side_summary.rays, "ray"),
+                                    scene::toml::count_with_noun(side_summary.rays, "ray"),
                                     right_strategies.empty() ? "no strategy" : right_strategies));
     }
     const auto safe_strategies_of_both = measure::offset::safe_strategies(
         summary, study.strategies, row.form_row.form->shape, measure::offset::both_sides);
     if (!safe_strategies_of_both.empty())
-        lines.push_back(fmt::format("{}: the cheapest strategy that is right on both sides is {}, with {}", row_text,
-                                    safe_strategies_of_both.front().strategy->name,
-                                    scene::toml::counted(safe_strategies_of_both.front().operations, "operation")));
+        lines.push_back(
+            fmt::format("{}: the cheapest strategy that is right on both sides is {}, with {}", row_text,
+                        safe_strategies_of_both.front().strategy->name,
+                        scene::toml::count_with_noun(safe_strategies_of_both.front().operations, "operation")));
     return lines;
 }
 

@@ -88,7 +88,7 @@ public:
           outcome_(1, n),
           object_(4, n),
           t_(row.format.engine == Format::Engine::native32 ? 4 : 8, n),
-          sizes_(n, std::numeric_limits<float>::quiet_NaN()) {
+          error_sizes_(n, std::numeric_limits<float>::quiet_NaN()) {
         for (std::size_t m = 0; m < request.metrics.size(); ++m) {
             stores_condition_ |=
                 (measure::evaluate::needs_of({request.metrics[m]}) & measure::metric::needs_condition) != 0;
@@ -104,8 +104,9 @@ public:
             const std::size_t pixel = static_cast<std::size_t>(result.y0) * static_cast<std::size_t>(result.width) + i;
             if (group_to_fill_) group_to_fill_->set_pixel(pixel, i, result, stores_condition_);
             outcome_.set(pixel, static_cast<std::uint64_t>(result.outcomes[i]));
-            if (measure::evaluate::is_wrong(result.outcomes[i])) sizes_[pixel] = std::numeric_limits<float>::infinity();
-            else if (ulps_) sizes_[pixel] = std::fabs(static_cast<float>(result.metrics[*ulps_][i]));
+            if (measure::evaluate::is_wrong(result.outcomes[i]))
+                error_sizes_[pixel] = std::numeric_limits<float>::infinity();
+            else if (ulps_) error_sizes_[pixel] = std::fabs(static_cast<float>(result.metrics[*ulps_][i]));
             for (auto& [m, layer] : stored_metrics_) {
                 if (m == inherent_) set_inherent(layer, pixel, i, result);
                 else layer.set(pixel, static_cast<float>(result.metrics[m][i]));
@@ -126,7 +127,7 @@ public:
     }
     [[nodiscard]] std::size_t group() const { return group_; }
     /// Sizes of the errors for `choose_rays`.
-    [[nodiscard]] std::span<const float> sizes() const { return sizes_; }
+    [[nodiscard]] std::span<const float> error_sizes() const { return error_sizes_; }
 
 private:
     /// Difference of the bits of t from those of the truth. For formats other than the native two, the bits of t in
@@ -168,7 +169,7 @@ private:
     LineOfHits inherent_bits_ = {};
     std::optional<std::size_t> ulps_ = {};  ///< index of `ulp_error`
     Layer outcome_, object_, t_;
-    std::vector<float> sizes_;
+    std::vector<float> error_sizes_;
     std::vector<StoredMetric> stored_metrics_;
 };
 
@@ -292,7 +293,7 @@ std::vector<Blob> MapData::blobs(const std::vector<FormSummary>& summaries) cons
         const TestedForm& row = request_.rows[r];
         const std::string name = fmt::format("{}:{}", request_.scene->id, map::row_name(row));
         if (row.form->is_template()) {
-            const auto rays = choose_rays(summaries[r], rows_[r]->sizes(), request_.scene->width);
+            const auto rays = choose_rays(summaries[r], rows_[r]->error_sizes(), request_.scene->width);
             result.push_back({"rays:" + name, pack(text_of(rays_json(request_, row, rays)))});
         }
         result.push_back({"row:" + name, pack(rows_[r]->bytes())});

@@ -140,7 +140,7 @@ std::string onset_text(const Onset& o) {
 std::string draws_text(const std::vector<Onset>& onsets) {
     if (onsets.empty()) return "";
     const Onset& first_onset = onsets.front();
-    return fmt::format(", among {}{}", scene::toml::counted(first_onset.rays, "ray"),
+    return fmt::format(", among {}{}", scene::toml::count_with_noun(first_onset.rays, "ray"),
                        first_onset.further.empty() ? "" : fmt::format(" ({} draws)", 1 + first_onset.further.size()));
 }
 

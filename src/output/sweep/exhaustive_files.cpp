@@ -257,7 +257,7 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& f) {
     const auto& sweep = request.sweep;
     const FloatTally& tally = f.tally;
     std::string text =
-        fmt::format("all {} between {} and {} were tried: {}", scene::toml::counted(tally.floats(), "float"),
+        fmt::format("all {} between {} and {} were tried: {}", scene::toml::count_with_noun(tally.floats(), "float"),
                     float_text(f.floats.first), float_text(f.floats.last), request.rows[f.row].form->info->name);
     if (const auto touching = request.rows[f.row].touching)
         text += fmt::format(", judged by the {} primitive,", intersect::convention_name(touching));
@@ -275,8 +275,9 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& f) {
                                f.floats.falls() ? "down to" : "up to", float_text(*good), float_text(wrong.place),
                                failure_phrase(wrong.outcome))
                  : fmt::format(" already fails at the first of them: {}", failure_phrase(wrong.outcome));
-    text += fmt::format("; it is wrong for {} in all{}, the last at {}", scene::toml::counted(tally.wrong(), "float"),
-                        sweep.mesh ? kinds_text(tally) : "", float_text(tally.last_wrong->place));
+    text += fmt::format("; it is wrong for {} in all{}, the last at {}",
+                        scene::toml::count_with_noun(tally.wrong(), "float"), sweep.mesh ? kinds_text(tally) : "",
+                        float_text(tally.last_wrong->place));
     if (tally.padding)
         text += fmt::format("; to miss none it needs {} u more padding", file::decimal(tally.padding->u));
     return text;

@@ -74,11 +74,12 @@ bool is_marching(const TestedForm& row) { return !is_primitive(row.form->shape);
 /// Number of rays per step, and how many of them are independent.
 std::string rays_text(const MeasuredSweep& sweep) {
     const FormSummary& first_summary = sweep.steps.front().rows.front();
-    if (!sweep.request.sweep.has_random_rays()) return scene::toml::counted(first_summary.rays, "ray") + " per step";
+    if (!sweep.request.sweep.has_random_rays())
+        return scene::toml::count_with_noun(first_summary.rays, "ray") + " per step";
     if (first_summary.views == first_summary.rays)
-        return scene::toml::counted(first_summary.rays, "independent ray") + " per step";
+        return scene::toml::count_with_noun(first_summary.rays, "independent ray") + " per step";
     return fmt::format("{} rays per step, of {}", first_summary.rays,
-                       scene::toml::counted(first_summary.views, "independent view"));
+                       scene::toml::count_with_noun(first_summary.views, "independent view"));
 }
 
 /// Plot with the parts common to all plots along a sweep: the sweep's title, its axis, and the number of rays per
@@ -306,7 +307,8 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
             std::span(order).subspan(k, 1));
     }
     if (named_count < order.size())
-        add(scene::toml::counted(order.size() - named_count, "other operation"), std::span(order).subspan(named_count));
+        add(scene::toml::count_with_noun(order.size() - named_count, "other operation"),
+            std::span(order).subspan(named_count));
     return plot::line_plot(spec);
 }
 

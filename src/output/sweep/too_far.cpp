@@ -11,8 +11,10 @@ namespace lostbits::output::sweep {
 
 namespace {
 
-constexpr double relative_bracket = 0x1p-9;
-constexpr int max_steps = 60;  // steps of a bisection: more than any axis has octaves, and nine bits
+constexpr double relative_bracket = 0x1p-9;  // the bisection ends when its bracket is this narrow
+/// Largest number of steps of the bisection. On a linear axis whose ends are n octaves apart, it needs n + 9 steps; on
+/// a logarithmic axis, fewer.
+constexpr int max_steps = 60;
 
 bool is_too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format, double value) {
     const auto groups = sweep.rays({value});

@@ -220,10 +220,10 @@ std::string census_phrase(const measure::edges::EdgeFinding& finding) {
         if (rays == 0) continue;
         const std::string counts = outcomes[0] + outcomes[1] == 0
                                        ? "none"
-                                       : scene::toml::counted(outcomes[0], "crack") + " and " +
-                                             scene::toml::counted(outcomes[1], "double hit");
+                                       : scene::toml::count_with_noun(outcomes[0], "crack") + " and " +
+                                             scene::toml::count_with_noun(outcomes[1], "double hit");
         text += fmt::format("{}{} of {}{}", text.empty() ? "" : ", ", counts,
-                            text.empty() ? scene::toml::counted(rays, "ray") : std::to_string(rays),
+                            text.empty() ? scene::toml::count_with_noun(rays, "ray") : std::to_string(rays),
                             k == 0 ? " at edges" : " at vertices");
     }
     return text;
@@ -266,7 +266,7 @@ std::string NearestFiles::sentence(std::size_t r) const {
                                       outcome_phrase, found[r].rays.at(k), nearest->distance)
                         : fmt::format("{}{} no {} among {}", k > 0 ? "," : "",
                                       counts.empty() || k > 0 ? "" : " the search for the nearest found",
-                                      outcome_phrase, scene::toml::counted(found[r].rays.at(k), "ray"));
+                                      outcome_phrase, scene::toml::count_with_noun(found[r].rays.at(k), "ray"));
     }
     return text;
 }

@@ -189,8 +189,8 @@ void SweepFile::change(const SweepChanges& changes) {
     auto axes_tables = TableReader(root_).tables("axis");
     if (changes.steps.size() > 1 && changes.steps.size() != axes_tables.size())
         throw InputError(fmt::format("{}: --steps gives {}, but the sweep has {}; give one for all, or one for each",
-                                     name, toml::counted(changes.steps.size(), "number"),
-                                     toml::counted(axes_tables.size(), "[[axis]] table")));
+                                     name, toml::count_with_noun(changes.steps.size(), "number"),
+                                     toml::count_with_noun(axes_tables.size(), "[[axis]] table")));
     for (std::size_t a = 0; a < axes_tables.size(); ++a) {
         if (!axes_tables[a].has("steps"))
             throw InputError(name +
