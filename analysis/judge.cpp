@@ -38,7 +38,7 @@ std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn_me
                                       bool has_matrices, measure::metric::MetricSet& metric_set) {
     std::vector<measure::evaluate::TestedForm> tested_rows = request.rows;
     std::erase_if(tested_rows,
-                  [&request](const measure::evaluate::TestedForm& row) { return request.is_of_file(row); });
+                  [&request](const measure::evaluate::TestedForm& form_row) { return request.is_of_file(form_row); });
     if (tested_rows.empty()) return selection::measured(drawn_metrics, request.rows);
     scene::rays::RayGroup group;
     group.primitives = scene::rays::examples_of(request.primitives, request.mesh.get());

@@ -57,8 +57,8 @@ std::string canonical_command(const Scene& scene, const MapOptions& o) {
 /// The forms of the rows that exist in every width, as --bits requires. Throws NothingSelected if there are none.
 std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::vector<TestedForm>& rows) {
     std::vector<const intersect::table::Intersector*> forms;
-    for (const TestedForm& row : rows)
-        if (row.form->rounded != nullptr) selection::add_once(forms, row.form);
+    for (const TestedForm& form_row : rows)
+        if (form_row.form->rounded != nullptr) selection::add_once(forms, form_row.form);
     if (forms.empty())
         throw NothingSelected(
             "--bits: no selected form exists in formats of every width; `lostbits list forms` lists "
@@ -91,11 +91,11 @@ SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<Tes
 void note_skipped(const std::vector<SceneWork>& works) {
     std::set<std::string_view> named_forms;
     for (const SceneWork& work : works) {
-        for (const TestedForm& row : work.map.rows) {
-            const intersect::Info& info = *row.form->info;
-            if (row.form->rounded != nullptr || !named_forms.insert(info.name).second) continue;
+        for (const TestedForm& form_row : work.map.rows) {
+            const intersect::Info& info = *form_row.form->info;
+            if (form_row.form->rounded != nullptr || !named_forms.insert(info.name).second) continue;
             fmt::print(stderr, "lostbits: --bits leaves out {}: it exists in {} only\n", info.name,
-                       selection::formats_of(*row.form));
+                       selection::formats_of(*form_row.form));
         }
     }
 }
@@ -124,13 +124,14 @@ void note_lost_crossings(const SceneWork& work, const std::vector<measure::evalu
     if (!range.open.tmin && !(range.tmin > 0)) return;
     std::string losing_forms;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
-        const TestedForm& row = work.map.rows[r];
+        const TestedForm& form_row = work.map.rows[r];
         const std::uint64_t missed = summaries[r].count(Outcome::false_miss);
-        if (missed == 0 || row.form->is_set() || intersect::tells_next_crossing(*row.form->info, row.form->shape))
+        if (missed == 0 || form_row.form->is_set() ||
+            intersect::tells_next_crossing(*form_row.form->info, form_row.form->shape))
             continue;
         losing_forms +=
-            fmt::format("{}{} {} ({} of {})", losing_forms.empty() ? "" : ", ", row.form->info->name, row.format.name,
-                        missed, scene::toml::count_with_noun(summaries[r].true_hits, "hit"));
+            fmt::format("{}{} {} ({} of {})", losing_forms.empty() ? "" : ", ", form_row.form->info->name,
+                        form_row.format.name, missed, scene::toml::count_with_noun(summaries[r].true_hits, "hit"));
     }
     if (losing_forms.empty()) return;
     fmt::print(
@@ -296,8 +297,9 @@ Exit run(MapOptions o, const Common& common) {
     });
     if (!finish_run(run_division, common)) return Exit::done;
     for (const SceneWork& work : works)
-        note_suspicions(work.map.rows, common,
-                        [&work](const TestedForm& row) { return measure::contract::suspicion(*work.map.scene, row); });
+        note_suspicions(work.map.rows, common, [&work](const TestedForm& form_row) {
+            return measure::contract::suspicion(*work.map.scene, form_row);
+        });
     return report_unproved(unresolved);
 }
 

@@ -48,10 +48,10 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
     request_.share = chosen.division().share();
     request_.limit.stop = chosen.common.stop;
     if (sweep_.scene) request_.scene = selection::name_of_scene(*sweep_.scene, chosen.data());
-    for (TestedForm row : selection::fitting(chosen.rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
-        if (row.format.engine != Format::Engine::native32) continue;
-        row.touching = sweep_.convention;
-        request_.rows.push_back(row);
+    for (TestedForm form_row : selection::fitting(chosen.rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
+        if (form_row.format.engine != Format::Engine::native32) continue;
+        form_row.touching = sweep_.convention;
+        request_.rows.push_back(form_row);
     }
 }
 
@@ -178,11 +178,11 @@ namespace {
 /// Adds, after each row, a row with the form as a compiler contracts it. Contraction makes some watertight tests leak.
 void add_contracted(std::vector<TestedForm>& rows) {
     std::vector<TestedForm> all;
-    for (const TestedForm& row : rows) {
-        all.push_back(row);
-        if (!measure::tape::has_tape(*row.form)) continue;
-        const auto& contracted = measure::tape::contracted_row(*row.form);
-        if (contracted.exists_in(row.format)) all.push_back({&contracted, row.format});
+    for (const TestedForm& form_row : rows) {
+        all.push_back(form_row);
+        if (!measure::tape::has_tape(*form_row.form)) continue;
+        const auto& contracted = measure::tape::contracted_row(*form_row.form);
+        if (contracted.exists_in(form_row.format)) all.push_back({&contracted, form_row.format});
     }
     rows = std::move(all);
 }
@@ -197,9 +197,9 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
         .rows = selection::fitting(chosen.rows, [&](Shapes forms) { return search.meets(forms); }),
         .limit = {.stop = chosen.common.stop}};
     if (chosen.takes_all_forms()) add_contracted(request.rows);
-    for (const TestedForm& row : request.rows)
-        if (scene::rays::generator_of(*row.form) != nullptr)
-            throw InputError(std::string(row.form->info->name) + ": the rays of " + search.id +
+    for (const TestedForm& form_row : request.rows)
+        if (scene::rays::generator_of(*form_row.form) != nullptr)
+            throw InputError(std::string(form_row.form->info->name) + ": the rays of " + search.id +
                              " are not made by a camera; name the form without @ray-");
     const auto folder = chosen.folder_of(search.id);
     const auto result_folder = chosen.take_sweep_folder(search.id, path);

@@ -37,7 +37,7 @@ namespace page = output::page;
 
 std::vector<std::string> keys_of(const std::vector<TestedForm>& rows) {
     std::vector<std::string> keys;
-    for (const TestedForm& row : rows) keys.push_back(output::map::row_name(row));
+    for (const TestedForm& form_row : rows) keys.push_back(output::map::row_name(form_row));
     return keys;
 }
 
@@ -49,10 +49,10 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
         .metrics = selection::measured(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
         .limit = {.stop = stop}};
-    for (TestedForm row : work.rows) {
+    for (TestedForm form_row : work.rows) {
         for (const auto& touching : file.conventions) {
-            row.touching = touching;
-            request.rows.push_back(row);
+            form_row.touching = touching;
+            request.rows.push_back(form_row);
         }
     }
     const auto cases = measure::sweep::run_cases(request);
@@ -113,7 +113,7 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
         .metrics = selection::measured(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
         .limit = {.stop = stop}};
-    for (TestedForm& row : request.rows) row.touching = sweep.convention;
+    for (TestedForm& form_row : request.rows) form_row.touching = sweep.convention;
     const auto steps = measure::sweep::run_sweep(request);
     SweepPart part{.kind = SweepPart::Kind::line,
                    .id = sweep.id,

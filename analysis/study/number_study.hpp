@@ -196,11 +196,11 @@ struct NumberAdapter {
                                 Quantity::unit});
         std::vector<output::pixel::PixelColumn<NumberBand>> all;
         for (std::size_t r = 0; r < study.rows.size(); ++r) {
-            const measure::evaluate::TestedForm& row = study.rows[r];
+            const measure::evaluate::TestedForm& form_row = study.rows[r];
             all.push_back(
                 {{.file = row_name(study, r) + ".png",
                   .title = Quantity::meaning,
-                  .subtitle = {fmt::format("{} in {}", row.form->info->name, row.format.name)},
+                  .subtitle = {fmt::format("{} in {}", form_row.form->info->name, form_row.format.name)},
                   .look = look,
                   .places = {place_of(study, r)}},
                  r,

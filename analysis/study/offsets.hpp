@@ -68,9 +68,9 @@ struct OffsetsAdapter {
             return std::ranges::any_of(
                 points, [&](const std::string& value) { return value == "both" || value == name_of(point); });
         };
-        for (const measure::evaluate::TestedForm& row : rows)
+        for (const measure::evaluate::TestedForm& form_row : rows)
             for (const HitPoint point : {HitPoint::computed, HitPoint::projected})
-                if (is_selected(point)) study.rows.push_back({row, point});
+                if (is_selected(point)) study.rows.push_back({form_row, point});
         return study;
     }
 

@@ -49,11 +49,11 @@ struct TallyNumber {
     std::string name;
     double value;
 };
-std::vector<TallyNumber> numbers_of(const TestedForm& row, const FloatTally& tally) {
+std::vector<TallyNumber> numbers_of(const TestedForm& form_row, const FloatTally& tally) {
     const double worst = tally.worst ? std::fabs(tally.worst->ulps) : truth::missing;
     std::vector<TallyNumber> numbers{
         {"wrong", static_cast<double>(tally.wrong())},
-        {"padding_max", sweep::padding_max(row, tally)},
+        {"padding_max", sweep::padding_max(form_row, tally)},
         {"ulp_error_max", worst},
         {"lost_bits_max", tally.worst ? truth::lost_bits(worst, binary32.precision) : truth::missing}};
     for (std::size_t o = 0; o < tally.outcomes.size(); ++o) {
@@ -64,8 +64,8 @@ std::vector<TallyNumber> numbers_of(const TestedForm& row, const FloatTally& tal
     return numbers;
 }
 
-double metric_of(const Claim& claim, const TestedForm& row, const FloatTally& tally) {
-    const auto numbers = numbers_of(row, tally);
+double metric_of(const Claim& claim, const TestedForm& form_row, const FloatTally& tally) {
+    const auto numbers = numbers_of(form_row, tally);
     const auto found = std::ranges::find(numbers, claim.metric, &TallyNumber::name);
     if (found != numbers.end()) return found->value;
     std::vector<std::string> names;
@@ -119,12 +119,12 @@ evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t row,
 }
 
 TestedForm float_row(const Claim& claim, const ExhaustiveFile& file) {
-    TestedForm row = row_for(claim, file);
-    if (row.format.engine != Format::Engine::native32)
+    TestedForm form_row = row_for(claim, file);
+    if (form_row.format.engine != Format::Engine::native32)
         scene::toml::fail(claim.where,
                           claim.subject_name() + " tries every number of f32 only; write format = \"f32\"");
-    if (!row.touching) row.touching = file.convention;
-    return row;
+    if (!form_row.touching) form_row.touching = file.convention;
+    return form_row;
 }
 
 /// Judges a row by its findings in all ranges.

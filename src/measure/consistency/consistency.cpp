@@ -75,8 +75,8 @@ std::uint64_t CheckSummary::asked() const {
 std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std::vector<evaluate::TestedForm>& rows,
                                      std::vector<const Check*> among) {
     std::erase_if(among, [&](const Check* check) {
-        return std::ranges::none_of(rows,
-                                    [&](const evaluate::TestedForm& row) { return check->applies(scene, *row.form); });
+        return std::ranges::none_of(
+            rows, [&](const evaluate::TestedForm& form_row) { return check->applies(scene, *form_row.form); });
     });
     return among;
 }

@@ -54,7 +54,7 @@ struct JudgeRequest {
     /// Receives the numbers of rays and of bytes of the file done since the last call; may throw to stop.
     std::function<void(std::uint64_t rays, std::uint64_t bytes)> progress = [](std::uint64_t, std::uint64_t) {};
 
-    [[nodiscard]] bool is_of_file(const evaluate::TestedForm& row) const { return row.form == file_form; }
+    [[nodiscard]] bool is_of_file(const evaluate::TestedForm& form_row) const { return form_row.form == file_form; }
     /// Index of the row of the file's answers, if there is one.
     [[nodiscard]] std::optional<std::size_t> file_place() const;
 };

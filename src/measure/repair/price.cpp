@@ -223,12 +223,12 @@ std::vector<Price> prices_of(const RepairRequest& request, const std::vector<eva
     const simd::Isa isa = simd::current_isa();
     std::vector<speed::TimedWork> work;
     std::vector<Price> prices;
-    for (const evaluate::TestedForm& row : rows) {
-        const bool uses_packs = row.form->is_placed || is_packed(*row.form, isa);
+    for (const evaluate::TestedForm& form_row : rows) {
+        const bool uses_packs = form_row.form->is_placed || is_packed(*form_row.form, isa);
         prices.push_back({.isa = name_of(uses_packs ? isa : simd::Isa::scalar)});
-        work.push_back(work_on_rays.on(row, packed_kernels(*row.form, isa)));
-        work.push_back(work_on_rays.on(row, packed_kernels(*row.form, simd::Isa::scalar)));
-        if (row.form->is_placed) work.back() = in_scalar_arithmetic(work.back());
+        work.push_back(work_on_rays.on(form_row, packed_kernels(*form_row.form, isa)));
+        work.push_back(work_on_rays.on(form_row, packed_kernels(*form_row.form, simd::Isa::scalar)));
+        if (form_row.form->is_placed) work.back() = in_scalar_arithmetic(work.back());
     }
     const auto times = time_interleaved(work, plan);
     for (std::size_t k = 0; k < rows.size(); ++k) prices[k].packed = times[2 * k], prices[k].single = times[2 * k + 1];

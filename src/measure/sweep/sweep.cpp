@@ -41,11 +41,11 @@ bool measures_transform_step(const Metric& m) {
     return (m.needs & metric::needs_steps) != 0 && m.ramp == metric::Ramp::magnitude;
 }
 
-std::vector<Event> events_of(const TestedForm& row, const std::vector<const Metric*>& metrics) {
+std::vector<Event> events_of(const TestedForm& form_row, const std::vector<const Metric*>& metrics) {
     const std::size_t lost_bits_index = metric::index_of(metrics, "lost_bits"),
                       stop_index = metric::index_of(metrics, "stop");
     std::vector<Event> events;
-    const double p = row.format.parameters.precision;
+    const double p = form_row.format.parameters.precision;
     for (const metric::Statistic& s : metric::quantiles) {
         for (const double bits : {1.0, 4.0, 8.0, p / 2, p}) {
             if (bits > p) continue;
@@ -63,7 +63,7 @@ std::vector<Event> events_of(const TestedForm& row, const std::vector<const Metr
         events.push_back({std::string(answer::outcome_names[static_cast<std::size_t>(o)]), "count", 1,
                           [o](const FormSummary& summary) { return static_cast<double>(summary.count(o)); }});
     }
-    if (is_primitive(row.form->shape) || stop_index == metrics.size()) return events;
+    if (is_primitive(form_row.form->shape) || stop_index == metrics.size()) return events;
     for (const Stop stop_reason : {Stop::max_dist, Stop::max_steps, Stop::stagnated}) {
         const auto c = static_cast<std::size_t>(stop_reason);
         events.push_back(

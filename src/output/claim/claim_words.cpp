@@ -33,9 +33,9 @@ std::string explain_witness(const Claim& c, const ClaimResult& r) {
                                                                         static_cast<int>(r.witness.x), r.witness.y)
                                  : "";
     if (name.empty()) return "";
-    measure::evaluate::TestedForm row = measure::claim::claim_row(c);
-    row.touching = r.witness.touching;
-    return attribution::explain_command(name, row);
+    measure::evaluate::TestedForm form_row = measure::claim::claim_row(c);
+    form_row.touching = r.witness.touching;
+    return attribution::explain_command(name, form_row);
 }
 
 std::string quantity(const Claim& c) {

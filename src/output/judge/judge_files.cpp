@@ -43,12 +43,12 @@ std::string ray_arguments(const measure::evaluate::WorstRay& ray) {
     return attribution::explain_ray_arguments(ray.given.get());
 }
 
-std::string case_name(const TestedForm& row, const ReportedRay& ray) {
+std::string case_name(const TestedForm& form_row, const ReportedRay& ray) {
     const std::string error_text =
         ray.outcome == measure::answer::Outcome::agree_hit
             ? fmt::format("{:.6g} ulp", ray.ulps)
             : std::string(measure::answer::outcome_names[static_cast<std::size_t>(ray.outcome)]);
-    return fmt::format("{} in {}: ray {}, {}", row.form->info->name, row.format.name, ray.place, error_text);
+    return fmt::format("{} in {}: ray {}, {}", form_row.form->info->name, form_row.format.name, ray.place, error_text);
 }
 
 /// A ray in a chunk of the file.
@@ -119,7 +119,7 @@ Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::me
 /// Files of one series.
 class RowParts {
 public:
-    RowParts(const TestedForm& row, WorstRays worst) : row_(row), worst_(std::move(worst)) {}
+    RowParts(const TestedForm& form_row, WorstRays worst) : row_(form_row), worst_(std::move(worst)) {}
     void open_rows(const std::filesystem::path& folder, const Dump& dump, const JudgeRequest& request) {
         rows_.emplace(folder, map::row_name(row_) + ".csv",
                       fmt::format("One row per ray: {} in {}", row_.form->info->name, row_.format.name),
@@ -172,8 +172,8 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
     p.map_request = {.scene = &p.scene, .rows = request.rows, .metrics = request.metrics};
     const std::size_t ulps = measure::metric::index_of(request.metrics, "ulp_error");
     std::vector<file::DataResource> tables;
-    for (const TestedForm& row : request.rows) {
-        p.rows.push_back(std::make_unique<RowParts>(row, WorstRays(p.options.worst, ulps)));
+    for (const TestedForm& form_row : request.rows) {
+        p.rows.push_back(std::make_unique<RowParts>(form_row, WorstRays(p.options.worst, ulps)));
         if (!p.options.rows) continue;
         p.rows.back()->open_rows(p.options.keep ? "" : p.options.folder, dump, request);
         tables.push_back(p.rows.back()->rows()->about());

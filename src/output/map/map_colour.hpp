@@ -72,7 +72,7 @@ public:
     /// The scale; missing for categories.
     [[nodiscard]] const std::optional<image::ColourScale>& scale() const { return look_.scale; }
     /// True if the metric has a picture for this series.
-    [[nodiscard]] bool applies_to(const TestedForm& row) const;
+    [[nodiscard]] bool applies_to(const TestedForm& form_row) const;
     /// True if both metrics are drawn alike, so that they may share a bar.
     [[nodiscard]] bool shares_with(const Metric& other) const;
 

@@ -63,8 +63,8 @@ struct MapSheet {
     std::vector<const Metric*> metrics;
     std::vector<std::string> forms = {}, lines = {};
 
-    [[nodiscard]] std::string line_name(const TestedForm& row, const Metric& metric) const {
-        return metrics.size() == 1 ? row.format.name : row.format.name + " " + std::string(metric.name);
+    [[nodiscard]] std::string line_name(const TestedForm& form_row, const Metric& metric) const {
+        return metrics.size() == 1 ? form_row.format.name : form_row.format.name + " " + std::string(metric.name);
     }
 };
 

@@ -35,7 +35,7 @@ struct SummaryRow {
 table::Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes,
                                        bool has_meshes = false, std::string group_column = {});
 /// A row for all rays, then one for each group. `row` is row `r` of the run.
-std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& row, const FormSummary& summary,
+std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& form_row, const FormSummary& summary,
                                      const measure::evaluate::Groups& groups, const RayArguments& ray_arguments);
 
 /// An operation that is the culprit of some rays. Operations are rows and not columns, because columns would differ
@@ -52,7 +52,7 @@ table::Table<Culprit> culprit_table();
 [[nodiscard]] bool asks_for_culprits(const std::vector<const Metric*>& metrics);
 
 /// The culprits of a row, the most frequent first.
-std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const TestedForm& row,
+std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const TestedForm& form_row,
                                  const FormSummary& summary);
 
 /// Categories of the operations that are the culprit of any ray, the most frequent first; equally frequent operations

@@ -118,15 +118,15 @@ std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const f
     return chosen;
 }
 
-Json rays_json(const MapStudy& request, const TestedForm& row, const std::vector<ChosenRay>& rays) {
-    const auto* const generator = scene::rays::generator_of(*row.form);
+Json rays_json(const MapStudy& request, const TestedForm& form_row, const std::vector<ChosenRay>& rays) {
+    const auto* const generator = scene::rays::generator_of(*form_row.form);
     const scene::file::Scene scene = generator ? with_rays(*request.scene, *generator) : *request.scene;
     std::vector<Json> explained(rays.size());
     intersect::process::in_parallel(0, rays.size(), [&](std::size_t i) {
         measure::answer::OneRay ray(scene, rays[i].x, rays[i].y, request.limit);
-        ray.judge_by(row.touching);
-        const Explanation explanation = measure::attribution::explain_alone(*row.form, row.format, ray);
-        explained[i] = ray_json(rays[i], explanation, attribution::end_of_march(*row.form, row.format, ray));
+        ray.judge_by(form_row.touching);
+        const Explanation explanation = measure::attribution::explain_alone(*form_row.form, form_row.format, ray);
+        explained[i] = ray_json(rays[i], explanation, attribution::end_of_march(*form_row.form, form_row.format, ray));
     });
     return array_of(explained, [](const Json& json) { return json; });
 }

@@ -103,8 +103,8 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
                               .scale = scale.bar(),
                               .unit = scale.unit()};
     std::vector<std::size_t> order;  // rows of the request, by format
-    for (const measure::evaluate::TestedForm& row : request.rows) {
-        const std::string& format = row.format.name;
+    for (const measure::evaluate::TestedForm& form_row : request.rows) {
+        const std::string& format = form_row.format.name;
         if (std::ranges::find(spec.groups, format, &plot::MatrixPlotSpec::Group::label) == spec.groups.end())
             spec.groups.push_back({format, {}});
     }

@@ -49,7 +49,7 @@ std::vector<Layer> layers_of(const SweepRequest& request) {
 }
 
 void write_exr(const std::filesystem::path& path, const SweepRequest& request, const SweepGrid& plane, std::size_t r) {
-    const TestedForm& row = request.rows[r];
+    const TestedForm& form_row = request.rows[r];
     image::ExrSpec spec;
     spec.width = static_cast<int>(plane.x.size());
     spec.height = static_cast<int>(plane.y.size());
@@ -58,8 +58,8 @@ void write_exr(const std::filesystem::path& path, const SweepRequest& request, c
     const auto& axes = request.sweep.axes;
     spec.attributes = {{"lostbits:schema", "lostbits-plane/1"},
                        {"lostbits:sweep", request.sweep.id},
-                       {"lostbits:form", std::string(row.form->info->name)},
-                       {"lostbits:format", row.format.name},
+                       {"lostbits:form", std::string(form_row.form->info->name)},
+                       {"lostbits:format", form_row.format.name},
                        {"lostbits:x", axes[0].name},
                        {"lostbits:x_values", file::listed(plane.x, file::decimal, " ")},
                        {"lostbits:y", axes[1].name},
