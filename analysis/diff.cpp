@@ -31,7 +31,7 @@ const std::vector<std::string>& measurement_options() {
                                        "--set",       "--variant",  "--steps",       "--seeds",    "--scene",  "--miss",
                                        "--direction", "--touching", "--at-origin",   "--inside",   "--facing", "--skip",
                                        "--quick",     "--stage",    "--repetitions", "--open-ends"};
-        for (const ShapeRow& row : shape_rows) names.push_back("--" + std::string(row.name));
+        for (const ShapeRow& shape_row : shape_rows) names.push_back("--" + std::string(shape_row.name));
         return names;
     }();
     return all;

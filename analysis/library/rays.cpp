@@ -176,10 +176,12 @@ std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Sel
     auto result = std::make_unique<lostbits_result>();
     std::vector<Shape> shapes;
     const std::vector<Primitive<double>> examples = given.examples();
-    for (const ShapeRow& row : shape_rows) {
-        const auto has_shape = [&row](const Primitive<double>& primitive) { return primitive.shape == row.shape; };
-        if (examples.empty() ? row.shape == given.shape : std::ranges::any_of(examples, has_shape))
-            shapes.push_back(row.shape);
+    for (const ShapeRow& shape_row : shape_rows) {
+        const auto has_shape = [&shape_row](const Primitive<double>& primitive) {
+            return primitive.shape == shape_row.shape;
+        };
+        if (examples.empty() ? shape_row.shape == given.shape : std::ranges::any_of(examples, has_shape))
+            shapes.push_back(shape_row.shape);
     }
     const auto summary =
         output::map::summary_table(request.metrics, shapes, given.mesh != nullptr, request.by ? "by" : "");

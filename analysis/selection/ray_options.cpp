@@ -368,11 +368,12 @@ SelectedRay find_ray(const RayOptions& options, const TestedForm& form_row, cons
 
 void PrimitiveOptions::add_to(const shell::Command& command, const std::string& heading) {
     std::vector<shell::Option> options;
-    for (const ShapeRow& row : shape_rows)
-        options.push_back(command
-                              .add(fmt::format("--{}", row.name), of(row.shape),
-                                   fmt::format("{}: {}", with_article(row.shape), option_placeholder(row.shape)))
-                              .below(heading));
+    for (const ShapeRow& shape_row : shape_rows)
+        options.push_back(
+            command
+                .add(fmt::format("--{}", shape_row.name), of(shape_row.shape),
+                     fmt::format("{}: {}", with_article(shape_row.shape), option_placeholder(shape_row.shape)))
+                .below(heading));
     order_ = command.order_of(options);
 }
 

@@ -141,8 +141,8 @@ void refuse_others(const RayFileOptions& o, const std::vector<std::string>& subj
     std::vector<std::pair<std::string, bool>> file_options{{"--answer-format", !o.format.empty()},
                                                            {"--skip", o.skip != 0}};
     for (const RayFileOption& option : ray_file_options()) file_options.emplace_back(option.name, option.is_given(o));
-    for (const ShapeRow& row : shape_rows)
-        file_options.emplace_back(fmt::format("--{}", row.name), !o.primitives.of(row.shape).empty());
+    for (const ShapeRow& shape_row : shape_rows)
+        file_options.emplace_back(fmt::format("--{}", shape_row.name), !o.primitives.of(shape_row.shape).empty());
     const auto refuse = [](const auto& options, const std::string& why, const std::string& remedy) {
         for (const auto& [name, given] : options) {
             if (given) throw InputError(fmt::format("{0} {1}; leave out {0}{2}", name, why, remedy));

@@ -25,8 +25,8 @@ using Forms = std::vector<const Intersector*>;
 
 std::vector<Shape> shapes_in(Shapes shapes) {
     std::vector<Shape> result;
-    for (const ShapeRow& row : shape_rows)
-        if (shapes.has(row.shape)) result.push_back(row.shape);
+    for (const ShapeRow& shape_row : shape_rows)
+        if (shapes.has(shape_row.shape)) result.push_back(shape_row.shape);
     return result;
 }
 
@@ -88,8 +88,8 @@ Forms forms_for(const std::vector<TestedForm>& rows, Shapes shape) {
 
 /// The shapes of something whose primitives are placed by matrices; nothing if none is.
 std::optional<Shapes> placed_shapes(const ShapePredicate& meets) {
-    for (const ShapeRow& row : shape_rows)
-        if (const Shapes shape = Shapes(row.shape).placed(); meets(shape)) return shape;
+    for (const ShapeRow& shape_row : shape_rows)
+        if (const Shapes shape = Shapes(shape_row.shape).placed(); meets(shape)) return shape;
     const auto several = several_shapes(meets);
     return several && several->are_placed() ? several : std::nullopt;
 }
@@ -183,8 +183,8 @@ void add_sets(const SelectedRows& chosen, const std::string& name, Shapes shapes
 std::optional<Shapes> several_shapes(const ShapePredicate& meets) {
     for (std::size_t subset = 0; subset < std::size_t{1} << shape_rows.size(); ++subset) {
         Shapes shapes;
-        for (const ShapeRow& row : shape_rows)
-            if ((subset >> static_cast<unsigned>(row.shape) & 1) != 0) shapes |= row.shape;
+        for (const ShapeRow& shape_row : shape_rows)
+            if ((subset >> static_cast<unsigned>(shape_row.shape) & 1) != 0) shapes |= shape_row.shape;
         for (const Shapes candidate : {shapes, shapes.placed()})
             if (candidate.are_several() && meets(candidate)) return candidate;
     }

@@ -57,7 +57,7 @@ std::vector<TestedForm> rows_of_shape(const std::string& given_name, const std::
     const auto parsed = shape_named(shape_name);
     if (!parsed || !is_primitive(*parsed)) {
         std::vector<std::string> names;
-        for (const ShapeRow& row : shape_rows) names.emplace_back(row.name);
+        for (const ShapeRow& shape_row : shape_rows) names.emplace_back(shape_row.name);
         throw InputError(
             fmt::format("shape \"{}\" is unknown; {}", shape_name, scene::toml::did_you_mean(shape_name, names)));
     }

@@ -193,23 +193,24 @@ const Intersector& behind(const BoxMethod& method, const Intersector& box, const
     return rows().row_of({&method, &box, &form}, fill);
 }
 
-BoxedFormParts boxed_parts_of(const Intersector& row) { return parts_in(rows().parts_of(row)); }
+BoxedFormParts boxed_parts_of(const Intersector& catalogue_row) { return parts_in(rows().parts_of(catalogue_row)); }
 
-bool has_box(const Intersector& row) {
-    if (row.is_set()) return std::ranges::any_of(row.parts, [](const Intersector* part) { return has_box(*part); });
-    if (boxed_parts_of(row).form != nullptr) return true;
-    const auto placed = transform::transformed_parts_of(row);
+bool has_box(const Intersector& catalogue_row) {
+    if (catalogue_row.is_set())
+        return std::ranges::any_of(catalogue_row.parts, [](const Intersector* part) { return has_box(*part); });
+    if (boxed_parts_of(catalogue_row).form != nullptr) return true;
+    const auto placed = transform::transformed_parts_of(catalogue_row);
     return placed.form != nullptr && has_box(*placed.form);
 }
 
-const Intersector& without_world_boxes(const Intersector& row) {
-    const BoxedFormParts parts = boxed_parts_of(row);
-    return parts.form != nullptr && row.is_placed ? without_world_boxes(*parts.form) : row;
+const Intersector& without_world_boxes(const Intersector& catalogue_row) {
+    const BoxedFormParts parts = boxed_parts_of(catalogue_row);
+    return parts.form != nullptr && catalogue_row.is_placed ? without_world_boxes(*parts.form) : catalogue_row;
 }
 
-std::vector<std::string> names_on_tape(const Intersector& row, const Target<double>& target) {
-    std::vector<std::string> names = table::input_names(row, target);
-    const Intersector* current = &row;
+std::vector<std::string> names_on_tape(const Intersector& catalogue_row, const Target<double>& target) {
+    std::vector<std::string> names = table::input_names(catalogue_row, target);
+    const Intersector* current = &catalogue_row;
     for (bool in_world = !target.primitives.empty() && target.primitives.front().placed;;) {
         if (const BoxedFormParts parts = boxed_parts_of(*current); parts.form != nullptr) {
             for (const char* const coordinate : {"lo.x", "lo.y", "lo.z", "hi.x", "hi.y", "hi.z"})
@@ -224,16 +225,17 @@ std::vector<std::string> names_on_tape(const Intersector& row, const Target<doub
     }
 }
 
-const Intersector& innermost(const Intersector& row) {
-    if (const BoxedFormParts parts = boxed_parts_of(row); parts.form != nullptr) return innermost(*parts.form);
-    const auto placed = transform::transformed_parts_of(row);
-    return placed.form != nullptr ? innermost(*placed.form) : row;
+const Intersector& innermost(const Intersector& catalogue_row) {
+    if (const BoxedFormParts parts = boxed_parts_of(catalogue_row); parts.form != nullptr)
+        return innermost(*parts.form);
+    const auto placed = transform::transformed_parts_of(catalogue_row);
+    return placed.form != nullptr ? innermost(*placed.form) : catalogue_row;
 }
 
-const Intersector& with_other_form(const Intersector& row, const Intersector& form) {
-    if (const BoxedFormParts parts = boxed_parts_of(row); parts.form != nullptr)
+const Intersector& with_other_form(const Intersector& catalogue_row, const Intersector& form) {
+    if (const BoxedFormParts parts = boxed_parts_of(catalogue_row); parts.form != nullptr)
         return behind(*parts.method, *parts.box, with_other_form(*parts.form, form));
-    const auto placed = transform::transformed_parts_of(row);
+    const auto placed = transform::transformed_parts_of(catalogue_row);
     return placed.form != nullptr ? transform::through(*placed.method, with_other_form(*placed.form, form)) : form;
 }
 

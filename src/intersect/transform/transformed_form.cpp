@@ -218,6 +218,8 @@ const Intersector& through(const TransformMethod& method, const Intersector& for
     return rows().row_of({&method, &form}, fill);
 }
 
-TransformedFormParts transformed_parts_of(const Intersector& row) { return parts_in(rows().parts_of(row)); }
+TransformedFormParts transformed_parts_of(const Intersector& catalogue_row) {
+    return parts_in(rows().parts_of(catalogue_row));
+}
 
 }  // namespace lostbits::intersect::transform

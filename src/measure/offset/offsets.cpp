@@ -22,12 +22,12 @@ namespace {
 /// Measures one row on one band.
 class OffsetMeasurement {
 public:
-    OffsetMeasurement(const OffsetStudy& study, const OffsetRow& row, const Band& band)
+    OffsetMeasurement(const OffsetStudy& study, const OffsetRow& offset_row, const Band& band)
         : study_(study),
-          row_(row),
-          inputs_(band.inputs_for(row.form_row.format, *row.form_row.form->info)),
-          answers_(answer::evaluate(*row.form_row.form, inputs_)),
-          tree_(tree_of(band, row.form_row.format.parameters, inputs_.primitives)),
+          row_(offset_row),
+          inputs_(band.inputs_for(offset_row.form_row.format, *offset_row.form_row.form->info)),
+          answers_(answer::evaluate(*offset_row.form_row.form, inputs_)),
+          tree_(tree_of(band, offset_row.form_row.format.parameters, inputs_.primitives)),
           work_(row_.form_row, row_.point_kind, inputs_.primitives, tree_.get(), light(), study.strategies),
           band_(band) {
         const std::size_t n = band.pixels(), m = study.strategies.size();

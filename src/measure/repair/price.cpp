@@ -115,11 +115,11 @@ std::vector<external::Formula> placed_rows(const fs::path& library, const std::v
         const std::string name = "mended" + std::to_string(k);
         intersect::Info& info = infos.emplace_back(*original.info);
         info.name = external::lasting_text("mended." + name);
-        Intersector row{
+        Intersector catalogue_row{
             .info = &info, .shape = original.shape, .native32 = nullptr, .native64 = nullptr, .is_placed = true};
-        if (is_double(forms[k])) row.native64 = kernel_of<double>(loaded, name);
-        else row.native32 = kernel_of<float>(loaded, name);
-        formulas.push_back({.row = row, .packed = {}, .who = nullptr, .first = {}});
+        if (is_double(forms[k])) catalogue_row.native64 = kernel_of<double>(loaded, name);
+        else catalogue_row.native32 = kernel_of<float>(loaded, name);
+        formulas.push_back({.row = catalogue_row, .packed = {}, .who = nullptr, .first = {}});
     }
     return formulas;
 }

@@ -11,9 +11,9 @@ using measure::offset::SideSummary;
 
 namespace {
 
-std::string subject_text(const OffsetRow& row, Side side) {
-    return fmt::format("{} in {}, {} points, rays {}", row.form_row.form->info->name, row.form_row.format.name,
-                       name_of(row.point_kind), in_words(side));
+std::string subject_text(const OffsetRow& offset_row, Side side) {
+    return fmt::format("{} in {}, {} points, rays {}", offset_row.form_row.form->info->name,
+                       offset_row.form_row.format.name, name_of(offset_row.point_kind), in_words(side));
 }
 
 /// Look of a strategy in every plot: its index in the table of strategies. The index after the last one is for the

@@ -97,8 +97,8 @@ std::string short_name(const Strategy& strategy) {
     return std::string(strategy.name.substr(strategy.name.find('.') + 1));
 }
 
-std::string row_name(const OffsetRow& row) {
-    return fmt::format("{}.{}", map::row_name(row.form_row), name_of(row.point_kind));
+std::string row_name(const OffsetRow& offset_row) {
+    return fmt::format("{}.{}", map::row_name(offset_row.form_row), name_of(offset_row.point_kind));
 }
 
 std::string OffsetView::row_name(const OffsetStudy& study, std::size_t row) {
@@ -112,11 +112,11 @@ std::vector<PixelColumn<OffsetBand>> OffsetView::columns(const OffsetStudy& stud
                safe_offset_look = std::make_shared<const pixel::Look>(safe_look());
     std::vector<PixelColumn<OffsetBand>> columns;
     for (std::size_t r = 0; r < study.rows.size(); ++r) {
-        const OffsetRow& row = study.rows[r];
-        const std::string row_text = fmt::format("{} in {}, {} points", row.form_row.form->info->name,
-                                                 row.form_row.format.name, name_of(row.point_kind));
+        const OffsetRow& offset_row = study.rows[r];
+        const std::string row_text = fmt::format("{} in {}, {} points", offset_row.form_row.form->info->name,
+                                                 offset_row.form_row.format.name, name_of(offset_row.point_kind));
         for (const Side side : both_sides) {
-            const std::string file_prefix = fmt::format("{}.{}.", offset::row_name(row), name_of(side));
+            const std::string file_prefix = fmt::format("{}.{}.", offset::row_name(offset_row), name_of(side));
             for (std::size_t k = 0; k < study.strategies.size(); ++k) {
                 const Strategy& strategy = *study.strategies[k];
                 columns.push_back({{.file = file_prefix + short_name(strategy) + ".png",
@@ -158,10 +158,11 @@ pixel::Sheet OffsetView::sheet(const OffsetStudy& study, const std::filesystem::
         .unit = safe_unit,
         .categories = true};
     for (const Strategy* s : study.strategies) spec.forms.push_back(short_name(*s));
-    for (const OffsetRow& row : study.rows) {
+    for (const OffsetRow& offset_row : study.rows) {
         for (const Side side : both_sides)
-            spec.formats.push_back(fmt::format("{} {} {} {}", map::short_name(*row.form_row.form->info),
-                                               row.form_row.format.name, name_of(row.point_kind), name_of(side)));
+            spec.formats.push_back(fmt::format("{} {} {} {}", map::short_name(*offset_row.form_row.form->info),
+                                               offset_row.form_row.format.name, name_of(offset_row.point_kind),
+                                               name_of(side)));
     }
     return {file, std::move(spec)};
 }
@@ -231,9 +232,9 @@ std::vector<StrategyRow> OffsetView::summary_rows(const OffsetStudy& study,
 std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t r, const OffsetSummary& summary) {
     std::vector<std::string> lines;
     if (summary.points == 0) return lines;
-    const OffsetRow& row = study.rows[r];
-    const std::string row_text =
-        fmt::format("{} {} {}", row.form_row.form->info->name, row.form_row.format.name, name_of(row.point_kind));
+    const OffsetRow& offset_row = study.rows[r];
+    const std::string row_text = fmt::format("{} {} {}", offset_row.form_row.form->info->name,
+                                             offset_row.form_row.format.name, name_of(offset_row.point_kind));
     for (const Side side : measure::offset::both_sides) {
         const measure::offset::SideSummary& side_summary = summary.side_summary(side);
         std::string right_strategies;
@@ -256,7 +257,7 @@ std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t r, 
                                     right_strategies.empty() ? "no strategy" : right_strategies));
     }
     const auto safe_strategies_of_both = measure::offset::safe_strategies(
-        summary, study.strategies, row.form_row.form->shape, measure::offset::both_sides);
+        summary, study.strategies, offset_row.form_row.form->shape, measure::offset::both_sides);
     if (!safe_strategies_of_both.empty())
         lines.push_back(
             fmt::format("{}: the cheapest strategy that is right on both sides is {}, with {}", row_text,

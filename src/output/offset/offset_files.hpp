@@ -24,7 +24,7 @@ using measure::offset::Strategy;
 /// Name without its prefix: `integer` for `offset.integer`.
 [[nodiscard]] std::string short_name(const Strategy& strategy);
 /// Name of a series, such as `sphere.half_b.f32.computed`.
-[[nodiscard]] std::string row_name(const OffsetRow& row);
+[[nodiscard]] std::string row_name(const OffsetRow& offset_row);
 /// Phrase for a side: `away from the primitive`, `into the primitive`.
 [[nodiscard]] std::string in_words(Side side);
 
