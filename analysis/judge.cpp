@@ -165,8 +165,9 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
     auto found = shard::result_with_files(
         JudgeFindings{.worst = files.worst()}, files, division, "judge", [&]() -> JudgeFindings {
             JudgeResult result = measure::judge::run_judge(
-                dump, request,
-                [&files](std::size_t row, const auto& chunk, const auto& band) { files.piece(row, chunk, band); });
+                dump, request, [&files](std::size_t row_index, const auto& chunk, const auto& band) {
+                    files.piece(row_index, chunk, band);
+                });
             return {std::move(result), files.worst(), *request.stages};
         });
     if (!found) return std::nullopt;

@@ -167,9 +167,9 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
                                                   .scene_arguments = work.scene_arguments,
                                                   .sheet_alone = file});
             summaries = measure::evaluate::run_map(
-                request, [draw = sheet.show(), collect = data.show()](std::size_t row, const auto& band) {
-                    draw(row, band);
-                    collect(row, band);
+                request, [draw = sheet.show(), collect = data.show()](std::size_t row_index, const auto& band) {
+                    draw(row_index, band);
+                    collect(row_index, band);
                 });
             sheet.finish(summaries);
         });

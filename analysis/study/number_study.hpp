@@ -81,11 +81,11 @@ struct NumberStudy {
     static void require() {}
     [[nodiscard]] static NumberSummary begin(std::size_t) { return {}; }
     [[nodiscard]] static const measure::truth::Band& prepare(const measure::truth::Band& band) { return band; }
-    NumberBand measure(const measure::truth::Band& band, std::size_t row, NumberSummary& summary) const {
-        const measure::consistency::FormOnBand on_band(scene, rows[row], band);
+    NumberBand measure(const measure::truth::Band& band, std::size_t row_index, NumberSummary& summary) const {
+        const measure::consistency::FormOnBand on_band(scene, rows[row_index], band);
         NumberBand result{band.y0(), band.rows(), scene.width, std::vector(on_band.pixels(), measure::truth::missing)};
         for (std::size_t i = 0; i < on_band.pixels(); ++i) {
-            const measure::truth::Truth truth = band.truth(i, rows[row].convention());
+            const measure::truth::Truth truth = band.truth(i, rows[row_index].convention());
             if (truth.decision == measure::truth::Truth::Decision::unresolved) ++summary.unresolved;
             if (!truth.is_hit() || on_band.closest.hit[i] == 0 || on_band.closest.object[i] != truth.object) continue;
             result.numbers[i] = number(CorrectHit{on_band, i, truth});
@@ -173,7 +173,7 @@ struct NumberAdapter {
         layers.add_number(name, [](const NumberBand& band, std::size_t i) { return band.numbers[i]; });
         return layers;
     }
-    static output::image::ExrSpec exr_spec(const Study& study, std::size_t row,
+    static output::image::ExrSpec exr_spec(const Study& study, std::size_t row_index,
                                            const std::vector<output::image::Channel>& channels,
                                            const std::string& command) {
         return {.width = study.scene.width,
@@ -182,12 +182,14 @@ struct NumberAdapter {
                 .attributes = {{"lostbits:command", command},
                                {"lostbits:schema", fmt::format("lostbits-{}/1", name)},
                                {"lostbits:scene", study.scene.id},
-                               {"lostbits:form", std::string(study.rows[row].form->info->name)},
-                               {"lostbits:format", study.rows[row].format.name},
+                               {"lostbits:form", std::string(study.rows[row_index].form->info->name)},
+                               {"lostbits:format", study.rows[row_index].format.name},
                                output::image::compiler_attribute()}};
     }
 
-    static std::string row_name(const Study& study, std::size_t row) { return output::map::row_name(study.rows[row]); }
+    static std::string row_name(const Study& study, std::size_t row_index) {
+        return output::map::row_name(study.rows[row_index]);
+    }
     static std::size_t pixels(const NumberBand& band) { return band.numbers.size(); }
     static std::vector<output::pixel::PixelColumn<NumberBand>> columns(const Study& study) {
         const auto look = std::make_shared<const output::pixel::Look>(
@@ -247,11 +249,12 @@ private:
             if (std::ranges::find(formats, row.format.name) == formats.end()) formats.emplace_back(row.format.name);
         return formats;
     }
-    static output::pixel::SheetPosition place_of(const Study& study, std::size_t row) {
+    static output::pixel::SheetPosition place_of(const Study& study, std::size_t row_index) {
         const auto forms = forms_of(study);
         const auto formats = formats_of(study);
-        return {static_cast<std::size_t>(std::ranges::find(forms, study.rows[row].form) - forms.begin()),
-                static_cast<std::size_t>(std::ranges::find(formats, study.rows[row].format.name) - formats.begin())};
+        return {
+            static_cast<std::size_t>(std::ranges::find(forms, study.rows[row_index].form) - forms.begin()),
+            static_cast<std::size_t>(std::ranges::find(formats, study.rows[row_index].format.name) - formats.begin())};
     }
 };
 

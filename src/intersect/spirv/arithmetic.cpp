@@ -158,8 +158,8 @@ bool Translator::translate_matrix(const SpirvInstruction& instruction) {
         else if (instruction.op == "OpTranspose" && type.part(0) != nullptr) {
             for (std::size_t k = 0; k < type.count; ++k) {
                 Values lanes;
-                for (std::size_t row = 0; row < a.type->count; ++row)
-                    lanes.push_back(extract_part(extract_part(a, row), k));
+                for (std::size_t row_index = 0; row_index < a.type->count; ++row_index)
+                    lanes.push_back(extract_part(extract_part(a, row_index), k));
                 columns.push_back(construct(*type.parts[0], lanes));
             }
         } else return false;

@@ -103,8 +103,8 @@ std::optional<std::uint32_t> witness_float(const Claim& claim, const FloatTally&
     return std::nullopt;
 }
 
-evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t row, std::uint32_t float_index) {
-    const auto float_answer = sweep::answer_at(request, 0, row, float_index);
+evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t row_index, std::uint32_t float_index) {
+    const auto float_answer = sweep::answer_at(request, 0, row_index, float_index);
     const auto given = std::make_shared<const scene::rays::RayGroup>(request.sweep.group_at(0, float_at(float_index)));
     return {.x = 0,
             .y = 0,
@@ -114,7 +114,7 @@ evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t row,
             .outcome = float_answer.outcome,
             .ulps = float_answer.ulps,
             .truth = float_answer.truth,
-            .touching = request.rows[row].touching,
+            .touching = request.rows[row_index].touching,
             .given = given};
 }
 
@@ -128,19 +128,19 @@ TestedForm float_row(const Claim& claim, const ExhaustiveFile& file) {
 }
 
 /// Judges a row by its findings in all ranges.
-ClaimResult judge_tally(const Claim& claim, std::size_t row, const ExhaustiveRequest& request,
+ClaimResult judge_tally(const Claim& claim, std::size_t row_index, const ExhaustiveRequest& request,
                         const std::vector<RangeFinding>& findings) {
     FloatTally tally;
     std::optional<float> onset;
     // If there are two ranges, of all floats from each zero outwards, the onset is that of the first range with an
     // onset.
     for (const RangeFinding& finding : findings) {
-        if (finding.row != row) continue;
+        if (finding.row != row_index) continue;
         tally.append(finding.tally);
         if (!claim.onset.empty() && !onset && finding.tally.first[event_of(claim)])
             onset = float_at(*finding.tally.first[event_of(claim)]);
     }
-    const double measured = claim.onset.empty() ? metric_of(claim, request.rows[row], tally)
+    const double measured = claim.onset.empty() ? metric_of(claim, request.rows[row_index], tally)
                             : onset             ? static_cast<double>(*onset)
                                                 : truth::missing;
     ClaimResult result = judge(claim, measured, nullptr);
@@ -149,7 +149,7 @@ ClaimResult judge_tally(const Claim& claim, std::size_t row, const ExhaustiveReq
     require_proof(result, tally.count(Outcome::unresolved), "float has no proved truth", "floats have no proved truth");
     // A command names a ray and its primitives by their numbers, and a mesh has too many numbers for that.
     if (const auto float_index = witness_float(claim, tally); float_index && !request.sweep.mesh)
-        result.witness = witness_at(request, row, *float_index);
+        result.witness = witness_at(request, row_index, *float_index);
     return result;
 }
 

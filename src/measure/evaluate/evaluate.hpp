@@ -114,11 +114,11 @@ struct BandResult {
 /// concurrently for one row; different rows may be shown at the same time.
 using Show = std::function<void(const BandResult&)>;
 /// Receives the results of all rows, each with the index of its row.
-using ShowRows = std::function<void(std::size_t row, const BandResult&)>;
+using ShowRows = std::function<void(std::size_t row_index, const BandResult&)>;
 /// Passes the bands of row i to the function `band` of readers[i]. The readers must outlive the result.
 template <class Readers>
 ShowRows show_to_each(Readers& readers) {
-    return [&readers](std::size_t row, const BandResult& result) { readers.at(row).band(result); };
+    return [&readers](std::size_t row_index, const BandResult& result) { readers.at(row_index).band(result); };
 }
 
 /// Metrics and receiver of one row.

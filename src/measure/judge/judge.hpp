@@ -62,7 +62,7 @@ struct JudgeRequest {
 /// Receives the results of a row for some rays, with the file's record of these rays. Called in order for each row;
 /// different rows may be shown at the same time.
 using ShowJudged =
-    std::function<void(std::size_t row, const scene::dump::Chunk& chunk, const evaluate::BandResult& result)>;
+    std::function<void(std::size_t row_index, const scene::dump::Chunk& chunk, const evaluate::BandResult& result)>;
 
 struct JudgeResult {
     std::vector<evaluate::FormSummary> summaries;  ///< one for each row

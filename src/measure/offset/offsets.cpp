@@ -193,8 +193,8 @@ OffsetSummary OffsetStudy::begin(std::size_t) const {
     return summary;
 }
 
-OffsetBand OffsetStudy::measure(const truth::Band& band, std::size_t row, OffsetSummary& summary) const {
-    OffsetMeasurement measurement(*this, rows[row], band);
+OffsetBand OffsetStudy::measure(const truth::Band& band, std::size_t row_index, OffsetSummary& summary) const {
+    OffsetMeasurement measurement(*this, rows[row_index], band);
     measurement.measure();
     measurement.add_to(summary);
     return measurement.take_result();

@@ -114,9 +114,9 @@ struct OffsetStudy {
 
     /// Throws InputError for a scene with too many primitives.
     void require() const;
-    [[nodiscard]] OffsetSummary begin(std::size_t row) const;
+    [[nodiscard]] OffsetSummary begin(std::size_t row_index) const;
     [[nodiscard]] static const truth::Band& prepare(const truth::Band& band) { return band; }
-    OffsetBand measure(const truth::Band& band, std::size_t row, OffsetSummary& summary) const;
+    OffsetBand measure(const truth::Band& band, std::size_t row_index, OffsetSummary& summary) const;
 };
 
 /// Forms and format that are measured if the user names none: one form for each shape, in the order of the shapes.

@@ -290,8 +290,8 @@ SharedRenderInputs RenderStudy::prepare(const truth::Band& band) const {
     return shared;
 }
 
-RenderBand RenderStudy::measure(const SharedRenderInputs& shared, std::size_t row, Summary& summary) const {
-    RenderBand result = RowRenderer(*this, rows[row], shared).render();
+RenderBand RenderStudy::measure(const SharedRenderInputs& shared, std::size_t row_index, Summary& summary) const {
+    RenderBand result = RowRenderer(*this, rows[row_index], shared).render();
     for (std::size_t s = 0; s < stages.size(); ++s) add_to_summary(result, s, shared.look, summary[s]);
     return result;
 }

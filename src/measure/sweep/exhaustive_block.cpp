@@ -221,13 +221,13 @@ std::vector<FloatTally> try_floats(const FloatsOnRay& floats_on_ray, truth::Stag
             request.limit.stop.check();
             find_truth_columns(columns.problems(), groups[g].terms, truths);
             stages += truths.stages;
-            for (const std::size_t row : groups[g].rows) {
-                columns.answer(request.rows[row], std::span(t).first(n), std::span(hit).first(n));
+            for (const std::size_t row_index : groups[g].rows) {
+                columns.answer(request.rows[row_index], std::span(t).first(n), std::span(hit).first(n));
                 ulps[g].compare(std::span(t).first(n), std::span(hit).first(n), truths);
-                ChunkTally tally(ulps[g], chunk, tallies[row], refinements_left[row]);
+                ChunkTally tally(ulps[g], chunk, tallies[row_index], refinements_left[row_index]);
                 tally.add();
-                if (boxes[row].has_box())
-                    tally.add_padding([&](std::size_t i) { return boxes[row].padding(columns, i); });
+                if (boxes[row_index].has_box())
+                    tally.add_padding([&](std::size_t i) { return boxes[row_index].padding(columns, i); });
             }
         }
     }

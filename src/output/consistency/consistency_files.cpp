@@ -73,8 +73,8 @@ std::string note_of(const Check& check, const CheckSummary& s) {
 
 }  // namespace
 
-std::string ConsistencyView::row_name(const ConsistencyStudy& study, std::size_t row) {
-    return map::row_name(study.rows[row]);
+std::string ConsistencyView::row_name(const ConsistencyStudy& study, std::size_t row_index) {
+    return map::row_name(study.rows[row_index]);
 }
 
 std::vector<PixelColumn<ConsistencyBand>> ConsistencyView::columns(const ConsistencyStudy& study) {

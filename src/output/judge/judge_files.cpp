@@ -158,9 +158,9 @@ struct JudgeFiles::Parts {
     /// For a shard: adds the lines of the series' table to the map's piece of the series.
     [[nodiscard]] pixel::KeepPiece keep_of_map() {
         if (!options.keep) return {};
-        return [this](std::size_t row, pixel::Piece&& piece) {
-            if (rows.at(row)->rows()) piece.lines = rows[row]->rows()->take_lines();
-            options.keep(row, std::move(piece));
+        return [this](std::size_t row_index, pixel::Piece&& piece) {
+            if (rows.at(row_index)->rows()) piece.lines = rows[row_index]->rows()->take_lines();
+            options.keep(row_index, std::move(piece));
         };
     }
 };
@@ -194,14 +194,14 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
 
 JudgeFiles::~JudgeFiles() = default;
 
-void JudgeFiles::piece(std::size_t row, const Chunk& chunk, const measure::evaluate::BandResult& result) {
-    parts_->rows[row]->piece(chunk, result);
+void JudgeFiles::piece(std::size_t row_index, const Chunk& chunk, const measure::evaluate::BandResult& result) {
+    parts_->rows[row_index]->piece(chunk, result);
 }
 
-void JudgeFiles::put(std::size_t row, pixel::Piece&& piece) {
-    if (auto& rows = parts_->rows.at(row)->rows()) rows->add_lines(piece.lines);
+void JudgeFiles::put(std::size_t row_index, pixel::Piece&& piece) {
+    if (auto& rows = parts_->rows.at(row_index)->rows()) rows->add_lines(piece.lines);
     piece.lines.clear();
-    parts_->map->put(row, std::move(piece));
+    parts_->map->put(row_index, std::move(piece));
 }
 
 std::vector<WorstRays> JudgeFiles::worst() const {

@@ -97,7 +97,7 @@ MapFiles::~MapFiles() = default;
 
 measure::evaluate::ShowRows MapFiles::show() { return measure::evaluate::show_to_each(parts_->rows); }
 
-void MapFiles::put(std::size_t row, pixel::Piece&& piece) { parts_->rows.at(row).write_piece(piece); }
+void MapFiles::put(std::size_t row_index, pixel::Piece&& piece) { parts_->rows.at(row_index).write_piece(piece); }
 
 void MapFiles::finish(const std::vector<FormSummary>& summaries, const measure::evaluate::Groups& groups) {
     Parts& p = *parts_;

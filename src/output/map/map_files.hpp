@@ -51,7 +51,7 @@ public:
     /// Returns the function that receives the bands of the request's rows.
     [[nodiscard]] measure::evaluate::ShowRows show();
     /// Writes the next piece of a row, which another run kept.
-    void put(std::size_t row, pixel::Piece&& piece);
+    void put(std::size_t row_index, pixel::Piece&& piece);
     void finish(const std::vector<FormSummary>& summaries, const measure::evaluate::Groups& groups = {});
 
 private:

@@ -34,7 +34,7 @@ struct SummaryRow {
 /// the rays, which stands first; empty: no groups.
 table::Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes,
                                        bool has_meshes = false, std::string group_column = {});
-/// A row for all rays, then one for each group. `row` is row `r` of the run.
+/// A row for all rays, then one for each group. `form_row` is row `r` of the run.
 std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& form_row, const FormSummary& summary,
                                      const measure::evaluate::Groups& groups, const RayArguments& ray_arguments);
 

@@ -70,7 +70,7 @@ PixelValue safe_offset(const OffsetBand& band, std::size_t pixel, Side side) {
     return std::isfinite(offset) ? PixelValue{3, offset / band.ulp[pixel]} : PixelValue{2};
 }
 
-std::size_t line_of(std::size_t row, Side side) { return 2 * row + static_cast<std::size_t>(side); }
+std::size_t line_of(std::size_t row_index, Side side) { return 2 * row_index + static_cast<std::size_t>(side); }
 
 /// Adds the notes below the cells of a line of the sheet.
 void add_notes(const OffsetStudy& study, std::size_t line, const measure::offset::SideSummary& side,
@@ -101,8 +101,8 @@ std::string row_name(const OffsetRow& offset_row) {
     return fmt::format("{}.{}", map::row_name(offset_row.form_row), name_of(offset_row.point_kind));
 }
 
-std::string OffsetView::row_name(const OffsetStudy& study, std::size_t row) {
-    return offset::row_name(study.rows[row]);
+std::string OffsetView::row_name(const OffsetStudy& study, std::size_t row_index) {
+    return offset::row_name(study.rows[row_index]);
 }
 
 std::string in_words(Side side) { return side == Side::outside ? "away from the primitive" : "into the primitive"; }

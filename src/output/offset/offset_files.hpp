@@ -50,7 +50,7 @@ struct OffsetView {
     static table::Table<StrategyRow> summary_table();
     /// Every strategy on every side.
     static std::vector<StrategyRow> summary_rows(const Study& study, const std::vector<OffsetSummary>& summaries);
-    static std::string row_name(const Study& study, std::size_t row);
+    static std::string row_name(const Study& study, std::size_t row_index);
     static std::size_t pixels(const Band& band) { return band.is_point.size(); }
     static std::vector<pixel::PixelColumn<Band>> columns(const Study& study);
     static pixel::Sheet sheet(const Study& study, const std::filesystem::path& file);
@@ -85,15 +85,15 @@ public:
     [[nodiscard]] const file::DataResource& resource() const { return table_.about(); }
 
 private:
-    void plot_wrong(std::size_t row, Side side) const;
-    void plot_size(std::size_t row, Side side) const;
-    [[nodiscard]] plot::LinePlotSpec spec_of(std::size_t row, Side side, const std::string& title,
+    void plot_wrong(std::size_t row_index, Side side) const;
+    void plot_size(std::size_t row_index, Side side) const;
+    [[nodiscard]] plot::LinePlotSpec spec_of(std::size_t row_index, Side side, const std::string& title,
                                              plot::AxisSpec y) const;
     /// The line of a strategy in a plot; without a strategy, the line of the smallest safe offset.
-    [[nodiscard]] plot::Series series_of(std::size_t row, Side side,
+    [[nodiscard]] plot::Series series_of(std::size_t row_index, Side side,
                                          const std::function<double(const measure::offset::SideSummary&)>& value,
                                          const Strategy* strategy = nullptr) const;
-    [[nodiscard]] std::filesystem::path file_of(std::size_t row, Side side, const char* kind) const;
+    [[nodiscard]] std::filesystem::path file_of(std::size_t row_index, Side side, const char* kind) const;
 
     std::filesystem::path folder_;
     const OffsetStudy& study_;

@@ -188,7 +188,7 @@ MapData::MapData(const MapStudy& request) : request_(request) {
 MapData::~MapData() = default;
 
 measure::evaluate::ShowRows MapData::show() {
-    return [this](std::size_t row, const BandResult& result) { rows_.at(row)->band(result); };
+    return [this](std::size_t row_index, const BandResult& result) { rows_.at(row_index)->band(result); };
 }
 
 namespace {

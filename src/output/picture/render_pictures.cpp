@@ -156,8 +156,8 @@ private:
     }
 
     template <class ValueOf>
-    void add(pixel::ColumnSpec spec, std::size_t row, ValueOf value_of) {
-        columns_.push_back({std::move(spec), row, pixel::drawn_by<RenderBand>(value_of)});
+    void add(pixel::ColumnSpec spec, std::size_t row_index, ValueOf value_of) {
+        columns_.push_back({std::move(spec), row_index, pixel::drawn_by<RenderBand>(value_of)});
     }
 
     const RenderStudy& study_;

@@ -292,10 +292,11 @@ ExhaustiveFiles::ExhaustiveFiles(const ExhaustiveRequest& request, const std::fi
 
 void ExhaustiveFiles::add_binades(const ExhaustiveState& state) {
     const auto binades = measure::sweep::binades_of(request_.sweep);
-    for (std::size_t row = 0; row < request_.rows.size(); ++row) {
+    for (std::size_t row_index = 0; row_index < request_.rows.size(); ++row_index) {
         for (std::size_t ray = 0; ray < request_.sweep.rays.size(); ++ray) {
             for (std::size_t b = 0; b < binades.size(); ++b) {
-                FloatsRow floats_row{request_, ray, row, binades[b].floats, state.tallies[request_.place(b, ray, row)]};
+                FloatsRow floats_row{request_, ray, row_index, binades[b].floats,
+                                     state.tallies[request_.place(b, ray, row_index)]};
                 floats_row.find_worst();
                 floats_row.binade = binades[b].binade.name();
                 binades_.add(floats_row);

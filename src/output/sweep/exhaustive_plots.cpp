@@ -101,10 +101,10 @@ public:
 
     [[nodiscard]] std::vector<AxisHalf> halves() const {
         std::vector<AxisHalf> list;
-        for (std::size_t row = 0; row < request_.rows.size(); ++row) {
+        for (std::size_t row_index = 0; row_index < request_.rows.size(); ++row_index) {
             for (std::size_t ray = 0; ray < request_.sweep.rays.size(); ++ray) {
-                if (positive_count_ > 0) list.push_back({row, ray, false});
-                if (negative_count_ > 0) list.push_back({row, ray, true});
+                if (positive_count_ > 0) list.push_back({row_index, ray, false});
+                if (negative_count_ > 0) list.push_back({row_index, ray, true});
             }
         }
         return list;

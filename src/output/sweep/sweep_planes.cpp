@@ -87,9 +87,9 @@ SweepGrid::SweepGrid(const SweepRequest& request, const std::vector<SweepStep>& 
     if (y_falls_) std::ranges::reverse(y);
 }
 
-const FormSummary& SweepGrid::at(std::size_t row, std::size_t column, std::size_t line) const {
+const FormSummary& SweepGrid::at(std::size_t row_index, std::size_t column, std::size_t line) const {
     const std::size_t i = x_falls_ ? x.size() - 1 - column : column, j = y_falls_ ? y.size() - 1 - line : line;
-    return steps_[i * y.size() + j].rows[row];
+    return steps_[i * y.size() + j].rows[row_index];
 }
 
 namespace {
@@ -102,13 +102,13 @@ struct DrawnPlane {
     bool has_outlined = false, has_few = false;
 };
 
-DrawnPlane drawn_plane(const SweepRequest& request, const SweepGrid& plane, std::size_t row) {
+DrawnPlane drawn_plane(const SweepRequest& request, const SweepGrid& plane, std::size_t row_index) {
     const std::size_t lost_index = measure::metric::index_of(request.metrics, "lost_bits"),
                       excess_index = measure::metric::index_of(request.metrics, "excess_bits");
     DrawnPlane drawn;
     for (std::size_t line = 0; line < plane.y.size(); ++line) {
         for (std::size_t column = 0; column < plane.x.size(); ++column) {
-            const FormSummary& s = plane.at(row, column, line);
+            const FormSummary& s = plane.at(row_index, column, line);
             plot::PlaneCell cell;
             bool is_explained = false;
             ++drawn.wrong.rays;
@@ -166,11 +166,11 @@ std::string note_of(const DrawnPlane& drawn) {
 
 }  // namespace
 
-image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row) {
+image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row_index) {
     const auto& axes = request.sweep.axes;
-    const TestedForm& tested = request.rows[row];
+    const TestedForm& tested = request.rows[row_index];
     const SweepGrid plane(request, steps);
-    const DrawnPlane drawn = drawn_plane(request, plane, row);
+    const DrawnPlane drawn = drawn_plane(request, plane, row_index);
     return plot::plane_plot(
         {.title = fmt::format("{} in {}: lost bits, p99", tested.form->info->name, tested.format.name),
          .subtitle = {request.sweep.title, std::string(drawn.has_outlined ? outlined_means : nowhere_outlined) + "."},

@@ -44,12 +44,12 @@ using scene::sweep::Axis;
 const plot::AxisSpec share_axis{"share of rays", plot::AxisSpec::Scale::linear, 0.0, {}, false, false, 1};
 
 /// One value of a row of the request along the sweep, by rising parameter.
-Series series_of(const std::vector<SweepStep>& steps, std::size_t row, const std::string& label,
+Series series_of(const std::vector<SweepStep>& steps, std::size_t row_index, const std::string& label,
                  const std::function<double(const FormSummary&)>& value) {
     Series series{label};
     for (const SweepStep& step : steps) {
         series.x.push_back(step.values.front());
-        series.y.push_back(value(step.rows[row]));
+        series.y.push_back(value(step.rows[row_index]));
     }
     if (series.x.front() > series.x.back()) {
         std::ranges::reverse(series.x);

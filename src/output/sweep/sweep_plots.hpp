@@ -63,7 +63,7 @@ class SweepGrid {
 public:
     SweepGrid(const SweepRequest& request, const std::vector<SweepStep>& steps);
     /// Results of one row of the request at a cell of the plane.
-    [[nodiscard]] const FormSummary& at(std::size_t row, std::size_t column, std::size_t line) const;
+    [[nodiscard]] const FormSummary& at(std::size_t row_index, std::size_t column, std::size_t line) const;
     std::vector<double> x, y;
 
 private:
@@ -85,7 +85,7 @@ inline constexpr const char* nowhere_outlined =
 void write_planes(const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
                   bool single_pictures);
 /// The plane of one row of the request, as `write_planes` saves it.
-image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row);
+image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row_index);
 /// Writes the contact sheet of `write_planes`. On the sheet a step is one colour, and cells that the outline would not
 /// enclose are paler instead (`map::paler_means`).
 void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& request,
