@@ -235,7 +235,7 @@ Exit choose_for_files(const ChooseOptions& o, const Common& common) {
     ChoiceRequest request = request_of(o, common.stop);
     request.rows = rows_of(o, id, common.quiet, [shapes](Shapes forms) { return forms == shapes; });
     const auto emulated =
-        std::erase_if(request.rows, [](const auto& row) { return selection::is_emulated(row.format); });
+        std::erase_if(request.rows, [](const auto& form_row) { return selection::is_emulated(form_row.format); });
     if (emulated > 0 && !common.quiet)
         fmt::print(stderr,
                    "lostbits: {}: for files of rays, only f32 and f64 are compared; emulated formats were left out, "

@@ -31,8 +31,8 @@ std::unique_ptr<output::file::ResultFolder> take_folder(const std::filesystem::p
     for (const std::string& kind : common.figures)
         if (std::ranges::find(rules.figures, kind) == rules.figures.end()) rules.figures.push_back(kind);
     output::file::Provenance provenance{common.typed_command.for_subject(subject), program_and_version};
-    for (const auto& row : intersect::table::intersectors().subspan(intersect::table::catalogue().size()))
-        provenance.forms.emplace_back(row.info->name, row.info->source);
+    for (const auto& catalogue_row : intersect::table::intersectors().subspan(intersect::table::catalogue().size()))
+        provenance.forms.emplace_back(catalogue_row.info->name, catalogue_row.info->source);
     return std::make_unique<output::file::ResultFolder>(folder, std::move(provenance), rules);
 }
 

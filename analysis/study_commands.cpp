@@ -180,7 +180,7 @@ Exit run_command(const StudyOptions& o, const Common& common) {
     require_folder(o.out);
     auto rows = selection::cross(selection::select_forms(selection::form_patterns_or(o.forms, Adapter::usual_forms())),
                                  selection::select_formats(o.formats));
-    std::erase_if(rows, [](const auto& row) { return !Adapter::can_measure(*row.form); });
+    std::erase_if(rows, [](const auto& form_row) { return !Adapter::can_measure(*form_row.form); });
     if (rows.empty()) throw NothingSelected(Adapter::no_form_message);
     auto scenes = scenes_of_primitives(o, rows, Adapter::name, common, Adapter::require);
     const selection::ThreadLimit limit(common.threads);

@@ -239,14 +239,15 @@ private:
     }
     static std::vector<const intersect::table::Intersector*> forms_of(const Study& study) {
         std::vector<const intersect::table::Intersector*> forms;
-        for (const auto& row : study.rows)
-            if (std::ranges::find(forms, row.form) == forms.end()) forms.push_back(row.form);
+        for (const auto& form_row : study.rows)
+            if (std::ranges::find(forms, form_row.form) == forms.end()) forms.push_back(form_row.form);
         return forms;
     }
     static std::vector<std::string> formats_of(const Study& study) {
         std::vector<std::string> formats;
-        for (const auto& row : study.rows)
-            if (std::ranges::find(formats, row.format.name) == formats.end()) formats.emplace_back(row.format.name);
+        for (const auto& form_row : study.rows)
+            if (std::ranges::find(formats, form_row.format.name) == formats.end())
+                formats.emplace_back(form_row.format.name);
         return formats;
     }
     static output::pixel::SheetPosition place_of(const Study& study, std::size_t row_index) {

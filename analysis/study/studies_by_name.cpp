@@ -69,7 +69,7 @@ std::optional<output::page::StudyPart> part_of(const scene::file::Scene& scene, 
     if (forms.empty()) forms = Adapter::usual_forms();
     if (formats.empty()) formats = {usual_format};
     auto rows = selection::cross(selection::select_forms(forms), selection::select_formats(formats));
-    std::erase_if(rows, [](const auto& row) { return !Adapter::can_measure(*row.form); });
+    std::erase_if(rows, [](const auto& form_row) { return !Adapter::can_measure(*form_row.form); });
     StudyQuestion question{
         .scene = scene,
         .rows = selection::fitting(

@@ -7,15 +7,15 @@
 // - `Band`, `Summary`: the results of a row on a band, and over the picture;
 // - `pixels_together`: about how many pixels a band has;
 // - `require()`: throws InputError for a scene that cannot be measured;
-// - `begin(row)`: the summary of no pixels;
+// - `begin(row_index)`: the summary of no pixels;
 // - `prepare(band)`: everything that the rows of a band share, their truth above all;
-// - `measure(shared, row, summary)`: measures a row on a band, adds to its summary, and returns what sinks show.
+// - `measure(shared, row_index, summary)`: measures a row on a band, adds to its summary, and returns what sinks show.
 //
 // A study may also have
 //
 // - `scenes()`: the scenes of its rows, if rows differ in the rays that a scene makes;
 // - `prepare(band, rows)`, in place of `prepare(band)`: the rows are those whose rays are of this band;
-// - `measure(shared, row, summary, show)`: calls `show` with what sinks show, in memory that it uses again;
+// - `measure(shared, row_index, summary, show)`: calls `show` with what sinks show, in memory that it uses again;
 // - `stages`: receives the number of truths that each stage settled; may be null.
 //
 // The driver owns the loop over bands and rows, their threads, the share of a shard, and how summaries add up.

@@ -59,8 +59,8 @@ void set_plugin_options(const std::string& options) { plugin_options_text() = op
 const std::string& plugin_options() { return plugin_options_text(); }
 
 std::string plugin_options_for(std::string_view form) {
-    const bool is_in_catalogue =
-        std::ranges::any_of(intersect::table::catalogue(), [form](const auto& row) { return row.info->name == form; });
+    const bool is_in_catalogue = std::ranges::any_of(
+        intersect::table::catalogue(), [form](const auto& catalogue_row) { return catalogue_row.info->name == form; });
     return is_in_catalogue || form.empty() ? "" : plugin_options_text();
 }
 
