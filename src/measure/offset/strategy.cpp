@@ -208,8 +208,8 @@ struct Exclude {
 };
 
 template <class Rule>
-constexpr Strategy row(std::string_view name, std::string_view title, std::string_view source,
-                       bool keeps_point = false) {
+constexpr Strategy strategy_row(std::string_view name, std::string_view title, std::string_view source,
+                                bool keeps_point = false) {
     return {name,
             title,
             source,
@@ -221,28 +221,30 @@ constexpr Strategy row(std::string_view name, std::string_view title, std::strin
 }
 
 constexpr Strategy strategy_rows[] = {
-    row<None>("offset.none", "p, and t > 0", "-", true),
-    row<Tmin<3>>("offset.tmin", "p, and t > 1e-3", "Shirley, Ray Tracing in One Weekend, section 9.3", true),
-    row<Tmin<4>>("offset.tmin_1e-4", "p, and t > 1e-4", "Beason, smallpt: Global Illumination in 99 lines of C++",
-                 true),
-    row<Epsilon<3>>("offset.epsilon", "p + 1e-3 n", "common practice"),
-    row<Epsilon<4>>("offset.epsilon_1e-4", "p + 1e-4 n", "common practice"),
-    row<AlongNewRay<3>>("offset.direction", "p + 1e-3 w", "common practice"),
-    row<Ulps<4>>("offset.ulp", "p + 4 ulp(max |p|) n", "common practice"),
-    row<Ulps<16>>("offset.ulp_16", "p + 16 ulp(max |p|) n", "common practice"),
-    row<Integer>("offset.integer", "the bits of p moved by 256 n; p + n/65536 where |p| < 1/32",
-                 "Wächter, Binder, A Fast and Robust Method for Avoiding Self-Intersection, Ray Tracing Gems (2019), "
-                 "chapter 6"),
-    row<Cycles>("offset.cycles", "the bits of p moved by 32 toward n; p + 1e-5 n where |p| < 1",
-                "Blender Cycles, ray_offset, before it took the rule of Ray Tracing Gems"),
-    row<Relative>("offset.relative", "p + (1 + max |p|) 1500u n", "Mitsuba 3, Interaction::offset_p"),
-    row<Bound>("offset.bound", "p + (|n| . error bound of p) n, then one float further",
-               "Pharr, Jakob, Humphreys, Physically Based Rendering, fourth edition, section 6.8"),
-    row<BoundInObject>("offset.bound_object", "as offset.bound, but in object space; the same without a matrix",
-                       "Pharr, Jakob, Humphreys, Physically Based Rendering, fourth edition, section 6.8, in the space "
-                       "of the shape"),
-    row<Exclude>("offset.exclude", "p, and the primitive that is left is not tested",
-                 "common practice for convex solids", true),
+    strategy_row<None>("offset.none", "p, and t > 0", "-", true),
+    strategy_row<Tmin<3>>("offset.tmin", "p, and t > 1e-3", "Shirley, Ray Tracing in One Weekend, section 9.3", true),
+    strategy_row<Tmin<4>>("offset.tmin_1e-4", "p, and t > 1e-4",
+                          "Beason, smallpt: Global Illumination in 99 lines of C++", true),
+    strategy_row<Epsilon<3>>("offset.epsilon", "p + 1e-3 n", "common practice"),
+    strategy_row<Epsilon<4>>("offset.epsilon_1e-4", "p + 1e-4 n", "common practice"),
+    strategy_row<AlongNewRay<3>>("offset.direction", "p + 1e-3 w", "common practice"),
+    strategy_row<Ulps<4>>("offset.ulp", "p + 4 ulp(max |p|) n", "common practice"),
+    strategy_row<Ulps<16>>("offset.ulp_16", "p + 16 ulp(max |p|) n", "common practice"),
+    strategy_row<Integer>(
+        "offset.integer", "the bits of p moved by 256 n; p + n/65536 where |p| < 1/32",
+        "Wächter, Binder, A Fast and Robust Method for Avoiding Self-Intersection, Ray Tracing Gems (2019), "
+        "chapter 6"),
+    strategy_row<Cycles>("offset.cycles", "the bits of p moved by 32 toward n; p + 1e-5 n where |p| < 1",
+                         "Blender Cycles, ray_offset, before it took the rule of Ray Tracing Gems"),
+    strategy_row<Relative>("offset.relative", "p + (1 + max |p|) 1500u n", "Mitsuba 3, Interaction::offset_p"),
+    strategy_row<Bound>("offset.bound", "p + (|n| . error bound of p) n, then one float further",
+                        "Pharr, Jakob, Humphreys, Physically Based Rendering, fourth edition, section 6.8"),
+    strategy_row<BoundInObject>(
+        "offset.bound_object", "as offset.bound, but in object space; the same without a matrix",
+        "Pharr, Jakob, Humphreys, Physically Based Rendering, fourth edition, section 6.8, in the space "
+        "of the shape"),
+    strategy_row<Exclude>("offset.exclude", "p, and the primitive that is left is not tested",
+                          "common practice for convex solids", true),
 };
 
 }  // namespace

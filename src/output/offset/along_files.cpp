@@ -37,7 +37,7 @@ AlongFiles::AlongFiles(const std::filesystem::path& folder, const OffsetStudy& s
 
 void AlongFiles::add(double axis_value, std::vector<OffsetSummary> summaries) {
     for (const StrategyRow& row : OffsetView::summary_rows(study_, summaries)) table_.add({axis_value, row});
-    steps_.push_back(axis_value);
+    axis_values_.push_back(axis_value);
     summaries_.push_back(std::move(summaries));
 }
 
@@ -58,7 +58,7 @@ plot::Series AlongFiles::series_of(std::size_t row_index, Side side,
                                    const std::function<double(const SideSummary&)>& value,
                                    const Strategy* strategy) const {
     plot::Series series{.label = strategy ? short_name(*strategy) : "smallest safe offset, largest of all points",
-                        .x = steps_,
+                        .x = axis_values_,
                         .dashed = strategy == nullptr,
                         .look = look_of(strategy)};
     for (const auto& step : summaries_) series.y.push_back(value(step[row_index].side_summary(side)));

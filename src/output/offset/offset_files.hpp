@@ -99,8 +99,8 @@ private:
     const OffsetStudy& study_;
     SceneAxis along_;
     table::TableFile<AlongRow> table_;
-    std::vector<double> steps_;
-    std::vector<std::vector<OffsetSummary>> summaries_;  ///< one per step
+    std::vector<double> axis_values_;                    ///< values on the axis, in the order of `add`
+    std::vector<std::vector<OffsetSummary>> summaries_;  ///< one per value on the axis
 };
 
 }  // namespace lostbits::output::offset
