@@ -212,7 +212,7 @@ Exit run(const CheckOptions& o, const Common& common) {
     // Only a shard records which files it read, so a whole run need not list the data folder.
     const bool is_whole_run = o.shard.empty() && !common.shards_to_join;
     RunDivision run_division =
-        divide(o.shard, o.report, is_whole_run ? std::vector<std::filesystem::path>{} : files_of(o, data), common);
+        divide_run(o.shard, o.report, is_whole_run ? std::vector<std::filesystem::path>{} : files_of(o, data), common);
     run_division.division.expect({"check"});
     std::unique_ptr<output::file::ResultFolder> folder;
     if (!o.report.empty())
@@ -227,7 +227,7 @@ Exit run(const CheckOptions& o, const Common& common) {
                                             claims.begin() + static_cast<std::ptrdiff_t>(units.last));
         return measure::claim::measure_claims(own_claims, request);
     });
-    finish(run_division, common);
+    finish_run(run_division, common);
     if (!measured) return Exit::done;
     const auto& results = *measured;
     if (o.timing() && !o.measure) return report_times(claims, results);
@@ -250,10 +250,10 @@ Exit run(const CheckOptions& o, const Common& common) {
     if (!o.csv.empty()) output::claim::write_claims_csv(o.csv, claims, results);
     if (!o.json.empty()) output::claim::write_claims_json(o.json, claims, results);
     if (!o.report.empty()) output::claim::write_claim_report(o.report, claims, results, request);
-    complete(folder);
+    complete_folder(folder);
     if (!common.quiet) {
         // A confirmed verdict may be that a statement is wrong, so the counts by verdict follow.
-        fmt::print("{} confirmed, {} failed{}\n", scene::toml::counted(agreed, "verdict"),
+        fmt::print("{} confirmed, {} failed{}\n", scene::toml::count_with_noun(agreed, "verdict"),
                    claims.size() - agreed - skipped, skipped == 0 ? "" : fmt::format(", {} skipped", skipped));
         if (agreed > 0) fmt::print("{}\n", counts.text());
     }

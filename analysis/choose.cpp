@@ -61,9 +61,9 @@ public:
     std::vector<output::choice::RepairedCandidate> candidates = {};
 
 private:
-    void repair_one(const TestedForm& row) {
+    void repair_one(const TestedForm& form_row) {
         requests_.push_back(
-            {.scene = request_.scene, .row = row, .requirement = request_.requirement, .limit = request_.limit});
+            {.scene = request_.scene, .row = form_row, .requirement = request_.requirement, .limit = request_.limit});
         try {
             // 0: do not prove that the sets are minimal, that is, try no smaller sets after the search.
             repairs_.push_back(measure::repair::repair_form(requests_.back(), 0));
@@ -75,23 +75,25 @@ private:
         proposals_.push_back(proposals_of(result));
         int count = 0;
         for (const Proposal& proposal : proposals_.back())
-            if (proposal.quality->meets(request_.requirement) && is_new(proposal, row)) add(result, proposal, ++count);
+            if (proposal.quality->meets(request_.requirement) && is_new(proposal, form_row))
+                add(result, proposal, ++count);
     }
 
-    bool is_new(const Proposal& proposal, const TestedForm& row) {
-        const auto lines = output::repair::statements(proposal.tape, *row.form);
+    bool is_new(const Proposal& proposal, const TestedForm& form_row) {
+        const auto lines = output::repair::statements(proposal.tape, *form_row.form);
         return seen_
-            .insert(fmt::format("{} {} {}", static_cast<int>(row.form->shape), row.format.name, fmt::join(lines, "\n")))
+            .insert(fmt::format("{} {} {}", static_cast<int>(form_row.form->shape), form_row.format.name,
+                                fmt::join(lines, "\n")))
             .second;
     }
 
     void add(const RepairSummary& result, const Proposal& proposal, int count) {
-        const TestedForm& row = result.request.row;
-        std::string name(row.form->info->name);
+        const TestedForm& form_row = result.request.row;
+        std::string name(form_row.form->info->name);
         std::ranges::replace(name, '.', '_');
-        name += fmt::format("_{}{}", row.format.name == "f32" ? "" : row.format.name + "_", count);
+        name += fmt::format("_{}{}", form_row.format.name == "f32" ? "" : form_row.format.name + "_", count);
         sources.push_back(output::repair::written(result, proposal, name, command_));
-        std::string description = fmt::format("{}, {}", row.form->info->name, method_text(result, proposal));
+        std::string description = fmt::format("{}, {}", form_row.form->info->name, method_text(result, proposal));
         if (proposal.wider) description += ": " + names_of(result, *proposal.wider);
         candidates.push_back({"mended." + name, std::move(description), *proposal.held_out, name + ".hpp"});
     }
@@ -186,15 +188,15 @@ Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const Re
     auto choice = output::choice::choose_among(request, measured_candidates, timed_rays);
     choice.requirement_map = std::move(requirement_map);
     choice.repaired = std::move(repaired);
-    if (choice.meets && request.scene)
-        choice.offsets =
-            measure::choice::safe_offsets(*request.scene, measured_candidates[*choice.meets].row, request.limit);
+    if (choice.cheapest_index && request.scene)
+        choice.offsets = measure::choice::safe_offsets(*request.scene, measured_candidates[*choice.cheapest_index].row,
+                                                       request.limit);
     files.finish(choice);
-    complete(result_folder);
+    complete_folder(result_folder);
     progress.finish();
     fmt::print("{}", output::choice::in_words(choice));
     if (!common.quiet) fmt::print("{}\n", (files.folder() / "choose.csv").string());
-    return choice.meets ? Exit::done : Exit::answer_is_no;
+    return choice.cheapest_index ? Exit::done : Exit::answer_is_no;
 }
 
 Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
@@ -206,7 +208,7 @@ Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
     request.rows = rows_of(o, scene.id, common.quiet, [&scene](Shapes forms) { return scene.meets(forms); });
     const auto emulated = std::stable_partition(
         request.rows.begin(), request.rows.end(),
-        [](const measure::evaluate::TestedForm& row) { return !selection::is_emulated(row.format); });
+        [](const measure::evaluate::TestedForm& form_row) { return !selection::is_emulated(form_row.format); });
     request.untimed.assign(emulated, request.rows.end());
     request.rows.erase(emulated, request.rows.end());
     const auto folder = std::filesystem::path(o.out) / scene.id;
@@ -233,7 +235,7 @@ Exit choose_for_files(const ChooseOptions& o, const Common& common) {
     ChoiceRequest request = request_of(o, common.stop);
     request.rows = rows_of(o, id, common.quiet, [shapes](Shapes forms) { return forms == shapes; });
     const auto emulated =
-        std::erase_if(request.rows, [](const auto& row) { return selection::is_emulated(row.format); });
+        std::erase_if(request.rows, [](const auto& form_row) { return selection::is_emulated(form_row.format); });
     if (emulated > 0 && !common.quiet)
         fmt::print(stderr,
                    "lostbits: {}: for files of rays, only f32 and f64 are compared; emulated formats were left out, "

@@ -100,7 +100,7 @@ struct RunDivision {
 void print_figures(const std::filesystem::path& path);
 
 /// Marks the results in the folder as complete, see `ResultFolder::complete`. Does nothing for null.
-void complete(const std::unique_ptr<output::file::ResultFolder>& folder);
+void complete_folder(const std::unique_ptr<output::file::ResultFolder>& folder);
 
 /// Takes a folder in `out` for each scene, and checks that summary.csv can be written there. A folder belongs to this
 /// run until the work on its scene is done; its files are then complete, even if the run fails later.
@@ -122,8 +122,9 @@ private:
 };
 
 /// Loads the scenes of a command that tests primitives one by one. Adds to `rows` the rows that the scenes need, and
-/// prints which scenes and forms are left out. Throws InputError for scenes and forms that make rays in each format,
-/// and whatever `require_scene` throws for a scene. `command` is the name of the command.
+/// prints which scenes and forms are left out. Throws InputError for a ray generator, that is a scene or a form that
+/// makes the rays in each format, and whatever `require_scene` throws for a scene. `command` is the name of the
+/// command.
 [[nodiscard]] std::vector<scene::file::Scene> scenes_of_primitives(const selection::SharedOptions& shared,
                                                                    std::vector<measure::evaluate::TestedForm>& rows,
                                                                    const char* command, const Common& common,
@@ -137,13 +138,13 @@ void add_shard(const shell::Command& command, std::string& shard_value);
 
 /// Divides a run by the value of its `--shard`. `out` is the folder of its results; `files` are the files that decide
 /// what it measures. Throws InputError for a bad value, and if the shards to join read other files.
-[[nodiscard]] RunDivision divide(const std::string& shard_value, const std::string& out,
-                                 const std::vector<std::filesystem::path>& files, const Common& common,
-                                 bool resumed = false);
+[[nodiscard]] RunDivision divide_run(const std::string& shard_value, const std::string& out,
+                                     const std::vector<std::filesystem::path>& files, const Common& common,
+                                     bool resumed = false);
 
 /// Ends a divided run. Gives the file of a shard its final name and prints the name. Returns false for a shard, which
 /// has only a part of the results.
-bool finish(RunDivision& run_division, const Common& common);
+bool finish_run(RunDivision& run_division, const Common& common);
 
 /// Throws EnvironmentError if the file cannot be written, so that a run fails before its first ray and not after the
 /// tenth scene.
@@ -179,12 +180,13 @@ void print_comparisons(const std::vector<measure::evaluate::TestedForm>& rows,
 [[nodiscard]] std::string lost_bits_cell(const measure::evaluate::FormSummary& summary, std::size_t lost_bits,
                                          double q);
 
-/// Adds columns to a table on stdout, and the cells of a summary: `mesh` for the outcomes that only meshes have,
-/// `wrong` for the wrong decisions. `recognises_cracks` is false for the answers of a file, where cracks and double
-/// hits cannot be recognised.
+/// Adds columns to a table on stdout for the outcomes that only meshes have.
 void add_mesh_columns(std::vector<shell::TextColumn>& columns);
+/// Adds the cells of a summary in these columns. `recognises_cracks` is false for the answers of a file, where cracks
+/// and double hits cannot be recognised.
 void add_mesh_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& summary,
                     bool recognises_cracks);
+/// Adds columns to a table on stdout for the wrong decisions, and the cells of a summary in these columns.
 void add_wrong_columns(std::vector<shell::TextColumn>& columns);
 void add_wrong_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& summary);
 

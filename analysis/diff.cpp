@@ -31,7 +31,7 @@ const std::vector<std::string>& measurement_options() {
                                        "--set",       "--variant",  "--steps",       "--seeds",    "--scene",  "--miss",
                                        "--direction", "--touching", "--at-origin",   "--inside",   "--facing", "--skip",
                                        "--quick",     "--stage",    "--repetitions", "--open-ends"};
-        for (const ShapeRow& row : shape_rows) names.push_back("--" + std::string(row.name));
+        for (const ShapeRow& shape_row : shape_rows) names.push_back("--" + std::string(shape_row.name));
         return names;
     }();
     return all;
@@ -152,7 +152,7 @@ Exit run_on_maps(const DiffOptions& o, const MapSides& sides, const CompareOptio
     std::unique_ptr<output::file::ResultFolder> result_folder;
     if (!o.draw.empty()) result_folder = take_folder(o.draw, common, o.a + (o.b.empty() ? "" : " " + o.b));
     const auto pictures = o.draw.empty() ? std::vector<fs::path>{} : diff::draw_maps(sides, o.draw, common.stop);
-    complete(result_folder);
+    complete_folder(result_folder);
     if (!sides.are_forms()) print_option_differences(option_differences_below(o.a, o.b));
     if (!found.same() || common.verbose) diff::print(found, sides, common.verbose);
     if (found.same() && !common.quiet) fmt::print("same\n");
@@ -190,7 +190,7 @@ MapSides sides_of(const DiffOptions& o) {
     if (o.forms.size() != 2)
         throw InputError(
             fmt::format("-i names {}, but diff compares two; name two, as in -i sphere.press -i sphere.unified",
-                        scene::toml::counted(o.forms.size(), "form")));
+                        scene::toml::count_with_noun(o.forms.size(), "form")));
     if (!o.b.empty())
         throw InputError("-i compares two forms within one folder, but two folders are given; leave out " + o.b +
                          ", or leave out -i to compare the two folders");

@@ -125,9 +125,9 @@ StepRays step_of(const scene::sweep::SweepFile& sweep, const std::string& positi
 
 /// Prints the bound on the error over ranges. Throws InputError for options that name a ray, and for malformed ranges.
 Exit explain_ranges(const selection::RayOptions& ray, const RangeOptions& range_options,
-                    const measure::evaluate::TestedForm& row, bool json, const Common& common) {
+                    const measure::evaluate::TestedForm& form_row, bool json, const Common& common) {
     refuse_ray(ray);
-    RangesRequest request{.format = row.format, .boxes = static_cast<std::size_t>(range_options.boxes)};
+    RangesRequest request{.format = form_row.format, .boxes = static_cast<std::size_t>(range_options.boxes)};
     for (const std::string& text : range_options.ranges) {
         const GivenRange& given = request.given_ranges.emplace_back(range_named(text));
         if (std::ranges::count(request.given_ranges, given.name, &GivenRange::name) > 1)
@@ -142,7 +142,7 @@ Exit explain_ranges(const selection::RayOptions& ray, const RangeOptions& range_
         file = sweep;
     if (file) {
         const auto sweep = sweep_of(ray, *file, data, common.stop);
-        request.form = form_for(*row.form, sweep);
+        request.form = form_for(*form_row.form, sweep);
         request.rays = step_of(sweep, range_options.at);
     } else {
         auto scene = selection::load_one_scene(
@@ -151,7 +151,7 @@ Exit explain_ranges(const selection::RayOptions& ray, const RangeOptions& range_
         if (!range_options.at.empty())
             throw InputError("--at-step " + range_options.at + ": the option names a step of a sweep, but " +
                              ray.subject + " is not a sweep; leave out --at-step");
-        request.form = form_for(*row.form, scene);
+        request.form = form_for(*form_row.form, scene);
         request.rays = std::move(scene);
     }
     request.limit.stop = common.stop;

@@ -34,12 +34,12 @@ using selection::JudgeOptions;
 namespace {
 
 /// The metrics of the request, made for its forms.
-std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, const JudgeRequest& request,
+std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn_metrics, const JudgeRequest& request,
                                       bool has_matrices, measure::metric::MetricSet& metric_set) {
     std::vector<measure::evaluate::TestedForm> tested_rows = request.rows;
     std::erase_if(tested_rows,
-                  [&request](const measure::evaluate::TestedForm& row) { return request.is_of_file(row); });
-    if (tested_rows.empty()) return selection::measured(drawn, request.rows);
+                  [&request](const measure::evaluate::TestedForm& form_row) { return request.is_of_file(form_row); });
+    if (tested_rows.empty()) return selection::measured(drawn_metrics, request.rows);
     scene::rays::RayGroup group;
     group.primitives = scene::rays::examples_of(request.primitives, request.mesh.get());
     if (group.primitives.empty()) {
@@ -49,7 +49,8 @@ std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn, c
     for (Primitive<double>& primitive : group.primitives)
         if (has_matrices) primitive.placed = selection::any_matrix();
     group.march = request.march;
-    return metric_set.for_forms(selection::measured(drawn, request.rows), measure::evaluate::forms_of(tested_rows),
+    return metric_set.for_forms(selection::measured(drawn_metrics, request.rows),
+                                measure::evaluate::forms_of(tested_rows),
                                 [&group] { return measure::attribution::OwnedSetting(group); });
 }
 
@@ -164,8 +165,9 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
     auto found = shard::result_with_files(
         JudgeFindings{.worst = files.worst()}, files, division, "judge", [&]() -> JudgeFindings {
             JudgeResult result = measure::judge::run_judge(
-                dump, request,
-                [&files](std::size_t row, const auto& chunk, const auto& band) { files.piece(row, chunk, band); });
+                dump, request, [&files](std::size_t row_index, const auto& chunk, const auto& band) {
+                    files.piece(row_index, chunk, band);
+                });
             return {std::move(result), files.worst(), *request.stages};
         });
     if (!found) return std::nullopt;
@@ -229,15 +231,15 @@ Exit run(const JudgeOptions& o, const Common& common) {
     if (o.pictures == "all" && !request.picture)
         throw InputError("--pictures all: a list of rays is not a picture; give its columns and rows by --size WxH");
     measure::metric::MetricSet metric_set;
-    auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
-                                   : selection::select_metrics(o.metrics, metric_set);
-    drawn = selection::applicable_metrics(drawn, request.rows, o.file);
-    if (!o.against.empty()) selection::add_pairs(drawn);
-    selection::note_without_formula(drawn, request.rows, common.quiet);
-    auto measured_metrics = drawn;
+    auto drawn_metrics = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
+                                           : selection::select_metrics(o.metrics, metric_set);
+    drawn_metrics = selection::applicable_metrics(drawn_metrics, request.rows, o.file);
+    if (!o.against.empty()) selection::add_pairs(drawn_metrics);
+    selection::note_without_formula(drawn_metrics, request.rows, common.quiet);
+    auto measured_metrics = drawn_metrics;
     selection::add_requirement(o, metric_set, measured_metrics);
     request.metrics = metrics_of(measured_metrics, request, dump->layout().has_matrix(), metric_set);
-    for (const Metric*& m : drawn) m = request.metrics[measure::metric::index_of(request.metrics, m->name)];
+    for (const Metric*& m : drawn_metrics) m = request.metrics[measure::metric::index_of(request.metrics, m->name)];
     const selection::ThreadLimit limit(common.threads);
 
     measure::truth::StageCounts stages;
@@ -248,7 +250,7 @@ Exit run(const JudgeOptions& o, const Common& common) {
     request.progress = [&](std::uint64_t, std::uint64_t bytes) { advance(by_bytes ? bytes : 0); };
     std::vector<std::filesystem::path> input_files{o.file};
     if (scene) input_files.push_back(scene->path);
-    RunDivision run_division = divide(o.shard, o.out, input_files, common);
+    RunDivision run_division = divide_run(o.shard, o.out, input_files, common);
     shard::Division& division = run_division.division;
     division.expect({"judge"});
     const auto folder = std::filesystem::path(o.out) / stem;
@@ -258,7 +260,7 @@ Exit run(const JudgeOptions& o, const Common& common) {
                                      .id = stem,
                                      .title = "rays of " + std::filesystem::path(o.file).filename().string(),
                                      .command = common.typed_command.text(),
-                                     .drawn = request.picture ? drawn : std::vector<const Metric*>{},
+                                     .drawn_metrics = request.picture ? drawn_metrics : std::vector<const Metric*>{},
                                      .single_pictures = o.pictures == "all",
                                      .rows = o.rows,
                                      .worst = o.worst,
@@ -266,20 +268,21 @@ Exit run(const JudgeOptions& o, const Common& common) {
     const auto judgement = judge_rays(*dump, request, files, division, [&] {
         return selection::open_file(o, o.file, selection::shape_given(o, scene), o.rows || !o.by.empty());
     });
-    finish(run_division, common);
+    finish_run(run_division, common);
     if (!judgement) {
         progress.finish();
         return Exit::done;
     }
     const JudgeResult& result = *judgement;
     const bool wrote_worst_rays = files.finish(result);
-    complete(result_folder);
+    complete_folder(result_folder);
     progress.finish();
 
     if (!common.quiet) {
         selection::note_rounded(o.file, result.rounded, dump->format());
         note_digits(o.file, dump->format(), result);
-        fmt::print("{} of {}, read as {}\n", scene::toml::counted(result.rays, "ray"), o.file, dump->format().name);
+        fmt::print("{} of {}, read as {}\n", scene::toml::count_with_noun(result.rays, "ray"), o.file,
+                   dump->format().name);
         print_results(request, result, o.by);
         print_comparisons(request.rows, request.metrics, result.summaries);
         if (common.verbose) print_stages(stages);

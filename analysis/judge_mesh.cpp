@@ -128,12 +128,12 @@ Exit run_mesh_judge(const JudgeOptions& o, const std::optional<scene::file::Scen
     const MeshAnswersResult result =
         measure::judge::judge_mesh_answers(dump, request, [&](const auto& answers) { files.add(answers); });
     files.finish(result);
-    complete(result_folder);
+    complete_folder(result_folder);
     progress.finish();
     if (!common.quiet) {
         selection::note_rounded(o.file, result.rounded, dump.format());
         fmt::print("{} of {}, read as {}\n",
-                   scene::toml::counted(result.rays, kind == AnswerKind::inside ? "point" : "ray"), o.file,
+                   scene::toml::count_with_noun(result.rays, kind == AnswerKind::inside ? "point" : "ray"), o.file,
                    dump.format().name);
         print_answers(name, dump.format(), result);
         print_faults(result);

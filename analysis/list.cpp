@@ -179,7 +179,8 @@ Listing devices(const Common& common) {
 /// The labels of each form's operations, recorded with one primitive of its shape.
 Listing labels(const Common& /*common*/) {
     std::vector<Primitive<double>> primitives;
-    for (const ShapeRow& row : shape_rows) primitives.push_back(primitive_around<double>(row.shape, {0, 0, 5}, 1));
+    for (const ShapeRow& shape_row : shape_rows)
+        primitives.push_back(primitive_around<double>(shape_row.shape, {0, 0, 5}, 1));
     const intersect::MarchConstants<double> march{};  // labels do not depend on its numbers
     return listing({"name", "labels"}, lostbits::intersect::table::intersectors(), [&](const auto& form) {
         auto form_labels = measure::attribution::labels_of(
@@ -208,7 +209,7 @@ std::pair<std::string, std::string> axis_and_title(const std::filesystem::path& 
     switch (scene::sweep::sweep_kind(path)) {
         case SweepKind::cases:
             return describe(scene::sweep::CaseFile(path),
-                            [](const auto& f) { return scene::toml::counted(f.size(), "case"); });
+                            [](const auto& f) { return scene::toml::count_with_noun(f.size(), "case"); });
         case SweepKind::search:
             return describe(scene::sweep::SearchFile(path), [](const auto& f) { return "search for " + f.metric; });
         case SweepKind::edge_search:

@@ -57,8 +57,8 @@ std::string canonical_command(const Scene& scene, const MapOptions& o) {
 /// The forms of the rows that exist in every width, as --bits requires. Throws NothingSelected if there are none.
 std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::vector<TestedForm>& rows) {
     std::vector<const intersect::table::Intersector*> forms;
-    for (const TestedForm& row : rows)
-        if (row.form->rounded != nullptr) selection::add_once(forms, row.form);
+    for (const TestedForm& form_row : rows)
+        if (form_row.form->rounded != nullptr) selection::add_once(forms, form_row.form);
     if (forms.empty())
         throw NothingSelected(
             "--bits: no selected form exists in formats of every width; `lostbits list forms` lists "
@@ -91,21 +91,22 @@ SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<Tes
 void note_skipped(const std::vector<SceneWork>& works) {
     std::set<std::string_view> named_forms;
     for (const SceneWork& work : works) {
-        for (const TestedForm& row : work.map.rows) {
-            const intersect::Info& info = *row.form->info;
-            if (row.form->rounded != nullptr || !named_forms.insert(info.name).second) continue;
+        for (const TestedForm& form_row : work.map.rows) {
+            const intersect::Info& info = *form_row.form->info;
+            if (form_row.form->rounded != nullptr || !named_forms.insert(info.name).second) continue;
             fmt::print(stderr, "lostbits: --bits leaves out {}: it exists in {} only\n", info.name,
-                       selection::formats_of(*row.form));
+                       selection::formats_of(*form_row.form));
         }
     }
 }
 
 /// The metrics of every pixel in the EXR, in addition to the answer and its outcome: lost bits, the drawn metrics and,
 /// for an envelope, excess bits.
-std::vector<const Metric*> exr_layers(const SceneWork& work, const MapOptions& o, std::vector<const Metric*> drawn) {
+std::vector<const Metric*> exr_layers(const SceneWork& work, const MapOptions& o,
+                                      std::vector<const Metric*> drawn_metrics) {
     std::vector<const Metric*> layers{measure::metric::find_metric("lost_bits")};
-    if (o.envelope) drawn.push_back(measure::metric::find_metric("excess_bits"));
-    for (const Metric* m : drawn) selection::add_once(layers, m);
+    if (o.envelope) drawn_metrics.push_back(measure::metric::find_metric("excess_bits"));
+    for (const Metric* m : drawn_metrics) selection::add_once(layers, m);
     std::erase_if(
         layers, [&work](const Metric* m) { return std::ranges::find(work.map.metrics, m) == work.map.metrics.end(); });
     return layers;
@@ -123,12 +124,14 @@ void note_lost_crossings(const SceneWork& work, const std::vector<measure::evalu
     if (!range.open.tmin && !(range.tmin > 0)) return;
     std::string losing_forms;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
-        const TestedForm& row = work.map.rows[r];
+        const TestedForm& form_row = work.map.rows[r];
         const std::uint64_t missed = summaries[r].count(Outcome::false_miss);
-        if (missed == 0 || row.form->is_set() || intersect::tells_next_crossing(*row.form->info, row.form->shape))
+        if (missed == 0 || form_row.form->is_set() ||
+            intersect::tells_next_crossing(*form_row.form->info, form_row.form->shape))
             continue;
-        losing_forms += fmt::format("{}{} {} ({} of {})", losing_forms.empty() ? "" : ", ", row.form->info->name,
-                                    row.format.name, missed, scene::toml::counted(summaries[r].true_hits, "hit"));
+        losing_forms +=
+            fmt::format("{}{} {} ({} of {})", losing_forms.empty() ? "" : ", ", form_row.form->info->name,
+                        form_row.format.name, missed, scene::toml::count_with_noun(summaries[r].true_hits, "hit"));
     }
     if (losing_forms.empty()) return;
     fmt::print(
@@ -141,7 +144,7 @@ void note_lost_crossings(const SceneWork& work, const std::vector<measure::evalu
 
 void print_results(const SceneWork& work, const SceneSummaries& summaries, const std::filesystem::path& folder,
                    bool verbose) {
-    fmt::print("{}: {}\n", work.map.scene->id, scene::toml::counted(work.map.scene->pixels(), "ray"));
+    fmt::print("{}: {}\n", work.map.scene->id, scene::toml::count_with_noun(work.map.scene->pixels(), "ray"));
     print_table(work.map, summaries.map);
     print_comparisons(work.map.rows, work.map.metrics, summaries.map);
     if (work.needed) print_table(*work.needed, summaries.needed);
@@ -157,7 +160,7 @@ void print_results(const SceneWork& work, const SceneSummaries& summaries, const
                    work.map.scene->id);
 }
 
-/// What the work on one scene uses of the run: options, progress and division.
+/// Options, progress and division of the run, for the work on one scene.
 struct MapContext {
     const Common& common;
     output::file::Progress& progress;
@@ -168,7 +171,7 @@ struct MapContext {
 
 /// Maps one scene. Returns the number of its rays without a proved truth; 0 in a shard, since the whole run counts
 /// them.
-std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<const Metric*>& drawn,
+std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<const Metric*>& drawn_metrics,
                         const MapContext& context) {
     const Common& common = context.common;
     output::file::Progress& progress = context.progress;
@@ -181,7 +184,7 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
     if (o.exr)
         exr_file.emplace(context.run_division.path_to_write(folder / (scene.id + ".exr")),
                          output::map::MapExrRequest{.map = work.map,
-                                                    .layers = exr_layers(work, o, drawn),
+                                                    .layers = exr_layers(work, o, drawn_metrics),
                                                     .command = canonical_command(scene, o),
                                                     .needed = work.needed ? &*work.needed : nullptr});
     output::map::MapExr* const exr = exr_file ? &*exr_file : nullptr;
@@ -193,7 +196,7 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
     output::map::MapFiles files(
         work.map,
         {.folder = folder,
-         .drawn = drawn,
+         .drawn_metrics = drawn_metrics,
          .single_pictures = o.pictures == "all",
          .pixels_csv = writes_pixels,
          .scene_arguments = selection::name_of_scene(scene, selection::data_folder(common.data)) + scene_options_of(o),
@@ -201,7 +204,7 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
          .envelope = o.envelope,
          .exr = exr,
          .other_tables = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{},
-         .range = selection::parse_range(o.range, drawn),
+         .range = selection::parse_range(o.range, drawn_metrics),
          .keep = shard::piece_recorder(division, job)});
 
     SceneSummaries summaries;
@@ -224,12 +227,12 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
     return summaries.map.front().count(Outcome::unresolved);
 }
 
-/// The metrics to draw for one scene, as its work measures them.
-std::vector<const Metric*> drawn_of(std::vector<const Metric*> drawn, const SceneWork& work) {
-    std::ranges::transform(drawn, drawn.begin(), [&work](const Metric* m) {
+/// Returns the metrics that the work on a scene measures, for the metrics of the same names in `drawn_metrics`.
+std::vector<const Metric*> measured_metrics_of(std::vector<const Metric*> drawn_metrics, const SceneWork& work) {
+    std::ranges::transform(drawn_metrics, drawn_metrics.begin(), [&work](const Metric* m) {
         return work.map.metrics[measure::metric::index_of(work.map.metrics, m->name)];
     });
-    return drawn;
+    return drawn_metrics;
 }
 
 Exit run(MapOptions o, const Common& common) {
@@ -237,12 +240,12 @@ Exit run(MapOptions o, const Common& common) {
     auto rows = selection::cross(selection::select_forms(o.forms), selection::select_formats(o.formats));
     if (!o.against.empty()) selection::compare_against(rows, o.against, common.quiet);
     measure::metric::MetricSet metric_set;
-    auto drawn = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
-                                   : selection::select_metrics(o.metrics, metric_set);
-    if (!o.against.empty()) selection::add_pairs(drawn);
-    auto measured_metrics = drawn;
+    auto drawn_metrics = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
+                                           : selection::select_metrics(o.metrics, metric_set);
+    if (!o.against.empty()) selection::add_pairs(drawn_metrics);
+    auto measured_metrics = drawn_metrics;
     if (o.envelope) {
-        if (std::ranges::find(drawn, measure::metric::find_metric("lost_bits")) == drawn.end())
+        if (std::ranges::find(drawn_metrics, measure::metric::find_metric("lost_bits")) == drawn_metrics.end())
             throw InputError(
                 "--envelope marks pictures of lost_bits, but --metric does not draw them; add --metric lost_bits");
         measured_metrics.push_back(measure::metric::find_metric("excess_bits"));
@@ -252,16 +255,16 @@ Exit run(MapOptions o, const Common& common) {
         scenes, {rows, o.forms, common.quiet}, [](const Scene& s, Shapes forms) { return s.meets(forms); },
         [](const Scene& s) { return s.id; });
     selection::note_unmeasured(o.forms, usable_rows, common.quiet);
-    static_cast<void>(selection::parse_range(o.range, drawn));  // an error ends the run before any work
+    static_cast<void>(selection::parse_range(o.range, drawn_metrics));  // an error ends the run before any work
     const selection::ThreadLimit limit(common.threads);
 
     std::vector<SceneWork> works;
     for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, measured_metrics, metric_set));
     for (const SceneWork& work : works)
-        selection::applicable_metrics(drawn, work.map.rows, "scene " + work.map.scene->id);
+        selection::applicable_metrics(drawn_metrics, work.map.rows, "scene " + work.map.scene->id);
     std::vector<std::filesystem::path> files;
     for (const auto& scene : scenes) files.push_back(scene.path);
-    auto run_division = divide(o.shard, o.out, files, common);
+    auto run_division = divide_run(o.shard, o.out, files, common);
     std::vector<std::string> jobs;
     for (const SceneWork& work : works) {
         jobs.push_back("map " + work.map.scene->id);
@@ -270,7 +273,7 @@ Exit run(MapOptions o, const Common& common) {
     run_division.division.expect(jobs);
     o.out = run_division.out.string();
     SceneFolders folders(scenes, run_division, common);
-    for (const SceneWork& work : works) selection::note_without_formula(drawn, work.map.rows, common.quiet);
+    for (const SceneWork& work : works) selection::note_without_formula(drawn_metrics, work.map.rows, common.quiet);
     if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
     for (const SceneWork& work : works)
         selection::note_numbers(*work.map.scene, o.scenes.set, work.map.rows, common.quiet);
@@ -288,13 +291,15 @@ Exit run(MapOptions o, const Common& common) {
         work.map.progress = advance_callback(progress, &estimate);
         work.map.stages = &stages;
         return map_scene(
-            work, o, drawn_of(selection::applicable_metrics(drawn, work.map.rows, work.map.scene->id), work),
+            work, o,
+            measured_metrics_of(selection::applicable_metrics(drawn_metrics, work.map.rows, work.map.scene->id), work),
             {common, progress, run_division, complete, k == 0 ? "" : works.front().map.scene->id + "/contact"});
     });
-    if (!finish(run_division, common)) return Exit::done;
+    if (!finish_run(run_division, common)) return Exit::done;
     for (const SceneWork& work : works)
-        note_suspicions(work.map.rows, common,
-                        [&work](const TestedForm& row) { return measure::contract::suspicion(*work.map.scene, row); });
+        note_suspicions(work.map.rows, common, [&work](const TestedForm& form_row) {
+            return measure::contract::suspicion(*work.map.scene, form_row);
+        });
     return report_unproved(unresolved);
 }
 

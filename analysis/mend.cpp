@@ -225,7 +225,7 @@ Exit run(const MendOptions& o, const Common& common) {
         files->finish(result);
         write_page(files->folder() / "index.html", result, common.typed_command.for_subject(subject) + " -o out");
     }
-    complete(result_folder);
+    complete_folder(result_folder);
     fmt::print("{}", output::repair::in_words(result));
     if (files && !common.quiet)
         for (const char* name : {"mend.csv", "index.html"}) fmt::print("{}\n", (files->folder() / name).string());

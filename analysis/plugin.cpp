@@ -65,7 +65,7 @@ bool print_trial(const ForeignForm& form, const std::optional<ForeignForm>& firs
     const Contract& c = form.contract;
     fmt::print("{} in binary{}, {}: {}{}\n", c.name, c.bits, with_article(c.shape),
                broken == 0 ? "keeps its promises" : fmt::format("{} of its promises broken", broken),
-               warned == 0 ? "" : "; " + scene::toml::counted(static_cast<std::size_t>(warned), "warning"));
+               warned == 0 ? "" : "; " + scene::toml::count_with_noun(static_cast<std::size_t>(warned), "warning"));
     if (!c.title.empty() && !quiet) fmt::print("  {}\n", c.title);
     if (!c.source.empty() && !quiet) fmt::print("  from {}\n", c.source);
     for (const Observation& f : findings) {

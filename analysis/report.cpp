@@ -130,10 +130,10 @@ std::vector<TestedForm> rows_for(const std::string& subject, std::vector<TestedF
         if (!with_claims || !(is_about_scene(c, subject) || is_about_sweep(c, subject))) continue;
         if (!has_row(rows, c)) rows.push_back({measure::claim::claim_row(c).form, measure::claim::claim_row(c).format});
     }
-    const auto sort_key = [](const TestedForm& row) {
-        if (row.form->is_set()) return std::pair{true, PTRDIFF_MAX};
+    const auto sort_key = [](const TestedForm& form_row) {
+        if (form_row.form->is_set()) return std::pair{true, PTRDIFF_MAX};
         const auto catalogue_size = static_cast<std::ptrdiff_t>(lostbits::intersect::table::catalogue().size());
-        const auto index = row.form - lostbits::intersect::table::intersectors().data();
+        const auto index = form_row.form - lostbits::intersect::table::intersectors().data();
         return std::pair{index < catalogue_size, index};
     };
     std::ranges::stable_sort(
@@ -323,7 +323,7 @@ Exit run(const ReportOptions& o, const Common& common) {
     progress.finish();
     file.write(output::page::page(report));
     file.commit();
-    complete(folder);
+    complete_folder(folder);
     if (!common.quiet) fmt::print("{}\n", file.path().string());
     if (const Exit exit_code = report_unproved(unresolved); exit_code != Exit::done) return exit_code;
     const bool all_agree = std::ranges::all_of(report.results, [](const ClaimResult& r) {

@@ -18,7 +18,7 @@
 
 namespace lostbits::analysis {
 
-using scene::toml::counted;
+using scene::toml::count_with_noun;
 
 void require_folder(const std::string& out) {
     if (out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for the current folder");
@@ -31,12 +31,12 @@ std::unique_ptr<output::file::ResultFolder> take_folder(const std::filesystem::p
     for (const std::string& kind : common.figures)
         if (std::ranges::find(rules.figures, kind) == rules.figures.end()) rules.figures.push_back(kind);
     output::file::Provenance provenance{common.typed_command.for_subject(subject), program_and_version};
-    for (const auto& row : intersect::table::intersectors().subspan(intersect::table::catalogue().size()))
-        provenance.forms.emplace_back(row.info->name, row.info->source);
+    for (const auto& catalogue_row : intersect::table::intersectors().subspan(intersect::table::catalogue().size()))
+        provenance.forms.emplace_back(catalogue_row.info->name, catalogue_row.info->source);
     return std::make_unique<output::file::ResultFolder>(folder, std::move(provenance), rules);
 }
 
-void complete(const std::unique_ptr<output::file::ResultFolder>& folder) {
+void complete_folder(const std::unique_ptr<output::file::ResultFolder>& folder) {
     if (folder) folder->complete();
 }
 
@@ -64,12 +64,12 @@ std::uint64_t SceneFolders::for_each(std::size_t scene_count, output::file::Prog
     for (std::size_t k = 0; k < scene_count; ++k) {
         try {
             unproved += work(k, [&] {
-                if (!folders_.empty()) complete(folders_[k]);
+                if (!folders_.empty()) complete_folder(folders_[k]);
             });
         } catch (const Interrupted&) {
             if (k == 0 || folders_.empty()) throw;
             throw Error(Exit::interrupted,
-                        fmt::format("interrupted: the files of {} are kept", counted(k, "finished scene")));
+                        fmt::format("interrupted: the files of {} are kept", count_with_noun(k, "finished scene")));
         }
         if (!folders_.empty()) folders_[k].reset();
     }
@@ -113,8 +113,8 @@ std::uint64_t hash_of_inputs(const std::vector<std::filesystem::path>& files, co
     return inputs.value();
 }
 
-RunDivision divide(const std::string& shard_value, const std::string& out,
-                   const std::vector<std::filesystem::path>& files, const Common& common, bool resumed) {
+RunDivision divide_run(const std::string& shard_value, const std::string& out,
+                       const std::vector<std::filesystem::path>& files, const Common& common, bool resumed) {
     if (shard_value.empty() && !common.shards_to_join) return {.division = {}, .out = out};
     const auto share = shard_value.empty() ? measure::shard::Share{} : shard::parse_share(shard_value);
     const output::shard::StateHead head{program_and_version, common.typed_command.text(), hash_of_inputs(files, common),
@@ -132,9 +132,9 @@ RunDivision divide(const std::string& shard_value, const std::string& out,
     return {.division = shard::Division(folder, head), .folder = std::move(result_folder), .out = folder};
 }
 
-bool finish(RunDivision& run_division, const Common& common) {
+bool finish_run(RunDivision& run_division, const Common& common) {
     run_division.division.finish();
-    complete(run_division.folder);
+    complete_folder(run_division.folder);
     if (!run_division.division.is_shard()) return true;
     if (!common.quiet) fmt::print("{}\n", (run_division.out / output::shard::state_file_name).string());
     return false;
@@ -167,7 +167,7 @@ double parse_quantile(const std::string& text) {
 Exit report_unproved(std::uint64_t rays, int bits) {
     if (rays == 0) return Exit::done;
     fmt::print(stderr, "lostbits: the true answer for {} could not be proved within {} bits; {} as `unresolved`\n",
-               counted(rays, "ray"), bits, rays == 1 ? "it counts" : "they count");
+               count_with_noun(rays, "ray"), bits, rays == 1 ? "it counts" : "they count");
     return Exit::internal;
 }
 

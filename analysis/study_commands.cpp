@@ -180,7 +180,7 @@ Exit run_command(const StudyOptions& o, const Common& common) {
     require_folder(o.out);
     auto rows = selection::cross(selection::select_forms(selection::form_patterns_or(o.forms, Adapter::usual_forms())),
                                  selection::select_formats(o.formats));
-    std::erase_if(rows, [](const auto& row) { return !Adapter::can_measure(*row.form); });
+    std::erase_if(rows, [](const auto& form_row) { return !Adapter::can_measure(*form_row.form); });
     if (rows.empty()) throw NothingSelected(Adapter::no_form_message);
     auto scenes = scenes_of_primitives(o, rows, Adapter::name, common, Adapter::require);
     const selection::ThreadLimit limit(common.threads);
@@ -199,7 +199,7 @@ Exit run_command(const StudyOptions& o, const Common& common) {
         input_files.push_back(scene.path);
         units += units_of<Adapter>(studies.back(), o.values);
     }
-    auto run_division = divide(o.shard, o.out, input_files, common);
+    auto run_division = divide_run(o.shard, o.out, input_files, common);
     run_division.division.expect(jobs);
     SceneFolders folders(scenes, run_division, common);
     for (const auto& scene : scenes) selection::note_numbers(scene, o.scenes.set, rows, common.quiet);
@@ -210,7 +210,7 @@ Exit run_command(const StudyOptions& o, const Common& common) {
     const std::uint64_t unproved = folders.for_each(studies.size(), progress, [&](std::size_t k, const auto& complete) {
         return measure_scene<Adapter>(studies[k], run, complete);
     });
-    finish(run_division, common);
+    finish_run(run_division, common);
     return report_unproved(unproved, studies.front().limit.bits);
 }
 

@@ -32,12 +32,13 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
     for (const measure::sweep::Onset& onset : onsets) {
         // An onset from the last step says nothing if that step is bad already.
         if (!onset.found || (onset.from_last && onset.from_start)) continue;
-        const TestedForm& row = request.rows[onset.row];
+        const TestedForm& form_row = request.rows[onset.row];
         // If the first step is bad already, there is no last good value.
         const auto spread = onset.spread();
-        fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:<5} {:>14} {:>14.8g} {:>15}  {}\n", row.form->info->name,
-                   row.format.name, onset.event, onset.statistic, onset.threshold, onset.from_last ? "last" : "first",
-                   onset.from_start ? "-" : fmt::format("{:.8g}", onset.last_good), onset.first_bad,
+        fmt::print("  {:<28} {:<5} {:<13} {:<5} {:>9} {:<5} {:>14} {:>14.8g} {:>15}  {}\n", form_row.form->info->name,
+                   form_row.format.name, onset.event, onset.statistic, onset.threshold,
+                   onset.from_last ? "last" : "first", onset.from_start ? "-" : fmt::format("{:.8g}", onset.last_good),
+                   onset.first_bad,
                    !onset.recovers     ? "-"
                    : onset.good_at_end ? "to the end"
                                        : fmt::format("{:.8g}", onset.last_good_after),
@@ -55,10 +56,10 @@ void run_case_file(const std::filesystem::path& path, const SweepSelection& chos
     request.metrics = chosen.metric_set.for_forms(
         selection::measured(chosen.extra_metrics, rows), measure::evaluate::forms_of(rows),
         [&file] { return measure::attribution::OwnedSetting(file.rays(0, binary64).front()); });
-    for (TestedForm row : rows) {
+    for (TestedForm form_row : rows) {
         for (const auto& convention : file.conventions) {
-            row.judged = convention;
-            request.rows.push_back(row);
+            form_row.touching = convention;
+            request.rows.push_back(form_row);
         }
     }
     if (!chosen.common.quiet) selection::note_lost_numbers(file, rows);
@@ -71,7 +72,7 @@ void run_case_file(const std::filesystem::path& path, const SweepSelection& chos
     const auto found = chosen.measure_or_join(file.id, units, request, measure::sweep::run_cases);
     if (!found) return;
     files->finish(*found);
-    complete(result_folder);
+    complete_folder(result_folder);
     if (!chosen.common.quiet) fmt::print("{}\n", (folder / "cases.csv").string());
 }
 
@@ -96,15 +97,16 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     const auto& [steps, onsets] = *found;
     output::sweep::write_sweep_plots(folder, {request, steps, onsets}, chosen.o.pictures == "all");
     files->finish(steps, onsets);
-    complete(result_folder);
-    note_suspicions(request.rows, common, [&sweep](const measure::evaluate::TestedForm& row) {
+    complete_folder(result_folder);
+    note_suspicions(request.rows, common, [&sweep](const measure::evaluate::TestedForm& form_row) {
         std::vector<double> first_values;
         std::string position;
         for (const scene::sweep::Axis& axis : sweep.axes) {
             first_values.push_back(axis.values.front());
             position += fmt::format("{}{} = {}", position.empty() ? " at " : ", ", axis.name, first_values.back());
         }
-        return measure::contract::suspicion(sweep.rays(first_values), row, sweep.id + position + ", the first step");
+        return measure::contract::suspicion(sweep.rays(first_values), form_row,
+                                            sweep.id + position + ", the first step");
     });
     if (common.quiet) return;
     fmt::print("{}\n", (folder / "samples.csv").string());
@@ -218,7 +220,7 @@ Exit run(SweepOptions o, const Common& common) {
     std::vector<std::filesystem::path> files;
     for (const Sweep& sweep : sweeps)
         std::ranges::move(selection::files_of(sweep.path, sweep.kind, o, data, common.stop), std::back_inserter(files));
-    run_division = divide(o.shard, o.out, files, common, o.resume);
+    run_division = divide_run(o.shard, o.out, files, common, o.resume);
     std::vector<std::string> jobs;
     for (const Sweep& sweep : sweeps) jobs.push_back("sweep " + sweep.path.stem().string());
     run_division.division.expect(jobs);
@@ -242,7 +244,7 @@ Exit run(SweepOptions o, const Common& common) {
     }
     std::uint64_t unproved = 0;
     for (const auto& run : exhaustive) unproved += run->run(exhaustive.size() > 1);
-    finish(run_division, common);
+    finish_run(run_division, common);
     for (const auto& run : exhaustive) run->forget_state();
     return report_unproved(unproved);
 }

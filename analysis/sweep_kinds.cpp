@@ -48,10 +48,10 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
     request_.share = chosen.division().share();
     request_.limit.stop = chosen.common.stop;
     if (sweep_.scene) request_.scene = selection::name_of_scene(*sweep_.scene, chosen.data());
-    for (TestedForm row : selection::fitting(chosen.rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
-        if (row.format.engine != Format::Engine::native32) continue;
-        row.judged = sweep_.convention;
-        request_.rows.push_back(row);
+    for (TestedForm form_row : selection::fitting(chosen.rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
+        if (form_row.format.engine != Format::Engine::native32) continue;
+        form_row.touching = sweep_.convention;
+        request_.rows.push_back(form_row);
     }
 }
 
@@ -122,7 +122,7 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
     const auto findings = measure::sweep::findings_of(request_, *found);
     files->finish(*found, findings);
     if (!others_follow) output::file::forget_result(state_file_.path());
-    complete(result_folder);
+    complete_folder(result_folder);
     std::uint64_t unresolved = 0;
     for (const auto& finding : findings) unresolved += finding.tally.count(Outcome::unresolved);
     if (common.quiet) return unresolved;
@@ -171,7 +171,7 @@ void run_search(const std::filesystem::path& path, const SweepSelection& chosen)
                               what_excludes_rays(search));
     }
     output::sweep::write_worst(folder, request, *found);
-    complete(result_folder);
+    complete_folder(result_folder);
     if (!chosen.common.quiet) fmt::print("{}\n", (folder / "worst.csv").string());
 }
 
@@ -180,11 +180,11 @@ namespace {
 /// Adds, after each row, a row with the form as a compiler contracts it. Contraction makes some watertight tests leak.
 void add_contracted(std::vector<TestedForm>& rows) {
     std::vector<TestedForm> all;
-    for (const TestedForm& row : rows) {
-        all.push_back(row);
-        if (!measure::tape::has_tape(*row.form)) continue;
-        const auto& contracted = measure::tape::contracted_row(*row.form);
-        if (contracted.exists_in(row.format)) all.push_back({&contracted, row.format});
+    for (const TestedForm& form_row : rows) {
+        all.push_back(form_row);
+        if (!measure::tape::has_tape(*form_row.form)) continue;
+        const auto& contracted = measure::tape::contracted_row(*form_row.form);
+        if (contracted.exists_in(form_row.format)) all.push_back({&contracted, form_row.format});
     }
     rows = std::move(all);
 }
@@ -199,9 +199,9 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
         .rows = selection::fitting(chosen.rows, [&](Shapes forms) { return search.meets(forms); }),
         .limit = {.stop = chosen.common.stop}};
     if (chosen.takes_all_forms()) add_contracted(request.rows);
-    for (const TestedForm& row : request.rows)
-        if (scene::rays::generator_of(*row.form) != nullptr)
-            throw InputError(std::string(row.form->info->name) + ": the rays of " + search.id +
+    for (const TestedForm& form_row : request.rows)
+        if (scene::rays::generator_of(*form_row.form) != nullptr)
+            throw InputError(std::string(form_row.form->info->name) + ": the rays of " + search.id +
                              " are not made by a camera; name the form without @ray-");
     const auto folder = chosen.folder_of(search.id);
     const auto result_folder = chosen.take_sweep_folder(search.id, path);
@@ -212,7 +212,7 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
     if (!found) return;
     const output::sweep::NearestFiles files{request, *found, selection::name_of_scene(search.scene, chosen.data())};
     files.write(folder);
-    complete(result_folder);
+    complete_folder(result_folder);
     if (chosen.common.quiet) return;
     fmt::print("{}\n{}\n", (folder / "census.csv").string(), (folder / "worst.csv").string());
     for (std::size_t r = 0; r < found->size(); ++r) fmt::print("{}\n", files.sentence(r));

@@ -61,7 +61,7 @@ Exit run(const TradeOptions& o, const Common& common) {
     request.plan.progress = advance_callback(progress);
     const measure::speed::TradeResult result = measure::speed::run_trade(request);
     files.finish(result);
-    complete(result_folder);
+    complete_folder(result_folder);
     progress.finish();
     if (!common.quiet)
         fmt::print("{}\n{}\n", output::speed::trade_text(request, result), (folder / "pareto.csv").string());

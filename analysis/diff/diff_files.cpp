@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 using output::diff::CompareOptions;
 using output::diff::Comparison;
 using output::file::terminal_line;
-using scene::toml::counted;
+using scene::toml::count_with_noun;
 
 namespace {
 
@@ -164,8 +164,8 @@ void print(const Result& r, bool verbose) {
     if (c.same()) {
         if (verbose) fmt::print("{}: same\n", file);
     } else {
-        fmt::print("{}: {}", file, counted(c.count, "difference"));
-        if (c.rows_differ > 0) fmt::print(", in {} of {}", c.rows_differ, counted(c.rows, "row"));
+        fmt::print("{}: {}", file, count_with_noun(c.count, "difference"));
+        if (c.rows_differ > 0) fmt::print(", in {} of {}", c.rows_differ, count_with_noun(c.rows, "row"));
         fmt::print("\n");
     }
     for (const auto& column : c.columns) {

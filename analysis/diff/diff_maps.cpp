@@ -16,7 +16,7 @@ namespace lostbits::analysis::diff {
 namespace fs = std::filesystem;
 using output::diff::CompareOptions;
 using output::diff::RowChanges;
-using scene::toml::counted;
+using scene::toml::count_with_noun;
 
 namespace {
 
@@ -139,17 +139,17 @@ void print(const MapDifference& d, const MapSides& sides, bool verbose) {
     const std::string a = sides.are_forms() ? sides.form_a : sides.a.string(),
                       b = sides.are_forms() ? sides.form_b : sides.b.string();
     if (d.tables > 0)
-        fmt::print("{} to {}: {} compared, {} {} (in {})\n", a, b, counted(d.rows.rows, "row"), d.rows.changed,
-                   d.rows.changed == 1 ? "differs" : "differ", counted(d.tables, "table"));
-    print_lines(fmt::format("{} only in {}:", counted(d.rows.only_a.size(), "row"), a), d.rows.only_a, verbose);
-    print_lines(fmt::format("{} only in {}:", counted(d.rows.only_b.size(), "row"), b), d.rows.only_b, verbose);
+        fmt::print("{} to {}: {} compared, {} {} (in {})\n", a, b, count_with_noun(d.rows.rows, "row"), d.rows.changed,
+                   d.rows.changed == 1 ? "differs" : "differ", count_with_noun(d.tables, "table"));
+    print_lines(fmt::format("{} only in {}:", count_with_noun(d.rows.only_a.size(), "row"), a), d.rows.only_a, verbose);
+    print_lines(fmt::format("{} only in {}:", count_with_noun(d.rows.only_b.size(), "row"), b), d.rows.only_b, verbose);
     std::vector<std::string> lines;
     for (const auto& o : d.rows.outcomes) lines.push_back(o.row + ": " + o.text);
-    print_lines(fmt::format("outcomes differ in {}:", counted(d.rows.outcomes.size(), "row")), lines, verbose);
+    print_lines(fmt::format("outcomes differ in {}:", count_with_noun(d.rows.outcomes.size(), "row")), lines, verbose);
     lines.clear();
     for (const auto& c : d.rows.cells)
         lines.push_back(fmt::format("{}: {} {} to {}", c.row, c.column, c.before, c.after));
-    print_lines(fmt::format("largest changes, of {} that {}:", counted(d.rows.cells.size(), "number"),
+    print_lines(fmt::format("largest changes, of {} that {}:", count_with_noun(d.rows.cells.size(), "number"),
                             d.rows.cells.size() == 1 ? "differs" : "differ"),
                 lines, verbose);
     print_lines("columns:", d.rows.columns, verbose);
@@ -157,7 +157,8 @@ void print(const MapDifference& d, const MapSides& sides, bool verbose) {
         if (verbose || !r.only_folder.empty()) {
             if (verbose || !r.same()) diff::print(r, verbose);
         } else if (!r.same()) {
-            fmt::print("{}: {}\n", output::file::terminal_line(r.file), counted(r.comparison.count, "difference"));
+            fmt::print("{}: {}\n", output::file::terminal_line(r.file),
+                       count_with_noun(r.comparison.count, "difference"));
         }
     }
     print_verdict(d.rows.verdict, b);

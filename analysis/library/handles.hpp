@@ -68,7 +68,7 @@ public:
 /// Fills a table with one row per ray of one form and format, from the bands of a map or a judgement.
 class RayTable {
 public:
-    RayTable(ResultTable& table, const measure::evaluate::TestedForm& row,
+    RayTable(ResultTable& table, const measure::evaluate::TestedForm& form_row,
              const std::vector<const measure::metric::Metric*>& metrics);
     static std::vector<output::file::Column> columns(const std::vector<const measure::metric::Metric*>& metrics);
     void band(const measure::evaluate::BandResult& result);

@@ -25,24 +25,25 @@ std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Selection& 
     const auto summary = output::map::summary_table(request.metrics, scene.shapes(), scene.mesh != nullptr);
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> rays;
-    for (const TestedForm& row : request.rows) {
+    for (const TestedForm& form_row : request.rows) {
         if (chosen.choice.rows == 0) break;
         ResultTable& ray_table = result->tables.emplace_back(
-            std::string(row.form->info->name) + "." + std::string(row.format.name), RayTable::columns(request.metrics));
-        rays.emplace_back(ray_table, row, request.metrics);
+            std::string(form_row.form->info->name) + "." + std::string(form_row.format.name),
+            RayTable::columns(request.metrics));
+        rays.emplace_back(ray_table, form_row, request.metrics);
     }
     const auto show = rays.empty() ? measure::evaluate::ShowRows() : measure::evaluate::show_to_each(rays);
     const auto summaries = measure::evaluate::run_map(request, show);
     auto csv = table.writer();
     const auto name_of = [&](const measure::evaluate::WorstRay& ray) {
-        return given.explain_arguments.empty()
-                   ? std::string()
-                   : output::attribution::name_of_pixel(given.explain_arguments, static_cast<int>(ray.x), ray.y);
+        return given.explain_arguments.empty() ? std::string()
+                                               : output::attribution::explain_pixel_arguments(
+                                                     given.explain_arguments, static_cast<int>(ray.x), ray.y);
     };
     for (std::size_t r = 0; r < request.rows.size(); ++r)
         summary.add_row(csv, {request.rows[r], &summaries[r], name_of});
     result->texts = selection::suspicions_of(
-        request.rows, [&scene](const TestedForm& row) { return measure::contract::suspicion(scene, row); });
+        request.rows, [&scene](const TestedForm& form_row) { return measure::contract::suspicion(scene, form_row); });
     return result;
 }
 

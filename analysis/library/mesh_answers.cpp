@@ -78,9 +78,9 @@ std::unique_ptr<lostbits_result> judge_answers(const lostbits_rays& rays, const 
     if (kind == AnswerKind::inside) measure::judge::require_inside(stored->mesh->mesh(), answers_name);
     std::vector<measure::judge::JudgedAnswer> rows;
     const auto advance = running.advance_callback(0);
-    const auto found = measure::judge::judge_mesh_answers(*dump, request, [&](const auto& judged) {
-        if (answers.rows != 0) rows.insert(rows.end(), judged.begin(), judged.end());
-        advance(judged.size());
+    const auto found = measure::judge::judge_mesh_answers(*dump, request, [&](const auto& judged_rows) {
+        if (answers.rows != 0) rows.insert(rows.end(), judged_rows.begin(), judged_rows.end());
+        advance(judged_rows.size());
     });
     auto result = std::make_unique<lostbits_result>();
     result->add_table<output::judge::MeshSummaryRow>(

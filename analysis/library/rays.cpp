@@ -94,8 +94,8 @@ GivenRays read_rays(const lostbits_rays& rays, const CallRun& running) {
                 "a scene");
         result.shape = *shape;
         if (rays.paired != 0 && rays.primitive_count != rays.count)
-            throw InputError("there are " + scene::toml::counted(rays.count, "ray") + " and " +
-                             scene::toml::counted(rays.primitive_count, "primitive") +
+            throw InputError("there are " + scene::toml::count_with_noun(rays.count, "ray") + " and " +
+                             scene::toml::count_with_noun(rays.primitive_count, "primitive") +
                              "; pairs need the same number of both");
         if (rays.paired == 0 && rays.primitive_count == 0)
             throw InputError("the list of primitives is empty; give at least one");
@@ -176,20 +176,23 @@ std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Sel
     auto result = std::make_unique<lostbits_result>();
     std::vector<Shape> shapes;
     const std::vector<Primitive<double>> examples = given.examples();
-    for (const ShapeRow& row : shape_rows) {
-        const auto has_shape = [&row](const Primitive<double>& primitive) { return primitive.shape == row.shape; };
-        if (examples.empty() ? row.shape == given.shape : std::ranges::any_of(examples, has_shape))
-            shapes.push_back(row.shape);
+    for (const ShapeRow& shape_row : shape_rows) {
+        const auto has_shape = [&shape_row](const Primitive<double>& primitive) {
+            return primitive.shape == shape_row.shape;
+        };
+        if (examples.empty() ? shape_row.shape == given.shape : std::ranges::any_of(examples, has_shape))
+            shapes.push_back(shape_row.shape);
     }
     const auto summary =
         output::map::summary_table(request.metrics, shapes, given.mesh != nullptr, request.by ? "by" : "");
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> rows;
-    for (const TestedForm& row : request.rows) {
+    for (const TestedForm& form_row : request.rows) {
         if (chosen.choice.rows == 0) break;
         ResultTable& ray_table = result->tables.emplace_back(
-            std::string(row.form->info->name) + "." + std::string(row.format.name), RayTable::columns(request.metrics));
-        rows.emplace_back(ray_table, row, request.metrics);
+            std::string(form_row.form->info->name) + "." + std::string(form_row.format.name),
+            RayTable::columns(request.metrics));
+        rows.emplace_back(ray_table, form_row, request.metrics);
     }
     const auto judgement = measure::judge::run_judge(
         *given.dump, request, [&rows](std::size_t r, const auto&, const measure::evaluate::BandResult& band) {
@@ -197,10 +200,11 @@ std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Sel
         });
     auto csv = table.writer();
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        for (const auto& row : output::map::summary_rows(r, request.rows[r], judgement.summaries[r], judgement.groups,
-                                                         [](const measure::evaluate::WorstRay& ray) {
-                                                             return output::attribution::name_of_ray(ray.given.get());
-                                                         }))
+        for (const auto& row :
+             output::map::summary_rows(r, request.rows[r], judgement.summaries[r], judgement.groups,
+                                       [](const measure::evaluate::WorstRay& ray) {
+                                           return output::attribution::explain_ray_arguments(ray.given.get());
+                                       }))
             summary.add_row(csv, row);
     }
     if (const auto file_row = request.file_place())
@@ -249,9 +253,9 @@ std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Sel
     GivenRays given = read_rays(rays, running);
     chosen.keep_rows_for(rays_name, meets_of(given));
     auto result = std::make_unique<lostbits_result>();
-    for (const TestedForm& row : chosen.rows) {
+    for (const TestedForm& form_row : chosen.rows) {
         ResultTable& table = result->tables.emplace_back(
-            std::string(row.form->info->name) + "." + std::string(row.format.name),
+            std::string(form_row.form->info->name) + "." + std::string(form_row.format.name),
             std::vector<output::file::Column>{{"hit", "boolean", "", "1 if the form answers that the ray hits"},
                                               {"t", "number", "t", "t of the form, in its own unit"}});
         for (ResultColumn& column : table.columns) column.numbers.resize(rays.count);
@@ -259,9 +263,9 @@ std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Sel
     for_each_piece(given, running, rays.count, SIZE_MAX, [&](std::size_t first, RayGroup group, auto* culler) {
         const measure::truth::Band band(std::move(group), {.stop = running.stop()}, culler);
         for (std::size_t r = 0; r < chosen.rows.size(); ++r) {
-            const TestedForm& row = chosen.rows[r];
-            const auto inputs = band.inputs_for(row.format, *row.form->info);
-            const auto answers = measure::answer::evaluate(*row.form, inputs);
+            const TestedForm& form_row = chosen.rows[r];
+            const auto inputs = band.inputs_for(form_row.format, *form_row.form->info);
+            const auto answers = measure::answer::evaluate(*form_row.form, inputs);
             ResultTable& table = result->tables[r];
             for (std::size_t i = 0; i < answers.t.size(); ++i) {
                 table.columns[0].numbers[first + i] = answers.hit[i] != 0 ? 1 : 0;

@@ -49,7 +49,7 @@ Shape parse_shape(const char* name) {
     require(name, "shape");
     const auto shape = shape_named(name);
     std::string names;
-    for (const ShapeRow& row : shape_rows) names += (names.empty() ? "" : ", ") + std::string(row.name);
+    for (const ShapeRow& shape_row : shape_rows) names += (names.empty() ? "" : ", ") + std::string(shape_row.name);
     if (!shape || !is_primitive(*shape)) throw InputError("shape \"" + std::string(name) + "\" is not one of " + names);
     return *shape;
 }
@@ -277,8 +277,8 @@ int lostbits_shapes(lostbits_result** result, lostbits_error* error) {
                                          {"key", "string", "", "key of its numbers, in their order"},
                                          {"numbers", "integer", "", "count of numbers of the key"}})
                        .writer();
-        for (const ShapeRow& row : shape_rows)
-            for (const Key& key : row.keys) csv.add(row.name).add(key.name).add(key.count()).end_row();
+        for (const ShapeRow& shape_row : shape_rows)
+            for (const Key& key : shape_row.keys) csv.add(shape_row.name).add(key.name).add(key.count()).end_row();
         return hand_over(std::move(found), result);
     });
 }

@@ -51,22 +51,22 @@ const TestedForm& only_row(const Selection& chosen, const std::string& context) 
     if (chosen.rows.size() != 1)
         throw InputError(context + ", and " + std::to_string(chosen.rows.size()) +
                          " pairs of form and format are chosen; name one form and one format");
-    const TestedForm& row = chosen.rows.front();
-    if (!row.form->is_template())
-        throw InputError("form " + std::string(row.form->info->name) +
+    const TestedForm& form_row = chosen.rows.front();
+    if (!form_row.form->is_template())
+        throw InputError("form " + std::string(form_row.form->info->name) +
                          ": its operations are not known; give them with lostbits_form_write");
-    return row;
+    return form_row;
 }
 
 std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene, int x, int y, Selection& chosen) {
     chosen.keep_rows_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
-    const TestedForm& row = only_row(chosen, "explain looks at one ray in one form and format");
-    const auto* const generator = scene::rays::generator_of(*row.form);
+    const TestedForm& form_row = only_row(chosen, "explain looks at one ray in one form and format");
+    const auto* const generator = scene::rays::generator_of(*form_row.form);
     const scene::file::Scene generated = generator ? with_rays(scene, *generator) : scene;
     const measure::answer::OneRay ray(generated, x, y);
-    const auto found = measure::attribution::explain(*row.form, row.format, ray, {},
+    const auto found = measure::attribution::explain(*form_row.form, form_row.format, ray, {},
                                                      measure::attribution::ScenePixel{&generated, x, y});
-    const auto march = output::attribution::end_of_march(*row.form, row.format, ray);
+    const auto march = output::attribution::end_of_march(*form_row.form, form_row.format, ray);
     auto result = std::make_unique<lostbits_result>();
     result->texts = {output::attribution::explain_text(found, false, march),
                      output::attribution::explain_json(found, march)};
@@ -84,7 +84,7 @@ std::unique_ptr<lostbits_result> study_of(const scene::file::Scene& scene, const
     if (given.forms.count == 0 && given.own_count == 0) given.forms = {forms.data(), forms.size()};
     if (given.formats.count == 0) given.formats = {&study::usual_format, 1};
     Selection chosen(&given);
-    std::erase_if(chosen.rows, [](const TestedForm& row) { return !Adapter::can_measure(*row.form); });
+    std::erase_if(chosen.rows, [](const TestedForm& form_row) { return !Adapter::can_measure(*form_row.form); });
     selection::refuse_generators(chosen.rows, Adapter::name);
     selection::refuse_generated_rays({scene}, Adapter::name);
     Adapter::require(scene);
@@ -135,12 +135,12 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
     if (scene.is_placed())
         throw InputError("the primitives of scene " + scene.id +
                          " are placed by matrices; only the command `lostbits mend` takes those");
-    const TestedForm& row = only_row(chosen, "mend repairs one form in one format");
-    if (selection::is_emulated(row.format)) throw InputError("mend works in f32 and f64 only; name one of them");
-    selection::refuse_generators({row.form}, "mend");
+    const TestedForm& form_row = only_row(chosen, "mend repairs one form in one format");
+    if (selection::is_emulated(form_row.format)) throw InputError("mend works in f32 and f64 only; name one of them");
+    selection::refuse_generators({form_row.form}, "mend");
     selection::refuse_generated_rays({scene}, "mend");
     measure::repair::RepairRequest request{
-        .scene = &scene, .row = row, .requirement = requirement, .two_words = two_words};
+        .scene = &scene, .row = form_row, .requirement = requirement, .two_words = two_words};
     request.limit.stop = running.stop();
     request.progress = running.advance_callback(0);
     const auto repair = measure::repair::repair_form(request);
@@ -163,7 +163,7 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
     request.scene = &scene;
     request.rows = selection::timed_on(scene.id, {chosen.rows, chosen.forms, true},
                                        [&scene](Shapes forms) { return scene.meets(forms); });
-    std::erase_if(request.rows, [](const TestedForm& row) { return selection::is_emulated(row.format); });
+    std::erase_if(request.rows, [](const TestedForm& form_row) { return selection::is_emulated(form_row.format); });
     if (request.rows.empty())
         throw InputError(
             "choose compares f32 and f64 only: the time of an emulated format says nothing; name one of them");
@@ -174,7 +174,7 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
     result.add_table("choose", output::choice::candidate_table(), output::choice::candidate_rows(found));
     result.add_table("room", output::choice::margin_table(), found.margins);
     result.texts.push_back(output::choice::in_words(found));
-    return found.meets.has_value();
+    return found.cheapest_index.has_value();
 }
 
 /// The arguments of a call with a requirement.

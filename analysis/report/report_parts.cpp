@@ -37,7 +37,7 @@ namespace page = output::page;
 
 std::vector<std::string> keys_of(const std::vector<TestedForm>& rows) {
     std::vector<std::string> keys;
-    for (const TestedForm& row : rows) keys.push_back(output::map::row_name(row));
+    for (const TestedForm& form_row : rows) keys.push_back(output::map::row_name(form_row));
     return keys;
 }
 
@@ -49,10 +49,10 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
         .metrics = selection::measured(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
         .limit = {.stop = stop}};
-    for (TestedForm row : work.rows) {
-        for (const auto& judged : file.conventions) {
-            row.judged = judged;
-            request.rows.push_back(row);
+    for (TestedForm form_row : work.rows) {
+        for (const auto& touching : file.conventions) {
+            form_row.touching = touching;
+            request.rows.push_back(form_row);
         }
     }
     const auto cases = measure::sweep::run_cases(request);
@@ -64,12 +64,12 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
                    .rows = keys_of(work.rows)};
     for (std::size_t i = 0; i < file.size(); ++i) part.cases.push_back(file.name(i));
     part.json = page::case_json(request, cases);
-    for (const auto& judged : file.conventions) {
+    for (const auto& touching : file.conventions) {
         const std::string alt =
-            judged ? fmt::format("{}, judged by the {} primitive", file.title, intersect::convention_name(judged))
-                   : file.title;
-        part.charts.push_back({alt, svg_text(output::sweep::case_matrix(request, cases, judged)),
-                               std::string(intersect::convention_name(judged)), false});
+            touching ? fmt::format("{}, judged by the {} primitive", file.title, intersect::convention_name(touching))
+                     : file.title;
+        part.charts.push_back({alt, svg_text(output::sweep::case_matrix(request, cases, touching)),
+                               std::string(intersect::convention_name(touching)), false});
     }
     return part;
 }
@@ -113,7 +113,7 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
         .metrics = selection::measured(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
         .limit = {.stop = stop}};
-    for (TestedForm& row : request.rows) row.judged = sweep.convention;
+    for (TestedForm& form_row : request.rows) form_row.touching = sweep.convention;
     const auto steps = measure::sweep::run_sweep(request);
     SweepPart part{.kind = SweepPart::Kind::line,
                    .id = sweep.id,
@@ -163,13 +163,13 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
     page::Picture contact_sheet =
         page::picture(fmt::format("{}: lost bits of every form and format", scene.title), [&](const auto& file) {
             output::map::MapFiles sheet(request, {.folder = {},
-                                                  .drawn = {measure::metric::find_metric("lost_bits")},
+                                                  .drawn_metrics = {measure::metric::find_metric("lost_bits")},
                                                   .scene_arguments = work.scene_arguments,
                                                   .sheet_alone = file});
             summaries = measure::evaluate::run_map(
-                request, [draw = sheet.show(), collect = data.show()](std::size_t row, const auto& band) {
-                    draw(row, band);
-                    collect(row, band);
+                request, [draw = sheet.show(), collect = data.show()](std::size_t row_index, const auto& band) {
+                    draw(row_index, band);
+                    collect(row_index, band);
                 });
             sheet.finish(summaries);
         });
@@ -224,7 +224,7 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
     const auto rows = selection::rows_meeting({all, {}, true}, scene.id, meets);
     if (rows.empty()) return std::nullopt;
     study.rows = {{rows.front(), offset::HitPoint::computed}};
-    study.quiet = false;  // the page has no table of it
+    study.finds_quiet_offset = false;  // the page has no table of it
     std::vector<offset::OffsetSummary> summaries;
     page::OffsetPart part{.id = scene.id, .title = scene.title, .note = scene.note, .source = scene.source};
     part.sheet = page::picture(scene.title +

@@ -230,7 +230,7 @@ std::string difference_in_words(const measure::tape::DriverDifference& found) {
                                               : std::string()));
     if (found.inexact != no_node)
         parts.push_back(fmt::format("is up to {} in the last place off in an operation",
-                                    scene::toml::counted(static_cast<std::uint64_t>(found.ulps), "unit")));
+                                    scene::toml::count_with_noun(static_cast<std::uint64_t>(found.ulps), "unit")));
     return fmt::format("{}", fmt::join(parts, ", and "));
 }
 
@@ -242,13 +242,15 @@ void note_drivers(const intersect::function::UserFunction& function) {
     // If the file does not say which root its t is, --shader takes t for the near root, and --function for the first
     // one.
     const auto returns_both = [](intersect::Roots roots) { return roots == intersect::Roots::both; };
-    for (const auto& row : intersect::table::intersectors()) {
-        for (const ForeignForm* const form : intersect::external::behind(row)) {
+    for (const auto& catalogue_row : intersect::table::intersectors()) {
+        for (const ForeignForm* const form : intersect::external::behind(catalogue_row)) {
             if (!form->contract.source.starts_with(source_prefix) || form->contract.bits != 32 || function.bits != 32 ||
-                row.shape != program.shape || returns_both(form->contract.roots) != returns_both(program.info->roots))
+                catalogue_row.shape != program.shape ||
+                returns_both(form->contract.roots) != returns_both(program.info->roots))
                 continue;
-            const auto found = measure::tape::driver_difference(row, program);
-            const std::string message_prefix = fmt::format("lostbits: {} ({})", row.info->name, form->contract.source);
+            const auto found = measure::tape::driver_difference(catalogue_row, program);
+            const std::string message_prefix =
+                fmt::format("lostbits: {} ({})", catalogue_row.info->name, form->contract.source);
             if (found.differ == 0) {
                 fmt::print(stderr, "{}: the driver gives the bits of the followed function on {} random rays\n",
                            message_prefix, found.rays);
@@ -302,8 +304,8 @@ std::unique_ptr<intersect::function::UserFunction> load_shown_function(const std
 
 void note_processor_states() {
     std::map<std::string, std::string> states;  // by library
-    for (const auto& row : intersect::table::intersectors()) {
-        for (const ForeignForm* const form : intersect::external::behind(row))
+    for (const auto& catalogue_row : intersect::table::intersectors()) {
+        for (const ForeignForm* const form : intersect::external::behind(catalogue_row))
             if (!form->contract.state.empty()) states.try_emplace(form->from, form->contract.state);
     }
     for (const auto& [library, state] : states)
@@ -330,8 +332,9 @@ void note_unmeasured(const std::vector<std::string>& patterns, const std::vector
     std::map<std::string, std::vector<std::string_view>> left_out;  // by the shapes and formats that they take
     for (const auto& form : intersect::table::intersectors()) {
         if (!is_wanted(std::string(form.info->name))) continue;
-        const auto measures_form = [&form](const auto& row) {
-            return row.form == &form || std::ranges::find(row.form->parts, &form) != row.form->parts.end();
+        const auto measures_form = [&form](const auto& form_row) {
+            return form_row.form == &form ||
+                   std::ranges::find(form_row.form->parts, &form) != form_row.form->parts.end();
         };
         if (std::ranges::any_of(rows, measures_form)) continue;
         const std::string formats = formats_of(form);

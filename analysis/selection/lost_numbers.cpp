@@ -19,8 +19,8 @@ namespace {
 
 std::vector<Format> formats_of(const std::vector<TestedForm>& rows) {
     std::vector<Format> formats;
-    for (const TestedForm& row : rows) {
-        if (std::ranges::find(formats, row.format) == formats.end()) formats.push_back(row.format);
+    for (const TestedForm& form_row : rows) {
+        if (std::ranges::find(formats, form_row.format) == formats.end()) formats.push_back(form_row.format);
     }
     return formats;
 }
@@ -39,8 +39,9 @@ std::string position_text(const scene::sweep::SweepFile& sweep, const std::vecto
 }
 
 bool marches_in(const Format& format, const std::vector<TestedForm>& rows) {
-    return std::ranges::any_of(
-        rows, [&](const TestedForm& row) { return !is_primitive(row.form->shape) && row.format == format; });
+    return std::ranges::any_of(rows, [&](const TestedForm& form_row) {
+        return !is_primitive(form_row.form->shape) && form_row.format == format;
+    });
 }
 
 void add_group(const RayGroup& group, bool marches, const LostLengths::Where& where, LostLengths& lost) {
@@ -107,7 +108,8 @@ void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<Tes
 
 void note_idle_settings(const std::vector<std::string>& set, const std::string& id,
                         const std::vector<TestedForm>& rows) {
-    if (std::ranges::any_of(rows, [](const TestedForm& row) { return !is_primitive(row.form->shape); })) return;
+    if (std::ranges::any_of(rows, [](const TestedForm& form_row) { return !is_primitive(form_row.form->shape); }))
+        return;
     for (const std::string& assignment : set) {
         if (assignment.starts_with("march."))
             fmt::print(stderr,

@@ -40,8 +40,8 @@ std::optional<Real> number_of(const std::string& text, const std::string& option
 
 std::vector<Shape> PrimitiveOptions::shapes() const {
     std::vector<Shape> given;
-    for (const ShapeRow& row : shape_rows)
-        if (!of(row.shape).empty()) given.push_back(row.shape);
+    for (const ShapeRow& shape_row : shape_rows)
+        if (!of(shape_row.shape).empty()) given.push_back(shape_row.shape);
     return given;
 }
 

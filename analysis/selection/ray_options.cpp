@@ -63,30 +63,31 @@ Ray<Real> given_ray(const RayOptions& options) {
 /// The row for these primitives; the form gets the usual transform if matrices place the primitives. Throws InputError
 /// if the form does not take the primitives.
 template <class ShapePredicate>
-TestedForm row_for(const TestedForm& row, const std::string& subject, const ShapePredicate& meets) {
-    const Shape shape = row.form->shape;
-    if (meets(row.form->shapes())) return row;
-    if (is_primitive(shape) && !row.form->is_set() && !scene::rays::generator_of(*row.form) &&
-        meets(row.form->shapes().placed())) {
-        TestedForm placed = row;
-        placed.form = &intersect::transform::through(intersect::transform::usual_transform_method(), *row.form);
+TestedForm row_for(const TestedForm& form_row, const std::string& subject, const ShapePredicate& meets) {
+    const Shape shape = form_row.form->shape;
+    if (meets(form_row.form->shapes())) return form_row;
+    if (is_primitive(shape) && !form_row.form->is_set() && !scene::rays::generator_of(*form_row.form) &&
+        meets(form_row.form->shapes().placed())) {
+        TestedForm placed = form_row;
+        placed.form = &intersect::transform::through(intersect::transform::usual_transform_method(), *form_row.form);
         return placed;
     }
-    if (row.form->shapes().are_placed() && meets(row.form->shapes().placed(false)))
+    if (form_row.form->shapes().are_placed() && meets(form_row.form->shapes().placed(false)))
         throw InputError(fmt::format(
             "-i {}: no primitive of {} is placed by a matrix, so a transform has nothing to do; leave out the @ and "
             "the transform",
-            row.form->info->name, subject));
+            form_row.form->info->name, subject));
     if (is_primitive(shape) && several_shapes(meets)) {
-        std::vector<TestedForm> parts{row};
-        for (const auto* const part : row.form->parts) parts.push_back({part, row.format});
-        throw InputError(fmt::format("-i {}: {}{}", row.form->info->name, subject, fitting_forms_advice(parts, meets)));
+        std::vector<TestedForm> parts{form_row};
+        for (const auto* const part : form_row.form->parts) parts.push_back({part, form_row.format});
+        throw InputError(
+            fmt::format("-i {}: {}{}", form_row.form->info->name, subject, fitting_forms_advice(parts, meets)));
     }
     const std::string missing_part =
-        is_primitive(shape) ? fmt::format("no primitives for it: it is a form for {}", plurals(row.form->shapes()))
+        is_primitive(shape) ? fmt::format("no primitives for it: it is a form for {}", plurals(form_row.form->shapes()))
                             : "no [march] table, which the forms of sdf.* need";
-    throw InputError(
-        fmt::format("-i {}: {} has {}; try -i '{}'", row.form->info->name, subject, missing_part, globs_of(meets)));
+    throw InputError(fmt::format("-i {}: {} has {}; try -i '{}'", form_row.form->info->name, subject, missing_part,
+                                 globs_of(meets)));
 }
 
 /// Loads the scene. Throws InputError if its file has variants and none is named.
@@ -118,7 +119,8 @@ SelectedRay ray_of_scene(const RayOptions& options, const TestedForm& given_row,
     Scene loaded = load_one(options, data);
     const auto scene =
         std::make_shared<const Scene>(generator ? with_rays(std::move(loaded), *generator) : std::move(loaded));
-    const TestedForm row = row_for(given_row, "scene " + scene->id, [&](Shapes forms) { return scene->meets(forms); });
+    const TestedForm form_row =
+        row_for(given_row, "scene " + scene->id, [&](Shapes forms) { return scene->meets(forms); });
     std::vector<std::string> given_options;
     if (options.worst) given_options.emplace_back("--worst");
     if (!options.pixel.empty()) given_options.emplace_back("--pixel");
@@ -131,11 +133,11 @@ SelectedRay ray_of_scene(const RayOptions& options, const TestedForm& given_row,
             "explain: the ray is missing; give --worst or --pixel X,Y for a scene, --ray OX,OY,OZ,DX,DY,DZ, or --case "
             "NAME "
             "for a file of cases");
-    if (options.worst) return worst_of_scene(scene, row, options.stop);
+    if (options.worst) return worst_of_scene(scene, form_row, options.stop);
     return {
         scene,
         options.ray.empty() ? pixel_of(options, *scene) : OneRay(*scene, given_ray(options), {.stop = options.stop}),
-        row.form,
+        form_row.form,
         {},
         options.ray.empty() ? std::optional(pixel_named(options.pixel)) : std::nullopt};
 }
@@ -170,7 +172,7 @@ std::optional<intersect::Touching> convention_of(const RayOptions& options, cons
 }
 
 /// The worst of all rays of a sweep. --size, --steps and --set change the sweep as in `lostbits sweep`.
-SelectedRay worst_of_sweep(const RayOptions& options, TestedForm row, const std::filesystem::path& path,
+SelectedRay worst_of_sweep(const RayOptions& options, TestedForm form_row, const std::filesystem::path& path,
                            const std::filesystem::path& data) {
     using scene::sweep::SweepKind;
     const SweepKind kind = scene::sweep::sweep_kind(path);
@@ -184,21 +186,22 @@ SelectedRay worst_of_sweep(const RayOptions& options, TestedForm row, const std:
     if (kind == SweepKind::cases || kind == SweepKind::axes) check_changes(changes, kind, options.subject);
     if (kind == SweepKind::cases) {
         const scene::sweep::CaseFile file(path);
-        row = row_for(row, "the file of cases " + file.id, [&](Shapes forms) { return file.meets(forms); });
-        row.judged = convention_of(options, file);
-        return worst_of_cases(file, row, options.stop);
+        form_row = row_for(form_row, "the file of cases " + file.id, [&](Shapes forms) { return file.meets(forms); });
+        form_row.touching = convention_of(options, file);
+        return worst_of_cases(file, form_row, options.stop);
     }
     if (kind != SweepKind::axes)
         throw InputError("--worst: " + options.subject +
                          " is a sweep over every float, or a search, which takes long; run `lostbits sweep` on it: its "
                          "tables have the command that explains the worst ray");
     const scene::sweep::SweepFile sweep(path, data, read_changes(changes), options.stop);
-    row = row_for(row, "the sweep " + sweep.id, [&](Shapes forms) { return sweep.meets(forms); });
-    row.judged = options.convention.empty() ? sweep.convention : scene::sweep::convention_named(options.convention);
-    return worst_along(sweep, row, options.stop);
+    form_row = row_for(form_row, "the sweep " + sweep.id, [&](Shapes forms) { return sweep.meets(forms); });
+    form_row.touching =
+        options.convention.empty() ? sweep.convention : scene::sweep::convention_named(options.convention);
+    return worst_along(sweep, form_row, options.stop);
 }
 
-SelectedRay ray_of_case(const RayOptions& options, TestedForm row, const std::filesystem::path& data) {
+SelectedRay ray_of_case(const RayOptions& options, TestedForm form_row, const std::filesystem::path& data) {
     const auto path = scene::sweep::find_sweep(options.subject, data);
     if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::cases)
         throw InputError(
@@ -206,21 +209,21 @@ SelectedRay ray_of_case(const RayOptions& options, TestedForm row, const std::fi
             ": has no [[case]] tables for --case; use --worst for its worst ray, or a command in the column "
             "worst_explain of its samples.csv");
     const scene::sweep::CaseFile file(path);
-    row = row_for(row, "the file of cases " + file.id, [&](Shapes forms) { return file.meets(forms); });
+    form_row = row_for(form_row, "the file of cases " + file.id, [&](Shapes forms) { return file.meets(forms); });
     const auto [case_index, ray_index] = named_ray(file, options.named_case);
-    row.judged = convention_of(options, file);
+    form_row.touching = convention_of(options, file);
     const int rays = file.rays_of(case_index);
-    auto groups = file.rays(case_index, row.format.parameters);
+    auto groups = file.rays(case_index, form_row.format.parameters);
     const int count = rays * static_cast<int>(groups.size());
     if (ray_index && *ray_index >= count)
         throw InputError(fmt::format("--case {}: the case has {}, counted from 0", options.named_case,
-                                     scene::toml::counted(count, "ray")));
-    const int k = ray_index ? *ray_index : worst_of(groups, rays, row, options.stop);
-    SelectedRay found{nullptr, OneRay(ray_of(std::move(groups), rays, k)), row.form,
+                                     scene::toml::count_with_noun(count, "ray")));
+    const int k = ray_index ? *ray_index : worst_of(groups, rays, form_row, options.stop);
+    SelectedRay found{nullptr, OneRay(ray_of(std::move(groups), rays, k)), form_row.form,
                       fmt::format("Case \"{}\", ray {} of {}{}.\n", file.name(case_index), k, count,
                                   ray_index || count == 1 ? " (counted from 0)"
                                                           : " (counted from 0), the worst of them for this form")};
-    found.ray.judge_by(row.judged);
+    found.ray.judge_by(form_row.touching);
     return found;
 }
 
@@ -263,7 +266,7 @@ SelectedRay ray_of_own_primitives(const RayOptions& options, const TestedForm& g
     const auto form_takes = [&given_row](const Primitive<double>& primitive) {
         return given_row.form->shapes().has(primitive.shape);
     };
-    const TestedForm row =
+    const TestedForm form_row =
         std::ranges::all_of(primitives, form_takes) && placed == given_row.form->shapes().are_placed()
             ? given_row
             : row_for(given_row, "the ray", [shapes = shapes_of(primitives).placed(placed)](Shapes forms) {
@@ -284,7 +287,7 @@ SelectedRay ray_of_own_primitives(const RayOptions& options, const TestedForm& g
     group.rays.open = open_ends_named(options.open_ends);
     require_range(options, group.rays.range(0));
     group.march = march_of(options.set);
-    return {nullptr, OneRay(std::move(group)), row.form};
+    return {nullptr, OneRay(std::move(group)), form_row.form};
 }
 
 /// Throws InputError for options that cannot be combined.
@@ -340,36 +343,37 @@ std::optional<std::filesystem::path> sweep_named(const std::string& subject, con
     }
 }
 
-SelectedRay find_ray(const RayOptions& options, const TestedForm& row, const std::filesystem::path& data) {
+SelectedRay find_ray(const RayOptions& options, const TestedForm& form_row, const std::filesystem::path& data) {
     require_compatible(options);
     for (const std::string& assignment : options.set) {
-        if (assignment.starts_with("march.") && is_primitive(row.form->shape))
+        if (assignment.starts_with("march.") && is_primitive(form_row.form->shape))
             throw InputError(
                 fmt::format("--set {}: {} does not march, so nothing would change; leave out --set, or name a "
                             "form of sdf.*",
-                            assignment, row.form->info->name));
+                            assignment, form_row.form->info->name));
     }
-    if (!options.named_case.empty()) return ray_of_case(options, row, data);
+    if (!options.named_case.empty()) return ray_of_case(options, form_row, data);
     if (const auto sweep = options.worst ? sweep_named(options.subject, data) : std::nullopt)
-        return worst_of_sweep(options, row, *sweep, data);
-    TestedForm judged_row = row;
-    judged_row.judged = scene::sweep::convention_named(options.convention);
+        return worst_of_sweep(options, form_row, *sweep, data);
+    TestedForm judged_row = form_row;
+    judged_row.touching = scene::sweep::convention_named(options.convention);
     if (!options.steps.empty())
         throw InputError("--steps " + options.steps +
                          " is for the worst ray of a sweep; add --worst, or leave --steps out");
     SelectedRay found =
-        options.subject.empty() ? ray_of_own_primitives(options, row) : ray_of_scene(options, judged_row, data);
-    found.ray.judge_by(judged_row.judged);
+        options.subject.empty() ? ray_of_own_primitives(options, form_row) : ray_of_scene(options, judged_row, data);
+    found.ray.judge_by(judged_row.touching);
     return found;
 }
 
 void PrimitiveOptions::add_to(const shell::Command& command, const std::string& heading) {
     std::vector<shell::Option> options;
-    for (const ShapeRow& row : shape_rows)
-        options.push_back(command
-                              .add(fmt::format("--{}", row.name), of(row.shape),
-                                   fmt::format("{}: {}", with_article(row.shape), option_placeholder(row.shape)))
-                              .below(heading));
+    for (const ShapeRow& shape_row : shape_rows)
+        options.push_back(
+            command
+                .add(fmt::format("--{}", shape_row.name), of(shape_row.shape),
+                     fmt::format("{}: {}", with_article(shape_row.shape), option_placeholder(shape_row.shape)))
+                .below(heading));
     order_ = command.order_of(options);
 }
 

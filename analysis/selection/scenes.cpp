@@ -141,8 +141,8 @@ void refuse_others(const RayFileOptions& o, const std::vector<std::string>& subj
     std::vector<std::pair<std::string, bool>> file_options{{"--answer-format", !o.format.empty()},
                                                            {"--skip", o.skip != 0}};
     for (const RayFileOption& option : ray_file_options()) file_options.emplace_back(option.name, option.is_given(o));
-    for (const ShapeRow& row : shape_rows)
-        file_options.emplace_back(fmt::format("--{}", row.name), !o.primitives.of(row.shape).empty());
+    for (const ShapeRow& shape_row : shape_rows)
+        file_options.emplace_back(fmt::format("--{}", shape_row.name), !o.primitives.of(shape_row.shape).empty());
     const auto refuse = [](const auto& options, const std::string& why, const std::string& remedy) {
         for (const auto& [name, given] : options) {
             if (given) throw InputError(fmt::format("{0} {1}; leave out {0}{2}", name, why, remedy));
@@ -205,7 +205,8 @@ void note_rounded(const std::string& files, std::uint64_t count, const Format& f
         stderr,
         "lostbits: {}: {} representable in {} and {} rounded; name the format in which the answers were computed "
         "with --answer-format\n",
-        files, scene::toml::counted(count, "value is not", "values are not"), format.name, count == 1 ? "was" : "were");
+        files, scene::toml::count_with_noun(count, "value is not", "values are not"), format.name,
+        count == 1 ? "was" : "were");
 }
 
 }  // namespace lostbits::analysis::selection

@@ -126,11 +126,11 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
 namespace {
 
 bool any_against(const std::vector<TestedForm>& rows) {
-    return std::ranges::any_of(rows, [](const TestedForm& row) { return row.against != nullptr; });
+    return std::ranges::any_of(rows, [](const TestedForm& form_row) { return form_row.against != nullptr; });
 }
 
 bool any_marches(const std::vector<TestedForm>& rows) {
-    return std::ranges::any_of(rows, [](const TestedForm& row) { return !is_primitive(row.form->shape); });
+    return std::ranges::any_of(rows, [](const TestedForm& form_row) { return !is_primitive(form_row.form->shape); });
 }
 
 }  // namespace
@@ -152,18 +152,18 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> metrics
     };
     using namespace measure::metric;
     keep_where(
-        [](const TestedForm& row) { return row.form->filter_arithmetic != nullptr; },
+        [](const TestedForm& form_row) { return form_row.form->filter_arithmetic != nullptr; },
         [](const Metric* m) { return (m->needs & needs_filter_arithmetic) != 0; },
         fmt::format(
             "none of the selected forms in {} filters, that is, uses a wider format if it must; add -i '*.filtered'",
             subject));
-    keep_where([](const TestedForm& row) { return row.form->shapes().are_placed(); },
+    keep_where([](const TestedForm& form_row) { return form_row.form->shapes().are_placed(); },
                [](const Metric* m) { return (m->needs & needs_steps) != 0; },
                fmt::format("no primitive of {} is placed by a matrix, so no ray has steps of a transform", subject));
-    keep_where([](const TestedForm& row) { return intersect::bounding_box::has_box(*row.form); },
+    keep_where([](const TestedForm& form_row) { return intersect::bounding_box::has_box(*form_row.form); },
                [](const Metric* m) { return m->name == "lost_to" || m->name == "end_margin"; },
                fmt::format("none of the selected forms in {} is behind a box; select FORM^BOX", subject));
-    keep_where([](const TestedForm& row) { return !is_primitive(row.form->shape); },
+    keep_where([](const TestedForm& form_row) { return !is_primitive(form_row.form->shape); },
                [](const Metric* m) { return m->domain == MetricDomain::marches; },
                fmt::format("none of the selected forms marches in {}; add -i 'sdf.*', or a [march] table", subject));
     return metrics;
@@ -174,12 +174,12 @@ void compare_against(std::vector<TestedForm>& rows, const std::string& name, boo
     if (found.size() != 1)
         throw InputError(fmt::format("--against {}: this pattern names several forms; name one form", name));
     const Intersector& other = *found.front();
-    const auto fits = [&other](const TestedForm& row) {
+    const auto fits = [&other](const TestedForm& form_row) {
         // Keep single forms that may become parts of a set.
-        const bool can_be_part = other.is_set() && !row.form->is_set() && other.shapes().has(row.form->shape);
-        return (can_be_part || row.form->shapes() == other.shapes()) && other.exists_in(row.format);
+        const bool can_be_part = other.is_set() && !form_row.form->is_set() && other.shapes().has(form_row.form->shape);
+        return (can_be_part || form_row.form->shapes() == other.shapes()) && other.exists_in(form_row.format);
     };
-    std::erase_if(rows, [&fits](const TestedForm& row) { return !fits(row); });
+    std::erase_if(rows, [&fits](const TestedForm& form_row) { return !fits(form_row); });
     const std::string formats = formats_of(other);
     if (rows.empty())
         throw InputError(
@@ -187,20 +187,20 @@ void compare_against(std::vector<TestedForm>& rows, const std::string& name, boo
                         "select forms for the same shapes and formats with -i and -f",
                         name, other.is_set() ? "a scene of several shapes" : with_article(other.shape),
                         formats == "all" ? "all formats" : formats));
-    for (TestedForm& row : rows) {
-        row.against = &other;
-        if (quiet || measure::answer::are_comparable(*row.form->info, *other.info)) continue;
-        const bool without_t = row.form->info->roots == intersect::Roots::none,
+    for (TestedForm& form_row : rows) {
+        form_row.against = &other;
+        if (quiet || measure::answer::are_comparable(*form_row.form->info, *other.info)) continue;
+        const bool without_t = form_row.form->info->roots == intersect::Roots::none,
                    other_without_t = other.info->roots == intersect::Roots::none;
-        const bool has_unit_directions = row.form->info->direction == intersect::Direction::unit;
+        const bool has_unit_directions = form_row.form->info->direction == intersect::Direction::unit;
         const std::string reason =
             without_t || other_without_t
-                ? fmt::format("{} returns no t", without_t ? row.form->info->name : std::string_view(name))
+                ? fmt::format("{} returns no t", without_t ? form_row.form->info->name : std::string_view(name))
                 : fmt::format("{} takes unit directions and {} any, so their t have different units",
-                              has_unit_directions ? row.form->info->name : std::string_view(name),
-                              has_unit_directions ? std::string_view(name) : row.form->info->name);
-        fmt::print(stderr, "lostbits: {} against {}: {}; only their decisions are compared\n", row.form->info->name,
-                   name, reason);
+                              has_unit_directions ? form_row.form->info->name : std::string_view(name),
+                              has_unit_directions ? std::string_view(name) : form_row.form->info->name);
+        fmt::print(stderr, "lostbits: {} against {}: {}; only their decisions are compared\n",
+                   form_row.form->info->name, name, reason);
     }
 }
 
@@ -211,13 +211,14 @@ void add_pairs(std::vector<const Metric*>& metrics) {
 
 void note_without_formula(const std::vector<const Metric*>& metrics, const std::vector<TestedForm>& rows, bool quiet) {
     std::string forms;
-    for (const TestedForm& row : rows) {
-        const std::string name(row.form->info->name);
-        if (!row.form->is_template() && forms.find(name) == std::string::npos)
+    for (const TestedForm& form_row : rows) {
+        const std::string name(form_row.form->info->name);
+        if (!form_row.form->is_template() && forms.find(name) == std::string::npos)
             forms += (forms.empty() ? "" : ", ") + name;
     }
     if (forms.empty()) return;
-    const bool all = std::ranges::none_of(rows, [](const TestedForm& row) { return row.form->is_template(); });
+    const bool all =
+        std::ranges::none_of(rows, [](const TestedForm& form_row) { return form_row.form->is_template(); });
     for (const Metric* m : metrics) {
         if (!(m->needs & (measure::metric::needs_unrounded | measure::metric::needs_attribution))) continue;
         const std::string why =
@@ -294,11 +295,12 @@ std::vector<std::string> suspicions_of(
     constexpr int least_precision = 16;
     const auto catalogue = intersect::table::catalogue();
     std::vector<std::string> lines;
-    for (const measure::evaluate::TestedForm& row : rows) {
-        if (row.form >= catalogue.data() && row.form < catalogue.data() + catalogue.size()) continue;
-        if (row.format.parameters.precision < least_precision) continue;
-        const std::string text = suspicion(row);
-        if (!text.empty()) lines.push_back(fmt::format("{} {}: {}", row.form->info->name, row.format.name, text));
+    for (const measure::evaluate::TestedForm& form_row : rows) {
+        if (form_row.form >= catalogue.data() && form_row.form < catalogue.data() + catalogue.size()) continue;
+        if (form_row.format.parameters.precision < least_precision) continue;
+        const std::string text = suspicion(form_row);
+        if (!text.empty())
+            lines.push_back(fmt::format("{} {}: {}", form_row.form->info->name, form_row.format.name, text));
     }
     return lines;
 }

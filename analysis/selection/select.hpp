@@ -109,7 +109,7 @@ std::vector<measure::evaluate::TestedForm> fitting(const std::vector<measure::ev
                                                    const ShapePredicate& meets) {
     std::vector<measure::evaluate::TestedForm> chosen;
     std::ranges::copy_if(rows, std::back_inserter(chosen),
-                         [&](const measure::evaluate::TestedForm& row) { return meets(row.form->shapes()); });
+                         [&](const measure::evaluate::TestedForm& form_row) { return meets(form_row.form->shapes()); });
     return chosen;
 }
 

@@ -25,8 +25,8 @@ using Forms = std::vector<const Intersector*>;
 
 std::vector<Shape> shapes_in(Shapes shapes) {
     std::vector<Shape> result;
-    for (const ShapeRow& row : shape_rows)
-        if (shapes.has(row.shape)) result.push_back(row.shape);
+    for (const ShapeRow& shape_row : shape_rows)
+        if (shapes.has(shape_row.shape)) result.push_back(shape_row.shape);
     return result;
 }
 
@@ -74,8 +74,9 @@ Forms combinations(const std::vector<Forms>& by_shape, const std::string& prefix
 /// The forms of the rows for which `which` is true, each once.
 Forms forms_in(const std::vector<TestedForm>& rows, const std::function<bool(const Intersector&)>& is_wanted) {
     Forms forms;
-    for (const TestedForm& row : rows)
-        if (is_wanted(*row.form) && std::ranges::find(forms, row.form) == forms.end()) forms.push_back(row.form);
+    for (const TestedForm& form_row : rows)
+        if (is_wanted(*form_row.form) && std::ranges::find(forms, form_row.form) == forms.end())
+            forms.push_back(form_row.form);
     return forms;
 }
 
@@ -87,8 +88,8 @@ Forms forms_for(const std::vector<TestedForm>& rows, Shapes shape) {
 
 /// The shapes of something whose primitives are placed by matrices; nothing if none is.
 std::optional<Shapes> placed_shapes(const ShapePredicate& meets) {
-    for (const ShapeRow& row : shape_rows)
-        if (const Shapes shape = Shapes(row.shape).placed(); meets(shape)) return shape;
+    for (const ShapeRow& shape_row : shape_rows)
+        if (const Shapes shape = Shapes(shape_row.shape).placed(); meets(shape)) return shape;
     const auto several = several_shapes(meets);
     return several && several->are_placed() ? several : std::nullopt;
 }
@@ -96,14 +97,15 @@ std::optional<Shapes> placed_shapes(const ShapePredicate& meets) {
 /// Adds each form for these shapes that has no transform with the usual transform.
 void add_placed(std::vector<TestedForm>& rows, Shapes shapes) {
     const std::vector<TestedForm> original_rows = rows;
-    for (TestedForm row : original_rows) {
-        if (row.form->is_set() || row.form->is_placed || !shapes.has(row.form->shape)) continue;
-        if (scene::rays::generator_of(*row.form)) continue;
-        row.form = &intersect::transform::through(intersect::transform::usual_transform_method(), *row.form);
-        if (row.against != nullptr && !row.against->is_set() && !row.against->is_placed &&
-            is_primitive(row.against->shape))
-            row.against = &intersect::transform::through(intersect::transform::usual_transform_method(), *row.against);
-        if (std::ranges::find(rows, row) == rows.end()) rows.push_back(row);
+    for (TestedForm form_row : original_rows) {
+        if (form_row.form->is_set() || form_row.form->is_placed || !shapes.has(form_row.form->shape)) continue;
+        if (scene::rays::generator_of(*form_row.form)) continue;
+        form_row.form = &intersect::transform::through(intersect::transform::usual_transform_method(), *form_row.form);
+        if (form_row.against != nullptr && !form_row.against->is_set() && !form_row.against->is_placed &&
+            is_primitive(form_row.against->shape))
+            form_row.against =
+                &intersect::transform::through(intersect::transform::usual_transform_method(), *form_row.against);
+        if (std::ranges::find(rows, form_row) == rows.end()) rows.push_back(form_row);
     }
 }
 
@@ -120,14 +122,14 @@ const Intersector& plain_form(Shape shape) {
 void add_rows(std::vector<TestedForm>& rows, const Forms& sets) {
     const std::vector<TestedForm> original_rows = rows;
     for (const Intersector* const set : sets) {
-        for (TestedForm row : original_rows) {
-            row.form = set;
-            const auto same = [&row](const TestedForm& other) {
-                return other.form == row.form && other.format == row.format;
+        for (TestedForm form_row : original_rows) {
+            form_row.form = set;
+            const auto same = [&form_row](const TestedForm& other) {
+                return other.form == form_row.form && other.format == form_row.format;
             };
-            if (!set->exists_in(row.format) || std::ranges::any_of(rows, same)) continue;
-            if (row.against != nullptr && !(row.against->shapes() == set->shapes())) continue;
-            rows.push_back(row);
+            if (!set->exists_in(form_row.format) || std::ranges::any_of(rows, same)) continue;
+            if (form_row.against != nullptr && !(form_row.against->shapes() == set->shapes())) continue;
+            rows.push_back(form_row);
         }
     }
 }
@@ -163,7 +165,9 @@ void add_sets(const SelectedRows& chosen, const std::string& name, Shapes shapes
     if (std::ranges::any_of(by_shape, &Forms::empty)) return;
     const bool chose_all = std::ranges::find(chosen.form_patterns, "*") != chosen.form_patterns.end();
     if (!chose_all) return add_rows(chosen.rows, combinations(by_shape, fmt::format("-i: on {}", name)));
-    if (std::ranges::any_of(chosen.rows, [&meets](const TestedForm& row) { return meets(row.form->shapes()); })) return;
+    if (std::ranges::any_of(chosen.rows,
+                            [&meets](const TestedForm& form_row) { return meets(form_row.form->shapes()); }))
+        return;
     const Intersector& plain = plain_set(shapes);
     add_rows(chosen.rows, {&plain});
     if (!chosen.quiet)
@@ -179,8 +183,8 @@ void add_sets(const SelectedRows& chosen, const std::string& name, Shapes shapes
 std::optional<Shapes> several_shapes(const ShapePredicate& meets) {
     for (std::size_t subset = 0; subset < std::size_t{1} << shape_rows.size(); ++subset) {
         Shapes shapes;
-        for (const ShapeRow& row : shape_rows)
-            if ((subset >> static_cast<unsigned>(row.shape) & 1) != 0) shapes |= row.shape;
+        for (const ShapeRow& shape_row : shape_rows)
+            if ((subset >> static_cast<unsigned>(shape_row.shape) & 1) != 0) shapes |= shape_row.shape;
         for (const Shapes candidate : {shapes, shapes.placed()})
             if (candidate.are_several() && meets(candidate)) return candidate;
     }
@@ -288,13 +292,14 @@ void refuse_contracted(const std::vector<TestedForm>& rows, const char* command)
     const auto contracted = [](const Intersector& form) {
         return measure::tape::is_contracted(intersect::bounding_box::innermost(form));
     };
-    for (const TestedForm& row : rows) {
-        const auto& parts = row.form->parts;
-        if (contracted(*row.form) || std::ranges::any_of(parts, [&](const auto* part) { return contracted(*part); }))
+    for (const TestedForm& form_row : rows) {
+        const auto& parts = form_row.form->parts;
+        if (contracted(*form_row.form) ||
+            std::ranges::any_of(parts, [&](const auto* part) { return contracted(*part); }))
             throw InputError(
                 fmt::format("-i {}: {} measures time, but a contracted form runs operation by operation, which takes "
                             "longer than compiled code; use `lostbits map`, `sweep` or `judge`, or leave out +fma",
-                            row.form->info->name, command));
+                            form_row.form->info->name, command));
     }
 }
 

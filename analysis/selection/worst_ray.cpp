@@ -54,11 +54,11 @@ struct WorstOfAll {
     }
 };
 
-[[noreturn]] void refuse(const TestedForm& row, const std::string& where, const WorstOfAll& worst) {
+[[noreturn]] void refuse(const TestedForm& form_row, const std::string& where, const WorstOfAll& worst) {
     throw InputError(fmt::format(
         "--worst: {} in {} has no worst ray in {}: it decides every ray correctly, and {}; name a ray, as with --pixel "
         "X,Y",
-        row.form->info->name, row.format.name, where,
+        form_row.form->info->name, form_row.format.name, where,
         worst.any_hit ? "it returns no t that could have an error" : "none of the rays hits anything"));
 }
 
@@ -80,30 +80,32 @@ RayGroup ray_of(std::vector<RayGroup> groups, int rays_per_group, int k) {
     return single_ray;
 }
 
-int worst_of(std::vector<RayGroup> groups, int rays_per_group, const TestedForm& row, StopToken stop) {
-    const auto summaries = measure::evaluate::measure_groups(std::move(groups), {row}, lost_bits(), {.stop = stop});
+int worst_of(std::vector<RayGroup> groups, int rays_per_group, const TestedForm& form_row, StopToken stop) {
+    const auto summaries =
+        measure::evaluate::measure_groups(std::move(groups), {form_row}, lost_bits(), {.stop = stop});
     const WorstRay* const worst = summaries.front().worst_ray();
     return worst ? worst->group * rays_per_group + static_cast<int>(worst->x) : 0;
 }
 
-SelectedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, const TestedForm& row, StopToken stop) {
+SelectedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, const TestedForm& form_row,
+                           StopToken stop) {
     const measure::evaluate::MapStudy request{
-        .scene = scene.get(), .rows = {row}, .metrics = lost_bits(), .limit = {.stop = stop}};
+        .scene = scene.get(), .rows = {form_row}, .metrics = lost_bits(), .limit = {.stop = stop}};
     const auto summaries = measure::evaluate::run_map(request);
     const WorstOfAll worst(summaries);
-    if (worst.ray == nullptr) refuse(row, "scene " + scene->id, worst);
+    if (worst.ray == nullptr) refuse(form_row, "scene " + scene->id, worst);
     const auto x = static_cast<int>(worst.ray->x);
     SelectedRay found{
-        scene, OneRay(*scene, x, worst.ray->y, {.stop = stop}), row.form,
+        scene, OneRay(*scene, x, worst.ray->y, {.stop = stop}), form_row.form,
         fmt::format("Pixel {},{}, the worst of {} for this form: {}.\n", x, worst.ray->y, worst.rays, worst.why),
         std::pair{x, worst.ray->y}};
-    found.ray.judge_by(row.judged);
+    found.ray.judge_by(form_row.touching);
     return found;
 }
 
-SelectedRay worst_along(const scene::sweep::SweepFile& sweep, const TestedForm& row, StopToken stop) {
+SelectedRay worst_along(const scene::sweep::SweepFile& sweep, const TestedForm& form_row, StopToken stop) {
     const measure::sweep::SweepRequest request{
-        .sweep = sweep, .rows = {row}, .metrics = lost_bits(), .limit = {.stop = stop}};
+        .sweep = sweep, .rows = {form_row}, .metrics = lost_bits(), .limit = {.stop = stop}};
     std::vector<FormSummary> summaries;
     std::vector<std::vector<double>> values;
     for (auto& step : measure::sweep::run_sweep(request)) {
@@ -112,7 +114,7 @@ SelectedRay worst_along(const scene::sweep::SweepFile& sweep, const TestedForm& 
     }
     const WorstOfAll worst(summaries);
     const WorstRay* const ray = worst.ray;
-    if (ray == nullptr) refuse(row, "sweep " + sweep.id, worst);
+    if (ray == nullptr) refuse(form_row, "sweep " + sweep.id, worst);
     if (!ray->given)
         throw InputError(
             fmt::format("--worst: the worst ray of sweep {} cannot be explained by itself, since it has too many "
@@ -123,30 +125,31 @@ SelectedRay worst_along(const scene::sweep::SweepFile& sweep, const TestedForm& 
         step += fmt::format("{}{} {}", a > 0 ? ", " : "", sweep.axes[a].name,
                             output::file::decimal(values[worst.summary_index][a]));
     SelectedRay found{
-        nullptr, OneRay(RayGroup(*ray->given)), row.form,
+        nullptr, OneRay(RayGroup(*ray->given)), form_row.form,
         fmt::format("Ray {} (counted from 0) of the {} of the step {}, the worst of {} in {} steps for this "
                     "form: {}.\n",
                     index_among(sweep.rays(values[worst.summary_index]), *ray), summaries[worst.summary_index].rays,
                     step, worst.rays, summaries.size(), worst.why)};
-    found.ray.judge_by(row.judged);
+    found.ray.judge_by(form_row.touching);
     return found;
 }
 
-SelectedRay worst_of_cases(const scene::sweep::CaseFile& file, const TestedForm& row, StopToken stop) {
+SelectedRay worst_of_cases(const scene::sweep::CaseFile& file, const TestedForm& form_row, StopToken stop) {
     std::vector<FormSummary> summaries;
     for (std::size_t i = 0; i < file.size(); ++i)
-        summaries.push_back(std::move(
-            measure::evaluate::measure_groups(file.rays(i, row.format.parameters), {row}, lost_bits(), {.stop = stop})
-                .front()));
+        summaries.push_back(std::move(measure::evaluate::measure_groups(file.rays(i, form_row.format.parameters),
+                                                                        {form_row}, lost_bits(), {.stop = stop})
+                                          .front()));
     const WorstOfAll worst(summaries);
-    if (worst.ray == nullptr) refuse(row, "the file of cases " + file.id, worst);
+    if (worst.ray == nullptr) refuse(form_row, "the file of cases " + file.id, worst);
     const int rays_per_group = file.rays_of(worst.summary_index),
               k = worst.ray->group * rays_per_group + static_cast<int>(worst.ray->x);
     SelectedRay found{
-        nullptr, OneRay(ray_of(file.rays(worst.summary_index, row.format.parameters), rays_per_group, k)), row.form,
+        nullptr, OneRay(ray_of(file.rays(worst.summary_index, form_row.format.parameters), rays_per_group, k)),
+        form_row.form,
         fmt::format("Case \"{}\", ray {} (counted from 0), the worst of {} in {} cases for this form: {}.\n",
                     file.name(worst.summary_index), k, worst.rays, summaries.size(), worst.why)};
-    found.ray.judge_by(row.judged);
+    found.ray.judge_by(form_row.touching);
     return found;
 }
 

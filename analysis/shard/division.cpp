@@ -76,8 +76,8 @@ Share parse_share(const std::string& text) {
         slash == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(slash + 1));
     if (!number || !count)
         throw InputError(fmt::format("--shard {} is not a shard; write K/N, as in --shard 3/64", text));
-    if (*count < 1 || *count > Share::most)
-        throw InputError(fmt::format("--shard {}: a run is divided into 1 to {} shards", text, Share::most));
+    if (*count < 1 || *count > Share::max_count)
+        throw InputError(fmt::format("--shard {}: a run is divided into 1 to {} shards", text, Share::max_count));
     if (*number < 1 || *number > *count)
         throw InputError(fmt::format("--shard {}: the shards of {} are numbered from 1 to {}", text, *count, *count));
     return {*number, *count};

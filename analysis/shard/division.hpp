@@ -67,7 +67,7 @@ public:
 
     /// The units of a shard, of as many as `count` returns; nothing in other runs, where it is not called.
     template <class Count>
-    [[nodiscard]] std::optional<measure::shard::Units> units_of_shard(const Count& count) const {
+    [[nodiscard]] std::optional<measure::shard::UnitRange> units_of_shard(const Count& count) const {
         return is_shard() ? std::optional(share_.of_units(count())) : std::nullopt;
     }
 

@@ -55,47 +55,49 @@ std::string joined(const std::vector<std::string>& words, const char* between) {
 
 /// How the help writes the value of an option. The type of the option may have the limits of the value: `INT:INT in [1
 /// - 1024]`.
-std::string value_text(const OptionRow& row, const std::string& type) {
+std::string value_text(const OptionRow& option_row, const std::string& type) {
     using Kind = Values::Kind;
     static const std::map<std::string_view, const char*> placeholders{
         {"--size", "WxH"},           {"--pipe", "COMMAND"}, {"--set", "KEY=VALUE"}, {"--shard", "K/N"},
         {"--pixel", "X,Y"},          {"--range", "LO:HI"},  {"--by", "COLUMN"},     {"--unit", "UNIT"},
         {"--function", "FILE:NAME"}, {"--case", "NAME[:K]"}};
-    const char* const suffix = row.several ? ",..." : "";
-    if (row.values.kind == Kind::words) return joined(row.values.words, "|") + suffix;
-    if (const auto placeholder = placeholders.find(row.names.back()); placeholder != placeholders.end())
+    const char* const suffix = option_row.several ? ",..." : "";
+    if (option_row.values.kind == Kind::words) return joined(option_row.values.words, "|") + suffix;
+    if (const auto placeholder = placeholders.find(option_row.names.back()); placeholder != placeholders.end())
         return placeholder->second;
     static const std::regex limits(R"(.* in \[(.*) - (.*)\])");
     std::smatch part;
     if (std::regex_match(type, part, limits)) return part[1].str() + ".." + part[2].str();
-    const std::string noun = row.values.kind == Kind::names     ? "NAME"
-                             : row.values.kind == Kind::files   ? "FILE"
-                             : row.values.kind == Kind::folders ? "FOLDER"
-                             : type == "UINT"                   ? "COUNT"
-                                                                : "VALUE";
+    const std::string noun = option_row.values.kind == Kind::names     ? "NAME"
+                             : option_row.values.kind == Kind::files   ? "FILE"
+                             : option_row.values.kind == Kind::folders ? "FOLDER"
+                             : type == "UINT"                          ? "COUNT"
+                                                                       : "VALUE";
     return noun + suffix;
 }
 
 OptionRow row_of(const Option& option) {
-    OptionRow row;
-    row.help = option.help();
-    row.takes_value = option.takes_value();
-    row.heading = option.heading();
-    row.several = option.takes_several();
-    row.required = option.is_required();
+    OptionRow option_row;
+    option_row.help = option.help();
+    option_row.takes_value = option.takes_value();
+    option_row.heading = option.heading();
+    option_row.several = option.takes_several();
+    option_row.required = option.is_required();
     std::vector<std::string> bare_names;
-    if (option.is_argument()) row.names = bare_names = {option.name()};
-    for (const std::string& name : option.short_names()) row.names.push_back("-" + name), bare_names.push_back(name);
-    for (const std::string& name : option.long_names()) row.names.push_back("--" + name), bare_names.push_back(name);
-    if (!row.takes_value) return row;
-    row.values.words = allowed_values(option);
-    if (!row.values.words.empty()) row.values.kind = Values::Kind::words;
+    if (option.is_argument()) option_row.names = bare_names = {option.name()};
+    for (const std::string& name : option.short_names())
+        option_row.names.push_back("-" + name), bare_names.push_back(name);
+    for (const std::string& name : option.long_names())
+        option_row.names.push_back("--" + name), bare_names.push_back(name);
+    if (!option_row.takes_value) return option_row;
+    option_row.values.words = allowed_values(option);
+    if (!option_row.values.words.empty()) option_row.values.kind = Values::Kind::words;
     for (const std::string& name : bare_names) {
-        if (row.values.kind == Values::Kind::anything) row.values = known_values(name);
+        if (option_row.values.kind == Values::Kind::anything) option_row.values = known_values(name);
     }
-    if (!option.is_argument()) row.value = value_text(row, option.type());
-    else if (row.values.kind == Values::Kind::words) row.value = joined(row.values.words, "|");
-    return row;
+    if (!option.is_argument()) option_row.value = value_text(option_row, option.type());
+    else if (option_row.values.kind == Values::Kind::words) option_row.value = joined(option_row.values.words, "|");
+    return option_row;
 }
 
 void add_options(const Command& command, std::vector<OptionRow>& options, std::vector<OptionRow>& arguments) {
@@ -105,7 +107,7 @@ void add_options(const Command& command, std::vector<OptionRow>& options, std::v
         const std::size_t first = options.size();
         add_options(group, options, arguments);
         options.erase(std::remove_if(options.begin() + static_cast<std::ptrdiff_t>(first), options.end(),
-                                     [](const OptionRow& row) { return row.names.back() == "--help"; }),
+                                     [](const OptionRow& option_row) { return option_row.names.back() == "--help"; }),
                       options.end());
         for (std::size_t i = first; i < options.size(); ++i) options[i].heading = group.help() + ", one of these";
     }
@@ -113,8 +115,9 @@ void add_options(const Command& command, std::vector<OptionRow>& options, std::v
 
 /// Adds the options that are not in the list yet.
 void add_new(const std::vector<OptionRow>& more, std::vector<OptionRow>& options) {
-    for (const OptionRow& row : more) {
-        if (std::ranges::find(options, row.names, &OptionRow::names) == options.end()) options.push_back(row);
+    for (const OptionRow& option_row : more) {
+        if (std::ranges::find(options, option_row.names, &OptionRow::names) == options.end())
+            options.push_back(option_row);
     }
 }
 

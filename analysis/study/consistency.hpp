@@ -125,9 +125,9 @@ private:
         return text;
     }
 
-    static void print_row(const Study& study, const measure::evaluate::TestedForm& row,
+    static void print_row(const Study& study, const measure::evaluate::TestedForm& form_row,
                           const measure::consistency::RowChecks& checks) {
-        const std::string prefix = fmt::format("{} {}", row.form->info->name, row.format.name);
+        const std::string prefix = fmt::format("{} {}", form_row.form->info->name, form_row.format.name);
         std::string same_checks;
         for (std::size_t c = 0; c < checks.size(); ++c) {
             if (checks[c].asked() == 0) continue;

@@ -34,14 +34,15 @@ measure::sweep::SweepRequest sweep_of(const scene::sweep::SweepFile& sweep, std:
     measure::sweep::SweepRequest request{
         .sweep = sweep, .rows = std::move(rows), .metrics = {}, .limit = {.stop = stop}};
     // Forms that march stop short on purpose, so the error alone says little: it is split in two.
-    if (std::ranges::any_of(request.rows, [](const TestedForm& row) { return !is_primitive(row.form->shape); })) {
+    if (std::ranges::any_of(request.rows,
+                            [](const TestedForm& form_row) { return !is_primitive(form_row.form->shape); })) {
         for (const char* name : {"model_error", "rounding_error"})
             metrics.push_back(measure::metric::find_metric(name));
     }
     request.metrics =
         metric_set.for_forms(selection::measured(metrics, request.rows), measure::evaluate::forms_of(request.rows),
                              [&sweep] { return OwnedSetting(sweep.first_rays()); });
-    for (TestedForm& row : request.rows) row.judged = sweep.convention;
+    for (TestedForm& form_row : request.rows) form_row.touching = sweep.convention;
     request.further_draws = 2;
     request.recoveries = request.both_ends = true;
     return request;
@@ -56,7 +57,7 @@ std::vector<TestedForm> rows_of_shape(const std::string& given_name, const std::
     const auto parsed = shape_named(shape_name);
     if (!parsed || !is_primitive(*parsed)) {
         std::vector<std::string> names;
-        for (const ShapeRow& row : shape_rows) names.emplace_back(row.name);
+        for (const ShapeRow& shape_row : shape_rows) names.emplace_back(shape_row.name);
         throw InputError(
             fmt::format("shape \"{}\" is unknown; {}", shape_name, scene::toml::did_you_mean(shape_name, names)));
     }
@@ -81,7 +82,7 @@ std::vector<TestedForm> rows_of_shape(const std::string& given_name, const std::
 
 void require_timeable(const std::vector<TestedForm>& rows) {
     const auto emulated =
-        std::ranges::find_if(rows, [](const TestedForm& row) { return selection::is_emulated(row.format); });
+        std::ranges::find_if(rows, [](const TestedForm& form_row) { return selection::is_emulated(form_row.format); });
     if (emulated != rows.end())
         throw InputError(fmt::format("-f {}: this format is emulated, so its time says nothing; name f32 or f64",
                                      emulated->format.name));

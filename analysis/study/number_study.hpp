@@ -1,12 +1,12 @@
 // Studies of one number per pixel. A struct defines such a study and computes the number; everything else is here. The
 // struct has
 //
-//   name, title           its command, and what it does
-//   unit, meaning         of the number
-//   options()             its options
+//   name, title             its command, and what it does
+//   unit, meaning           of the number
+//   options()               its options
 //   a constructor from StudyValues
-//   scale()               colours of its picture
-//   operator()(RightHit)  the number of a pixel; NaN if it has none
+//   scale()                 colours of its picture
+//   operator()(CorrectHit)  the number of a pixel; NaN if it has none
 #pragma once
 
 #include <fmt/format.h>
@@ -34,7 +34,7 @@
 namespace lostbits::analysis::study {
 
 /// A pixel on which a form hits the primitive that the ray truly hits first.
-struct RightHit {
+struct CorrectHit {
     const measure::consistency::FormOnBand& form_on_band;
     std::size_t pixel;
     measure::truth::Truth truth;
@@ -43,8 +43,9 @@ struct RightHit {
     [[nodiscard]] Primitive<Real> primitive() const {
         return lift_primitive<Real>(form_on_band.inputs.primitives[static_cast<std::size_t>(truth.object)]);
     }
-    /// The t that the form computed, and the true one.
+    /// The computed t.
     [[nodiscard]] Real t() const { return Real(form_on_band.closest.t[pixel]); }
+    /// t*, the true t.
     [[nodiscard]] Real true_t() const {
         const auto& t = form_on_band.is_unit() ? truth.distance : truth.t;
         return ldexp(Real(Real(t.hi) + Real(t.lo)), static_cast<int>(t.exponent));
@@ -80,14 +81,14 @@ struct NumberStudy {
     static void require() {}
     [[nodiscard]] static NumberSummary begin(std::size_t) { return {}; }
     [[nodiscard]] static const measure::truth::Band& prepare(const measure::truth::Band& band) { return band; }
-    NumberBand measure(const measure::truth::Band& band, std::size_t row, NumberSummary& summary) const {
-        const measure::consistency::FormOnBand on_band(scene, rows[row], band);
+    NumberBand measure(const measure::truth::Band& band, std::size_t row_index, NumberSummary& summary) const {
+        const measure::consistency::FormOnBand on_band(scene, rows[row_index], band);
         NumberBand result{band.y0(), band.rows(), scene.width, std::vector(on_band.pixels(), measure::truth::missing)};
         for (std::size_t i = 0; i < on_band.pixels(); ++i) {
-            const measure::truth::Truth truth = band.truth(i, rows[row].convention());
+            const measure::truth::Truth truth = band.truth(i, rows[row_index].convention());
             if (truth.decision == measure::truth::Truth::Decision::unresolved) ++summary.unresolved;
             if (!truth.is_hit() || on_band.closest.hit[i] == 0 || on_band.closest.object[i] != truth.object) continue;
-            result.numbers[i] = number(RightHit{on_band, i, truth});
+            result.numbers[i] = number(CorrectHit{on_band, i, truth});
             summary.numbers.add(result.numbers[i]);
         }
         return result;
@@ -172,7 +173,7 @@ struct NumberAdapter {
         layers.add_number(name, [](const NumberBand& band, std::size_t i) { return band.numbers[i]; });
         return layers;
     }
-    static output::image::ExrSpec exr_spec(const Study& study, std::size_t row,
+    static output::image::ExrSpec exr_spec(const Study& study, std::size_t row_index,
                                            const std::vector<output::image::Channel>& channels,
                                            const std::string& command) {
         return {.width = study.scene.width,
@@ -181,12 +182,14 @@ struct NumberAdapter {
                 .attributes = {{"lostbits:command", command},
                                {"lostbits:schema", fmt::format("lostbits-{}/1", name)},
                                {"lostbits:scene", study.scene.id},
-                               {"lostbits:form", std::string(study.rows[row].form->info->name)},
-                               {"lostbits:format", study.rows[row].format.name},
+                               {"lostbits:form", std::string(study.rows[row_index].form->info->name)},
+                               {"lostbits:format", study.rows[row_index].format.name},
                                output::image::compiler_attribute()}};
     }
 
-    static std::string row_name(const Study& study, std::size_t row) { return output::map::row_name(study.rows[row]); }
+    static std::string row_name(const Study& study, std::size_t row_index) {
+        return output::map::row_name(study.rows[row_index]);
+    }
     static std::size_t pixels(const NumberBand& band) { return band.numbers.size(); }
     static std::vector<output::pixel::PixelColumn<NumberBand>> columns(const Study& study) {
         const auto look = std::make_shared<const output::pixel::Look>(
@@ -195,11 +198,11 @@ struct NumberAdapter {
                                 Quantity::unit});
         std::vector<output::pixel::PixelColumn<NumberBand>> all;
         for (std::size_t r = 0; r < study.rows.size(); ++r) {
-            const measure::evaluate::TestedForm& row = study.rows[r];
+            const measure::evaluate::TestedForm& form_row = study.rows[r];
             all.push_back(
                 {{.file = row_name(study, r) + ".png",
                   .title = Quantity::meaning,
-                  .subtitle = {fmt::format("{} in {}", row.form->info->name, row.format.name)},
+                  .subtitle = {fmt::format("{} in {}", form_row.form->info->name, form_row.format.name)},
                   .look = look,
                   .places = {place_of(study, r)}},
                  r,
@@ -236,21 +239,23 @@ private:
     }
     static std::vector<const intersect::table::Intersector*> forms_of(const Study& study) {
         std::vector<const intersect::table::Intersector*> forms;
-        for (const auto& row : study.rows)
-            if (std::ranges::find(forms, row.form) == forms.end()) forms.push_back(row.form);
+        for (const auto& form_row : study.rows)
+            if (std::ranges::find(forms, form_row.form) == forms.end()) forms.push_back(form_row.form);
         return forms;
     }
     static std::vector<std::string> formats_of(const Study& study) {
         std::vector<std::string> formats;
-        for (const auto& row : study.rows)
-            if (std::ranges::find(formats, row.format.name) == formats.end()) formats.emplace_back(row.format.name);
+        for (const auto& form_row : study.rows)
+            if (std::ranges::find(formats, form_row.format.name) == formats.end())
+                formats.emplace_back(form_row.format.name);
         return formats;
     }
-    static output::pixel::SheetPosition place_of(const Study& study, std::size_t row) {
+    static output::pixel::SheetPosition place_of(const Study& study, std::size_t row_index) {
         const auto forms = forms_of(study);
         const auto formats = formats_of(study);
-        return {static_cast<std::size_t>(std::ranges::find(forms, study.rows[row].form) - forms.begin()),
-                static_cast<std::size_t>(std::ranges::find(formats, study.rows[row].format.name) - formats.begin())};
+        return {
+            static_cast<std::size_t>(std::ranges::find(forms, study.rows[row_index].form) - forms.begin()),
+            static_cast<std::size_t>(std::ranges::find(formats, study.rows[row_index].format.name) - formats.begin())};
     }
 };
 

@@ -68,9 +68,9 @@ struct OffsetsAdapter {
             return std::ranges::any_of(
                 points, [&](const std::string& value) { return value == "both" || value == name_of(point); });
         };
-        for (const measure::evaluate::TestedForm& row : rows)
+        for (const measure::evaluate::TestedForm& form_row : rows)
             for (const HitPoint point : {HitPoint::computed, HitPoint::projected})
-                if (is_selected(point)) study.rows.push_back({row, point});
+                if (is_selected(point)) study.rows.push_back({form_row, point});
         return study;
     }
 
@@ -91,14 +91,14 @@ struct OffsetsAdapter {
 
     /// Leaves out the search for a quiet offset, which takes as long as all the rest, if no column is about it.
     static void leave_out(Study& study, const std::set<std::string>& columns) {
-        study.quiet = std::ranges::any_of(
+        study.finds_quiet_offset = std::ranges::any_of(
             columns, [](const std::string& column) { return column.find("quiet") != std::string::npos; });
     }
 
     /// A ray with the fault that a column counts or, for any other column, a ray with any fault, self-hits first. It
     /// comes with the primitive that it leaves, in a form that `lostbits explain` accepts.
     static std::optional<measure::evaluate::WorstRay> witness(const View::SummaryRow& row, const std::string& column) {
-        const auto bad = find_bad_ray(row.summary->side_summary(row.side).strategies[row.place], column);
+        const auto bad = find_bad_ray(row.summary->side_summary(row.side).strategies[row.strategy_index], column);
         if (!bad) return std::nullopt;
         const auto given = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(bad->ray.ray));
         given->primitives = {bad->primitive};

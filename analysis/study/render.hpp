@@ -110,10 +110,10 @@ private:
         fmt::print("  {:<8} {:<28} {:<5} {:>12} {:>12} {:>9} {:>9} {:>10} {:>9}\n", "stage", "form", "fmt",
                    "wrong colour", "wrong sphere", "acne", "flips", "p99 steps", "unproved");
         for (std::size_t r = 0; r < summaries.size(); ++r) {
-            const measure::evaluate::TestedForm& row = study.rows[r];
+            const measure::evaluate::TestedForm& form_row = study.rows[r];
             for (const measure::picture::RenderSummary& s : summaries[r])
                 fmt::print("  {:<8} {:<28} {:<5} {:>12} {:>12} {:>9} {:>9} {:>10.3g} {:>9}\n", name_of(s.stage),
-                           row.form->info->name, row.format.name, s.changed, s.seen_wrong(),
+                           form_row.form->info->name, form_row.format.name, s.changed, s.seen_wrong(),
                            s.count(false, measure::picture::Shadow::own_shadow), s.flips(),
                            s.colour_error.quantile(0.99), s.unresolved());
         }

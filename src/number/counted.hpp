@@ -11,8 +11,8 @@
 
 namespace lostbits {
 
-/// Kinds of operations. `add` includes subtraction, `choose` select, min and max, and `sign` −x, |x| and copysign.
-/// `neighbour` is the next number up or down, `convert` a conversion to or from a wider format.
+/// Kinds of operations. `add` includes subtraction, `choose` includes select, min and max, and `sign` includes −x, |x|
+/// and copysign. `neighbour` is the next number up or down. `convert` is a conversion to or from a wider format.
 enum class Operation : std::uint8_t { add, mul, div, sqrt, fma, compare, choose, sign, neighbour, convert };
 
 inline constexpr std::array<std::string_view, 10> operation_names{"add",     "mul",    "div",  "sqrt",      "fma",

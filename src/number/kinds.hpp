@@ -1,4 +1,4 @@
-// The closed list of number types, one line each. The generic number test runs over all of them.
+// All number types, one line each. The generic number test runs over all of them.
 #pragma once
 
 #include "number/archetype.hpp"

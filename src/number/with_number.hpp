@@ -6,8 +6,8 @@
 
 namespace lostbits {
 
-/// Calls `use.operator()<T>()`, with T the number that evaluates a format: float, double, or `RoundedAny` with the
-/// format set for this thread during the call.
+/// Calls `use.operator()<T>()`, where T is the number type that evaluates a format: float, double, or `RoundedAny`. For
+/// `RoundedAny`, the format is set for this thread during the call.
 template <class Use>
 decltype(auto) with_number(const Format& format, const Use& use) {
     switch (format.engine) {
@@ -19,7 +19,7 @@ decltype(auto) with_number(const Format& format, const Use& use) {
     return use.template operator()<RoundedAny>();
 }
 
-/// A number of a format as the double that holds it.
+/// Returns the double that holds a number of a format exactly.
 inline double as_double(float x) { return x; }
 inline double as_double(double x) { return x; }
 template <class F>

@@ -1,4 +1,4 @@
-// The closed list of shapes. Each shape has one line, with its folder and its struct, and one include.
+// All shapes. Each shape has one line, with its folder and its struct, and one include.
 // `LOSTBITS_SHAPE_FILE(folder)` says which file of the folder is included, so this header has no `#pragma once`.
 // clang-format off
 #define LOSTBITS_SHAPES(line) \

@@ -25,8 +25,8 @@ Strings names_from(Shape shape, const MakeName& make_name) {
 template <class MakeName>
 std::array<Strings, shape_rows.size()> lists_for_shapes(const MakeName& make_name) {
     std::array<Strings, shape_rows.size()> lists;
-    for (const ShapeRow& row : shape_rows)
-        lists[static_cast<std::size_t>(row.shape)] = names_from(row.shape, make_name);
+    for (const ShapeRow& shape_row : shape_rows)
+        lists[static_cast<std::size_t>(shape_row.shape)] = names_from(shape_row.shape, make_name);
     return lists;
 }
 
@@ -111,8 +111,8 @@ std::string order_phrase(const Key& key) {
 
 std::string no_end_reason(Shape shape) {
     std::string shapes;
-    for (const ShapeRow& row : shape_rows)
-        if (row.takes_tmax) shapes += (shapes.empty() ? "" : ", ") + std::string(row.plural);
+    for (const ShapeRow& shape_row : shape_rows)
+        if (shape_row.takes_tmax) shapes += (shapes.empty() ? "" : ", ") + std::string(shape_row.plural);
     return "ends a ray only for the forms of " + shapes + "; the forms of " + std::string(row_of(shape).plural) +
            " take no end and would ignore it; leave it out, or use " + shapes;
 }

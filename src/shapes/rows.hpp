@@ -97,22 +97,22 @@ inline constexpr std::array<ShapeRow, Primitives::size> shape_rows = [] {
     std::array<ShapeRow, Primitives::size> rows{};
     std::size_t index = 0;
     Primitives::each([&]<template <class> class S>() {
-        ShapeRow& row = rows[index++];
+        ShapeRow& shape_row = rows[index++];
         using FloatShape = S<float>;
-        row = {.shape = shape_as<S>,
-               .name = FloatShape::name,
-               .plural = FloatShape::plural,
-               .keys = FloatShape::keys,
-               .takes_tmax = FloatShape::takes_tmax,
-               .inside_returns_zero = FloatShape::inside_returns_zero,
-               .usually_unit = FloatShape::usually_unit,
-               .round = FloatShape::round,
-               .flat = std::same_as<decltype(std::declval<FloatShape>().span(Ray<float>{})), FlatSpan<float>>,
-               .surface = SurfaceSpan<decltype(std::declval<FloatShape>().span(Ray<float>{})), float>,
-               .edges = FloatShape::edges,
-               .shaded = Shaded<FloatShape>,
-               .texts = FloatShape::texts};
-        for (const Key& key : row.keys) row.numbers += key.count();
+        shape_row = {.shape = shape_as<S>,
+                     .name = FloatShape::name,
+                     .plural = FloatShape::plural,
+                     .keys = FloatShape::keys,
+                     .takes_tmax = FloatShape::takes_tmax,
+                     .inside_returns_zero = FloatShape::inside_returns_zero,
+                     .usually_unit = FloatShape::usually_unit,
+                     .round = FloatShape::round,
+                     .flat = std::same_as<decltype(std::declval<FloatShape>().span(Ray<float>{})), FlatSpan<float>>,
+                     .surface = SurfaceSpan<decltype(std::declval<FloatShape>().span(Ray<float>{})), float>,
+                     .edges = FloatShape::edges,
+                     .shaded = Shaded<FloatShape>,
+                     .texts = FloatShape::texts};
+        for (const Key& key : shape_row.keys) shape_row.numbers += key.count();
     });
     return rows;
 }();
@@ -146,7 +146,7 @@ inline constexpr bool has_inside(Shape shape) { return is_primitive(shape) && !r
 
 inline constexpr std::array<std::string_view, shape_rows.size() + 1> shape_names = [] {
     std::array<std::string_view, shape_rows.size() + 1> names{};
-    for (const ShapeRow& row : shape_rows) names[static_cast<std::size_t>(row.shape)] = row.name;
+    for (const ShapeRow& shape_row : shape_rows) names[static_cast<std::size_t>(shape_row.shape)] = shape_row.name;
     names[static_cast<std::size_t>(Shape::sdf)] = "sdf";
     return names;
 }();

@@ -22,7 +22,7 @@ struct Angle {
     explicit Angle(const StudyValues& values)
         : radians(values.at("unit").front() == "degree" ? std::acos(-1.0) / 180 : 1) {}
 
-    double operator()(const RightHit& hit) const {
+    double operator()(const CorrectHit& hit) const {
         const auto normal = [&](const Real& t) {
             const Vec<Real> p(hit.ray().origin + t * hit.ray().direction);
             return visit(hit.primitive(),

@@ -35,9 +35,9 @@ BoxedFormParts parts_in(const Parts& parts) {
 BoxedFormParts parts_of_row(void* context) { return parts_in(static_cast<const Rows::Made*>(context)->parts); }
 
 template <class S>
-Primitive<S> box_around(const BoxedFormParts& row, const Format& format, const Primitive<S>& primitive) {
+Primitive<S> box_around(const BoxedFormParts& form_parts, const Format& format, const Primitive<S>& primitive) {
     const BoundingBox<double> box =
-        row.method->in(format, transformed(primitive, [](const S& x) { return static_cast<double>(x); }));
+        form_parts.method->in(format, transformed(primitive, [](const S& x) { return static_cast<double>(x); }));
     return lift_primitive<S>(Primitive<double>(box));
 }
 
@@ -57,12 +57,12 @@ struct Decisions {
 /// Runs the form and the box form on a batch. A ray hits if both hit. The target has one primitive for all rays, or one
 /// for each ray.
 template <class S, class BoxKernel, class FormKernel>
-void evaluate(const BoxedFormParts& row, const Format& format, const BoxKernel& box, const FormKernel& form,
+void evaluate(const BoxedFormParts& form_parts, const Format& format, const BoxKernel& box, const FormKernel& form,
               const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
     form(rays, target, hits);
     std::vector<Primitive<S>> boxes;
     boxes.reserve(target.primitives.size());
-    for (const Primitive<S>& primitive : target.primitives) boxes.push_back(box_around(row, format, primitive));
+    for (const Primitive<S>& primitive : target.primitives) boxes.push_back(box_around(form_parts, format, primitive));
     Decisions<S> decisions;
     const HitBatch<S> box_hits = decisions.batch(rays.size());
     box(rays, boxes.size() == 1 ? Target<S>(boxes.front()) : Target<S>(std::span<const Primitive<S>>(boxes)), box_hits);
@@ -72,14 +72,14 @@ void evaluate(const BoxedFormParts& row, const Format& format, const BoxKernel& 
 /// Runs both forms in native arithmetic; in packs of rays if all rays share one primitive.
 template <class S>
 void evaluate_natively(void* context, const RayBatch<S>& rays, const Target<S>& target, const HitBatch<S>& hits) {
-    const BoxedFormParts row = parts_of_row(context);
+    const BoxedFormParts form_parts = parts_of_row(context);
     static const Format format = *find_format(std::same_as<S, float> ? "f32" : "f64");
     const bool has_one_primitive = target.primitives.size() == 1;
     const auto kernel = [has_one_primitive](const Intersector& form) {
         if constexpr (std::same_as<S, float>) return has_one_primitive ? simd::packed_kernels(form).f32 : form.native32;
         else return has_one_primitive ? simd::packed_kernels(form).f64 : form.native64;
     };
-    evaluate(row, format, kernel(*row.box), kernel(*row.form), rays, target, hits);
+    evaluate(form_parts, format, kernel(*form_parts.box), kernel(*form_parts.form), rays, target, hits);
 }
 void evaluate_rounded(void* context, const FloatFormat& format, const RayBatch<double>& rays,
                       const Target<double>& target, const HitBatch<double>& hits) {
@@ -100,8 +100,8 @@ Hit<Interval> interval(void* context, const Ray<Interval>& ray, const Target<Int
 
 /// Records the box form, then the form. `record_row(row, target, tape)` records one of them.
 template <class RecordRow>
-void record_with(const BoxedFormParts& row, const Format& format, const Ray<double>& ray, const Target<double>& target,
-                 double tmax, Tape& tape, const RecordRow& record_row) {
+void record_with(const BoxedFormParts& form_parts, const Format& format, const Ray<double>& ray,
+                 const Target<double>& target, double tmax, Tape& tape, const RecordRow& record_row) {
     tape.clear();
     const bool every_loop = tape.every_loop;
     const auto input = [&](double x) { return tape.add_input(format.parameters, x); };
@@ -109,7 +109,7 @@ void record_with(const BoxedFormParts& row, const Format& format, const Ray<doub
     for (const Vec<double>& v : {ray.origin, ray.direction})
         for (int k = 0; k < 3; ++k) form_inputs.push_back(input(v[k]));
     box_inputs = form_inputs;
-    const Primitive<double> primitive = target.primitives.front(), box = box_around(row, format, primitive);
+    const Primitive<double> primitive = target.primitives.front(), box = box_around(form_parts, format, primitive);
     for (const double x : primitive.used()) form_inputs.push_back(input(x));
     if (primitive.placed)
         for (const double x : primitive.placed->matrix) form_inputs.push_back(input(x));
@@ -123,8 +123,8 @@ void record_with(const BoxedFormParts& row, const Format& format, const Ray<doub
         record_row(form, part_target, row_tape);
         return table::append(row_tape, inputs, tape);
     };
-    const TapeOutputs box_outcome = append_row(*row.box, Target<double>(box), box_inputs);
-    TapeOutputs answer = append_row(*row.form, target, form_inputs);
+    const TapeOutputs box_outcome = append_row(*form_parts.box, Target<double>(box), box_inputs);
+    TapeOutputs answer = append_row(*form_parts.form, target, form_inputs);
     const bool hit = tape[box_outcome.hit].value != 0 && tape[answer.hit].value != 0;
     answer.hit = tape.add(TapeOp::both, format.parameters, hit ? 1 : 0, {box_outcome.hit, answer.hit});
     tape.outputs = answer;
@@ -193,23 +193,24 @@ const Intersector& behind(const BoxMethod& method, const Intersector& box, const
     return rows().row_of({&method, &box, &form}, fill);
 }
 
-BoxedFormParts boxed_parts_of(const Intersector& row) { return parts_in(rows().parts_of(row)); }
+BoxedFormParts boxed_parts_of(const Intersector& catalogue_row) { return parts_in(rows().parts_of(catalogue_row)); }
 
-bool has_box(const Intersector& row) {
-    if (row.is_set()) return std::ranges::any_of(row.parts, [](const Intersector* part) { return has_box(*part); });
-    if (boxed_parts_of(row).form != nullptr) return true;
-    const auto placed = transform::transformed_parts_of(row);
+bool has_box(const Intersector& catalogue_row) {
+    if (catalogue_row.is_set())
+        return std::ranges::any_of(catalogue_row.parts, [](const Intersector* part) { return has_box(*part); });
+    if (boxed_parts_of(catalogue_row).form != nullptr) return true;
+    const auto placed = transform::transformed_parts_of(catalogue_row);
     return placed.form != nullptr && has_box(*placed.form);
 }
 
-const Intersector& without_world_boxes(const Intersector& row) {
-    const BoxedFormParts parts = boxed_parts_of(row);
-    return parts.form != nullptr && row.is_placed ? without_world_boxes(*parts.form) : row;
+const Intersector& without_world_boxes(const Intersector& catalogue_row) {
+    const BoxedFormParts parts = boxed_parts_of(catalogue_row);
+    return parts.form != nullptr && catalogue_row.is_placed ? without_world_boxes(*parts.form) : catalogue_row;
 }
 
-std::vector<std::string> names_on_tape(const Intersector& row, const Target<double>& target) {
-    std::vector<std::string> names = table::input_names(row, target);
-    const Intersector* current = &row;
+std::vector<std::string> names_on_tape(const Intersector& catalogue_row, const Target<double>& target) {
+    std::vector<std::string> names = table::input_names(catalogue_row, target);
+    const Intersector* current = &catalogue_row;
     for (bool in_world = !target.primitives.empty() && target.primitives.front().placed;;) {
         if (const BoxedFormParts parts = boxed_parts_of(*current); parts.form != nullptr) {
             for (const char* const coordinate : {"lo.x", "lo.y", "lo.z", "hi.x", "hi.y", "hi.z"})
@@ -224,16 +225,17 @@ std::vector<std::string> names_on_tape(const Intersector& row, const Target<doub
     }
 }
 
-const Intersector& innermost(const Intersector& row) {
-    if (const BoxedFormParts parts = boxed_parts_of(row); parts.form != nullptr) return innermost(*parts.form);
-    const auto placed = transform::transformed_parts_of(row);
-    return placed.form != nullptr ? innermost(*placed.form) : row;
+const Intersector& innermost(const Intersector& catalogue_row) {
+    if (const BoxedFormParts parts = boxed_parts_of(catalogue_row); parts.form != nullptr)
+        return innermost(*parts.form);
+    const auto placed = transform::transformed_parts_of(catalogue_row);
+    return placed.form != nullptr ? innermost(*placed.form) : catalogue_row;
 }
 
-const Intersector& with_other_form(const Intersector& row, const Intersector& form) {
-    if (const BoxedFormParts parts = boxed_parts_of(row); parts.form != nullptr)
+const Intersector& with_other_form(const Intersector& catalogue_row, const Intersector& form) {
+    if (const BoxedFormParts parts = boxed_parts_of(catalogue_row); parts.form != nullptr)
         return behind(*parts.method, *parts.box, with_other_form(*parts.form, form));
-    const auto placed = transform::transformed_parts_of(row);
+    const auto placed = transform::transformed_parts_of(catalogue_row);
     return placed.form != nullptr ? transform::through(*placed.method, with_other_form(*placed.form, form)) : form;
 }
 

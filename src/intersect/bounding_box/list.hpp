@@ -1,4 +1,4 @@
-// The closed list of methods to compute the bounding box of a primitive: a struct for each, and its index in the list.
+// All methods to compute the bounding box of a primitive: a struct for each, and its index in the list.
 #pragma once
 
 #include <string_view>

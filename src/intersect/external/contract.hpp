@@ -66,9 +66,9 @@ Info info_of(const Contract& contract);
 void register_forms(std::vector<ForeignForm> forms);
 
 /// The external forms of a row: one, or one for each of two formats. Empty for a row of the catalogue.
-std::vector<const ForeignForm*> behind(const table::Intersector& row);
+std::vector<const ForeignForm*> behind(const table::Intersector& catalogue_row);
 
 /// True if a call of the row can do no harm to this process: for a row of the catalogue, or of isolated forms.
-bool is_safe_to_run(const table::Intersector& row);
+bool is_safe_to_run(const table::Intersector& catalogue_row);
 
 }  // namespace lostbits::intersect::external

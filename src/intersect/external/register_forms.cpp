@@ -55,10 +55,10 @@ void ForeignRow::store(ForeignForm form) {
 
 table::Intersector ForeignRow::row() const {
     const Contract& contract = (of32 ? of32 : of64)->form().contract;
-    table::Intersector row{.info = &info, .shape = contract.shape, .native32 = {}, .native64 = {}};
-    if (of32) row.native32 = {answer_batch<float>, of32.get()};
-    if (of64) row.native64 = {answer_batch<double>, of64.get()};
-    return row;
+    table::Intersector catalogue_row{.info = &info, .shape = contract.shape, .native32 = {}, .native64 = {}};
+    if (of32) catalogue_row.native32 = {answer_batch<float>, of32.get()};
+    if (of64) catalogue_row.native64 = {answer_batch<double>, of64.get()};
+    return catalogue_row;
 }
 
 void register_forms(std::vector<ForeignForm> forms) {
@@ -78,20 +78,20 @@ void register_forms(std::vector<ForeignForm> forms) {
     table::register_rows(rows);
 }
 
-std::vector<const ForeignForm*> behind(const table::Intersector& row) {
+std::vector<const ForeignForm*> behind(const table::Intersector& catalogue_row) {
     std::vector<const ForeignForm*> forms;
     for (const ForeignRow& e : all_registered()) {
-        if (&e.info != row.info) continue;
+        if (&e.info != catalogue_row.info) continue;
         if (e.of32) forms.push_back(&e.of32->form());
         if (e.of64) forms.push_back(&e.of64->form());
     }
     return forms;
 }
 
-bool is_safe_to_run(const table::Intersector& row) {
+bool is_safe_to_run(const table::Intersector& catalogue_row) {
     const auto catalogue = table::catalogue();
-    if (&row >= catalogue.data() && &row < catalogue.data() + catalogue.size()) return true;
-    const auto forms = behind(row);  // empty for a formula of a library, which runs in this process
+    if (&catalogue_row >= catalogue.data() && &catalogue_row < catalogue.data() + catalogue.size()) return true;
+    const auto forms = behind(catalogue_row);  // empty for a formula of a library, which runs in this process
     return !forms.empty() && std::ranges::all_of(forms, &ForeignForm::isolated);
 }
 

@@ -88,15 +88,15 @@ std::string Compiler::ir(const std::string& text, bool optimised) {
     return text_of(output);
 }
 
-external::Library Compiler::library(const std::string& text, bool is_long) {
+external::Library Compiler::compile_library(const std::string& text, bool without_optimisation) {
     const fs::path source = write(text), output = folder_.path / "function.so";
     if (language_ == SourceLanguage::rust) {
         process::ProgramArguments arguments = rust_arguments("cdylib");
-        arguments.emplace_back(is_long ? "-Copt-level=0" : "-Copt-level=3");
+        arguments.emplace_back(without_optimisation ? "-Copt-level=0" : "-Copt-level=3");
         run(std::move(arguments), source, output);
     } else {
         process::ProgramArguments arguments = c_arguments();
-        arguments.insert(arguments.end(), {is_long ? "-O0" : "-O2", "-shared", "-fPIC"});
+        arguments.insert(arguments.end(), {without_optimisation ? "-O0" : "-O2", "-shared", "-fPIC"});
         if (language_ == SourceLanguage::llvm) arguments.emplace_back("-xir");
         run(std::move(arguments), source, output, {"-xnone", "-lm"});
     }

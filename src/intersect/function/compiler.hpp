@@ -33,9 +33,10 @@ public:
     FileText ir_of_file();
     /// Compiles the user's file with `text` appended, and returns the LLVM IR.
     std::string ir(const std::string& text, bool optimised);
-    /// Compiles the user's file with `text` appended into a library. With `is_long`, the compiler does not optimise,
-    /// since its time grows with the square of a function's length. The answers have the same bits.
-    external::Library library(const std::string& text, bool is_long);
+    /// Compiles the user's file with `text` appended into a library. `without_optimisation` is for long functions,
+    /// since the time of an optimising compiler grows with the square of a function's length. The answers have the same
+    /// bits.
+    external::Library compile_library(const std::string& text, bool without_optimisation);
     [[nodiscard]] const fs::path& file() const { return file_; }
 
 private:

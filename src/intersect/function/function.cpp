@@ -350,7 +350,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
     const auto formula = std::make_shared<const table::WrittenFormula>(std::move(written.formula));
     user_function->written = std::make_unique<table::WrittenForm>(formula, formula);
 
-    const external::Library library = compiler.library(wrapper, formula->operations.size() > most_optimised);
+    const external::Library library = compiler.compile_library(wrapper, formula->operations.size() > most_optimised);
     external::ForeignForm form{contract, user_function->path, {}};
     const char* const name = external::lasting_text(external::name_in_messages(form));
     const auto bind = [&]<class S>(S) {

@@ -141,13 +141,15 @@ std::string ir_number_type(std::size_t size) { return size == 4 ? "float" : "dou
 class IrWriter {
 public:
     std::string text;
-    const bool is_opaque;  ///< true if pointers have no type
+    const bool has_opaque_pointers;  ///< true if pointers have no type
 
     explicit IrWriter(const Module& module)
-        : is_opaque(module.text().find("(ptr ") != std::string::npos ||
-                    module.text().find(" ptr ") != std::string::npos) {}
+        : has_opaque_pointers(module.text().find("(ptr ") != std::string::npos ||
+                              module.text().find(" ptr ") != std::string::npos) {}
 
-    [[nodiscard]] std::string pointer(const std::string& type) const { return is_opaque ? "ptr" : type + "*"; }
+    [[nodiscard]] std::string pointer(const std::string& type) const {
+        return has_opaque_pointers ? "ptr" : type + "*";
+    }
     /// Appends an instruction, and returns the new name of its result.
     std::string emit(const std::string& instruction) {
         std::string name = "%lb." + std::to_string(count_++);
@@ -166,7 +168,7 @@ public:
         const std::string& type = bytes_[array];
         const std::string byte = emit("getelementptr " + type + ", " + pointer(type) + " %lb.b" +
                                       std::to_string(array) + ", i64 0, i64 " + std::to_string(offset));
-        return is_opaque ? byte : emit("bitcast i8* " + byte + " to " + pointer_type);
+        return has_opaque_pointers ? byte : emit("bitcast i8* " + byte + " to " + pointer_type);
     }
     std::string load(std::size_t array, std::size_t offset, const std::string& type) {
         return emit("load " + type + ", " + pointer(type) + " " + address(array, offset, type + "*") + ", align 1");

@@ -34,10 +34,10 @@ bool is_named(const Key& key, const std::string& name) {
 }
 
 /// Returns the key of a shape with that name and that number of numbers; null if there is none.
-const Key* key_named(const ShapeRow& row, const std::string& name, std::size_t numbers) {
+const Key* key_named(const ShapeRow& shape_row, const std::string& name, std::size_t numbers) {
     const auto key =
-        std::ranges::find_if(row.keys, [&](const Key& k) { return k.count() == numbers && is_named(k, name); });
-    return key == row.keys.end() ? nullptr : &*key;
+        std::ranges::find_if(shape_row.keys, [&](const Key& k) { return k.count() == numbers && is_named(k, name); });
+    return key == shape_row.keys.end() ? nullptr : &*key;
 }
 
 /// Returns the expression for the argument with the name of a vec3; empty if the name is not recognised. The keys of
@@ -59,8 +59,8 @@ std::string role_of(const std::string& parameter_name, const ShapeRow* shape = n
     if (contains(Texts{"orig"}) || equals(Texts{"ro", "o", "eye", "start", "p0", "e"})) return std::string(origin);
     for (const auto& spelling : spellings)
         if (contains(spelling.fragments) || equals(spelling.names)) return variable_of(spelling.key);
-    for (const ShapeRow& row : shape_rows)
-        if (const Key* key = key_named(row, name, 3)) return variable_of(key->name);
+    for (const ShapeRow& shape_row : shape_rows)
+        if (const Key* key = key_named(shape_row, name, 3)) return variable_of(key->name);
     return {};
 }
 
@@ -80,8 +80,8 @@ std::vector<std::string> roles_of(const std::vector<const Parameter*>& vectors, 
 }
 
 /// Number of keys that have this many numbers.
-std::size_t count_of(const ShapeRow& row, std::size_t numbers) {
-    return static_cast<std::size_t>(std::ranges::count(row.keys, numbers, &Key::count));
+std::size_t count_of(const ShapeRow& shape_row, std::size_t numbers) {
+    return static_cast<std::size_t>(std::ranges::count(shape_row.keys, numbers, &Key::count));
 }
 
 bool contains_any(const std::string& name, std::initializer_list<std::string_view> fragments) {
@@ -142,7 +142,8 @@ private:
     bool assign_number(const Parameter& p, std::size_t k) {
         const std::string name = lower_case(p.name);
         // Keys first: the `minor_radius` of a torus contains "min" and is not a minimum.
-        if (std::ranges::any_of(shape_rows, [&](const ShapeRow& row) { return key_named(row, name, 1) != nullptr; })) {
+        if (std::ranges::any_of(shape_rows,
+                                [&](const ShapeRow& shape_row) { return key_named(shape_row, name, 1) != nullptr; })) {
             lengths_.push_back(k);
             return true;
         }
@@ -171,9 +172,9 @@ private:
             });
         };
         const std::size_t points = vec4_ ? 1 : vectors_.size() - ray_vectors, lengths = vec4_ ? 1 : lengths_.size();
-        for (const ShapeRow& row : shape_rows) {
-            if (count_of(row, 3) != points || count_of(row, 1) != lengths) continue;
-            if (shape_ == nullptr || std::ranges::all_of(row.keys, is_parameter)) shape_ = &row;
+        for (const ShapeRow& shape_row : shape_rows) {
+            if (count_of(shape_row, 3) != points || count_of(shape_row, 1) != lengths) continue;
+            if (shape_ == nullptr || std::ranges::all_of(shape_row.keys, is_parameter)) shape_ = &shape_row;
         }
         return shape_ != nullptr;
     }

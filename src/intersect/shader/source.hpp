@@ -22,8 +22,8 @@ struct Sentinel {
     Kind kind = Kind::negative;
     double bound = 0;
 
-    /// True if these numbers mean a miss; for a function of one number, pass `t` twice. A NaN is a miss only for
-    /// `infinite`; for the other kinds, a hit at NaN is an answer, too.
+    /// True if these numbers mean a miss; for a function that returns one number t, pass t as both. NaN means a miss
+    /// only for `infinite`; for the other kinds, it is a hit at NaN.
     [[nodiscard]] bool means_miss(double near, double far) const;
 };
 
@@ -39,10 +39,10 @@ struct ShaderSource {
     Signature signature;
     external::Contract contract;  ///< `bits` is the width of the numbers in the file
     Sentinel sentinel;
-    ShaderMarch march;             ///< used only for a field
-    bool f32 = true, f64 = false;  ///< true for the requested formats; the file is rewritten for the format in which it
-                                   ///< is not written
-    bool hlsl = false;             ///< true if the file name ends in .hlsl; such a shader computes only in floats
+    ShaderMarch march;  ///< used only for a field
+    /// True for each requested format. If the file is written for the other format, it is rewritten for this one.
+    bool f32 = true, f64 = false;
+    bool hlsl = false;  ///< true if the file name ends in .hlsl; such a shader computes only in floats
     std::vector<CountedLoop> loops;
 };
 

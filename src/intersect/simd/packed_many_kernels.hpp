@@ -41,16 +41,16 @@ template <class Form, class F, class Width>
     const auto number = [r = batch.ray](int k) { return P(r[k]); };
     const Ray<P> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
     for (std::size_t i = 0; i < size; i += P::lanes) {
-        const P end = P::load(t + i);
+        const P tmax = P::load(t + i);
         const B box{{P::load(first_x + i), P::load(first_y + i), P::load(first_z + i)},
                     {P::load(second_x + i), P::load(second_y + i), P::load(second_z + i)}};
-        const Hit<P> hit = Form::intersect(ray, box, end);
-        select(hit.hit, hit.t, end).store(t + i);
+        const Hit<P> hit = Form::intersect(ray, box, tmax);
+        select(hit.hit, hit.t, tmax).store(t + i);
     }
 }
 
 template <class Form, class F, class Width>
-[[gnu::flatten]] void one_ray_many(const RawPrimitives<F>& batch) {
+[[gnu::flatten]] void one_ray_many_primitives(const RawPrimitives<F>& batch) {
     using P = Pack<F, Width>;
     static_assert(!takes_tmax(shape_of<Form>));
     const RawPrimitives<F> b = batch;
@@ -76,8 +76,8 @@ void fill_many_raw(RawManyRow* row) {
             row->f32 = one_ray_many_boxes<Form, float, Width>;
             if constexpr (has_f64) row->f64 = one_ray_many_boxes<Form, double, Width>;
         } else if constexpr (!marches<Form>) {
-            row->f32 = one_ray_many<Form, float, Width>;
-            if constexpr (has_f64) row->f64 = one_ray_many<Form, double, Width>;
+            row->f32 = one_ray_many_primitives<Form, float, Width>;
+            if constexpr (has_f64) row->f64 = one_ray_many_primitives<Form, double, Width>;
         }
         ++row;
     });

@@ -73,7 +73,7 @@ TypedText Translator::binary(const std::string& op, const TypedText& a, const Ty
 }
 
 TypedText Translator::compare(const std::string& op, const TypedText& a, const TypedText& b) {
-    const SpirvType& boolean = simple_type(Kind::boolean, 1);
+    const SpirvType& boolean = integer_type(Kind::boolean, 1);
     return emit(a.type->kind == Kind::vector ? vector_of(boolean, a.type->count) : boolean,
                 op + " " + a.typed() + ", " + b.text);
 }
@@ -130,87 +130,87 @@ TypedText Translator::matrix_times_vector(const TypedText& matrix, const TypedTe
     return sum;
 }
 
-bool Translator::translate_matrix(const SpirvInstruction& i) {
-    if (i.op.find("Times") == std::string::npos && i.op != "OpTranspose") return false;
-    const auto require_few = [&i](const SpirvType& type) -> const SpirvType& {
-        if (type.count > 16) i.fail("neither a vector nor a matrix");
+bool Translator::translate_matrix(const SpirvInstruction& instruction) {
+    if (instruction.op.find("Times") == std::string::npos && instruction.op != "OpTranspose") return false;
+    const auto require_few = [&instruction](const SpirvType& type) -> const SpirvType& {
+        if (type.count > 16) instruction.fail("neither a vector nor a matrix");
         return type;
     };
     const auto operand = [&](std::size_t k) {
-        const TypedText x = value(i.at(k), i);
+        const TypedText x = value(instruction.at(k), instruction);
         require_few(*x.type);
         return x;
     };
-    const SpirvType& type = require_few(type_of(i.at(0), i));
+    const SpirvType& type = require_few(type_of(instruction.at(0), instruction));
     const TypedText a = operand(1);
     const auto b = [&] { return operand(2); };
     Values columns;
-    if (i.op == "OpVectorTimesScalar") values_[i.result] = scale(a, b());
-    else if (i.op == "OpMatrixTimesVector") values_[i.result] = matrix_times_vector(a, b());
+    if (instruction.op == "OpVectorTimesScalar") values_[instruction.result] = scale(a, b());
+    else if (instruction.op == "OpMatrixTimesVector") values_[instruction.result] = matrix_times_vector(a, b());
     else {
-        if (i.op == "OpMatrixTimesScalar")
+        if (instruction.op == "OpMatrixTimesScalar")
             for (std::size_t k = 0; k < type.count; ++k) columns.push_back(scale(extract_part(a, k), b()));
-        else if (i.op == "OpVectorTimesMatrix")
+        else if (instruction.op == "OpVectorTimesMatrix")
             for (std::size_t k = 0; k < type.count; ++k) columns.push_back(dot(a, extract_part(b(), k)));
-        else if (i.op == "OpMatrixTimesMatrix")
+        else if (instruction.op == "OpMatrixTimesMatrix")
             for (std::size_t k = 0; k < type.count; ++k)
                 columns.push_back(matrix_times_vector(a, extract_part(b(), k)));
-        else if (i.op == "OpTranspose" && type.part(0) != nullptr) {
+        else if (instruction.op == "OpTranspose" && type.part(0) != nullptr) {
             for (std::size_t k = 0; k < type.count; ++k) {
                 Values lanes;
-                for (std::size_t row = 0; row < a.type->count; ++row)
-                    lanes.push_back(extract_part(extract_part(a, row), k));
+                for (std::size_t row_index = 0; row_index < a.type->count; ++row_index)
+                    lanes.push_back(extract_part(extract_part(a, row_index), k));
                 columns.push_back(construct(*type.parts[0], lanes));
             }
         } else return false;
-        values_[i.result] = construct(type, columns);
+        values_[instruction.result] = construct(type, columns);
     }
     return true;
 }
 
-bool Translator::translate_arithmetic(const SpirvInstruction& i) {
-    if (i.result.empty()) return false;
-    const SpirvType& type = type_of(i.at(0), i);
-    const auto x = [&](std::size_t k) { return value(i.at(k), i); };
-    TypedText& result = values_[i.result];
-    if (const std::string op = counterpart(binaries, i.op); !op.empty()) result = binary(op, x(1), x(2));
-    else if (const std::string comparison = counterpart(comparisons, i.op); !comparison.empty())
+bool Translator::translate_arithmetic(const SpirvInstruction& instruction) {
+    if (instruction.result.empty()) return false;
+    const SpirvType& type = type_of(instruction.at(0), instruction);
+    const auto x = [&](std::size_t k) { return value(instruction.at(k), instruction); };
+    TypedText& result = values_[instruction.result];
+    if (const std::string op = counterpart(binaries, instruction.op); !op.empty()) result = binary(op, x(1), x(2));
+    else if (const std::string comparison = counterpart(comparisons, instruction.op); !comparison.empty())
         result = compare(comparison, x(1), x(2));
-    else if (const std::string conversion = counterpart(conversions, i.op); !conversion.empty())
+    else if (const std::string conversion = counterpart(conversions, instruction.op); !conversion.empty())
         result = emit(type, conversion + " " + x(1).typed() + " to " + type.text);
-    else if (i.op == "OpFConvert" || i.op == "OpSConvert" || i.op == "OpUConvert") {
+    else if (instruction.op == "OpFConvert" || instruction.op == "OpSConvert" || instruction.op == "OpUConvert") {
         const TypedText operand = x(1);
         const bool widens = TypedText{&type}.lane().bits > operand.lane().bits;
-        const std::string instruction_name = i.op == "OpFConvert"   ? (widens ? "fpext" : "fptrunc")
-                                             : !widens              ? "trunc"
-                                             : i.op == "OpSConvert" ? "sext"
-                                                                    : "zext";
+        const std::string instruction_name = instruction.op == "OpFConvert"   ? (widens ? "fpext" : "fptrunc")
+                                             : !widens                        ? "trunc"
+                                             : instruction.op == "OpSConvert" ? "sext"
+                                                                              : "zext";
         result = emit(type, instruction_name + " " + operand.typed() + " to " + type.text);
-    } else if (i.op == "OpFNegate") result = emit(type, "fneg " + x(1).typed());
-    else if (i.op == "OpFMod" || i.op == "OpFRem") {  // x - y floor(x/y), x - y trunc(x/y)
+    } else if (instruction.op == "OpFNegate") result = emit(type, "fneg " + x(1).typed());
+    else if (instruction.op == "OpFMod" || instruction.op == "OpFRem") {  // x - y floor(x/y), x - y trunc(x/y)
         const TypedText rounded_quotient =
-            intrinsic(i.op == "OpFMod" ? "floor" : "trunc", {binary("fdiv", x(1), x(2))});
+            intrinsic(instruction.op == "OpFMod" ? "floor" : "trunc", {binary("fdiv", x(1), x(2))});
         result = binary("fsub", x(1), binary("fmul", x(2), rounded_quotient));
-    } else if (i.op == "OpSNegate") result = binary("sub", {&type, "zeroinitializer", {}}, x(1));
-    else if (i.op == "OpLogicalNot") result = compare("icmp eq", x(1), {&type, "zeroinitializer", {}});
-    else if (i.op == "OpSelect") result = select(x(1), x(2), x(3));
-    else if (i.op == "OpDot") result = dot(x(1), x(2));
-    else if (i.op == "OpIsNan") result = compare("fcmp uno", x(1), x(1));
-    else if (i.op == "OpIsInf")
+    } else if (instruction.op == "OpSNegate") result = binary("sub", {&type, "zeroinitializer", {}}, x(1));
+    else if (instruction.op == "OpLogicalNot") result = compare("icmp eq", x(1), {&type, "zeroinitializer", {}});
+    else if (instruction.op == "OpSelect") result = select(x(1), x(2), x(3));
+    else if (instruction.op == "OpDot") result = dot(x(1), x(2));
+    else if (instruction.op == "OpIsNan") result = compare("fcmp uno", x(1), x(1));
+    else if (instruction.op == "OpIsInf")
         result =
             compare("fcmp oeq", intrinsic("fabs", {x(1)}), splat(std::numeric_limits<double>::infinity(), *x(1).type));
-    else if (i.op == "OpAny" || i.op == "OpAll") {
+    else if (instruction.op == "OpAny" || instruction.op == "OpAll") {
         const TypedText vector = x(1);
-        if (vector.type->kind != Kind::vector) i.fail("a vector is missing");
+        if (vector.type->kind != Kind::vector) instruction.fail("a vector is missing");
         result = extract_part(vector, 0);
         for (std::size_t k = 1; k < vector.type->count; ++k)
-            result = binary(i.op == "OpAny" ? "or" : "and", result, extract_part(vector, k));
-    } else if (i.op == "OpExtInst" && strings_[i.at(1)] == "GLSL.std.450") {
+            result = binary(instruction.op == "OpAny" ? "or" : "and", result, extract_part(vector, k));
+    } else if (instruction.op == "OpExtInst" && strings_[instruction.at(1)] == "GLSL.std.450") {
         Values arguments;
-        for (std::size_t k = 3; k < i.operands.size(); ++k) arguments.push_back(x(k));
-        result = extended_instruction(i, i.at(2), type, arguments);
+        for (std::size_t k = 3; k < instruction.operands.size(); ++k) arguments.push_back(x(k));
+        result = extended_instruction(instruction, instruction.at(2), type, arguments);
     } else {
-        values_.erase(i.result);
+        values_.erase(instruction.result);
         return false;
     }
     return true;
@@ -218,8 +218,8 @@ bool Translator::translate_arithmetic(const SpirvInstruction& i) {
 
 /// Translates an instruction of GLSL.std.450 to the operations of its formula in the specification, from the left to
 /// the right.
-TypedText Translator::extended_instruction(const SpirvInstruction& i, const std::string& name, const SpirvType& type,
-                                           const Values& x) {
+TypedText Translator::extended_instruction(const SpirvInstruction& instruction, const std::string& name,
+                                           const SpirvType& type, const Values& x) {
     // The names with the number of their operands.
     static const std::map<std::string_view, std::size_t> formulas{
         {"InverseSqrt", 1}, {"FMin", 2},      {"FMax", 2},        {"FClamp", 3},  {"NClamp", 3}, {"FSign", 1},
@@ -240,7 +240,7 @@ TypedText Translator::extended_instruction(const SpirvInstruction& i, const std:
         if (!function_name.empty()) function_name[0] = static_cast<char>(function_name[0] | 0x20);
         return refuse(type, "it calls " + function_name + ", which is not followed");
     }
-    if (x.size() < formula->second) i.fail("an operand is missing");
+    if (x.size() < formula->second) instruction.fail("an operand is missing");
     const auto choose = [&](const std::string& op, const TypedText& a, const TypedText& b) {
         return select(compare(op, a, b), a, b);
     };

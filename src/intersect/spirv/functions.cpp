@@ -13,14 +13,16 @@ std::string label(const std::string& id) { return "%b." + id; }
 
 std::string symbol(const std::string& id) { return "@f." + id; }
 
-bool is_chain(const SpirvInstruction& i) { return i.op == "OpAccessChain" || i.op == "OpInBoundsAccessChain"; }
+bool is_chain(const SpirvInstruction& instruction) {
+    return instruction.op == "OpAccessChain" || instruction.op == "OpInBoundsAccessChain";
+}
 
 }  // namespace
 
 /// True for debug information that stands among the instructions, as `glslangValidator -gV` writes it.
-bool Translator::is_debug_info(const SpirvInstruction& i) const {
-    if (i.op != "OpExtInst") return false;
-    const auto set = strings_.find(i.at(1));
+bool Translator::is_debug_info(const SpirvInstruction& instruction) const {
+    if (instruction.op != "OpExtInst") return false;
+    const auto set = strings_.find(instruction.at(1));
     return set != strings_.end() && set->second.starts_with("NonSemantic.");
 }
 
@@ -28,11 +30,12 @@ bool Translator::is_debug_info(const SpirvInstruction& i) const {
 bool Translator::is_written_first(std::size_t first, std::size_t end, const std::string& id) const {
     std::set<std::string> parts{id};
     for (std::size_t k = first; k < end; ++k) {
-        const SpirvInstruction& i = instructions_[k];
-        if (is_debug_info(i)) continue;
-        if (is_chain(i) && parts.contains(i.at(1))) parts.insert(i.result);
-        else if (i.op == "OpStore" && parts.contains(i.at(0))) return true;
-        else if (std::ranges::any_of(i.operands, [&](const std::string& o) { return parts.contains(o); })) return false;
+        const SpirvInstruction& instruction = instructions_[k];
+        if (is_debug_info(instruction)) continue;
+        if (is_chain(instruction) && parts.contains(instruction.at(1))) parts.insert(instruction.result);
+        else if (instruction.op == "OpStore" && parts.contains(instruction.at(0))) return true;
+        else if (std::ranges::any_of(instruction.operands, [&](const std::string& o) { return parts.contains(o); }))
+            return false;
     }
     return false;
 }
@@ -45,19 +48,19 @@ std::string Translator::parameters_of(std::size_t first, std::size_t end, const 
     std::string list, type_list = metadata_of(*type.parts[0]);
     std::size_t parameter_count = 0;
     for (std::size_t k = first + 1; k < end; ++k) {
-        const SpirvInstruction& i = instructions_[k];
-        if (i.op != "OpFunctionParameter") continue;
-        const SpirvType& parameter_type = type_of(i.at(0), i);
+        const SpirvInstruction& instruction = instructions_[k];
+        if (instruction.op != "OpFunctionParameter") continue;
+        const SpirvType& parameter_type = type_of(instruction.at(0), instruction);
         std::string type_metadata = metadata_of(parameter_type);
-        if (parameter_type.kind == Kind::pointer && !is_written_first(k + 1, end, i.result))
+        if (parameter_type.kind == Kind::pointer && !is_written_first(k + 1, end, instruction.result))
             type_metadata = add_metadata("!DIDerivedType(tag: DW_TAG_reference_type, baseType: " +
                                          add_metadata("!DIDerivedType(tag: DW_TAG_const_type, baseType: " +
                                                       metadata_of(*parameter_type.parts[0]) + ")") +
                                          ", size: 64)");
-        values_[i.result] = {&parameter_type, "%s." + i.result, {}};
-        list += (parameter_count++ == 0 ? "" : ", ") + values_[i.result].typed();
+        values_[instruction.result] = {&parameter_type, "%s." + instruction.result, {}};
+        list += (parameter_count++ == 0 ? "" : ", ") + values_[instruction.result].typed();
         type_list += ", " + type_metadata;
-        const std::string name = name_of(i.result);
+        const std::string name = name_of(instruction.result);
         add_metadata(
             "!DILocalVariable(name: " + quoted_name(name.empty() ? "p" + std::to_string(parameter_count - 1) : name) +
             ", arg: " + std::to_string(parameter_count) + ", scope: " + scope + ", file: " + file_ +
@@ -72,9 +75,10 @@ std::string Translator::parameters_of(std::size_t first, std::size_t end, const 
 void Translator::translate_function(std::size_t first, std::size_t end) {
     const SpirvInstruction& function_instruction = instructions_[first];
     const SpirvType& returned_type = type_of(function_instruction.at(0), function_instruction);
-    const bool is_defined = std::any_of(instructions_.begin() + static_cast<std::ptrdiff_t>(first),
-                                        instructions_.begin() + static_cast<std::ptrdiff_t>(end),
-                                        [](const SpirvInstruction& i) { return i.op == "OpLabel"; });
+    const bool is_defined =
+        std::any_of(instructions_.begin() + static_cast<std::ptrdiff_t>(first),
+                    instructions_.begin() + static_cast<std::ptrdiff_t>(end),
+                    [](const SpirvInstruction& instruction) { return instruction.op == "OpLabel"; });
     if (!is_defined) return;
     scope_ = add_metadata("");
     const std::size_t subprogram_index = metadata_.size() - 1;
@@ -98,19 +102,20 @@ void Translator::translate_function(std::size_t first, std::size_t end) {
 /// Writes the operands of phis, which may be defined after the phi itself.
 void Translator::resolve_phis() {
     for (const OpenPhi& phi : phis_) {
-        const SpirvInstruction& i = *phi.instruction;
+        const SpirvInstruction& instruction = *phi.instruction;
         std::string list;
-        for (std::size_t k = 1; k + 1 < i.operands.size(); k += 2)
-            list += (k == 1 ? " [ " : ", [ ") + value(i.at(k), i).text + ", " + label(i.at(k + 1)) + " ]";
+        for (std::size_t k = 1; k + 1 < instruction.operands.size(); k += 2)
+            list += (k == 1 ? " [ " : ", [ ") + value(instruction.at(k), instruction).text + ", " +
+                    label(instruction.at(k + 1)) + " ]";
         const std::size_t placeholder = body_[phi.line].find('#');
         body_[phi.line].replace(placeholder, 1, list);
     }
     phis_.clear();
 }
 
-TypedText Translator::value(const std::string& id, const SpirvInstruction& i) const {
+TypedText Translator::value(const std::string& id, const SpirvInstruction& instruction) const {
     const auto found = values_.find(id);
-    if (found == values_.end()) i.fail("%" + id + " is not a value");
+    if (found == values_.end()) instruction.fail("%" + id + " is not a value");
     return found->second;
 }
 
@@ -130,77 +135,80 @@ TypedText Translator::refuse(const SpirvType& type, const std::string& sentence)
     return {&type, "undef", {}};
 }
 
-void Translator::translate_instruction(const SpirvInstruction& i) {
+void Translator::translate_instruction(const SpirvInstruction& instruction) {
     constexpr std::array ignored{"OpNop", "OpName", "OpSelectionMerge", "OpLoopMerge", "OpNoLine"};
     const auto number = [&](std::size_t k) {
-        return static_cast<int>(std::clamp(integer_constants_[i.at(k)], 0.0, 0x1p30));
+        return static_cast<int>(std::clamp(integer_constants_[instruction.at(k)], 0.0, 0x1p30));
     };
-    if (i.op == "OpLine") return declare(i);
-    if (is_debug_info(i)) {
-        if (i.at(2) == "DebugLine") places_.visit(number(4), number(6));
+    if (instruction.op == "OpLine") return declare(instruction);
+    if (is_debug_info(instruction)) {
+        if (instruction.at(2) == "DebugLine") places_.visit(number(4), number(6));
         return;
     }
-    if (std::ranges::find(ignored, i.op) != ignored.end()) return;
-    if (i.op == "OpLabel") {
-        body_.push_back(label(i.result).substr(1) + ":");
+    if (std::ranges::find(ignored, instruction.op) != ignored.end()) return;
+    if (instruction.op == "OpLabel") {
+        body_.push_back(label(instruction.result).substr(1) + ":");
         return;
     }
-    place_ = debug_suffix(i);
-    if (i.op == "OpUndef") return declare(i);
-    if (translate_control(i)) return;
-    for (const std::string& operand : i.operands) {
+    place_ = debug_suffix(instruction);
+    if (instruction.op == "OpUndef") return declare(instruction);
+    if (translate_control(instruction)) return;
+    for (const std::string& operand : instruction.operands) {
         const auto operand_value = values_.find(operand);
         const bool uses_refused_address =
-            operand_value != values_.end() && !operand_value->second.refusal_reason.empty() && !is_chain(i);
+            operand_value != values_.end() && !operand_value->second.refusal_reason.empty() && !is_chain(instruction);
         if (!uses_refused_address) continue;
         const std::string reason = operand_value->second.refusal_reason;
-        const SpirvType& type = i.result.empty() ? simple_type(Kind::integer, 32) : type_of(i.at(0), i);
+        const SpirvType& type =
+            instruction.result.empty() ? integer_type(Kind::integer, 32) : type_of(instruction.at(0), instruction);
         const TypedText undefined = refuse(type, reason);
-        if (!i.result.empty()) values_[i.result] = undefined;
+        if (!instruction.result.empty()) values_[instruction.result] = undefined;
         return;
     }
-    if (translate_memory(i) || translate_composite(i) || translate_matrix(i) || translate_arithmetic(i)) return;
-    if (i.result.empty())
-        refuse(simple_type(Kind::integer, 32), "the instruction " + i.op + " of SPIR-V is not followed");
+    if (translate_memory(instruction) || translate_composite(instruction) || translate_matrix(instruction) ||
+        translate_arithmetic(instruction))
+        return;
+    if (instruction.result.empty())
+        refuse(integer_type(Kind::integer, 32), "the instruction " + instruction.op + " of SPIR-V is not followed");
     else {
-        const SpirvType& type = type_of(i.at(0), i);
-        values_[i.result] = refuse(type, "the instruction " + i.op + " of SPIR-V is not followed");
-        values_[i.result].type = &type;
+        const SpirvType& type = type_of(instruction.at(0), instruction);
+        values_[instruction.result] = refuse(type, "the instruction " + instruction.op + " of SPIR-V is not followed");
+        values_[instruction.result].type = &type;
     }
 }
 
 /// Translates phis and the instructions that end a block. Returns false for other instructions.
-bool Translator::translate_control(const SpirvInstruction& i) {
-    const auto target = [&](std::size_t k) { return "label " + label(i.at(k)); };
-    if (i.op == "OpPhi") {
-        const SpirvType& type = type_of(i.at(0), i);
-        values_[i.result] = emit(type, "phi " + type.text + "#");
-        phis_.push_back({body_.size() - 1, &i});
-    } else if (i.op == "OpBranch") emit_line("br " + target(0));
-    else if (i.op == "OpBranchConditional")
-        emit_line("br " + value(i.at(0), i).typed() + ", " + target(1) + ", " + target(2));
-    else if (i.op == "OpSwitch") {
-        const TypedText selector = value(i.at(0), i);
+bool Translator::translate_control(const SpirvInstruction& instruction) {
+    const auto target = [&](std::size_t k) { return "label " + label(instruction.at(k)); };
+    if (instruction.op == "OpPhi") {
+        const SpirvType& type = type_of(instruction.at(0), instruction);
+        values_[instruction.result] = emit(type, "phi " + type.text + "#");
+        phis_.push_back({body_.size() - 1, &instruction});
+    } else if (instruction.op == "OpBranch") emit_line("br " + target(0));
+    else if (instruction.op == "OpBranchConditional")
+        emit_line("br " + value(instruction.at(0), instruction).typed() + ", " + target(1) + ", " + target(2));
+    else if (instruction.op == "OpSwitch") {
+        const TypedText selector = value(instruction.at(0), instruction);
         std::string cases;
-        for (std::size_t k = 2; k + 1 < i.operands.size(); k += 2)
-            cases += selector.type->text + " " + i.at(k) + ", " + target(k + 1) + " ";
+        for (std::size_t k = 2; k + 1 < instruction.operands.size(); k += 2)
+            cases += selector.type->text + " " + instruction.at(k) + ", " + target(k + 1) + " ";
         emit_line("switch " + selector.typed() + ", " + target(1) + " [ " + cases + "]");
-    } else if (i.op == "OpReturn") emit_line("ret void");
-    else if (i.op == "OpReturnValue") emit_line("ret " + value(i.at(0), i).typed());
-    else if (i.op == "OpUnreachable") emit_line("unreachable");
-    else if (i.op == "OpKill" || i.op == "OpTerminateInvocation") {
-        refuse(simple_type(Kind::integer, 32), "it discards the fragment, which is not followed");
+    } else if (instruction.op == "OpReturn") emit_line("ret void");
+    else if (instruction.op == "OpReturnValue") emit_line("ret " + value(instruction.at(0), instruction).typed());
+    else if (instruction.op == "OpUnreachable") emit_line("unreachable");
+    else if (instruction.op == "OpKill" || instruction.op == "OpTerminateInvocation") {
+        refuse(integer_type(Kind::integer, 32), "it discards the fragment, which is not followed");
         emit_line("unreachable");
     } else return false;
     return true;
 }
 
 /// Translates a variable of a function, and adds its name to the debug information.
-void Translator::translate_variable(const SpirvInstruction& i) {
-    const SpirvType& type = type_of(i.at(0), i);
-    if (type.kind != Kind::pointer) i.fail("a variable has no address");
-    const TypedText address = values_[i.result] = emit(type, "alloca " + type.parts[0]->text);
-    const std::string name = name_of(i.result);
+void Translator::translate_variable(const SpirvInstruction& instruction) {
+    const SpirvType& type = type_of(instruction.at(0), instruction);
+    if (type.kind != Kind::pointer) instruction.fail("a variable has no address");
+    const TypedText address = values_[instruction.result] = emit(type, "alloca " + type.parts[0]->text);
+    const std::string name = name_of(instruction.result);
     // glslang calls its own variables "param" and "indexable".
     if (!name.empty() && name != "param" && name != "indexable") {
         const std::string variable_metadata =
@@ -210,46 +218,52 @@ void Translator::translate_variable(const SpirvInstruction& i) {
         emit_line("call void @llvm.dbg.declare(metadata " + address.typed() + ", metadata " + variable_metadata +
                   ", metadata !DIExpression())");
     }
-    if (i.operands.size() > 2) emit_line("store " + value(i.at(2), i).typed() + ", " + address.typed());
+    if (instruction.operands.size() > 2)
+        emit_line("store " + value(instruction.at(2), instruction).typed() + ", " + address.typed());
 }
 
 /// The address of a part; a refused address for a part of a refused one.
-TypedText Translator::element_address(const SpirvInstruction& i) {
-    const TypedText base = value(i.at(1), i);
-    const SpirvType& type = type_of(i.at(0), i);
-    if (base.type->kind != Kind::pointer) i.fail("an address is missing");
+TypedText Translator::element_address(const SpirvInstruction& instruction) {
+    const TypedText base = value(instruction.at(1), instruction);
+    const SpirvType& type = type_of(instruction.at(0), instruction);
+    if (base.type->kind != Kind::pointer) instruction.fail("an address is missing");
     std::string text = "getelementptr " + base.type->parts[0]->text + ", " + base.typed() + ", i32 0";
-    for (std::size_t k = 2; k < i.operands.size(); ++k) text += ", " + value(i.at(k), i).typed();
+    for (std::size_t k = 2; k < instruction.operands.size(); ++k)
+        text += ", " + value(instruction.at(k), instruction).typed();
     if (!base.refusal_reason.empty()) return {&type, "null", base.refusal_reason};
     return emit(type, text);
 }
 
-TypedText Translator::translate_call(const SpirvInstruction& i) {
-    const SpirvType& type = type_of(i.at(0), i);
-    const auto callee = functions_.find(i.at(1));
-    if (callee == functions_.end()) i.fail("%" + i.at(1) + " is not a function");
+TypedText Translator::translate_call(const SpirvInstruction& instruction) {
+    const SpirvType& type = type_of(instruction.at(0), instruction);
+    const auto callee = functions_.find(instruction.at(1));
+    if (callee == functions_.end()) instruction.fail("%" + instruction.at(1) + " is not a function");
     std::string list;
-    for (std::size_t k = 2; k < i.operands.size(); ++k) list += (k == 2 ? "" : ", ") + value(i.at(k), i).typed();
-    const std::string text = "call " + type.text + " " + symbol(i.at(1)) + "(" + list + ")";
-    if (type.kind != Kind::nothing) return emit(type, text);
+    for (std::size_t k = 2; k < instruction.operands.size(); ++k)
+        list += (k == 2 ? "" : ", ") + value(instruction.at(k), instruction).typed();
+    const std::string text = "call " + type.text + " " + symbol(instruction.at(1)) + "(" + list + ")";
+    if (type.kind != Kind::void_type) return emit(type, text);
     emit_line(text);
     return {&type, "undef", {}};
 }
 
-bool Translator::translate_memory(const SpirvInstruction& i) {
-    if (i.op == "OpVariable") translate_variable(i);
-    else if (is_chain(i)) values_[i.result] = element_address(i);
-    else if (i.op == "OpFunctionCall") values_[i.result] = translate_call(i);
-    else if (i.op == "OpLoad") {
-        const SpirvType& type = type_of(i.at(0), i);
-        values_[i.result] = emit(type, "load " + type.text + ", " + value(i.at(1), i).typed());
-    } else if (i.op == "OpStore") emit_line("store " + value(i.at(1), i).typed() + ", " + value(i.at(0), i).typed());
-    else if (i.op == "OpCopyMemory") {
-        const TypedText source = value(i.at(1), i);
-        if (source.type->kind != Kind::pointer) i.fail("an address is missing");
+bool Translator::translate_memory(const SpirvInstruction& instruction) {
+    if (instruction.op == "OpVariable") translate_variable(instruction);
+    else if (is_chain(instruction)) values_[instruction.result] = element_address(instruction);
+    else if (instruction.op == "OpFunctionCall") values_[instruction.result] = translate_call(instruction);
+    else if (instruction.op == "OpLoad") {
+        const SpirvType& type = type_of(instruction.at(0), instruction);
+        values_[instruction.result] =
+            emit(type, "load " + type.text + ", " + value(instruction.at(1), instruction).typed());
+    } else if (instruction.op == "OpStore")
+        emit_line("store " + value(instruction.at(1), instruction).typed() + ", " +
+                  value(instruction.at(0), instruction).typed());
+    else if (instruction.op == "OpCopyMemory") {
+        const TypedText source = value(instruction.at(1), instruction);
+        if (source.type->kind != Kind::pointer) instruction.fail("an address is missing");
         const SpirvType& target = *source.type->parts[0];
         emit_line("store " + emit(target, "load " + target.text + ", " + source.typed()).typed() + ", " +
-                  value(i.at(0), i).typed());
+                  value(instruction.at(0), instruction).typed());
     } else return false;
     return true;
 }
@@ -291,54 +305,61 @@ TypedText Translator::construct(const SpirvType& type, const Values& parts) {
     return result;
 }
 
-bool Translator::translate_composite(const SpirvInstruction& i) {
-    const auto type = [&]() -> const SpirvType& { return type_of(i.at(0), i); };
+bool Translator::translate_composite(const SpirvInstruction& instruction) {
+    const auto type = [&]() -> const SpirvType& { return type_of(instruction.at(0), instruction); };
     const auto index = [&](const SpirvType& composite, std::size_t k) {
-        const std::size_t n =
-            i.at(k).size() > 4 ? ~std::size_t{0} : static_cast<std::size_t>(std::atoi(i.at(k).c_str()));
-        if (composite.part(n) == nullptr) i.fail("an index is outside of its type");
+        const std::size_t n = instruction.at(k).size() > 4
+                                  ? ~std::size_t{0}
+                                  : static_cast<std::size_t>(std::atoi(instruction.at(k).c_str()));
+        if (composite.part(n) == nullptr) instruction.fail("an index is outside of its type");
         return n;
     };
-    if (i.op == "OpCompositeConstruct") {
+    if (instruction.op == "OpCompositeConstruct") {
         Values parts;
-        for (std::size_t k = 1; k < i.operands.size(); ++k) parts.push_back(value(i.at(k), i));
-        values_[i.result] = construct(type(), parts);
-    } else if (i.op == "OpCompositeExtract") {
-        TypedText selected = value(i.at(1), i);
-        for (std::size_t k = 2; k < i.operands.size(); ++k) selected = extract_part(selected, index(*selected.type, k));
-        values_[i.result] = selected;
-    } else if (i.op == "OpCompositeInsert") {
-        const TypedText composite = value(i.at(2), i);
+        for (std::size_t k = 1; k < instruction.operands.size(); ++k)
+            parts.push_back(value(instruction.at(k), instruction));
+        values_[instruction.result] = construct(type(), parts);
+    } else if (instruction.op == "OpCompositeExtract") {
+        TypedText selected = value(instruction.at(1), instruction);
+        for (std::size_t k = 2; k < instruction.operands.size(); ++k)
+            selected = extract_part(selected, index(*selected.type, k));
+        values_[instruction.result] = selected;
+    } else if (instruction.op == "OpCompositeInsert") {
+        const TypedText composite = value(instruction.at(2), instruction);
         std::vector<std::size_t> path;
         const SpirvType* part_type = composite.type;
-        for (std::size_t k = 3; k < i.operands.size(); ++k) {
+        for (std::size_t k = 3; k < instruction.operands.size(); ++k) {
             path.push_back(index(*part_type, k));
             part_type = part_type->part(path.back());
         }
-        values_[i.result] = insert_part(composite, path, 0, value(i.at(1), i));
-    } else if (i.op == "OpVectorShuffle") {
-        const TypedText a = value(i.at(1), i), b = value(i.at(2), i);
+        values_[instruction.result] = insert_part(composite, path, 0, value(instruction.at(1), instruction));
+    } else if (instruction.op == "OpVectorShuffle") {
+        const TypedText a = value(instruction.at(1), instruction), b = value(instruction.at(2), instruction);
         Values lanes;
-        for (std::size_t k = 3; k < i.operands.size(); ++k) {
-            const std::size_t n =
-                i.at(k).size() > 2 ? ~std::size_t{0} : static_cast<std::size_t>(std::atoi(i.at(k).c_str()));
+        for (std::size_t k = 3; k < instruction.operands.size(); ++k) {
+            const std::size_t n = instruction.at(k).size() > 2
+                                      ? ~std::size_t{0}
+                                      : static_cast<std::size_t>(std::atoi(instruction.at(k).c_str()));
             const bool first = n < a.type->count;
             if (n == ~std::size_t{0}) lanes.push_back({&a.lane(), "undef", {}});
-            else if (!first && b.type->part(n - a.type->count) == nullptr) i.fail("an index is outside of its type");
+            else if (!first && b.type->part(n - a.type->count) == nullptr)
+                instruction.fail("an index is outside of its type");
             else lanes.push_back(extract_part(first ? a : b, first ? n : n - a.type->count));
         }
-        values_[i.result] = construct(type(), lanes);
-    } else if (i.op == "OpVectorExtractDynamic") {
-        values_[i.result] =
-            emit(type(), "extractelement " + value(i.at(1), i).typed() + ", " + value(i.at(2), i).typed());
-    } else if (i.op == "OpVectorInsertDynamic") {
-        values_[i.result] = emit(type(), "insertelement " + value(i.at(1), i).typed() + ", " +
-                                             value(i.at(2), i).typed() + ", " + value(i.at(3), i).typed());
-    } else if (i.op == "OpCopyObject" || i.op == "OpCopyLogical") {
-        const TypedText source = value(i.at(1), i);
-        if (i.op == "OpCopyLogical" && source.type->kind == Kind::structure && source.type->text != type().text)
+        values_[instruction.result] = construct(type(), lanes);
+    } else if (instruction.op == "OpVectorExtractDynamic") {
+        values_[instruction.result] = emit(type(), "extractelement " + value(instruction.at(1), instruction).typed() +
+                                                       ", " + value(instruction.at(2), instruction).typed());
+    } else if (instruction.op == "OpVectorInsertDynamic") {
+        values_[instruction.result] = emit(type(), "insertelement " + value(instruction.at(1), instruction).typed() +
+                                                       ", " + value(instruction.at(2), instruction).typed() + ", " +
+                                                       value(instruction.at(3), instruction).typed());
+    } else if (instruction.op == "OpCopyObject" || instruction.op == "OpCopyLogical") {
+        const TypedText source = value(instruction.at(1), instruction);
+        if (instruction.op == "OpCopyLogical" && source.type->kind == Kind::structure &&
+            source.type->text != type().text)
             return false;
-        values_[i.result] = source;
+        values_[instruction.result] = source;
     } else return false;
     return true;
 }

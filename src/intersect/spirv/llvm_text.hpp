@@ -8,11 +8,11 @@
 namespace lostbits::intersect::spirv {
 
 /// Returns the text of a module of LLVM IR from the text of spirv-dis. If `lines` names no file, places are lines of
-/// the assembly, in the file `path`. With `is_opaque`, pointers are written without their targets, as LLVM does since
-/// version 15. What has no counterpart becomes a call of a function whose name begins with `refusal`. Throws InputError
-/// if the text is not that of a valid module.
+/// the assembly, in the file `path`. With `has_opaque_pointers`, pointers are written without their targets, as LLVM
+/// does since version 15. What has no counterpart becomes a call of a function whose name begins with `refusal`. Throws
+/// InputError if the text is not that of a valid module.
 std::string llvm_text_of(const std::string& assembly, const std::string& path, const ShaderLines& lines,
-                         bool is_opaque);
+                         bool has_opaque_pointers);
 
 /// Name of the source file to which the lines of an assembly refer; empty if the assembly names no file.
 std::string source_name(const std::string& assembly);

@@ -16,11 +16,11 @@ namespace {
 
 constexpr std::size_t max_bytes = 1 << 20;  // limit of a type or of a constant's text
 
-std::size_t number_operand(const SpirvInstruction& i, std::size_t k) {
-    const std::string& digits = i.at(k);
+std::size_t number_operand(const SpirvInstruction& instruction, std::size_t k) {
+    const std::string& digits = instruction.at(k);
     std::size_t n = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), n);
-    if (error != std::errc() || end != digits.data() + digits.size()) i.fail("a number is missing");
+    if (error != std::errc() || end != digits.data() + digits.size()) instruction.fail("a number is missing");
     return n;
 }
 
@@ -44,13 +44,17 @@ double number_of(std::string_view text, int bits) {
 
 const SpirvType* SpirvType::part(std::size_t k) const {
     if (kind == Kind::structure) return k < parts.size() ? parts[k] : nullptr;
-    const bool has_items = kind == Kind::vector || kind == Kind::matrix || kind == Kind::sequence;
+    const bool has_items = kind == Kind::vector || kind == Kind::matrix || kind == Kind::array;
     return has_items && k < count ? parts[0] : nullptr;
 }
 
 Translator::Translator(const std::vector<SpirvInstruction>& instructions, std::string path, const ShaderLines& lines,
-                       bool is_opaque)
-    : instructions_(instructions), path_(std::move(path)), lines_(lines), places_(lines), is_opaque_(is_opaque) {}
+                       bool has_opaque_pointers)
+    : instructions_(instructions),
+      path_(std::move(path)),
+      lines_(lines),
+      places_(lines),
+      has_opaque_pointers_(has_opaque_pointers) {}
 
 std::string Translator::name_of(const std::string& id) const {
     const auto found = names_.find(id);
@@ -71,27 +75,33 @@ void Translator::collect_names() {
         VariableWrites& writes = variable_writes_[variable_of(id)];
         ++writes.count, writes.value = value;
     };
-    for (const SpirvInstruction& i : instructions_) {
-        if (i.op == "OpName") names_[i.at(0)] = i.at(1);
-        if (i.op == "OpMemberName") member_names_[{i.at(0), number_operand(i, 1)}] = i.at(2);
-        if (i.op == "OpExtInstImport" || i.op == "OpString") strings_[i.result] = i.at(0);
-        if (i.op == "OpFunction") functions_[i.result] = &i;
-        if (i.op == "OpEntryPoint") names_.try_emplace(i.at(1), i.at(2)), entry = i.at(1);
-        if (i.op == "OpFunction") in_entry = i.result == entry;
-        if (i.op == "OpAccessChain" || i.op == "OpInBoundsAccessChain")
-            variable_of_part[i.result] = variable_of(i.at(1));
-        if (i.op == "OpStore") count_write(i.at(0), in_entry && !variable_of_part.contains(i.at(0)) ? i.at(1) : "");
-        for (std::size_t k = 2; i.op == "OpFunctionCall" && k < i.operands.size(); ++k) count_write(i.at(k), "");
+    for (const SpirvInstruction& instruction : instructions_) {
+        if (instruction.op == "OpName") names_[instruction.at(0)] = instruction.at(1);
+        if (instruction.op == "OpMemberName")
+            member_names_[{instruction.at(0), number_operand(instruction, 1)}] = instruction.at(2);
+        if (instruction.op == "OpExtInstImport" || instruction.op == "OpString")
+            strings_[instruction.result] = instruction.at(0);
+        if (instruction.op == "OpFunction") functions_[instruction.result] = &instruction;
+        if (instruction.op == "OpEntryPoint")
+            names_.try_emplace(instruction.at(1), instruction.at(2)), entry = instruction.at(1);
+        if (instruction.op == "OpFunction") in_entry = instruction.result == entry;
+        if (instruction.op == "OpAccessChain" || instruction.op == "OpInBoundsAccessChain")
+            variable_of_part[instruction.result] = variable_of(instruction.at(1));
+        if (instruction.op == "OpStore")
+            count_write(instruction.at(0),
+                        in_entry && !variable_of_part.contains(instruction.at(0)) ? instruction.at(1) : "");
+        for (std::size_t k = 2; instruction.op == "OpFunctionCall" && k < instruction.operands.size(); ++k)
+            count_write(instruction.at(k), "");
     }
 }
 
-const SpirvType& Translator::type_of(const std::string& id, const SpirvInstruction& i) const {
+const SpirvType& Translator::type_of(const std::string& id, const SpirvInstruction& instruction) const {
     const auto found = types_.find(id);
-    if (found == types_.end()) i.fail("the type %" + id + " is unknown");
+    if (found == types_.end()) instruction.fail("the type %" + id + " is unknown");
     return found->second;
 }
 
-const SpirvType& Translator::simple_type(Kind kind, int bits) {
+const SpirvType& Translator::integer_type(Kind kind, int bits) {
     const std::string text = "i" + std::to_string(bits), id = "." + text;
     const auto bytes = static_cast<std::size_t>(std::max(bits / 8, 1));
     return types_.try_emplace(id, SpirvType{kind, id, text, bytes, bytes, bits}).first->second;
@@ -112,73 +122,82 @@ const SpirvType& Translator::pointer_to(const SpirvType& target) {
         .first->second;
 }
 
-void Translator::add_type(const SpirvInstruction& i, SpirvType type) {
-    if (type.size > max_bytes || type.count > max_bytes) i.fail("a type is too large");
-    if (types_.contains(i.result)) i.fail("a type is defined twice");
-    type.id = i.result;
-    types_[i.result] = std::move(type);
+void Translator::add_type(const SpirvInstruction& instruction, SpirvType type) {
+    if (type.size > max_bytes || type.count > max_bytes) instruction.fail("a type is too large");
+    if (types_.contains(instruction.result)) instruction.fail("a type is defined twice");
+    type.id = instruction.result;
+    types_[instruction.result] = std::move(type);
 }
 
-void Translator::declare_type(const SpirvInstruction& i) {
-    const auto part = [&](std::size_t k) { return &type_of(i.at(k), i); };
-    const auto bits = [&] { return static_cast<int>(std::min<std::size_t>(number_operand(i, 0), 64)); };
-    if (i.op == "OpTypeVoid") return add_type(i, {.kind = Kind::nothing, .id = {}, .text = "void"});
-    if (i.op == "OpTypeBool")
-        return add_type(i, {.kind = Kind::boolean, .id = {}, .text = "i1", .size = 1, .align = 1, .bits = 1});
-    if (i.op == "OpTypeInt" || i.op == "OpTypeFloat") {
-        const bool is_integer = i.op == "OpTypeInt";
+void Translator::declare_type(const SpirvInstruction& instruction) {
+    const auto part = [&](std::size_t k) { return &type_of(instruction.at(k), instruction); };
+    const auto bits = [&] { return static_cast<int>(std::min<std::size_t>(number_operand(instruction, 0), 64)); };
+    if (instruction.op == "OpTypeVoid")
+        return add_type(instruction, {.kind = Kind::void_type, .id = {}, .text = "void"});
+    if (instruction.op == "OpTypeBool")
+        return add_type(instruction, {.kind = Kind::boolean, .id = {}, .text = "i1", .size = 1, .align = 1, .bits = 1});
+    if (instruction.op == "OpTypeInt" || instruction.op == "OpTypeFloat") {
+        const bool is_integer = instruction.op == "OpTypeInt";
         const int n = bits();
         const std::string text = is_integer ? "i" + std::to_string(n) : n == 32 ? "float" : n == 64 ? "double" : "half";
         const auto bytes = static_cast<std::size_t>(std::max(n / 8, 1));
-        return add_type(
-            i, {is_integer ? Kind::integer : Kind::floating, {}, text, bytes, bytes, n, is_integer && i.at(1) == "1"});
+        return add_type(instruction, {is_integer ? Kind::integer : Kind::floating,
+                                      {},
+                                      text,
+                                      bytes,
+                                      bytes,
+                                      n,
+                                      is_integer && instruction.at(1) == "1"});
     }
-    if (i.op == "OpTypeVector") {
-        const std::size_t count = number_operand(i, 1);
+    if (instruction.op == "OpTypeVector") {
+        const std::size_t count = number_operand(instruction, 1);
         if (count < 2 || count > 16)
-            i.fail("a vector has fewer than 2 or more than 16 components, which is not supported");
-        return add_type(i, vector_of(*part(0), count));
+            instruction.fail("a vector has fewer than 2 or more than 16 components, which is not supported");
+        return add_type(instruction, vector_of(*part(0), count));
     }
-    if (i.op == "OpTypeMatrix" || i.op == "OpTypeArray") {
-        const bool is_matrix = i.op == "OpTypeMatrix";
+    if (instruction.op == "OpTypeMatrix" || instruction.op == "OpTypeArray") {
+        const bool is_matrix = instruction.op == "OpTypeMatrix";
         const SpirvType& item = *part(0);
-        const double item_count = is_matrix ? static_cast<double>(number_operand(i, 1)) : integer_constants_[i.at(1)];
+        const double item_count =
+            is_matrix ? static_cast<double>(number_operand(instruction, 1)) : integer_constants_[instruction.at(1)];
         if (!(item_count >= 1 && item_count * static_cast<double>(item.size) <= max_bytes))
-            i.fail("a type is too large");
+            instruction.fail("a type is too large");
         if (is_matrix && (item_count > 4 || item.kind != Kind::vector))
-            i.fail("a matrix has more than 4 columns, or columns that are not vectors, which is not supported");
+            instruction.fail(
+                "a matrix has more than 4 columns, or columns that are not vectors, which is not supported");
         const auto count = static_cast<std::size_t>(item_count);
-        return add_type(i, {is_matrix ? Kind::matrix : Kind::sequence,
-                            {},
-                            "[" + std::to_string(count) + " x " + item.text + "]",
-                            item.size * count,
-                            item.align,
-                            0,
-                            false,
-                            {&item},
-                            count});
+        return add_type(instruction, {is_matrix ? Kind::matrix : Kind::array,
+                                      {},
+                                      "[" + std::to_string(count) + " x " + item.text + "]",
+                                      item.size * count,
+                                      item.align,
+                                      0,
+                                      false,
+                                      {&item},
+                                      count});
     }
-    if (i.op == "OpTypeStruct") {
-        SpirvType structure{.kind = Kind::structure, .id = {}, .text = "%T." + i.result};
+    if (instruction.op == "OpTypeStruct") {
+        SpirvType structure{.kind = Kind::structure, .id = {}, .text = "%T." + instruction.result};
         std::string parts;
-        for (std::size_t k = 0; k < i.operands.size(); ++k) {
+        for (std::size_t k = 0; k < instruction.operands.size(); ++k) {
             structure.parts.push_back(part(k));
             parts += (k == 0 ? "" : ", ") + part(k)->text;
             structure.size = (structure.size + part(k)->align - 1) / part(k)->align * part(k)->align + part(k)->size;
             structure.align = std::max(structure.align, part(k)->align);
-            if (structure.size > max_bytes) i.fail("a type is too large");
+            if (structure.size > max_bytes) instruction.fail("a type is too large");
         }
         structure.size = (structure.size + structure.align - 1) / structure.align * structure.align;
         definitions_.push_back(structure.text + " = type { " + parts + " }");
-        return add_type(i, std::move(structure));
+        return add_type(instruction, std::move(structure));
     }
-    if (i.op == "OpTypePointer" && types_.contains(i.at(1))) return add_type(i, pointer_to(*part(1)));
-    if (i.op == "OpTypeFunction") {
+    if (instruction.op == "OpTypePointer" && types_.contains(instruction.at(1)))
+        return add_type(instruction, pointer_to(*part(1)));
+    if (instruction.op == "OpTypeFunction") {
         SpirvType function_type{.kind = Kind::function, .id = {}, .text = {}};
-        for (std::size_t k = 0; k < i.operands.size(); ++k) function_type.parts.push_back(part(k));
-        return add_type(i, std::move(function_type));
+        for (std::size_t k = 0; k < instruction.operands.size(); ++k) function_type.parts.push_back(part(k));
+        return add_type(instruction, std::move(function_type));
     }
-    add_type(i, {.kind = Kind::other, .id = {}, .text = "i8", .size = 1, .align = 1});  // an image, a sampler
+    add_type(instruction, {.kind = Kind::other, .id = {}, .text = "i8", .size = 1, .align = 1});  // an image, a sampler
 }
 
 std::string Translator::literal(double x, const SpirvType& type) const {
@@ -190,29 +209,29 @@ std::string Translator::literal(double x, const SpirvType& type) const {
     return "0x" + std::string(16 - std::min<std::size_t>(hex.size(), 16), '0') + hex;
 }
 
-void Translator::declare_constant(const SpirvInstruction& i) {
-    const SpirvType& type = type_of(i.at(0), i);
-    TypedText& constant = values_[i.result] = {&type};
-    if (i.op.ends_with("ConstantTrue")) constant.text = "true";
-    else if (i.op.ends_with("ConstantFalse")) constant.text = "false";
-    else if (i.op == "OpUndef") constant.text = "undef";
-    else if (i.op == "OpConstantNull") constant.text = "zeroinitializer";
-    else if (i.op.ends_with("ConstantComposite")) {
+void Translator::declare_constant(const SpirvInstruction& instruction) {
+    const SpirvType& type = type_of(instruction.at(0), instruction);
+    TypedText& constant = values_[instruction.result] = {&type};
+    if (instruction.op.ends_with("ConstantTrue")) constant.text = "true";
+    else if (instruction.op.ends_with("ConstantFalse")) constant.text = "false";
+    else if (instruction.op == "OpUndef") constant.text = "undef";
+    else if (instruction.op == "OpConstantNull") constant.text = "zeroinitializer";
+    else if (instruction.op.ends_with("ConstantComposite")) {
         const bool is_vector = type.kind == Kind::vector;
-        for (std::size_t k = 1; k < i.operands.size(); ++k)
-            constant.text += (k == 1 ? "" : ", ") + value(i.at(k), i).typed();
+        for (std::size_t k = 1; k < instruction.operands.size(); ++k)
+            constant.text += (k == 1 ? "" : ", ") + value(instruction.at(k), instruction).typed();
         const char open = is_vector ? '<' : type.kind == Kind::structure ? '{' : '[';
         const char close = is_vector ? '>' : type.kind == Kind::structure ? '}' : ']';
         constant.text = open + constant.text + close;
-        if (constant.text.size() > max_bytes) i.fail("a constant is too large");
+        if (constant.text.size() > max_bytes) instruction.fail("a constant is too large");
     } else if (type.kind == Kind::floating) {
-        constant.text = literal(number_of(i.at(1), type.bits), type);
-    } else if (type.kind == Kind::integer && i.op != "OpSpecConstantOp") {
-        const std::string& digits = i.at(1);
+        constant.text = literal(number_of(instruction.at(1), type.bits), type);
+    } else if (type.kind == Kind::integer && instruction.op != "OpSpecConstantOp") {
+        const std::string& digits = instruction.at(1);
         std::int64_t x = 0;
         if (std::from_chars(digits.data(), digits.data() + digits.size(), x).ptr != digits.data() + digits.size())
-            i.fail("a number is missing");
-        integer_constants_[i.result] = static_cast<double>(x);
+            instruction.fail("a number is missing");
+        integer_constants_[instruction.result] = static_cast<double>(x);
         constant.text = std::to_string(x);
     } else {
         constant.text = "undef";
@@ -227,30 +246,32 @@ void Translator::declare_constant(const SpirvInstruction& i) {
 
 /// Declares a variable outside of functions. Its value is known if only one constant is ever written to it: at its
 /// declaration, or by the main function, where glslang initialises variables.
-void Translator::declare_variable(const SpirvInstruction& i) {
-    const SpirvType& type = type_of(i.at(0), i);
-    if (type.kind != Kind::pointer) i.fail("a variable has no address");
-    const VariableWrites& writes = variable_writes_[i.result];
-    const std::string initial = i.operands.size() > 2 ? i.at(2) : writes.value;
+void Translator::declare_variable(const SpirvInstruction& instruction) {
+    const SpirvType& type = type_of(instruction.at(0), instruction);
+    if (type.kind != Kind::pointer) instruction.fail("a variable has no address");
+    const VariableWrites& writes = variable_writes_[instruction.result];
+    const std::string initial = instruction.operands.size() > 2 ? instruction.at(2) : writes.value;
     const auto constant = values_.find(initial);
-    const bool is_known = i.at(1) == "Private" && writes.count == (i.operands.size() > 2 ? 0 : 1) &&
+    const bool is_known = instruction.at(1) == "Private" && writes.count == (instruction.operands.size() > 2 ? 0 : 1) &&
                           constant != values_.end() && constant->second.type->text == type.parts[0]->text;
-    const std::string global_name = "@" + quoted_name("v." + i.result), name = name_of(i.result);
-    values_[i.result] = {&type, global_name, {}};
+    const std::string global_name = "@" + quoted_name("v." + instruction.result), name = name_of(instruction.result);
+    values_[instruction.result] = {&type, global_name, {}};
     if (is_known) definitions_.push_back(global_name + " = internal constant " + constant->second.typed());
     else
-        values_[i.result].refusal_reason = "it reads " + (name.empty() ? "a variable outside of functions" : name) +
-                                           ", which nothing in the file sets to one value";
+        values_[instruction.result].refusal_reason = "it reads " +
+                                                     (name.empty() ? "a variable outside of functions" : name) +
+                                                     ", which nothing in the file sets to one value";
 }
 
-void Translator::declare(const SpirvInstruction& i) {
+void Translator::declare(const SpirvInstruction& instruction) {
     const auto number = [&](std::size_t k) {
-        return static_cast<int>(std::min<std::size_t>(number_operand(i, k), 1 << 30));
+        return static_cast<int>(std::min<std::size_t>(number_operand(instruction, k), 1 << 30));
     };
-    if (i.op == "OpLine") places_.visit(number(1), number(2));
-    if (i.op.starts_with("OpType") && i.op != "OpTypeForwardPointer") declare_type(i);
-    else if (i.op.starts_with("OpConstant") || i.op.starts_with("OpSpecConstant") || i.op == "OpUndef")
-        declare_constant(i);
+    if (instruction.op == "OpLine") places_.visit(number(1), number(2));
+    if (instruction.op.starts_with("OpType") && instruction.op != "OpTypeForwardPointer") declare_type(instruction);
+    else if (instruction.op.starts_with("OpConstant") || instruction.op.starts_with("OpSpecConstant") ||
+             instruction.op == "OpUndef")
+        declare_constant(instruction);
 }
 
 // Debug information
@@ -297,14 +318,14 @@ std::string Translator::metadata_of_structure(const SpirvType& type) {
 }
 
 std::string Translator::metadata_of(const SpirvType& type) {
-    if (type.kind == Kind::nothing) return "null";
+    if (type.kind == Kind::void_type) return "null";
     std::string& known_metadata = metadata_of_types_[type.id];
     if (!known_metadata.empty()) return known_metadata;
     const std::string size = ", size: " + std::to_string(8 * type.size);
     std::string new_metadata;
     if (type.kind == Kind::vector) new_metadata = metadata_of_vector(type);
     else if (type.kind == Kind::structure) new_metadata = metadata_of_structure(type);
-    else if (type.kind == Kind::matrix || type.kind == Kind::sequence)
+    else if (type.kind == Kind::matrix || type.kind == Kind::array)
         new_metadata = add_metadata(
             "!DICompositeType(tag: DW_TAG_array_type, baseType: " + metadata_of(*type.parts[0]) + size +
             ", elements: " +
@@ -324,11 +345,11 @@ std::string Translator::metadata_of(const SpirvType& type) {
 }
 
 /// Returns `, !dbg !12`, the reference to the place of an instruction.
-std::string Translator::debug_suffix(const SpirvInstruction& i) {
+std::string Translator::debug_suffix(const SpirvInstruction& instruction) {
     std::string name;
-    if (i.op == "OpExtInst") name = i.at(2);
-    TokenPlace p = places_.place_of(i.op, name);
-    if (lines_.file.empty()) p.line = i.line, p.column = i.column;
+    if (instruction.op == "OpExtInst") name = instruction.at(2);
+    TokenPlace p = places_.place_of(instruction.op, name);
+    if (lines_.file.empty()) p.line = instruction.line, p.column = instruction.column;
     const std::string text = "!DILocation(line: " + std::to_string(std::max(p.line, 0)) +
                              ", column: " + std::to_string(std::clamp(p.column, 0, 65535)) + ", scope: " + scope_ + ")";
     const auto [known, is_new] = known_places_.try_emplace(text, static_cast<int>(metadata_.size()));
@@ -345,9 +366,9 @@ std::string Translator::module() {
     const std::string version = add_metadata("!{i32 2, !\"Debug Info Version\", i32 3}");
     std::size_t function_count = 0, next_variable = 0;
     for (std::size_t k = 0; k < instructions_.size(); ++k) {
-        const SpirvInstruction& i = instructions_[k];
-        if (i.op != "OpFunction") {
-            declare(i);
+        const SpirvInstruction& instruction = instructions_[k];
+        if (instruction.op != "OpFunction") {
+            declare(instruction);
             continue;
         }
         // The constants that variables hold may be declared after the variables.
@@ -356,8 +377,8 @@ std::string Translator::module() {
         ++function_count;
         std::size_t end = k;
         while (end < instructions_.size() && instructions_[end].op != "OpFunctionEnd") ++end;
-        if (end == instructions_.size()) i.fail("a function has no end");
-        const std::string name = name_of(i.result);
+        if (end == instructions_.size()) instruction.fail("a function has no end");
+        const std::string name = name_of(instruction.result);
         const bool is_main = !lines_.tokens.empty() && (name == "main" || name == "lb_main" || name == "lb_m");
         if (!is_main) translate_function(k, end);
         k = end;
@@ -381,9 +402,9 @@ std::string source_name(const std::string& assembly) {
 }
 
 std::string llvm_text_of(const std::string& assembly, const std::string& path, const ShaderLines& lines,
-                         bool is_opaque) {
+                         bool has_opaque_pointers) {
     const std::vector<SpirvInstruction> instructions = instructions_of(assembly);
-    return Translator(instructions, path, lines, is_opaque).module();
+    return Translator(instructions, path, lines, has_opaque_pointers).module();
 }
 
 }  // namespace lostbits::intersect::spirv

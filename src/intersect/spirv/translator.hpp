@@ -14,13 +14,13 @@ namespace lostbits::intersect::spirv {
 
 struct SpirvType {
     enum class Kind {
-        nothing,
+        void_type,
         boolean,
         integer,
         floating,
         vector,
         matrix,
-        sequence,
+        array,
         structure,
         pointer,
         function,
@@ -32,8 +32,8 @@ struct SpirvType {
     int bits = 0;
     bool is_signed = false;
     std::vector<const SpirvType*> parts = {};  ///< members; the item; the target; the result and the parameters
-    std::size_t count = 0;                     ///< number of items of a vector, a matrix or a sequence
-    /// The item of a sequence, or member k of a structure; null if there is no part k.
+    std::size_t count = 0;                     ///< number of items of a vector, a matrix or an array
+    /// The item of a vector, a matrix or an array, or member k of a structure; null if there is no part k.
     [[nodiscard]] const SpirvType* part(std::size_t k) const;
 };
 
@@ -61,7 +61,7 @@ inline std::string quoted_name(const std::string& text) {
 class Translator {
 public:
     Translator(const std::vector<SpirvInstruction>& instructions, std::string path, const ShaderLines& lines,
-               bool is_opaque);
+               bool has_opaque_pointers);
     /// Translates the module and returns its text. Call it only once.
     std::string module();
 
@@ -71,13 +71,14 @@ private:
 
     // Module
     void collect_names();
-    void declare(const SpirvInstruction& i);
-    void declare_type(const SpirvInstruction& i);
-    void declare_constant(const SpirvInstruction& i);
-    void declare_variable(const SpirvInstruction& i);
-    void add_type(const SpirvInstruction& i, SpirvType type);
-    const SpirvType& type_of(const std::string& id, const SpirvInstruction& i) const;
-    const SpirvType& simple_type(Kind kind, int bits);
+    void declare(const SpirvInstruction& instruction);
+    void declare_type(const SpirvInstruction& instruction);
+    void declare_constant(const SpirvInstruction& instruction);
+    void declare_variable(const SpirvInstruction& instruction);
+    void add_type(const SpirvInstruction& instruction, SpirvType type);
+    const SpirvType& type_of(const std::string& id, const SpirvInstruction& instruction) const;
+    /// The type iN of LLVM, N = `bits`, for an integer or a boolean.
+    const SpirvType& integer_type(Kind kind, int bits);
     const SpirvType& vector_of(const SpirvType& lane, std::size_t count);
     const SpirvType& pointer_to(const SpirvType& target);
     [[nodiscard]] std::string name_of(const std::string& id) const;
@@ -88,29 +89,29 @@ private:
     std::string metadata_of(const SpirvType& type);
     std::string metadata_of_vector(const SpirvType& type);
     std::string metadata_of_structure(const SpirvType& type);
-    std::string debug_suffix(const SpirvInstruction& i);
+    std::string debug_suffix(const SpirvInstruction& instruction);
 
     // Functions
     void translate_function(std::size_t first, std::size_t end);
     std::string parameters_of(std::size_t first, std::size_t end, const std::string& scope);
-    [[nodiscard]] bool is_debug_info(const SpirvInstruction& i) const;
+    [[nodiscard]] bool is_debug_info(const SpirvInstruction& instruction) const;
     [[nodiscard]] bool is_written_first(std::size_t first, std::size_t end, const std::string& id) const;
     void resolve_phis();
-    void translate_instruction(const SpirvInstruction& i);
-    bool translate_control(const SpirvInstruction& i);
-    bool translate_memory(const SpirvInstruction& i);
-    bool translate_composite(const SpirvInstruction& i);
-    bool translate_arithmetic(const SpirvInstruction& i);
-    bool translate_matrix(const SpirvInstruction& i);
-    TypedText extended_instruction(const SpirvInstruction& i, const std::string& name, const SpirvType& type,
+    void translate_instruction(const SpirvInstruction& instruction);
+    bool translate_control(const SpirvInstruction& instruction);
+    bool translate_memory(const SpirvInstruction& instruction);
+    bool translate_composite(const SpirvInstruction& instruction);
+    bool translate_arithmetic(const SpirvInstruction& instruction);
+    bool translate_matrix(const SpirvInstruction& instruction);
+    TypedText extended_instruction(const SpirvInstruction& instruction, const std::string& name, const SpirvType& type,
                                    const Values& x);
     TypedText geometric(const std::string& name, const Values& x);
-    void translate_variable(const SpirvInstruction& i);
-    TypedText element_address(const SpirvInstruction& i);
-    TypedText translate_call(const SpirvInstruction& i);
+    void translate_variable(const SpirvInstruction& instruction);
+    TypedText element_address(const SpirvInstruction& instruction);
+    TypedText translate_call(const SpirvInstruction& instruction);
 
     // Values
-    TypedText value(const std::string& id, const SpirvInstruction& i) const;
+    TypedText value(const std::string& id, const SpirvInstruction& instruction) const;
     TypedText emit(const SpirvType& type, const std::string& text);
     void emit_line(const std::string& text);
     TypedText refuse(const SpirvType& type, const std::string& sentence);
@@ -128,13 +129,15 @@ private:
     TypedText dot(const TypedText& a, const TypedText& b);
     TypedText length(const TypedText& a);
     TypedText matrix_times_vector(const TypedText& matrix, const TypedText& vector);
-    [[nodiscard]] std::string pointer(const SpirvType& target) const { return is_opaque_ ? "ptr" : target.text + "*"; }
+    [[nodiscard]] std::string pointer(const SpirvType& target) const {
+        return has_opaque_pointers_ ? "ptr" : target.text + "*";
+    }
 
     const std::vector<SpirvInstruction>& instructions_;
     std::string path_;
     const ShaderLines& lines_;
     PlaceFinder places_;
-    bool is_opaque_;
+    bool has_opaque_pointers_;
     std::map<std::string, SpirvType> types_;
     std::map<std::string, TypedText> values_;
     std::map<std::string, double> integer_constants_;  ///< by id

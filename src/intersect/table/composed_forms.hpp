@@ -39,9 +39,10 @@ public:
         return composed.row;
     }
     /// The parts of a row; null pointers if this object did not create the row.
-    Parts parts_of(const Intersector& row) {
+    Parts parts_of(const Intersector& catalogue_row) {
         const std::lock_guard lock(mutex_);
-        const auto found = std::ranges::find_if(rows_, [&row](const Made& composed) { return &composed.row == &row; });
+        const auto found = std::ranges::find_if(
+            rows_, [&catalogue_row](const Made& composed) { return &composed.row == &catalogue_row; });
         return found == rows_.end() ? Parts{} : found->parts;
     }
 

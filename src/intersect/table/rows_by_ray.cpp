@@ -32,22 +32,23 @@ void fill_by_ray(std::span<Intersector> rows) {
     static std::deque<WrittenForm> written_forms;  // rows point to its elements
     std::size_t i = 0;
     for_each_form([&]<class Form>() {
-        Intersector& row = rows[i++];
+        Intersector& catalogue_row = rows[i++];
         const EvaluateRecorded* const evaluator = &evaluate_recorded<Form>;
-        row.record = {record_with, const_cast<EvaluateRecorded*>(evaluator)};
-        row.record_all = {record_all_with, const_cast<EvaluateRecorded*>(evaluator)};
-        row.bounded = {bounded_with, const_cast<EvaluateRecorded*>(evaluator)};
+        catalogue_row.record = {record_with, const_cast<EvaluateRecorded*>(evaluator)};
+        catalogue_row.record_all = {record_all_with, const_cast<EvaluateRecorded*>(evaluator)};
+        catalogue_row.bounded = {bounded_with, const_cast<EvaluateRecorded*>(evaluator)};
         if constexpr (is_one_program<Form>) {
-            written_forms.emplace_back(row).fill_arithmetics(row);
-            if (Form::info.formats != Formats::all) row.rounded = nullptr;
+            written_forms.emplace_back(catalogue_row).fill_arithmetics(catalogue_row);
+            if (Form::info.formats != Formats::all) catalogue_row.rounded = nullptr;
         } else {
-            if constexpr (Form::info.formats == Formats::all) row.rounded = rounded_batch<Form>;
-            row.ball = enclosed<Form, Ball>;
-            row.interval = enclosed<Form, Interval>;
+            if constexpr (Form::info.formats == Formats::all) catalogue_row.rounded = rounded_batch<Form>;
+            catalogue_row.ball = enclosed<Form, Ball>;
+            catalogue_row.interval = enclosed<Form, Interval>;
         }
-        row.count = count_of<Form>;  // counted in the form itself: `a || b` on one ray does not evaluate b if a is true
-        if constexpr (filters<Form>) row.filter_arithmetic = filter_arithmetic_of<Form>;
-        if constexpr (marches<Form>) row.log = log_of<Form>;
+        catalogue_row.count =
+            count_of<Form>;  // counted in the form itself: `a || b` on one ray does not evaluate b if a is true
+        if constexpr (filters<Form>) catalogue_row.filter_arithmetic = filter_arithmetic_of<Form>;
+        if constexpr (marches<Form>) catalogue_row.log = log_of<Form>;
     });
 }
 

@@ -32,8 +32,8 @@ Shape shape_of_arguments(const First& first, const Rest&... rest) {
     else return shape_of_arguments(rest...);
 }
 
-/// Sets the function `member` of the set's row, if every form of the set has it. The function calls that of the form
-/// for the target's shape.
+/// Gives the set's row the function `member`, if every form of the set has one. The row's function calls the function
+/// of the form for the target's shape. Pass the same member again as the argument, from which R and A are deduced.
 template <auto member, class R, class... A>
 void forward_if_all_have(FormSet& set, Function<R(A...)> Intersector::*) {
     if (!std::ranges::all_of(set.parts, [](const Intersector* part) { return static_cast<bool>(part->*member); }))

@@ -354,18 +354,18 @@ const WrittenFormula& WrittenForm::formula_in(const Format& format) const {
                                                                                                          : *formula32_;
 }
 
-void WrittenForm::fill_arithmetics(Intersector& row) {
-    row.rounded = {answer_rounded, this};
-    row.ball = {enclose<Ball>, this};
-    row.interval = {enclose<Interval>, this};
+void WrittenForm::fill_arithmetics(Intersector& catalogue_row) {
+    catalogue_row.rounded = {answer_rounded, this};
+    catalogue_row.ball = {enclose<Ball>, this};
+    catalogue_row.interval = {enclose<Interval>, this};
 }
 
-void WrittenForm::fill(Intersector& row) {
-    fill_arithmetics(row);
-    row.count = {count, this};
-    row.record = {record, this};
-    row.record_all = {record_all, this};
-    row.bounded = {answer_bounded, this};
+void WrittenForm::fill(Intersector& catalogue_row) {
+    fill_arithmetics(catalogue_row);
+    catalogue_row.count = {count, this};
+    catalogue_row.record = {record, this};
+    catalogue_row.record_all = {record_all, this};
+    catalogue_row.bounded = {answer_bounded, this};
 }
 
 std::vector<NodeId> WrittenForm::nodes_on_tape(const Format& format) const {
@@ -387,11 +387,12 @@ std::vector<NodeId> WrittenForm::nodes_on_tape(const Format& format) const {
 }
 
 Intersector WrittenForm::row(const Info& info) {
-    Intersector row{.info = &info, .shape = formula_in(*find_format("f32")).shape, .native32 = {}, .native64 = {}};
-    row.native32 = {answer_32, this};
-    row.native64 = {answer_64, this};
-    fill(row);
-    return row;
+    Intersector catalogue_row{
+        .info = &info, .shape = formula_in(*find_format("f32")).shape, .native32 = {}, .native64 = {}};
+    catalogue_row.native32 = {answer_32, this};
+    catalogue_row.native64 = {answer_64, this};
+    fill(catalogue_row);
+    return catalogue_row;
 }
 
 }  // namespace lostbits::intersect::table

@@ -59,9 +59,9 @@ public:
     explicit WrittenForm(const Intersector& recorded_row);
     /// Fills the functions of a row for formats chosen at run time and for enclosures. The row then points to this
     /// object.
-    void fill_arithmetics(Intersector& row);
+    void fill_arithmetics(Intersector& catalogue_row);
     /// Fills all functions of a row except the native kernels. The row then points to this object.
-    void fill(Intersector& row);
+    void fill(Intersector& catalogue_row);
     /// A row whose kernels in f32 and f64 evaluate the formula too.
     [[nodiscard]] Intersector row(const Info& info);
     [[nodiscard]] const WrittenFormula& formula_in(const Format& format) const;

@@ -1,4 +1,4 @@
-// The closed list of transform methods: a line and an include for each.
+// All transform methods: a line and an include for each.
 #pragma once
 
 #include "intersect/transform/adjugate.hpp"

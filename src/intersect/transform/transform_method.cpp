@@ -183,7 +183,7 @@ void record(const Format& format, Tape& tape, const WorldNodes& world, const Rec
 }
 
 template <class Method>
-constexpr TransformMethod row() {
+constexpr TransformMethod method_row() {
     return {
         .info = &Method::info,
         .f32 = steps<Method, float>(),
@@ -205,7 +205,7 @@ constexpr TransformMethod row() {
 std::span<const TransformMethod> transform_methods() {
     static const std::vector<TransformMethod> methods = [] {
         std::vector<TransformMethod> rows;
-        for_each_transform_method([&rows]<class Method>() { rows.push_back(row<Method>()); });
+        for_each_transform_method([&rows]<class Method>() { rows.push_back(method_row<Method>()); });
         return rows;
     }();
     return methods;

@@ -90,14 +90,14 @@ void evaluate_rounded(void* context, const FloatFormat& format, const RayBatch<d
 /// Runs a row in an enclosure. If the determinant is not known to differ from 0, the answer is unknown.
 template <auto of_steps, auto kernel, class E>
 Hit<E> enclosed(void* context, const Ray<E>& ray, const Target<E>& target) {
-    const TransformedFormParts row = parts_of_row(context);
+    const TransformedFormParts form_parts = parts_of_row(context);
     const Primitive<E>& primitive = target.primitives.front();
-    if (!primitive.placed) return (row.form->*kernel)(ray, target);
-    const StepsIn<E>& steps = row.method->*of_steps;
+    if (!primitive.placed) return (form_parts.form->*kernel)(ray, target);
+    const StepsIn<E>& steps = form_parts.method->*of_steps;
     const Maps<E> maps = steps.maps(*primitive.placed);
     const ObjectRay<E> object_ray = steps.to_object(maps, ray);
     const Primitive<E> object = scaled(primitive, object_ray.scale);
-    const Hit<E> hit = (row.form->*kernel)(object_ray.ray, Target<E>(object));
+    const Hit<E> hit = (form_parts.form->*kernel)(object_ray.ray, Target<E>(object));
     return {hit.hit, steps.back(maps, ray, object_ray, hit.t), steps.back(maps, ray, object_ray, hit.near),
             steps.back(maps, ray, object_ray, hit.far)};
 }
@@ -105,7 +105,7 @@ Hit<E> enclosed(void* context, const Ray<E>& ray, const Target<E>& target) {
 /// Records the steps and the form. `record_object(ray, target, tmax, tape)` records the form in the space of the
 /// primitive.
 template <class RecordObject>
-void record_with(const TransformedFormParts& row, const Format& format, const Ray<double>& ray,
+void record_with(const TransformedFormParts& form_parts, const Format& format, const Ray<double>& ray,
                  const Primitive<double>& primitive, double tmax, Tape& tape, const RecordObject& record_object) {
     tape.clear();
     const auto input = [&](double x) { return tape.add_input(format.parameters, x); };
@@ -117,7 +117,7 @@ void record_with(const TransformedFormParts& row, const Format& format, const Ra
     for (std::size_t k = 0; k < world.matrix.size(); ++k) world.matrix[k] = input(primitive.placed->matrix[k]);
     world.is_inverse = primitive.placed->is_inverse;
     const NodeId end = input(tmax);
-    row.method->record(format, tape, world, [&](const ObjectNodes& object) {
+    form_parts.method->record(format, tape, world, [&](const ObjectNodes& object) {
         const auto value = [&tape](NodeId node) { return tape[node].value; };
         const auto add_product = [&](NodeId a, NodeId b, double product) {
             return tape.add(TapeOp::mul, format.parameters, product, {a, b});
@@ -159,20 +159,22 @@ void record_with(const TransformedFormParts& row, const Format& format, const Ra
 
 void record(void* context, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,
             Tape& tape) {
-    const TransformedFormParts row = parts_of_row(context);
+    const TransformedFormParts form_parts = parts_of_row(context);
     const Primitive<double>& primitive = target.primitives.front();
-    if (!primitive.placed) return row.form->record(format, ray, target, tmax, tape);
-    record_with(row, format, ray, primitive, tmax, tape,
-                [&](const Ray<double>& object_ray, const Target<double>& object_target, double object_tmax,
-                    Tape& form_tape) { row.form->record(format, object_ray, object_target, object_tmax, form_tape); });
+    if (!primitive.placed) return form_parts.form->record(format, ray, target, tmax, tape);
+    record_with(
+        form_parts, format, ray, primitive, tmax, tape,
+        [&](const Ray<double>& object_ray, const Target<double>& object_target, double object_tmax, Tape& form_tape) {
+            form_parts.form->record(format, object_ray, object_target, object_tmax, form_tape);
+        });
 }
 void record_all(void* context, const Target<double>& target, Tape& tape) {
-    const TransformedFormParts row = parts_of_row(context);
+    const TransformedFormParts form_parts = parts_of_row(context);
     const Primitive<double>& primitive = target.primitives.front();
-    if (!primitive.placed) return row.form->record_all(target, tape);
-    record_with(row, *find_format("f32"), {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, primitive, HUGE_VAL, tape,
-                [&](const Ray<double>&, const Target<double>& object_target, double, Tape& form_tape) {
-                    row.form->record_all(object_target, form_tape);
+    if (!primitive.placed) return form_parts.form->record_all(target, tape);
+    record_with(form_parts, *find_format("f32"), {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, primitive, HUGE_VAL,
+                tape, [&](const Ray<double>&, const Target<double>& object_target, double, Tape& form_tape) {
+                    form_parts.form->record_all(object_target, form_tape);
                 });
 }
 
@@ -218,6 +220,8 @@ const Intersector& through(const TransformMethod& method, const Intersector& for
     return rows().row_of({&method, &form}, fill);
 }
 
-TransformedFormParts transformed_parts_of(const Intersector& row) { return parts_in(rows().parts_of(row)); }
+TransformedFormParts transformed_parts_of(const Intersector& catalogue_row) {
+    return parts_in(rows().parts_of(catalogue_row));
+}
 
 }  // namespace lostbits::intersect::transform

@@ -17,6 +17,6 @@ struct TransformedFormParts {
     const table::Intersector* form;
 };
 /// The parts of a row; null pointers if `through` did not create it.
-TransformedFormParts transformed_parts_of(const table::Intersector& row);
+TransformedFormParts transformed_parts_of(const table::Intersector& catalogue_row);
 
 }  // namespace lostbits::intersect::transform

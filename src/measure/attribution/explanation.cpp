@@ -324,7 +324,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
     const OneRay::Inputs in = ray.inputs(form, format);
     const answer::Answers answers = answer::evaluate(form, in.all);
     const truth::Truth& truth = ray.truth(*form.info);
-    Explanation x{.form = &form, .format = format, .rounded_inputs = !ray.is_unrounded(in), .judged = ray.touching()};
+    Explanation x{.form = &form, .format = format, .rounded_inputs = !ray.is_unrounded(in), .touching = ray.touching()};
     const Vec<double> given_direction = in.all.rays[in.index].direction,
                       received_direction = in.ray(*form.info).direction;
     if (!is_same_number(given_direction.x, received_direction.x) ||

@@ -49,8 +49,8 @@ struct Explanation {
     bool is_generated_ray = false;        ///< a camera makes the ray: the true ray is ideal, the form's is computed
     /// Direction of the ray, if the form received it normalised and rounded
     std::optional<Vec<double>> given = {};
-    bool rounded_inputs = false;                     ///< the format cannot represent the ray or a primitive as given
-    std::optional<intersect::Touching> judged = {};  ///< touching convention of all forms; absent: each form's own
+    bool rounded_inputs = false;                       ///< the format cannot represent the ray or a primitive as given
+    std::optional<intersect::Touching> touching = {};  ///< touching convention of all forms; absent: each form's own
     int primitive = 0, primitives = 1;  ///< index of the primitive that is explained, from 0, and the number of all;
                                         ///< for a march, all together
     Shape shape = {};                   ///< shape of that primitive

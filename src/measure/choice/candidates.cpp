@@ -46,27 +46,27 @@ std::vector<RowQuality> quality_of(const ChoiceRequest& request) {
 
 const std::string& ChoiceRequest::id() const { return scene ? scene->id : rays->id; }
 
-RowQuality quality_of(const evaluate::FormSummary& s, const TestedForm& row, const Requirement& requirement) {
+RowQuality quality_of(const evaluate::FormSummary& s, const TestedForm& form_row, const Requirement& requirement) {
     return {
         .rays = s.rays - s.count(answer::Outcome::unresolved),
         .wrong = s.wrong_count(),
         .main_fault = s.wrong(),
         .main_fault_count = s.wrong() ? s.count(*s.wrong()) : 0,
-        .kept_bits = row.format.parameters.precision - s.metrics[0].quantile(requirement.quantile),
+        .kept_bits = form_row.format.parameters.precision - s.metrics[0].quantile(requirement.quantile),
         .hits = s.true_hits,
         .distance_error = requirement.has_tolerance() ? s.metrics[1].quantile(requirement.quantile) : truth::missing};
 }
 
-RowQuality quality_on(const truth::Band& band, const TestedForm& row, const Requirement& requirement) {
-    return quality_on(band, band.inputs_for(row.format, *row.form->info), row, requirement);
+RowQuality quality_on(const truth::Band& band, const TestedForm& form_row, const Requirement& requirement) {
+    return quality_on(band, band.inputs_for(form_row.format, *form_row.form->info), form_row, requirement);
 }
 
-RowQuality quality_on(const truth::Band& band, const truth::FormatInputs& inputs, const TestedForm& row,
+RowQuality quality_on(const truth::Band& band, const truth::FormatInputs& inputs, const TestedForm& form_row,
                       const Requirement& requirement) {
     const std::vector<const metric::Metric*> metrics = requirement.metrics();
     evaluate::FormSummary summary(metrics);
-    evaluate::measure_row({row, metrics}, band, inputs, summary);
-    return quality_of(summary, row, requirement);
+    evaluate::measure_row({form_row, metrics}, band, inputs, summary);
+    return quality_of(summary, form_row, requirement);
 }
 
 std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRays& timed) {
@@ -77,25 +77,26 @@ std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRay
     timed = {scene_work.rays(), scene_work.primitives()};
     std::vector<speed::TimedWork> work;
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const TestedForm& row = request.rows[r];
-        const intersect::simd::Isa isa = request.single || !is_packed(*row.form, intersect::simd::current_isa())
+        const TestedForm& form_row = request.rows[r];
+        const intersect::simd::Isa isa = request.single || !is_packed(*form_row.form, intersect::simd::current_isa())
                                              ? intersect::simd::Isa::scalar
                                              : intersect::simd::current_isa();
-        candidates.push_back({row, name_of(isa), {}, quality[r]});
-        work.push_back(scene_work.on(row, packed_kernels(*row.form, isa)));
+        candidates.push_back({form_row, name_of(isa), {}, quality[r]});
+        work.push_back(scene_work.on(form_row, packed_kernels(*form_row.form, isa)));
     }
     const auto timings = time_interleaved(work, request.plan);
     for (std::size_t c = 0; c < candidates.size(); ++c) candidates[c].time = timings[c];
     return candidates;
 }
 
-Format computes_in(const TestedForm& row) {
-    if (row.format.engine != Format::Engine::native32 || row.form->count == nullptr || !is_primitive(row.form->shape))
-        return row.format;
-    const Primitive<float> primitive = primitive_around<float>(row.form->shape, {0, 0, 0}, 1);
-    const OperationCounts counts = row.form->count({{0, 0, -5}, {0, 0, 1}}, intersect::Target<float>(primitive),
-                                                   std::numeric_limits<float>::infinity());
-    return counts[Operation::convert] > 0 ? *find_format("f64") : row.format;
+Format computes_in(const TestedForm& form_row) {
+    if (form_row.format.engine != Format::Engine::native32 || form_row.form->count == nullptr ||
+        !is_primitive(form_row.form->shape))
+        return form_row.format;
+    const Primitive<float> primitive = primitive_around<float>(form_row.form->shape, {0, 0, 0}, 1);
+    const OperationCounts counts = form_row.form->count({{0, 0, -5}, {0, 0, 1}}, intersect::Target<float>(primitive),
+                                                        std::numeric_limits<float>::infinity());
+    return counts[Operation::convert] > 0 ? *find_format("f64") : form_row.format;
 }
 
 std::vector<std::size_t> by_price(const std::vector<Candidate>& candidates) {

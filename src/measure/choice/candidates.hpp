@@ -81,12 +81,12 @@ struct ChoiceRequest {
 };
 
 /// Converts a summary whose metrics are those of the requirement.
-RowQuality quality_of(const evaluate::FormSummary& summary, const evaluate::TestedForm& row,
+RowQuality quality_of(const evaluate::FormSummary& summary, const evaluate::TestedForm& form_row,
                       const Requirement& requirement);
 /// Measures a row on a band.
-RowQuality quality_on(const truth::Band& band, const evaluate::TestedForm& row, const Requirement& requirement);
+RowQuality quality_on(const truth::Band& band, const evaluate::TestedForm& form_row, const Requirement& requirement);
 /// Measures a row that receives these inputs instead of those of the band.
-RowQuality quality_on(const truth::Band& band, const truth::FormatInputs& inputs, const evaluate::TestedForm& row,
+RowQuality quality_on(const truth::Band& band, const truth::FormatInputs& inputs, const evaluate::TestedForm& form_row,
                       const Requirement& requirement);
 
 /// Measures every row on the scene, at the scene's size, and calls the request's `progress`.
@@ -94,7 +94,7 @@ std::vector<RowQuality> quality_of(const ChoiceRequest& request);
 
 /// Format in which a row computes. It is the format of the row's inputs and answers, unless the formula converts to the
 /// wider one and back on a plain ray.
-Format computes_in(const evaluate::TestedForm& row);
+Format computes_in(const evaluate::TestedForm& form_row);
 
 /// Numbers of rays and primitives that were timed, see `speed::SceneWork`.
 struct TimedRays {

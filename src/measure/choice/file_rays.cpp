@@ -66,8 +66,9 @@ FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const Choic
     }
     Sampler sampler;
     const judge::JudgeResult result = judge::run_judge(
-        dump, judge_request, [&sampler](std::size_t row, const scene::dump::Chunk& chunk, const evaluate::BandResult&) {
-            if (row == 0) sampler.add(chunk);
+        dump, judge_request,
+        [&sampler](std::size_t row_index, const scene::dump::Chunk& chunk, const evaluate::BandResult&) {
+            if (row_index == 0) sampler.add(chunk);
         });
     FileRays rays{
         .id = terms.id, .name = dump.name(), .format = dump.format(), .rays = result.rays, .rounded = result.rounded};

@@ -51,7 +51,8 @@ struct GrowthMargin {
 /// Multiplies the factor until the requirement fails or the growth ends, at most to 2^64, and narrows the last step
 /// down to 2 %. A failure between two steps is not found if the requirement holds at both. Works on a picture of at
 /// most `pixels`, or on the sample of the files' rays (`StretchedRays` says how those grow).
-std::vector<GrowthMargin> margins_of(const ChoiceRequest& request, const evaluate::TestedForm& row, int pixels = 4096);
+std::vector<GrowthMargin> margins_of(const ChoiceRequest& request, const evaluate::TestedForm& form_row,
+                                     int pixels = 4096);
 
 /// Offset strategies that are right for every ray that leaves a hit of a form on a scene.
 struct SafeOffsets {
@@ -62,7 +63,7 @@ struct SafeOffsets {
 
 /// Finds the strategies on a picture of at most `pixels`, fewer if there are many primitives. Returns nothing if the
 /// scene has too many primitives, or if the form marches or computes no t.
-std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& row,
+std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& form_row,
                                         truth::TruthLimit limit = {}, int pixels = 1024);
 
 }  // namespace lostbits::measure::choice

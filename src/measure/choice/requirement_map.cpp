@@ -28,8 +28,8 @@ void MetPixels::band(const evaluate::BandResult& result) {
 std::uint64_t MetPixels::count() const { return static_cast<std::uint64_t>(std::ranges::count(meets_, true)); }
 
 MetPixelsByForm::MetPixelsByForm(const ChoiceRequest& request, const std::vector<TestedForm>& forms) {
-    for (const TestedForm& row : forms)
-        rows.emplace_back(request.scene->pixels(), request.requirement, row.format.parameters.precision);
+    for (const TestedForm& form_row : forms)
+        rows.emplace_back(request.scene->pixels(), request.requirement, form_row.format.parameters.precision);
 }
 
 namespace {
@@ -53,8 +53,8 @@ int first_at(const std::vector<RankedForm>& ranked, std::size_t pixel) {
 /// Formats of the rows, each once, ordered by precision and then by name.
 std::vector<Format> formats_of(const std::vector<TestedForm>& rows) {
     std::vector<Format> formats;
-    for (const TestedForm& row : rows) {
-        const Format format = computes_in(row);
+    for (const TestedForm& form_row : rows) {
+        const Format format = computes_in(form_row);
         if (std::ranges::find(formats, format) == formats.end()) formats.push_back(format);
     }
     std::ranges::sort(formats, [](const Format& a, const Format& b) {

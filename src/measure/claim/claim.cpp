@@ -29,7 +29,9 @@ namespace {
 /// Names a requirement of a claim that this machine does not meet; empty if it meets all of them.
 std::string unmet_requirement(const Claim& claim) {
     const auto rows = intersect::table::intersectors();
-    const auto has_name = [&claim](const intersect::table::Intersector& row) { return row.info->name == claim.form; };
+    const auto has_name = [&claim](const intersect::table::Intersector& catalogue_row) {
+        return catalogue_row.info->name == claim.form;
+    };
     if (claim.profile == Claim::Profile::libraries && std::ranges::none_of(rows, has_name))
         return "no loaded library has " + claim.form + "; add --plugin, --pipe, --shader or --function";
     for (const std::string& requirement : claim.requirements) {
@@ -78,8 +80,8 @@ ClaimResult judge(const Claim& claim, double measured, const evaluate::FormSumma
         if (claim.metric == "wrong_fraction" && summary->fault() != nullptr) result.witness = *summary->fault();
     }
     if (summary && summary->count(answer::Outcome::unresolved) > 0) {
-        result.trouble = scene::toml::counted(summary->count(answer::Outcome::unresolved), "ray has no proved truth",
-                                              "rays have no proved truth");
+        result.trouble = scene::toml::count_with_noun(summary->count(answer::Outcome::unresolved),
+                                                      "ray has no proved truth", "rays have no proved truth");
     } else if (std::isnan(measured)) {
         result.trouble = "no ray to measure it on";
     } else {
@@ -107,7 +109,7 @@ std::vector<const Row*> part_named(const Claim& claim, std::span<const Row> tabl
 const intersect::table::Intersector& form_named(const Claim& claim, const std::string& form) {
     const auto rows = intersect::table::intersectors();
     const auto found = std::ranges::find_if(
-        rows, [&form](const intersect::table::Intersector& row) { return row.info->name == form; });
+        rows, [&form](const intersect::table::Intersector& catalogue_row) { return catalogue_row.info->name == form; });
     if (found != rows.end()) return *found;
     const std::vector<std::string> names = scene::rays::forms_in_name(form);
     if (const auto composed = scene::rays::split_composed_name(form); composed && names.size() == 1) {
@@ -132,7 +134,8 @@ const intersect::table::Intersector& form_named(const Claim& claim, const std::s
     }
     if (names.size() == 1) {
         std::vector<std::string> known_names;
-        for (const intersect::table::Intersector& row : rows) known_names.emplace_back(row.info->name);
+        for (const intersect::table::Intersector& catalogue_row : rows)
+            known_names.emplace_back(catalogue_row.info->name);
         scene::toml::fail(claim.where,
                           "unknown form \"" + form +
                               "\" (load a form of your own with --plugin, --pipe, --shader or --function); " +
@@ -159,7 +162,7 @@ TestedForm claim_row(const Claim& claim) {
 void require_proof(ClaimResult& result, std::uint64_t unproved, const char* one, const char* several) {
     if (unproved == 0) return;
     result.state = ClaimResult::State::broken;
-    result.trouble = scene::toml::counted(unproved, one, several);
+    result.trouble = scene::toml::count_with_noun(unproved, one, several);
 }
 
 void add_draw(ClaimResult& result, const ClaimResult& draw) {

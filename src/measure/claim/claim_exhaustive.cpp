@@ -49,11 +49,11 @@ struct TallyNumber {
     std::string name;
     double value;
 };
-std::vector<TallyNumber> numbers_of(const TestedForm& row, const FloatTally& tally) {
+std::vector<TallyNumber> numbers_of(const TestedForm& form_row, const FloatTally& tally) {
     const double worst = tally.worst ? std::fabs(tally.worst->ulps) : truth::missing;
     std::vector<TallyNumber> numbers{
         {"wrong", static_cast<double>(tally.wrong())},
-        {"padding_max", sweep::padding_max(row, tally)},
+        {"padding_max", sweep::padding_max(form_row, tally)},
         {"ulp_error_max", worst},
         {"lost_bits_max", tally.worst ? truth::lost_bits(worst, binary32.precision) : truth::missing}};
     for (std::size_t o = 0; o < tally.outcomes.size(); ++o) {
@@ -64,8 +64,8 @@ std::vector<TallyNumber> numbers_of(const TestedForm& row, const FloatTally& tal
     return numbers;
 }
 
-double metric_of(const Claim& claim, const TestedForm& row, const FloatTally& tally) {
-    const auto numbers = numbers_of(row, tally);
+double metric_of(const Claim& claim, const TestedForm& form_row, const FloatTally& tally) {
+    const auto numbers = numbers_of(form_row, tally);
     const auto found = std::ranges::find(numbers, claim.metric, &TallyNumber::name);
     if (found != numbers.end()) return found->value;
     std::vector<std::string> names;
@@ -103,8 +103,8 @@ std::optional<std::uint32_t> witness_float(const Claim& claim, const FloatTally&
     return std::nullopt;
 }
 
-evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t row, std::uint32_t float_index) {
-    const auto float_answer = sweep::answer_at(request, 0, row, float_index);
+evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t row_index, std::uint32_t float_index) {
+    const auto float_answer = sweep::answer_at(request, 0, row_index, float_index);
     const auto given = std::make_shared<const scene::rays::RayGroup>(request.sweep.group_at(0, float_at(float_index)));
     return {.x = 0,
             .y = 0,
@@ -114,33 +114,33 @@ evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t row,
             .outcome = float_answer.outcome,
             .ulps = float_answer.ulps,
             .truth = float_answer.truth,
-            .judged = request.rows[row].judged,
+            .touching = request.rows[row_index].touching,
             .given = given};
 }
 
 TestedForm float_row(const Claim& claim, const ExhaustiveFile& file) {
-    TestedForm row = row_for(claim, file);
-    if (row.format.engine != Format::Engine::native32)
+    TestedForm form_row = row_for(claim, file);
+    if (form_row.format.engine != Format::Engine::native32)
         scene::toml::fail(claim.where,
                           claim.subject_name() + " tries every number of f32 only; write format = \"f32\"");
-    if (!row.judged) row.judged = file.convention;
-    return row;
+    if (!form_row.touching) form_row.touching = file.convention;
+    return form_row;
 }
 
 /// Judges a row by its findings in all ranges.
-ClaimResult judge_tally(const Claim& claim, std::size_t row, const ExhaustiveRequest& request,
+ClaimResult judge_tally(const Claim& claim, std::size_t row_index, const ExhaustiveRequest& request,
                         const std::vector<RangeFinding>& findings) {
     FloatTally tally;
     std::optional<float> onset;
     // If there are two ranges, of all floats from each zero outwards, the onset is that of the first range with an
     // onset.
     for (const RangeFinding& finding : findings) {
-        if (finding.row != row) continue;
+        if (finding.row != row_index) continue;
         tally.append(finding.tally);
         if (!claim.onset.empty() && !onset && finding.tally.first[event_of(claim)])
             onset = float_at(*finding.tally.first[event_of(claim)]);
     }
-    const double measured = claim.onset.empty() ? metric_of(claim, request.rows[row], tally)
+    const double measured = claim.onset.empty() ? metric_of(claim, request.rows[row_index], tally)
                             : onset             ? static_cast<double>(*onset)
                                                 : truth::missing;
     ClaimResult result = judge(claim, measured, nullptr);
@@ -149,7 +149,7 @@ ClaimResult judge_tally(const Claim& claim, std::size_t row, const ExhaustiveReq
     require_proof(result, tally.count(Outcome::unresolved), "float has no proved truth", "floats have no proved truth");
     // A command names a ray and its primitives by their numbers, and a mesh has too many numbers for that.
     if (const auto float_index = witness_float(claim, tally); float_index && !request.sweep.mesh)
-        result.witness = witness_at(request, row, *float_index);
+        result.witness = witness_at(request, row_index, *float_index);
     return result;
 }
 

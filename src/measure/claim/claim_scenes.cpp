@@ -24,9 +24,10 @@ namespace {
 
 /// One number of a march along the ray of the scene's first pixel, or of one step of this march.
 double trace_value(const Claim& claim, int step, const scene::file::Scene& scene, truth::TruthLimit limit) {
-    const TestedForm row = row_for(claim, scene);
-    if (!row.form->log) scene::toml::fail(claim.where, claim.form + " does not march; `step` is for sdf.* forms");
-    const intersect::table::MarchLog log = answer::march_log(*row.form, row.format, answer::OneRay(scene, 0, 0, limit));
+    const TestedForm form_row = row_for(claim, scene);
+    if (!form_row.form->log) scene::toml::fail(claim.where, claim.form + " does not march; `step` is for sdf.* forms");
+    const intersect::table::MarchLog log =
+        answer::march_log(*form_row.form, form_row.format, answer::OneRay(scene, 0, 0, limit));
     if (claim.metric == "steps") return static_cast<double>(log.steps.size());
     if (claim.metric == "hit") return log.hit.hit ? 1 : 0;
     if (claim.metric == "end") return log.hit.t;
@@ -43,22 +44,22 @@ double trace_value(const Claim& claim, int step, const scene::file::Scene& scene
 }
 
 /// Summary of the pixel of a claim, as if the map had no other pixel.
-evaluate::FormSummary summary_of_pixel(const Claim& claim, const scene::file::Scene& scene, const TestedForm& row,
+evaluate::FormSummary summary_of_pixel(const Claim& claim, const scene::file::Scene& scene, const TestedForm& form_row,
                                        const std::vector<const metric::Metric*>& metrics, truth::TruthLimit limit) {
     const auto [x, y] = *claim.on<SceneSubject>()->pixel;
     if (x >= scene.width || y >= scene.height)
         scene::toml::fail(claim.where, fmt::format("pixel [{}, {}] is outside the picture of {}, which has columns 0 "
                                                    "to {} and rows 0 to {}",
                                                    x, y, scene.id, scene.width - 1, scene.height - 1));
-    const auto* const generator = scene::rays::generator_of(*row.form);
+    const auto* const generator = scene::rays::generator_of(*form_row.form);
     const scene::file::Scene generated_scene = generator ? with_rays(scene, *generator) : scene;
     culling::Culler culler(generated_scene);
     truth::Band line(generated_scene, y, y + 1, limit, &culler);
-    const evaluate::SharedBandTruth shared(line, {row}, metrics);
+    const evaluate::SharedBandTruth shared(line, {form_row}, metrics);
     evaluate::FormSummary line_summary(metrics), pixel_summary(metrics);
     const auto column = static_cast<std::uint32_t>(x);
     const evaluate::RaySubset pixel_subset{std::span(&column, 1), &pixel_summary};
-    evaluate::measure_row({row, metrics}, shared.of(row), line_summary, std::span(&pixel_subset, 1));
+    evaluate::measure_row({form_row, metrics}, shared.of(form_row), line_summary, std::span(&pixel_subset, 1));
     return pixel_summary;
 }
 
@@ -95,9 +96,9 @@ void measure(const SubjectClaims<SceneSubject>& claims, const ClaimRequest& run)
                                                                            : std::vector<evaluate::FormSummary>();
     for (std::size_t k = 0; k < pictures.size(); ++k) {
         const auto& [claim, subject, result] = pictures[k];
-        const TestedForm& row = request.rows[rows[k]];
+        const TestedForm& form_row = request.rows[rows[k]];
         const evaluate::FormSummary pixel_summary =
-            subject.pixel ? summary_of_pixel(claim, scene, row, request.metrics, request.limit)
+            subject.pixel ? summary_of_pixel(claim, scene, form_row, request.metrics, request.limit)
                           : evaluate::FormSummary();
         const evaluate::FormSummary& summary = subject.pixel ? pixel_summary : summaries[rows[k]];
         result = judge(claim, columns.value(claim, summary), &summary);

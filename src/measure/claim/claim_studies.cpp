@@ -127,10 +127,10 @@ std::map<std::map<std::string, std::set<std::string>>, StudyRun> runs_of(const S
     }
     std::map<std::map<std::string, std::set<std::string>>, StudyRun> runs;
     for (const StudyClaim& subject_claim : claims) {
-        const evaluate::TestedForm row = claim_row(subject_claim.claim);
-        StudyRun& run = runs[options[index_or_added(rows, row)]];
+        const evaluate::TestedForm form_row = claim_row(subject_claim.claim);
+        StudyRun& run = runs[options[index_or_added(rows, form_row)]];
         run.claims.push_back(subject_claim);
-        index_or_added(run.rows, row);
+        index_or_added(run.rows, form_row);
     }
     return runs;
 }

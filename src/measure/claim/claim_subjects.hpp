@@ -54,7 +54,7 @@ void measure_exhaustive(const SubjectClaims<scene::claim::SweepSubject>& claims,
 /// `scene::box::BoxDistribution`, eight adjoining boxes aimed at their shared edges from `distance` sizes away. Every
 /// box in turn gets the closest t so far as the end of the ray. Returns the share of the rays on which the nearest t
 /// over all boxes, or the decision, then differs.
-double differs_with_closest(const evaluate::TestedForm& row, double distance, std::uint64_t seed,
+double differs_with_closest(const evaluate::TestedForm& form_row, double distance, std::uint64_t seed,
                             truth::TruthLimit limit);
 
 /// Adds the result of a further draw: a claim holds only if it holds for every draw.
@@ -95,10 +95,10 @@ void require_proof(ClaimResult& result, std::uint64_t unproved, const char* one,
 Format claim_format(const scene::claim::Claim& claim);
 
 /// Index of the row among those of several claims; adds it if it is new.
-inline std::size_t index_or_added(std::vector<evaluate::TestedForm>& rows, const evaluate::TestedForm& row) {
-    const auto found = std::ranges::find(rows, row);
+inline std::size_t index_or_added(std::vector<evaluate::TestedForm>& rows, const evaluate::TestedForm& form_row) {
+    const auto found = std::ranges::find(rows, form_row);
     if (found != rows.end()) return static_cast<std::size_t>(found - rows.begin());
-    rows.push_back(row);
+    rows.push_back(form_row);
     return rows.size() - 1;
 }
 
@@ -112,10 +112,10 @@ std::vector<const scene::claim::Claim*> claims_in(const SubjectClaims<Kind>& cla
 /// Form and format of a claim about a scene or sweep. Throws InputError if the form cannot handle it.
 template <class Rays>
 evaluate::TestedForm row_for(const scene::claim::Claim& claim, const Rays& rays) {
-    const evaluate::TestedForm row = claim_row(claim);
-    if (rays.meets(row.form->shapes())) return row;
+    const evaluate::TestedForm form_row = claim_row(claim);
+    if (rays.meets(form_row.form->shapes())) return form_row;
     scene::toml::fail(claim.where, claim.form + " cannot handle " + claim.subject_name() + ": it has " +
-                                       (!is_primitive(row.form->shape) ? "no [march] table" : "other primitives") +
+                                       (!is_primitive(form_row.form->shape) ? "no [march] table" : "other primitives") +
                                        "; name another form, or another scene or sweep");
 }
 

@@ -66,7 +66,7 @@ std::vector<double> position_on_axes(const SubjectClaim<SweepSubject>& subject_c
     std::vector<double> position = part ? part->values : std::vector<double>{};
     if (position.size() != sweep.axes.size()) {
         scene::toml::fail(claim.where, "sweep \"" + subject.name + "\" has " +
-                                           scene::toml::counted(sweep.axes.size(), "axis", "axes") +
+                                           scene::toml::count_with_noun(sweep.axes.size(), "axis", "axes") +
                                            "; write as many values in `at`");
     }
     for (std::size_t a = 0; a < position.size(); ++a) {
@@ -130,9 +130,9 @@ void measure_axes(const SubjectClaims<SweepSubject>& claims, const AxesPosition&
     sweep::SweepRequest request{.sweep = sweep, .rows = {}, .metrics = {}, .limit = limit};
     std::vector<std::size_t> rows;
     for (const auto& [claim, subject, result] : claims) {
-        TestedForm row = row_for(claim, sweep);
-        if (!row.judged) row.judged = sweep.convention;
-        rows.push_back(index_or_added(request.rows, row));
+        TestedForm form_row = row_for(claim, sweep);
+        if (!form_row.touching) form_row.touching = sweep.convention;
+        rows.push_back(index_or_added(request.rows, form_row));
     }
     const OwnedSetting setting(sweep.first_rays());
     const ClaimColumns columns(claims_in(claims), request.rows, setting.get());
@@ -222,10 +222,10 @@ void measure_census(const SubjectClaims<SearchSubject>& claims, const std::files
     std::vector<std::size_t> rows;
     for (const auto& [claim, subject, result] : claims) {
         census_metric(claim);
-        const evaluate::TestedForm row = claim_row(claim);
-        if (!request.search.meets(row.form->shapes()))
+        const evaluate::TestedForm form_row = claim_row(claim);
+        if (!request.search.meets(form_row.form->shapes()))
             scene::toml::fail(claim.where, claim.form + " does not take triangles; name a form that does");
-        rows.push_back(index_or_added(request.rows, row));
+        rows.push_back(index_or_added(request.rows, form_row));
     }
     const auto findings = edges::find_nearest(request);
     for (std::size_t k = 0; k < claims.size(); ++k) {
@@ -261,11 +261,11 @@ void measure(const SubjectClaims<SearchSubject>& claims, const ClaimRequest& run
         if (claim.metric != "worst")
             scene::toml::fail(claim.quantity, "a search measures only `metric = \"worst\"`: the largest " +
                                                   file.metric + " that it finds");
-        const evaluate::TestedForm row = claim_row(claim);
-        if (row.form->shape != file.shape)
+        const evaluate::TestedForm form_row = claim_row(claim);
+        if (form_row.form->shape != file.shape)
             scene::toml::fail(claim.where, "search \"" + subject_name + "\" has other primitives than " + claim.form +
                                                " takes; name a form of its shape");
-        rows.push_back(index_or_added(request.rows, row));
+        rows.push_back(index_or_added(request.rows, form_row));
     }
     const auto results = sweep::find_worst(request);
     for (std::size_t k = 0; k < claims.size(); ++k) {

@@ -127,14 +127,14 @@ constexpr ArithmeticRow measured_rows[] = {
 
 /// The nearest t of each ray over the primitives, infinite for a miss. If `passes_on`, the nearest t so far ends the
 /// ray.
-std::vector<double> nearest(const evaluate::TestedForm& row, const FormatInputs& in, bool passes_on) {
+std::vector<double> nearest(const evaluate::TestedForm& form_row, const FormatInputs& in, bool passes_on) {
     const std::size_t n = in.rays.size();
     std::vector<double> best(n, HUGE_VAL);
     for (const Primitive<double>& primitive : in.primitives.listed()) {
         FormatInputs single{
             .format = in.format, .rays = in.rays, .primitives = std::vector{primitive}, .stop = in.stop};
         if (passes_on) single.rays.tmax = best;
-        const answer::Answers answers = answer::evaluate(*row.form, single);
+        const answer::Answers answers = answer::evaluate(*form_row.form, single);
         for (std::size_t i = 0; i < n; ++i) {
             if (answers.hit[i] != 0 && answers.t[i] < best[i]) best[i] = answers.t[i];
         }
@@ -144,10 +144,11 @@ std::vector<double> nearest(const evaluate::TestedForm& row, const FormatInputs&
 
 }  // namespace
 
-double differs_with_closest(const evaluate::TestedForm& row, double distance, std::uint64_t seed,
+double differs_with_closest(const evaluate::TestedForm& form_row, double distance, std::uint64_t seed,
                             truth::TruthLimit limit) {
-    if (!takes_tmax(row.form->shape))
-        throw InputError(std::string(row.form->info->name) + " does not take the end of a ray; name a form that does");
+    if (!takes_tmax(form_row.form->shape))
+        throw InputError(std::string(form_row.form->info->name) +
+                         " does not take the end of a ray; name a form that does");
     scene::box::BoxDistribution distribution;
     distribution.adjoining = true;
     distribution.distance = distance;
@@ -155,8 +156,8 @@ double differs_with_closest(const evaluate::TestedForm& row, double distance, st
     std::size_t rays = 0, different = 0;
     for (scene::rays::RayGroup& group : distribution.draw()) {
         const truth::Band band(std::move(group), limit);
-        const FormatInputs in = band.inputs(row.format, {});
-        const auto separate = nearest(row, in, false), passed_on = nearest(row, in, true);
+        const FormatInputs in = band.inputs(form_row.format, {});
+        const auto separate = nearest(form_row, in, false), passed_on = nearest(form_row, in, true);
         rays += separate.size();
         for (std::size_t i = 0; i < separate.size(); ++i) different += separate[i] != passed_on[i];
     }

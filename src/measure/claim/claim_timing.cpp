@@ -95,14 +95,14 @@ namespace {
 
 /// Form and format of a claim, which must be possible to time on the scene.
 TestedForm timed_row(const Claim& claim, const Scene& scene) {
-    const TestedForm row = row_for(claim, scene);
-    if (!is_primitive(row.form->shape))
+    const TestedForm form_row = row_for(claim, scene);
+    if (!is_primitive(form_row.form->shape))
         scene::toml::fail(claim.where, claim.form +
                                            " marches, and the time of a march depends on its steps; name a "
                                            "form of a primitive, such as sphere.half_b");
-    if (row.format.engine == Format::Engine::rounded)
+    if (form_row.format.engine == Format::Engine::rounded)
         scene::toml::fail(claim.where, claim.format + " is emulated, so its time means nothing; write f32 or f64");
-    return row;
+    return form_row;
 }
 
 /// The claim's row, followed by every other form that fits the scene, in the formats that the requirement names.
@@ -139,8 +139,8 @@ double time_ratio(const Claim& claim, const ChoiceSubject::RelativeTime& over, c
     over_claim.format = over.format;
     speed::SceneWork scene_work(scene, {.stop = stop});
     std::vector<speed::TimedWork> work;
-    for (const TestedForm& row : {timed_row(claim, scene), timed_row(over_claim, scene)})
-        work.push_back(scene_work.on(row, intersect::simd::packed_kernels(*row.form)));
+    for (const TestedForm& form_row : {timed_row(claim, scene), timed_row(over_claim, scene)})
+        work.push_back(scene_work.on(form_row, intersect::simd::packed_kernels(*form_row.form)));
     const auto samples = speed::sample_interleaved(work, {.repetitions = 101, .least_seconds = 1e-3, .stop = stop});
     return speed::ratio_of(samples[0], samples[1]).median;
 }
@@ -157,7 +157,8 @@ double others_that_meet(const Claim& claim, const Others& others, const Scene& s
                         intersect::process::StopToken stop) {
     ChoiceRequest request = request_for(claim, others, scene, stop);
     request.rows = candidates_of(claim, others, scene);
-    std::erase_if(request.rows, [&claim](const TestedForm& row) { return row.form->info->name == claim.form; });
+    std::erase_if(request.rows,
+                  [&claim](const TestedForm& form_row) { return form_row.form->info->name == claim.form; });
     if (request.rows.empty()) return 0;
     const auto qualities = quality_of(request);
     return static_cast<double>(std::ranges::count_if(

@@ -75,8 +75,8 @@ std::uint64_t CheckSummary::asked() const {
 std::vector<const Check*> checks_for(const scene::file::Scene& scene, const std::vector<evaluate::TestedForm>& rows,
                                      std::vector<const Check*> among) {
     std::erase_if(among, [&](const Check* check) {
-        return std::ranges::none_of(rows,
-                                    [&](const evaluate::TestedForm& row) { return check->applies(scene, *row.form); });
+        return std::ranges::none_of(
+            rows, [&](const evaluate::TestedForm& form_row) { return check->applies(scene, *form_row.form); });
     });
     return among;
 }
@@ -85,12 +85,12 @@ bool can_be_compared(const intersect::table::Intersector& form) { return is_prim
 
 void ConsistencyStudy::require() const { offset::require_few_primitives(scene); }
 
-ConsistencyBand ConsistencyStudy::measure(const truth::Band& band, std::size_t row, RowChecks& summary) const {
-    const FormOnBand band_form(scene, rows[row], band);
+ConsistencyBand ConsistencyStudy::measure(const truth::Band& band, std::size_t row_index, RowChecks& summary) const {
+    const FormOnBand band_form(scene, rows[row_index], band);
     ConsistencyBand result_band{.y0 = band.y0(), .rows = band.rows(), .width = scene.width, .checks = {}};
     for (std::size_t c = 0; c < checks.size(); ++c) {
         PixelCheckResults& pixel_results = result_band.checks.emplace_back(band_form.pixels());
-        if (checks[c]->applies(scene, *rows[row].form)) checks[c]->measure(band_form, pixel_results);
+        if (checks[c]->applies(scene, *rows[row_index].form)) checks[c]->measure(band_form, pixel_results);
         add_check(pixel_results, result_band, summary[c]);
     }
     return result_band;

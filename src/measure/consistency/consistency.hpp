@@ -66,7 +66,7 @@ struct ConsistencyStudy {
     void require() const;
     [[nodiscard]] RowChecks begin(std::size_t) const { return RowChecks(checks.size()); }
     [[nodiscard]] static const truth::Band& prepare(const truth::Band& band) { return band; }
-    ConsistencyBand measure(const truth::Band& band, std::size_t row, RowChecks& summary) const;
+    ConsistencyBand measure(const truth::Band& band, std::size_t row_index, RowChecks& summary) const;
 };
 
 /// Returns the checks of `among` that apply to at least one of the rows on a scene.

@@ -306,10 +306,11 @@ void try_end(Trial& trial) {
     Question q = plainest_question(trial.shape);
     q.end = 2;
     const bool is_hit = trial.ask(q).hit == 1;
-    const ShapeRow& row = row_of(trial.shape);
-    const std::string ends = "a ray that ends before the " + std::string(row.name);
-    if (!row.takes_tmax && !trial.has_flag(LB_RANGE)) {
-        if (!is_hit) trial.report_note(ends + " misses; maps and sweeps give " + std::string(row.plural) + " no ends");
+    const ShapeRow& shape_row = row_of(trial.shape);
+    const std::string ends = "a ray that ends before the " + std::string(shape_row.name);
+    if (!shape_row.takes_tmax && !trial.has_flag(LB_RANGE)) {
+        if (!is_hit)
+            trial.report_note(ends + " misses; maps and sweeps give " + std::string(shape_row.plural) + " no ends");
         return;
     }
     if (trial.has_flag(LB_NO_END))

@@ -17,10 +17,10 @@ using intersect::Direction;
 /// The roots of a primitive that a line enters twice are found with steps and tolerances, which are not epsilons
 /// either.
 int greatest_power(const intersect::external::Contract& contract) {
-    const ShapeRow& row = row_of(contract.shape);
+    const ShapeRow& shape_row = row_of(contract.shape);
     const auto ends = ends_of(plainest_question(contract.shape), contract.shape);
     if (has_inside(contract.shape) && ends && ends->far < 7) return 12;
-    return (contract.bits == 32 ? 112 : 960) / (row.round || row.flat || row.edges ? 4 : 10);
+    return (contract.bits == 32 ? 112 : 960) / (shape_row.round || shape_row.flat || shape_row.edges ? 4 : 10);
 }
 
 /// Plain rays at a primitive of half-width 2·size: straight, off its centre, from inside, past it.

@@ -24,8 +24,8 @@ struct AnswerSample {
 };
 
 /// Makes an AnswerSample with both units of a true hit. `t` counts if the row's form has roots, and is NaN otherwise.
-AnswerSample judged(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth,
-                    const evaluate::TestedForm& row, bool hit, double t);
+AnswerSample answer_sample(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth,
+                           const evaluate::TestedForm& form_row, bool hit, double t);
 
 /// Source of the answers. The advice about a file does not mention the contract of a library.
 enum class AnswerSource : std::uint8_t { intersector, file };
@@ -51,8 +51,8 @@ std::string suspicion(const std::vector<AnswerSample>& rays, AnswerSource source
 
 /// Does the same for a row on a small picture of a scene, or on the first rays of a step of a sweep that is called
 /// `where`. The text begins with the rays that were counted: `on all 64 rays of x: `, `on a sample of x, …: `.
-std::string suspicion(const scene::file::Scene& scene, const evaluate::TestedForm& row);
-std::string suspicion(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& row,
+std::string suspicion(const scene::file::Scene& scene, const evaluate::TestedForm& form_row);
+std::string suspicion(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& form_row,
                       const std::string& where);
 /// Puts the text about the counted rays in front of a suspicion, unless the suspicion is empty. `sampled` of `total`
 /// rays were counted; `which` follows their number in the text, such as `of its rays`.

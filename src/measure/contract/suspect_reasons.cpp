@@ -35,10 +35,10 @@ bool fits(const AnswerSample& sample, const Ray<double>& ray, const Primitive<do
 
 /// True if the answer is that for a primitive with another length. If the length does not change, only right answers
 /// fit.
-bool fits_length(const AnswerSample& sample, const ShapeRow& row, double (*change)(double)) {
-    if (sample.primitive.shape != row.shape) return false;
+bool fits_length(const AnswerSample& sample, const ShapeRow& shape_row, double (*change)(double)) {
+    if (sample.primitive.shape != shape_row.shape) return false;
     Primitive<double> other = sample.primitive;
-    double& length = other.numbers[length_key(row.shape)->number];
+    double& length = other.numbers[length_key(shape_row.shape)->number];
     const double old_length = length;
     length = change(old_length);
     return is_about(length, old_length) ? is_right(sample) : fits(sample, sample.ray, other);
@@ -79,17 +79,19 @@ constexpr LengthErrorCase length_error_cases[] = {
     {"the intersector seems to get a diameter instead of the {0}", "hand over {0}",
      "the answers are for {3} of twice the {0}; write that {0} (--{2})", [](double x) { return x * 2; }}};
 
-void add_length_reasons(const ShapeRow& row, std::vector<Reason>& list) {
-    const auto length = length_key(row.shape);
+void add_length_reasons(const ShapeRow& shape_row, std::vector<Reason>& list) {
+    const auto length = length_key(shape_row.shape);
     if (!length) return;
     const auto text = [&](const char* pattern) {
-        return fmt::format(fmt::runtime(pattern), length->key->name, length->key->letter, row.name, row.plural);
+        return fmt::format(fmt::runtime(pattern), length->key->name, length->key->letter, shape_row.name,
+                           shape_row.plural);
     };
     for (const LengthErrorCase& m : length_error_cases)
-        list.push_back(
-            {text(m.mistake), text(m.library_remedy), text(m.file_remedy),
-             [&row, change = m.change](const AnswerSample& sample) { return fits_length(sample, row, change); },
-             Reason::Scope::all});
+        list.push_back({text(m.mistake), text(m.library_remedy), text(m.file_remedy),
+                        [&shape_row, change = m.change](const AnswerSample& sample) {
+                            return fits_length(sample, shape_row, change);
+                        },
+                        Reason::Scope::all});
 }
 
 std::vector<Reason> all_reasons() {
@@ -102,7 +104,7 @@ std::vector<Reason> all_reasons() {
          "leave --direction unit out",
          [](const AnswerSample& sample) { return sample.unit && is_in_other_measure(sample); }},
     };
-    for (const ShapeRow& row : shape_rows) add_length_reasons(row, list);
+    for (const ShapeRow& shape_row : shape_rows) add_length_reasons(shape_row, list);
     const Reason other_reasons[] = {
         {"it answers 0 from inside, where another t is right", "say so (inside_zero, inside=zero)", "say --inside zero",
          [](const AnswerSample& sample) {

@@ -16,26 +16,26 @@ namespace {
 constexpr std::size_t max_rays = 4096;
 
 /// Appends the answers of a row on the rays of a band to `rays`.
-void collect_samples(const truth::Band& band, const evaluate::TestedForm& row, std::vector<AnswerSample>& rays) {
-    const truth::FormatInputs in = band.inputs_for(row.format, *row.form->info);
-    const answer::Answers answers = answer::evaluate(*row.form, in);
+void collect_samples(const truth::Band& band, const evaluate::TestedForm& form_row, std::vector<AnswerSample>& rays) {
+    const truth::FormatInputs in = band.inputs_for(form_row.format, *form_row.form->info);
+    const answer::Answers answers = answer::evaluate(*form_row.form, in);
     for (std::size_t i = 0; i < band.pixels() && rays.size() < max_rays; ++i) {
-        const truth::Truth& truth = band.truth(i, row.convention());
+        const truth::Truth& truth = band.truth(i, form_row.convention());
         if (truth.decision == truth::Truth::Decision::unresolved) continue;
         const std::size_t primitive =
             answer::measured_primitive(in, i, truth.is_hit() ? truth.object : answers.object[i]);
-        rays.push_back(judged(in.rays_for(*row.form->info)[i], in.primitives[primitive], truth, row,
-                              answers.hit[i] != 0, answers.t[i]));
+        rays.push_back(answer_sample(in.rays_for(*form_row.form->info)[i], in.primitives[primitive], truth, form_row,
+                                     answers.hit[i] != 0, answers.t[i]));
     }
 }
 
 }  // namespace
 
-AnswerSample judged(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth,
-                    const evaluate::TestedForm& row, bool hit, double t) {
-    const bool unit = row.form->info->direction == intersect::Direction::unit;
-    const FloatFormat& format = row.format.parameters;
-    if (row.form->info->roots == intersect::Roots::none) t = std::nan("");
+AnswerSample answer_sample(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& truth,
+                           const evaluate::TestedForm& form_row, bool hit, double t) {
+    const bool unit = form_row.form->info->direction == intersect::Direction::unit;
+    const FloatFormat& format = form_row.format.parameters;
+    if (form_row.form->info->roots == intersect::Roots::none) t = std::nan("");
     AnswerSample sample{
         .ray = ray, .primitive = primitive, .truly_hits = truth.is_hit(), .unit = unit, .hit = hit, .t = t};
     const auto to_double = [](const truth::Certified& x) { return std::ldexp(x.hi, static_cast<int>(x.exponent)); };
@@ -53,16 +53,16 @@ std::string on_rays_of(const std::string& where, std::uint64_t sampled, std::uin
                        const std::string& suspicion) {
     if (suspicion.empty()) return "";
     const std::string rays = sampled >= total
-                                 ? fmt::format("on all {} of {}: ", scene::toml::counted(total, "ray"), where)
+                                 ? fmt::format("on all {} of {}: ", scene::toml::count_with_noun(total, "ray"), where)
                                  : fmt::format("on a sample of {}, the first {} {}: ", where, sampled, which);
     return rays + suspicion;
 }
 
-std::string suspicion(const scene::file::Scene& scene, const evaluate::TestedForm& row) {
+std::string suspicion(const scene::file::Scene& scene, const evaluate::TestedForm& form_row) {
     const scene::file::Scene small = evaluate::small_picture_of(scene, 64);
     culling::Culler culler(small);
     std::vector<AnswerSample> rays;
-    collect_samples(truth::Band(small, 0, small.height, {}, &culler), row, rays);
+    collect_samples(truth::Band(small, 0, small.height, {}, &culler), form_row, rays);
     const std::string text = suspicion(rays);
     if (text.empty() || small.pixels() == scene.pixels())
         return on_rays_of(scene.id, small.pixels(), small.pixels(), "", text);
@@ -70,7 +70,7 @@ std::string suspicion(const scene::file::Scene& scene, const evaluate::TestedFor
                        small.pixels(), text);
 }
 
-std::string suspicion(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& row,
+std::string suspicion(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& form_row,
                       const std::string& where) {
     std::vector<AnswerSample> rays;
     std::uint64_t total = 0, sampled = 0;
@@ -78,7 +78,7 @@ std::string suspicion(std::vector<scene::rays::RayGroup> groups, const evaluate:
         total += group.rays.size();
         if (rays.size() >= max_rays) continue;
         sampled += std::min(group.rays.size(), max_rays - rays.size());
-        collect_samples(truth::Band(std::move(group)), row, rays);
+        collect_samples(truth::Band(std::move(group)), form_row, rays);
     }
     return on_rays_of(where, sampled, total, "of its rays", suspicion(rays));
 }

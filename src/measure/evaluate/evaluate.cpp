@@ -22,26 +22,26 @@ SharedBandTruth::SharedBandTruth(Band& band, const std::vector<TestedForm>& rows
     const unsigned metric_needs = needs_of(metrics);
     if (metric_needs & metric::needs_condition) band.find_condition();
     std::map<std::string, BandNeeds> needs_by_format;
-    for (const TestedForm& row : rows) {
-        BandNeeds& needs = needs_by_format.try_emplace(row.format.name, BandNeeds{.no_forms = true}).first->second;
-        for (const intersect::table::Intersector* form : {row.form, row.against}) {
+    for (const TestedForm& form_row : rows) {
+        BandNeeds& needs = needs_by_format.try_emplace(form_row.format.name, BandNeeds{.no_forms = true}).first->second;
+        for (const intersect::table::Intersector* form : {form_row.form, form_row.against}) {
             if (form == nullptr) continue;
             needs.unit_rays |= form->info->direction == intersect::Direction::unit;
-            needs.no_forms &= !form->exists_in(row.format);  // a row of a file's answers exists in no format
+            needs.no_forms &= !form->exists_in(form_row.format);  // a row of a file's answers exists in no format
         }
         needs.stored_truth = (metric_needs & metric::needs_stored_truth) != 0;
-        const truth::Length length = truth::length_of(row.form->info->direction);
+        const truth::Length length = truth::length_of(form_row.form->info->direction);
         if (metric_needs & metric::needs_reach) needs.add_reach(truth::Perturbed::componentwise, length);
         if (metric_needs & metric::needs_reach_normwise) needs.add_reach(truth::Perturbed::normwise, length);
     }
     for (const auto& [name, needs] : needs_by_format) inputs_.emplace(name, band.inputs(*find_format(name), needs));
-    for (const TestedForm& row : rows) columns_.find(row.convention(), row.form->info->direction);
+    for (const TestedForm& form_row : rows) columns_.find(form_row.convention(), form_row.form->info->direction);
 }
 
 std::vector<const intersect::table::Intersector*> forms_of(const std::vector<TestedForm>& rows) {
     std::vector<const intersect::table::Intersector*> forms;
-    for (const TestedForm& row : rows) {
-        if (std::ranges::find(forms, row.form) == forms.end()) forms.push_back(row.form);
+    for (const TestedForm& form_row : rows) {
+        if (std::ranges::find(forms, form_row.form) == forms.end()) forms.push_back(form_row.form);
     }
     return forms;
 }

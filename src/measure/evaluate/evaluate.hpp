@@ -23,12 +23,12 @@ struct TestedForm {
     const intersect::table::Intersector* form;
     Format format;
     /// Touching convention that the form is judged by; absent: its own.
-    std::optional<intersect::Touching> judged = {};
+    std::optional<intersect::Touching> touching = {};
 
     /// Form to compare the answers with, which exists in the format; may be null.
     const intersect::table::Intersector* against = nullptr;
 
-    [[nodiscard]] intersect::Convention convention() const { return form->info->convention(judged); }
+    [[nodiscard]] intersect::Convention convention() const { return form->info->convention(touching); }
     friend bool operator==(const TestedForm&, const TestedForm&) = default;
 };
 
@@ -48,7 +48,7 @@ struct WorstRay {
     answer::Outcome outcome = answer::Outcome::agree_hit;
     double ulps = truth::missing;   ///< (t − t*)/ulp(t*), signed; NaN unless both hit
     double truth = truth::missing;  ///< t*, correctly rounded to binary64; NaN if the ray truly misses
-    std::optional<intersect::Touching> judged = {};
+    std::optional<intersect::Touching> touching = {};
     /// The ray before rounding to the format, with the primitives that decide its outcome. Null for a pixel of a scene,
     /// and if there are too many primitives.
     std::shared_ptr<const scene::rays::RayGroup> given = {};
@@ -114,11 +114,11 @@ struct BandResult {
 /// concurrently for one row; different rows may be shown at the same time.
 using Show = std::function<void(const BandResult&)>;
 /// Receives the results of all rows, each with the index of its row.
-using ShowRows = std::function<void(std::size_t row, const BandResult&)>;
+using ShowRows = std::function<void(std::size_t row_index, const BandResult&)>;
 /// Passes the bands of row i to the function `band` of readers[i]. The readers must outlive the result.
 template <class Readers>
 ShowRows show_to_each(Readers& readers) {
-    return [&readers](std::size_t row, const BandResult& result) { readers.at(row).band(result); };
+    return [&readers](std::size_t row_index, const BandResult& result) { readers.at(row_index).band(result); };
 }
 
 /// Metrics and receiver of one row.

@@ -36,8 +36,9 @@ SharedBandTruth MapStudy::prepare(truth::Band& band, const std::vector<std::size
     return {band, band_rows, metrics};
 }
 
-void MapStudy::measure(const SharedBandTruth& shared, std::size_t row, FormSummary& summary, const Show& show) const {
-    measure_row({rows[row], metrics, show}, shared.of(rows[row]), summary);
+void MapStudy::measure(const SharedBandTruth& shared, std::size_t row_index, FormSummary& summary,
+                       const Show& show) const {
+    measure_row({rows[row_index], metrics, show}, shared.of(rows[row_index]), summary);
 }
 
 std::vector<FormSummary> run_map(const MapStudy& map, const ShowRows& show) { return study::run_share(map, show); }

@@ -38,7 +38,7 @@ struct MapStudy {
     [[nodiscard]] std::vector<study::RowsOfScene> scenes() const;
     [[nodiscard]] FormSummary begin(std::size_t) const { return FormSummary(metrics); }
     [[nodiscard]] SharedBandTruth prepare(truth::Band& band, const std::vector<std::size_t>& row_indices) const;
-    void measure(const SharedBandTruth& shared, std::size_t row, FormSummary& summary, const Show& show) const;
+    void measure(const SharedBandTruth& shared, std::size_t row_index, FormSummary& summary, const Show& show) const;
 };
 
 /// Measures a map, or the share of one. The distributions are not sealed: a requirement may ask for any quantile.

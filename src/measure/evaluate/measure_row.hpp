@@ -30,7 +30,9 @@ public:
     SharedBandTruth(truth::Band& band, const std::vector<TestedForm>& rows,
                     const std::vector<const metric::Metric*>& metrics);
 
-    [[nodiscard]] RowInputs of(const TestedForm& row) const { return {band_, inputs_.at(row.format.name), columns_}; }
+    [[nodiscard]] RowInputs of(const TestedForm& form_row) const {
+        return {band_, inputs_.at(form_row.format.name), columns_};
+    }
 
 private:
     const truth::Band& band_;

@@ -181,9 +181,9 @@ std::vector<NeededBand> NeededStudy::prepare(const truth::Band& band) const {
     return results;
 }
 
-void NeededStudy::measure(const std::vector<NeededBand>& bands, std::size_t row, NeededSummary& summary,
+void NeededStudy::measure(const std::vector<NeededBand>& bands, std::size_t row_index, NeededSummary& summary,
                           const std::function<void(const NeededBand&)>& show) {
-    const NeededBand& band = bands[row];
+    const NeededBand& band = bands[row_index];
     for (std::size_t i = 0; i < band.needed.size(); ++i) summary.add(band.truth(i), band.needed[i]);
     show(band);
 }

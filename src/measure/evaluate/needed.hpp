@@ -97,7 +97,7 @@ struct NeededStudy {
     [[nodiscard]] static NeededSummary begin(std::size_t) { return {}; }
     /// All rows of a band. They are scanned together, since a width's inputs serve every form.
     [[nodiscard]] std::vector<NeededBand> prepare(const truth::Band& band) const;
-    static void measure(const std::vector<NeededBand>& bands, std::size_t row, NeededSummary& summary,
+    static void measure(const std::vector<NeededBand>& bands, std::size_t row_index, NeededSummary& summary,
                         const std::function<void(const NeededBand&)>& show);
 };
 

@@ -57,7 +57,7 @@ std::size_t records_of_piece(const JudgeRequest& request) {
 
 [[noreturn]] void throw_wrong_size(const Dump& dump, const JudgeRequest& request, const JudgeResult& result,
                                    const char* count_phrase) {
-    throw InputError(dump.name() + ": " + count_phrase + " " + scene::toml::counted(result.rays, "ray") +
+    throw InputError(dump.name() + ": " + count_phrase + " " + scene::toml::count_with_noun(result.rays, "ray") +
                      ", but a picture of " + std::to_string(request.picture->first) + "x" +
                      std::to_string(request.picture->second) + " has " + std::to_string(pixels_of(request)) +
                      "; its --size is columns x rows");
@@ -225,17 +225,17 @@ private:
         const std::int64_t first = request_.picture ? 0 : static_cast<std::int64_t>(chunk.first);
         const auto values = group(chunk);
         intersect::process::in_parallel(std::size_t{0}, request_.rows.size(), [&](std::size_t r) {
-            const TestedForm& row = request_.rows[r];
+            const TestedForm& form_row = request_.rows[r];
             evaluate::Show show;
             if (show_) show = [&, r](const evaluate::BandResult& result) { show_(r, chunk, result); };
             std::vector<evaluate::RaySubset> parts;
             for (const auto& [value, rays] : values) parts.push_back({rays, &result_.groups.at(value).summaries[r]});
-            evaluate::measure_row({.row = row,
+            evaluate::measure_row({.row = form_row,
                                    .metrics = request_.metrics,
                                    .show = show,
                                    .first = first,
-                                   .answers = request_.is_of_file(row) ? &piece.answers : nullptr},
-                                  piece.shared->of(row), result_.summaries[r], parts);
+                                   .answers = request_.is_of_file(form_row) ? &piece.answers : nullptr},
+                                  piece.shared->of(form_row), result_.summaries[r], parts);
         });
         if (file_) add_first(piece);
         request_.progress(chunk.size(), piece.records.bytes.size());
@@ -256,16 +256,16 @@ private:
     }
 
     void add_first(const Piece& piece) {
-        const TestedForm& row = file_row();
-        const FormatInputs& inputs = piece.shared->of(row).inputs;
+        const TestedForm& form_row = file_row();
+        const FormatInputs& inputs = piece.shared->of(form_row).inputs;
         for (std::size_t i = 0; i < piece.chunk.size() && result_.first.size() < most_first_rays; ++i) {
-            const truth::Truth truth = piece.band->truth(i, row.convention());
+            const truth::Truth truth = piece.band->truth(i, form_row.convention());
             const bool hit = piece.answers.hit[i] != 0;
             if (truth.decision == truth::Truth::Decision::unresolved || !(hit || truth.is_hit())) continue;
             const int object = truth.is_hit() ? truth.object : piece.answers.object[i];
-            result_.first.push_back(contract::judged(inputs.rays_for(*row.form->info)[i],
-                                                     inputs.primitives[static_cast<std::size_t>(object)], truth, row,
-                                                     hit, piece.answers.t[i]));
+            result_.first.push_back(contract::answer_sample(inputs.rays_for(*form_row.form->info)[i],
+                                                            inputs.primitives[static_cast<std::size_t>(object)], truth,
+                                                            form_row, hit, piece.answers.t[i]));
         }
     }
 
@@ -299,7 +299,7 @@ void JudgeResult::append(JudgeResult&& next) {
 }
 
 std::optional<std::size_t> JudgeRequest::file_place() const {
-    const auto found = std::ranges::find_if(rows, [this](const TestedForm& row) { return is_of_file(row); });
+    const auto found = std::ranges::find_if(rows, [this](const TestedForm& form_row) { return is_of_file(form_row); });
     return found == rows.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - rows.begin()));
 }
 

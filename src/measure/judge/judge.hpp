@@ -50,11 +50,11 @@ struct JudgeRequest {
     truth::TruthLimit limit = {};
     truth::StageCounts* stages = nullptr;  ///< receives the counts of stages; may be null
     /// The pieces of the file to measure, see `count_pieces`; absent: all pieces.
-    std::optional<shard::Units> pieces = {};
+    std::optional<shard::UnitRange> pieces = {};
     /// Receives the numbers of rays and of bytes of the file done since the last call; may throw to stop.
     std::function<void(std::uint64_t rays, std::uint64_t bytes)> progress = [](std::uint64_t, std::uint64_t) {};
 
-    [[nodiscard]] bool is_of_file(const evaluate::TestedForm& row) const { return row.form == file_form; }
+    [[nodiscard]] bool is_of_file(const evaluate::TestedForm& form_row) const { return form_row.form == file_form; }
     /// Index of the row of the file's answers, if there is one.
     [[nodiscard]] std::optional<std::size_t> file_place() const;
 };
@@ -62,7 +62,7 @@ struct JudgeRequest {
 /// Receives the results of a row for some rays, with the file's record of these rays. Called in order for each row;
 /// different rows may be shown at the same time.
 using ShowJudged =
-    std::function<void(std::size_t row, const scene::dump::Chunk& chunk, const evaluate::BandResult& result)>;
+    std::function<void(std::size_t row_index, const scene::dump::Chunk& chunk, const evaluate::BandResult& result)>;
 
 struct JudgeResult {
     std::vector<evaluate::FormSummary> summaries;  ///< one for each row

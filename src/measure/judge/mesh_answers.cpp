@@ -182,7 +182,7 @@ std::uint64_t MeshAnswersResult::faults() const {
 void require_inside(const scene::triangle::Mesh& mesh, const std::string& file) {
     if (mesh.edges.odd == 0) return;
     throw InputError(file + ": has a column inside, but the mesh is not closed: " +
-                     scene::toml::counted(mesh.edges.odd, "edge has", "edges have") +
+                     scene::toml::count_with_noun(mesh.edges.odd, "edge has", "edges have") +
                      " an odd number of faces, so no point is inside or outside; close the mesh, or judge crossings of "
                      "rays");
 }

@@ -13,12 +13,12 @@ using scene::file::Scene;
 
 std::vector<double> factors_along(SceneAxis axis) {
     struct Exponents {
-        int from, to, step;
+        int first, last, step;
     };
     constexpr std::array<Exponents, 3> exponents{{{0, 13, 1}, {-12, 24, 2}, {-2, 22, 2}}};  // distance, radius, world
-    const auto& [from, to, step] = exponents[static_cast<std::size_t>(axis)];
+    const auto& [first, last, step] = exponents[static_cast<std::size_t>(axis)];
     std::vector<double> factors;
-    for (int k = from; k <= to; k += step) factors.push_back(std::ldexp(1.0, k));
+    for (int k = first; k <= last; k += step) factors.push_back(std::ldexp(1.0, k));
     return factors;
 }
 

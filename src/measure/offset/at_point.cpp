@@ -31,7 +31,8 @@ struct StoredAs<RoundedAny> {
 bool is_finite(const Vec<double>& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 double distance(const Vec<double>& a, const Vec<double>& b) { return length(Vec<double>(a - b)); }
 
-/// Returns the t at which a ray leaves the primitive that it goes into, in doubles; nothing if it does not leave it.
+/// Returns the t, in doubles, at which a ray comes out of the primitive that it goes into; nothing if the ray never
+/// comes out.
 std::optional<double> exit_of(const Ray<double>& ray, const Primitive<double>& primitive) {
     const auto ends = with_span(ray, primitive, [](const auto& span) { return ends_of(span); });
     return ends && ends->far > 0 ? std::optional(ends->far) : std::nullopt;
@@ -59,8 +60,8 @@ double least_distance(const Vec<double>& p, const Primitive<double>& primitive) 
 
 }  // namespace
 
-/// Far sides of the primitive that the rays leave, ahead of the rays to one side. For rays that go into the primitive,
-/// the far side is where they come out of it.
+/// Far sides of the departed primitive (the one that the hit point lies on) for the rays to one `Side` of its surface.
+/// For rays that go into the primitive, the far side is where they come out.
 struct FarSides {
     FarSide along_normal;
     std::vector<FarSide> along_rays;
@@ -73,22 +74,23 @@ public:
     using S = typename StoredAs<T>::type;
 
     TypedPoint(const PointWork& work, const FormHit& form_hit)
-        : work_(work), form_hit_(form_hit), left_primitive_(work.primitives_[form_hit.primitive]) {
+        : work_(work), form_hit_(form_hit), departed_primitive_(work.primitives_[form_hit.primitive]) {
         const Ray<T> ray = lift_ray<T>(form_hit.ray);
         const T t = static_cast<T>(form_hit.t);
         const Vec<T> point = moved<T>(ray.origin, t, ray.direction);
-        Leaving<T> leaving{ray, t, lift_primitive<T>(left_primitive()), {}, point, point, point, T(1), T(1)};
-        if (leaving.primitive.placed) compute_object_point(leaving);
-        else compute_point(leaving.ray, leaving.primitive, leaving.p, leaving.n);
-        leaving_.emplace(std::move(leaving));
-        const Vec<T>& p = leaving_->p;
+        StrategyInput<T> strategy_input{ray,  t,   lift_primitive<T>(departed_primitive()), {}, point, point, point,
+                                        T(1), T(1)};
+        if (strategy_input.primitive.placed) compute_object_point(strategy_input);
+        else compute_point(strategy_input.ray, strategy_input.primitive, strategy_input.p, strategy_input.n);
+        strategy_input_.emplace(std::move(strategy_input));
+        const Vec<T>& p = strategy_input_->p;
         p_ = as_doubles(p);
-        n_ = as_doubles(leaving_->n);
+        n_ = as_doubles(strategy_input_->n);
         const T infinite = T(1) / T(0);
         std::optional<Vec<T>> light;
         if (work.light_) light = lift_vec<T>(*work.light_);
         if (!is_finite(p_) || !is_finite(n_)) return;
-        for (const Departure<T>& departure : departures_from<T>(ray, p, leaving_->n, infinite, light)) {
+        for (const Departure<T>& departure : departures_from<T>(ray, p, strategy_input_->n, infinite, light)) {
             if (is_finite(as_doubles(departure.w))) departures_[departure.side > T(0) ? 0 : 1].push_back(departure);
         }
         for (const Side side : both_sides) {
@@ -107,15 +109,15 @@ public:
     [[nodiscard]] std::vector<NewRay> rays(const Strategy& strategy, Side side) const {
         std::vector<NewRay> new_rays;
         for (const Departure<T>& departure : departures(side)) {
-            Leaving<T> leaving = *leaving_;
-            leaving.w = departure.w;
-            leaving.side = departure.side;
-            leaving.reach = departure.reach;
-            const Respawn<T> r = strategy.respawn<T>(leaving);
+            StrategyInput<T> strategy_input = *strategy_input_;
+            strategy_input.w = departure.w;
+            strategy_input.side = departure.side;
+            strategy_input.reach = departure.reach;
+            const StrategyOutput<T> r = strategy.respawn<T>(strategy_input);
             new_rays.push_back({.ray = {as_doubles(r.origin), as_doubles(departure.w)},
                                 .tmin = as_double(r.tmin),
                                 .tmax = as_double(r.tmax),
-                                .tests_left_primitive = r.tests_left_primitive});
+                                .tests_departed_primitive = r.tests_departed_primitive});
         }
         for (std::size_t k = 0; k < new_rays.size(); ++k)
             find_faults(new_rays[k], side, far_sides_of(side).along_rays[k]);
@@ -123,132 +125,137 @@ public:
         return new_rays;
     }
 
-    [[nodiscard]] OffsetVerdict judge(Side side, double e, bool by_form) const {
+    [[nodiscard]] OffsetVerdict verdict_on_offset(Side side, double e, bool by_form) const {
         const T signed_e = side == Side::outside ? static_cast<T>(e) : -static_cast<T>(e);
-        const Vec<double> origin = as_doubles(moved<T>(leaving_->p, signed_e, leaving_->n));
+        const Vec<double> origin = as_doubles(moved<T>(strategy_input_->p, signed_e, strategy_input_->n));
         const FarSide& far = far_sides_of(side).along_normal;
-        if (!is_finite(origin) || e > (enters(side) ? far.wall : far.from)) return OffsetVerdict::too_much;
+        if (!is_finite(origin) || e > (enters(side) ? far.t_wall : far.t_begin)) return OffsetVerdict::too_much;
         std::vector<NewRay> new_rays;
         for (std::size_t k = 0; k < ray_count(side); ++k) {
             const Departure<T>& departure = departures(side)[k];
             const Ray<double> ray{origin, as_doubles(departure.w)};
-            if (!is_right(ray, side, far_sides_of(side).along_rays[k]))
-                return e > far.from ? OffsetVerdict::too_much : OffsetVerdict::too_little;
+            if (!is_safe_ray(ray, side, far_sides_of(side).along_rays[k]))
+                return e > far.t_begin ? OffsetVerdict::too_much : OffsetVerdict::too_little;
             if (by_form) new_rays.push_back({.ray = ray, .tmin = 0, .tmax = as_double(departure.reach)});
         }
         if (!by_form) return OffsetVerdict::enough;
         find_faults_by_form(new_rays, side);
-        const unsigned wrong_faults = bit_of(Fault::self_hit_by_form) | bit_of(Fault::lost_exit_by_form);
-        const bool any_wrong =
-            std::ranges::any_of(new_rays, [&](const NewRay& r) { return (r.faults & wrong_faults) != 0; });
-        return any_wrong ? OffsetVerdict::too_little : OffsetVerdict::enough;
+        const unsigned faults_by_form = bit_of(Fault::self_hit_by_form) | bit_of(Fault::lost_exit_by_form);
+        const bool has_wrong_ray =
+            std::ranges::any_of(new_rays, [&](const NewRay& r) { return (r.faults & faults_by_form) != 0; });
+        return has_wrong_ray ? OffsetVerdict::too_little : OffsetVerdict::enough;
     }
 
     [[nodiscard]] double smallest_offset(Side side, bool by_form) const {
-        const FloatFormat& format = work_.row_.format.parameters;
+        const FloatFormat& format = work_.form_row_.format.parameters;
         const double start = std::ldexp(largest_of(p_), -format.precision);
         double size = largest_of(p_);
-        for (const double x : left_primitive().used()) size = std::max(size, std::fabs(x));
-        return smallest_enough(format, start, 64 * size, [&](double e) { return judge(side, e, by_form); });
+        for (const double x : departed_primitive().used()) size = std::max(size, std::fabs(x));
+        return smallest_enough(format, start, 64 * size, [&](double e) { return verdict_on_offset(side, e, by_form); });
     }
 
 private:
-    /// Projects p onto the surface if the row asks for projected points, and computes the normal there.
+    /// Projects p onto the surface if the kind of the points is `HitPoint::projected`, and computes the normal there.
     void compute_point(const Ray<T>& ray, const Primitive<T>& primitive, Vec<T>& p, Vec<T>& n) const {
-        if (work_.point_ == HitPoint::projected) p = projected<T>(ray, primitive, p);
+        if (work_.point_kind_ == HitPoint::projected) p = projected<T>(ray, primitive, p);
         n = outward_normal<T>(ray, primitive, p);
     }
-    /// Computes the point and its normal in object space, by the transform method of the row, and in world space. With
+    /// Computes the point and its normal in object space, by the transform method of the form, and in world space. With
     /// M = [A τ] the matrix of the primitive, a computed point in world space is o + t d, and a projected one is M
     /// times the point in object space. The normal in world space is A⁻ᵀ times that in object space, made unit. A
     /// transform method that uses adj(A) in place of A⁻¹ works with a primitive |det A| times as large, so its ray is
     /// divided by that factor here.
-    void compute_object_point(Leaving<T>& leaving) const {
+    void compute_object_point(StrategyInput<T>& strategy_input) const {
         const auto& steps = intersect::transform::steps_in<T>(
             *intersect::transform::transformed_parts_of(
-                 intersect::bounding_box::without_world_boxes(work_.row_.form->of(leaving.primitive.shape)))
+                 intersect::bounding_box::without_world_boxes(work_.form_row_.form->of(strategy_input.primitive.shape)))
                  .method);
-        const Placement<T> placed = *std::exchange(leaving.primitive.placed, std::nullopt);
+        const Placement<T> placed = *std::exchange(strategy_input.primitive.placed, std::nullopt);
         const auto maps = steps.maps(placed);
-        const auto object_ray = steps.to_object(maps, leaving.ray);
-        const T t = leaving.t * object_ray.length;
+        const auto object_ray = steps.to_object(maps, strategy_input.ray);
+        const T t = strategy_input.t * object_ray.length;
         const Ray<T> ray{object_ray.ray.origin / object_ray.scale, object_ray.ray.direction / object_ray.scale};
         ObjectPoint<T> object_point{
             ray, t, moved<T>(ray.origin, t, ray.direction), ray.direction, maps.to_world, maps.to_object};
-        compute_point(ray, leaving.primitive, object_point.p, object_point.n);
-        if (work_.point_ == HitPoint::projected) leaving.p = maps.to_world.point(object_point.p);
+        compute_point(ray, strategy_input.primitive, object_point.p, object_point.n);
+        if (work_.point_kind_ == HitPoint::projected) strategy_input.p = maps.to_world.point(object_point.p);
         const auto& rows = maps.to_object.rows;
         const T sign = as_double(object_ray.scale) == 1 || placed.orientation > 0 ? T(1) : T(-1);
-        leaving.n = unit_of<T>(sign * times(rows, object_point.n));
-        leaving.object = object_point;
+        strategy_input.n = unit_of<T>(sign * times(rows, object_point.n));
+        strategy_input.object = object_point;
     }
     [[nodiscard]] const std::vector<Departure<T>>& departures(Side side) const {
         return departures_[static_cast<std::size_t>(side)];
     }
-    [[nodiscard]] const Primitive<double>& left_primitive() const { return left_primitive_; }
+    [[nodiscard]] const Primitive<double>& departed_primitive() const { return departed_primitive_; }
     [[nodiscard]] const FarSides& far_sides_of(Side side) const { return far_sides_[static_cast<std::size_t>(side)]; }
-    /// True if rays to a side go into the primitive. If the primitive has no inside, rays to either side leave it.
-    [[nodiscard]] bool enters(Side side) const { return side == Side::inside && has_inside(left_primitive().shape); }
+    /// True if rays to a side go into the primitive. If the primitive has no inside, rays to both sides go away from
+    /// it.
+    [[nodiscard]] bool enters(Side side) const {
+        return side == Side::inside && has_inside(departed_primitive().shape);
+    }
     /// Returns the far side ahead of a ray that starts at the point. For a ray that goes into the primitive, the far
     /// side begins half of the way to its exit.
     [[nodiscard]] FarSide far_side_ahead(Side side, const Vec<double>& w) const {
-        if (!enters(side)) return far_side({p_, w}, left_primitive());
-        const double exit = exit_of({p_, w}, left_primitive()).value_or(std::numeric_limits<double>::infinity());
+        if (!enters(side)) return far_side({p_, w}, departed_primitive());
+        const double exit = exit_of({p_, w}, departed_primitive()).value_or(std::numeric_limits<double>::infinity());
         return {exit / 2, exit};
     }
     /// True if the wall of the far side lies between the point and the start of a ray.
     [[nodiscard]] bool is_behind_wall(Side side, const HalfLine& line) const {
-        const Vec<double> to_start = line.ray.origin + line.from * line.ray.direction - p_;
-        return length(to_start) > 0 && far_side_ahead(side, to_start).wall < 1;
+        const Vec<double> to_start = line.ray.origin + line.tmin * line.ray.direction - p_;
+        return length(to_start) > 0 && far_side_ahead(side, to_start).t_wall < 1;
     }
 
-    /// True if a ray to the outside does not meet the primitive before its far side, or if a ray that goes in starts in
-    /// the primitive and meets its inner points.
-    [[nodiscard]] bool is_right(const Ray<double>& ray, Side side, const FarSide& far) const {
-        if (!enters(side)) return !meets_before({ray, 0}, far.from, left_primitive());
-        const Meeting meeting = find_meeting({ray, 0}, left_primitive());
+    /// True if a ray has no true self-hit and no lost exit: a ray to the outside must not meet the primitive before the
+    /// far side, and a ray that goes into the primitive must start in or on the primitive and meet its inner points.
+    [[nodiscard]] bool is_safe_ray(const Ray<double>& ray, Side side, const FarSide& far) const {
+        if (!enters(side)) return !meets_before({ray, 0}, far.t_begin, departed_primitive());
+        const Meeting meeting = find_meeting({ray, 0}, departed_primitive());
         return !meeting.outside && meeting.meets;
     }
 
-    /// Finds the true faults of a ray. `far` is the far side for the same direction from the point itself.
+    /// Finds the true faults of a ray. `far` is the far side ahead of a ray in the same direction that starts at the
+    /// hit point.
     void find_faults(NewRay& r, Side side, const FarSide& far) const {
         const auto add = [&r](bool condition, Fault f) { r.faults |= condition ? bit_of(f) : 0; };
         const HalfLine line{r.ray, r.tmin};
         if (!line.is_proper()) return add(true, Fault::not_finite);
         if (enters(side)) {
-            const Meeting meeting = find_meeting(line, left_primitive());
-            const Meeting from_origin = r.tmin > 0 ? find_meeting({r.ray, 0}, left_primitive()) : meeting;
+            const Meeting meeting = find_meeting(line, departed_primitive());
+            const Meeting from_origin = r.tmin > 0 ? find_meeting({r.ray, 0}, departed_primitive()) : meeting;
             // Beyond the far side of a convex primitive, the ray meets nothing. Beyond that of a torus, it meets the
             // ring once more.
-            const bool lost = !meeting.meets || (is_hit_again(left_primitive()) && is_behind_wall(side, line));
+            const bool lost = !meeting.meets || (is_hit_again(departed_primitive()) && is_behind_wall(side, line));
             add(from_origin.outside, Fault::wrong_side);
-            add(r.tests_left_primitive && meeting.outside && !lost, Fault::self_hit);
-            add(!r.tests_left_primitive || lost, Fault::lost_exit);
+            add(r.tests_departed_primitive && meeting.outside && !lost, Fault::self_hit);
+            add(!r.tests_departed_primitive || lost, Fault::lost_exit);
         } else {
             const HalfLine whole_line{r.ray, 0};
-            add(has_inside(left_primitive().shape) ? find_meeting(whole_line, left_primitive()).inside
-                                                   : meets_before(whole_line, far.from, left_primitive()),
+            add(has_inside(departed_primitive().shape) ? find_meeting(whole_line, departed_primitive()).inside
+                                                       : meets_before(whole_line, far.t_begin, departed_primitive()),
                 Fault::wrong_side);
-            add(r.tests_left_primitive && meets_before(line, far.from, left_primitive()), Fault::self_hit);
-            add(far.wall < r.tmax && (!r.tests_left_primitive || is_behind_wall(side, line)), Fault::lost_occluder);
+            add(r.tests_departed_primitive && meets_before(line, far.t_begin, departed_primitive()), Fault::self_hit);
+            add(far.t_wall < r.tmax && (!r.tests_departed_primitive || is_behind_wall(side, line)),
+                Fault::lost_occluder);
         }
         const double jump = distance(r.ray.origin, p_) + r.tmin * length(r.ray.direction);
         if (jump > 0) find_faults_near(1.001 * jump, line, r);
     }
 
-    /// Finds the faults with all other primitives that may lie within a distance of p.
-    void find_faults_near(double distance, const HalfLine& line, NewRay& r) const {
+    /// Finds the faults with all other primitives whose surface may lie within a radius around p.
+    void find_faults_near(double radius, const HalfLine& line, NewRay& r) const {
         const auto test_primitive = [&](std::size_t k) {
             if (k == form_hit_.primitive) return;
             const Primitive<double> other = work_.primitives_[k];
-            if (!(least_distance(p_, other) > distance)) find_faults_with(other, line, r);
+            if (!(least_distance(p_, other) > radius)) find_faults_with(other, line, r);
         };
         if (work_.tree_ == nullptr) {
             for (std::size_t k = 0; k < work_.primitives_.size(); ++k) test_primitive(k);
             return;
         }
         std::vector<std::uint32_t> nearby;
-        work_.tree_->within(p_, distance, nearby);
+        work_.tree_->within(p_, radius, nearby);
         for (const std::uint32_t k : nearby) test_primitive(k);
     }
 
@@ -256,7 +263,7 @@ private:
     void find_faults_with(const Primitive<double>& other, const HalfLine& line, NewRay& r) const {
         const Meeting from_p = find_meeting({{p_, r.ray.direction}, 0}, other), from_start = find_meeting(line, other);
         const bool passes_surface =
-            line.from > 0 ? from_p.meets && !from_start.meets
+            line.tmin > 0 ? from_p.meets && !from_start.meets
                           : !from_p.inside && !from_start.inside && passes_through(p_, r.ray.origin, other);
         if (from_p.meets && (from_p.inside != from_start.inside || passes_surface))
             r.faults |= bit_of(Fault::lost_occluder);
@@ -266,24 +273,25 @@ private:
     /// Finds the faults by the form's own arithmetic. A hit at a larger t than the start of the far side is not a
     /// self-hit.
     void find_faults_by_form(std::vector<NewRay>& new_rays, Side side) const {
-        const intersect::Info &info = *work_.row_.form->info,
-                              &part_info = *work_.row_.form->of(left_primitive().shape).info;
+        const intersect::Info &info = *work_.form_row_.form->info,
+                              &part_info = *work_.form_row_.form->of(departed_primitive().shape).info;
         scene::rays::RayBlock rays;
         for (const NewRay& r : new_rays) {
             const bool is_made_unit = info.direction == intersect::Direction::unit && is_finite(r.ray.direction);
-            rays.push({r.ray.origin, is_made_unit ? truth::unit_direction(r.ray.direction, work_.row_.format.parameters)
-                                                  : r.ray.direction});
+            rays.push({r.ray.origin, is_made_unit
+                                         ? truth::unit_direction(r.ray.direction, work_.form_row_.format.parameters)
+                                         : r.ray.direction});
         }
         answer::KernelBuffers<S> buffers(rays);
         const auto& [t, near, far, hit] = static_cast<const answer::AnswerBuffers<S>&>(buffers);
-        run_kernel(buffers.rays(), lift_primitive<S>(left_primitive()), buffers.hits());
+        run_kernel(buffers.rays(), lift_primitive<S>(departed_primitive()), buffers.hits());
         for (std::size_t k = 0; k < new_rays.size(); ++k) {
             NewRay& r = new_rays[k];
-            if (!r.tests_left_primitive || r.has(Fault::not_finite)) continue;
+            if (!r.tests_departed_primitive || r.has(Fault::not_finite)) continue;
             const double first_root =
                 hit[k] == 0 ? truth::missing : first_reported(part_info, r, {t[k], near[k], far[k]});
-            const double far_begin =
-                enters(side) ? exit_of(r.ray, left_primitive()).value_or(0) / 2 : far_sides_of(side).along_rays[k].from;
+            const double far_begin = enters(side) ? exit_of(r.ray, departed_primitive()).value_or(0) / 2
+                                                  : far_sides_of(side).along_rays[k].t_begin;
             if (enters(side) && std::isnan(first_root)) r.faults |= bit_of(Fault::lost_exit_by_form);
             else if (first_root < far_begin) r.faults |= bit_of(Fault::self_hit_by_form);
         }
@@ -291,10 +299,10 @@ private:
 
     void run_kernel(const intersect::table::RayBatch<S>& batch, const Primitive<S>& primitive,
                     const intersect::table::HitBatch<S>& answers) const {
-        const intersect::table::Intersector& form = *work_.row_.form;
+        const intersect::table::Intersector& form = *work_.form_row_.form;
         if constexpr (std::is_same_v<T, float>) form.native32(batch, primitive, answers);
         else if constexpr (std::is_same_v<T, double>) form.native64(batch, primitive, answers);
-        else form.rounded(work_.row_.format.parameters, batch, primitive, answers);
+        else form.rounded(work_.form_row_.format.parameters, batch, primitive, answers);
     }
 
     /// Returns the first root that the form reports in (tmin, tmax); NaN if there is none.
@@ -310,30 +318,31 @@ private:
 
     const PointWork& work_;
     const FormHit& form_hit_;
-    Primitive<double> left_primitive_;
-    std::optional<Leaving<T>> leaving_;
+    Primitive<double> departed_primitive_;
+    std::optional<StrategyInput<T>> strategy_input_;
     Vec<double> p_{0, 0, 0}, n_{0, 0, 0};
     std::array<std::vector<Departure<T>>, 2> departures_;
     std::array<FarSides, 2> far_sides_;
 };
 
 bool PointWork::measure(const FormHit& form_hit, std::array<SideOfPoint, 2>& sides,
-                        std::span<StrategyAtPoint> by_strategy, bool quiet) const {
-    return with_number(row_.format, [&]<class T>() {
+                        std::span<StrategyAtPoint> by_strategy, bool finds_quiet_offset) const {
+    return with_number(form_row_.format, [&]<class T>() {
         const TypedPoint<T> point(*this, form_hit);
         if (!point.has_point()) return false;
         for (const Side side : both_sides) {
             const auto s = static_cast<std::size_t>(side);
             sides[s].rays = static_cast<std::uint8_t>(point.ray_count(side));
-            sides[s].safe = point.smallest_offset(side, false);
-            if (quiet) sides[s].quiet = point.smallest_offset(side, true);
+            sides[s].safe_offset = point.smallest_offset(side, false);
+            if (finds_quiet_offset) sides[s].quiet_offset = point.smallest_offset(side, true);
             for (std::size_t k = 0; k < strategies_.size(); ++k) {
                 StrategyAtPoint& strategy_result = by_strategy[s * strategies_.size() + k];
                 for (const NewRay& r : point.rays(*strategies_[k], side)) {
                     for (std::size_t f = 0; f < fault_names.size(); ++f)
                         strategy_result.count[f] =
                             static_cast<std::uint8_t>(strategy_result.count[f] + ((r.faults >> f) & 1U));
-                    strategy_result.bad = static_cast<std::uint8_t>(strategy_result.bad + (r.is_bad() ? 1 : 0));
+                    strategy_result.bad_rays =
+                        static_cast<std::uint8_t>(strategy_result.bad_rays + (r.is_bad() ? 1 : 0));
                     if (!r.has(Fault::not_finite))
                         strategy_result.size =
                             std::max(strategy_result.size, distance(r.ray.origin, point.p()) + r.tmin);
@@ -345,17 +354,18 @@ bool PointWork::measure(const FormHit& form_hit, std::array<SideOfPoint, 2>& sid
 }
 
 std::vector<NewRay> PointWork::rays(const FormHit& form_hit, const Strategy& strategy, Side side) const {
-    return with_number(row_.format, [&]<class T>() { return TypedPoint<T>(*this, form_hit).rays(strategy, side); });
+    return with_number(form_row_.format,
+                       [&]<class T>() { return TypedPoint<T>(*this, form_hit).rays(strategy, side); });
 }
 
 bool PointWork::is_safe(const FormHit& form_hit, Side side, double e, bool by_form) const {
-    return with_number(row_.format, [&]<class T>() {
-        return TypedPoint<T>(*this, form_hit).judge(side, e, by_form) == OffsetVerdict::enough;
+    return with_number(form_row_.format, [&]<class T>() {
+        return TypedPoint<T>(*this, form_hit).verdict_on_offset(side, e, by_form) == OffsetVerdict::enough;
     });
 }
 
 std::optional<PointWork::Start> PointWork::start(const FormHit& form_hit) const {
-    return with_number(row_.format, [&]<class T>() -> std::optional<Start> {
+    return with_number(form_row_.format, [&]<class T>() -> std::optional<Start> {
         const TypedPoint<T> point(*this, form_hit);
         if (!point.has_point()) return std::nullopt;
         return Start{point.p(), point.n()};

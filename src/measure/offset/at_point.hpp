@@ -55,11 +55,11 @@ inline constexpr std::array<std::string_view, 8> fault_names{
     "lost_exit", "lost_exit_by_form", "wrong_side",    "not_finite"};
 inline constexpr unsigned bit_of(Fault f) { return 1U << static_cast<unsigned>(f); }
 
-/// Ray that a strategy makes, in numbers of the format.
+/// New ray that a strategy makes, in numbers of the format, with its faults.
 struct NewRay {
     Ray<double> ray{};
     double tmin = 0, tmax = 0;
-    bool tests_left_primitive = true;
+    bool tests_departed_primitive = true;
     unsigned faults = 0;  ///< set of faults, by `bit_of`
 
     [[nodiscard]] bool has(Fault f) const { return (faults & bit_of(f)) != 0; }
@@ -67,12 +67,12 @@ struct NewRay {
     [[nodiscard]] bool is_bad() const { return (faults & ~bit_of(Fault::wrong_side)) != 0; }
 };
 
-LOSTBITS_FIELDS(NewRay, ray, tmin, tmax, tests_left_primitive, faults)
+LOSTBITS_FIELDS(NewRay, ray, tmin, tmax, tests_departed_primitive, faults)
 
 /// Results of a strategy at a point, over the rays to one side.
 struct StrategyAtPoint {
     std::array<std::uint8_t, fault_names.size()> count{};  ///< number of rays with each fault
-    std::uint8_t bad = 0;                                  ///< number of rays with a fault other than `wrong_side`
+    std::uint8_t bad_rays = 0;                             ///< number of rays with a fault other than `wrong_side`
     double size = 0;  ///< the largest |new origin − p|, world units; for the strategy `tmin`, the t that is skipped
 
     [[nodiscard]] std::uint8_t operator[](Fault f) const { return count[static_cast<std::size_t>(f)]; }
@@ -81,8 +81,8 @@ struct StrategyAtPoint {
 /// Results on one side of a point that do not depend on a strategy.
 struct SideOfPoint {
     std::uint8_t rays = 0;
-    double safe = truth::missing;   ///< the smallest safe offset; infinite if there is none
-    double quiet = truth::missing;  ///< the smallest offset that is safe and has no `self_hit_by_form`
+    double safe_offset = truth::missing;   ///< the smallest safe offset; infinite if there is none
+    double quiet_offset = truth::missing;  ///< the smallest safe offset without a fault by the form's arithmetic
 };
 
 /// Hit that a form reports: the ray, its t, and the index of the primitive.
@@ -96,16 +96,21 @@ struct FormHit {
 class PointWork {
 public:
     /// `tree` finds the primitives near a point. If it is null, every primitive is tested.
-    PointWork(const evaluate::TestedForm& row, HitPoint point, const scene::rays::PrimitiveList<double>& primitives,
-              const culling::BoxTree* tree, std::optional<Vec<double>> light,
-              std::span<const Strategy* const> strategies)
-        : row_(row), point_(point), primitives_(primitives), tree_(tree), light_(light), strategies_(strategies) {}
+    PointWork(const evaluate::TestedForm& form_row, HitPoint point_kind,
+              const scene::rays::PrimitiveList<double>& primitives, const culling::BoxTree* tree,
+              std::optional<Vec<double>> light, std::span<const Strategy* const> strategies)
+        : form_row_(form_row),
+          point_kind_(point_kind),
+          primitives_(primitives),
+          tree_(tree),
+          light_(light),
+          strategies_(strategies) {}
 
     /// Measures both sides. Strategy k to a side has index side·strategies + k in `by_strategy`. Returns false and
     /// fills in nothing if the computed point or its normal is not finite. Searches for the quiet offset
-    /// (`SideOfPoint::quiet`) only if `quiet` is true; otherwise it stays missing.
+    /// (`SideOfPoint::quiet_offset`) only if `finds_quiet_offset` is true; otherwise it stays missing.
     bool measure(const FormHit& form_hit, std::array<SideOfPoint, 2>& sides, std::span<StrategyAtPoint> by_strategy,
-                 bool quiet = true) const;
+                 bool finds_quiet_offset = true) const;
 
     /// Returns the rays of one strategy to one side, with their faults.
     [[nodiscard]] std::vector<NewRay> rays(const FormHit& form_hit, const Strategy& strategy, Side side) const;
@@ -121,8 +126,8 @@ public:
     [[nodiscard]] std::optional<Start> start(const FormHit& form_hit) const;
 
 private:
-    const evaluate::TestedForm& row_;
-    HitPoint point_;
+    const evaluate::TestedForm& form_row_;
+    HitPoint point_kind_;
     const scene::rays::PrimitiveList<double>& primitives_;
     const culling::BoxTree* tree_;
     std::optional<Vec<double>> light_;

@@ -104,7 +104,7 @@ std::optional<Meeting> meeting_of(const QuarticSpan<E>& s) {
 template <class E>
 Ray<E> ray_from_start(const HalfLine& line) {
     Ray<E> ray = lift_ray<E>(line.ray);
-    if (line.from > 0) ray.origin = ray.origin + E(line.from) * ray.direction;
+    if (line.tmin > 0) ray.origin = ray.origin + E(line.tmin) * ray.direction;
     return ray;
 }
 
@@ -174,8 +174,8 @@ constexpr bool may_be_hit_again = decltype(std::declval<Of<double>>().span(Ray<d
 FarSide far_side_of(const WallSpan<double>& s) {
     const auto& side = s.primitive.side;
     if (!(side.h < 0)) return {};
-    FarSide far{.from = -side.h / side.a};
-    if (s.crossing(1).closed) far.wall = ends_of(side)->far;
+    FarSide far{.t_begin = -side.h / side.a};
+    if (s.crossing(1).closed) far.t_wall = ends_of(side)->far;
     return far;
 }
 /// Along the line, f has two local minima, one for each side of the ring, or only one. Between two minima lies a local
@@ -187,16 +187,16 @@ FarSide far_side_of(const QuarticSpan<double>& s) {
     if (turns.count < 3) return {};
     const double turn = turns.x[1];
     if (!(turn > s.b) || !(s.f.at(turn) > 0)) return {};
-    FarSide far{.from = s.time(turn)};
+    FarSide far{.t_begin = s.time(turn)};
     const NearRoots<double> roots = near_roots(s.f, s.bound);
     const auto wall = std::find_if(roots.x.begin(), roots.x.begin() + roots.count, [&](double x) { return x > turn; });
-    if (wall != roots.x.begin() + roots.count) far.wall = s.time(*wall);
+    if (wall != roots.x.begin() + roots.count) far.t_wall = s.time(*wall);
     return far;
 }
 
 }  // namespace
 
-bool HalfLine::is_proper() const { return truth::is_proper(ray) && std::isfinite(from) && from >= 0; }
+bool HalfLine::is_proper() const { return truth::is_proper(ray) && std::isfinite(tmin) && tmin >= 0; }
 
 Meeting find_meeting(const HalfLine& line, const Primitive<double>& primitive) {
     return escalate([&]<class E>() { return meeting_of<E>(line, primitive); });
@@ -204,10 +204,10 @@ Meeting find_meeting(const HalfLine& line, const Primitive<double>& primitive) {
 
 bool meets_before(const HalfLine& line, double end, const Primitive<double>& primitive) {
     if (std::isinf(end)) return find_meeting(line, primitive).meets;
-    if (!(line.from < end)) return false;
+    if (!(line.tmin < end)) return false;
     return escalate([&]<class E>() {
         const Ray<E> ray = ray_from_start<E>(line);
-        return with_span(Ray<E>{ray.origin, (E(end) - E(line.from)) * ray.direction}, lift_primitive<E>(primitive),
+        return with_span(Ray<E>{ray.origin, (E(end) - E(line.tmin)) * ray.direction}, lift_primitive<E>(primitive),
                          [](const auto& span) { return segment_meets<E>(span); });
     });
 }

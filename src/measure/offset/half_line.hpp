@@ -8,20 +8,20 @@
 
 namespace lostbits::measure::offset {
 
-/// The points o + t·w with t > from: an origin, a direction and a t_min as a format stores them.
+/// The points o + t·w with t > tmin: an origin, a direction and a tmin as a format stores them.
 struct HalfLine {
     Ray<double> ray;
-    double from = 0;
+    double tmin = 0;
 
-    /// True if every number is finite, w is not zero, and `from` is not negative.
+    /// True if every number is finite, w is not zero, and `tmin` is not negative.
     [[nodiscard]] bool is_proper() const;
 };
 
-/// Position of a half-line and its start q = o + from·w relative to a primitive.
+/// Position of a half-line and its start q = o + tmin·w relative to a primitive.
 struct Meeting {
     bool inside = false;   ///< q is an inner point of the primitive
     bool outside = false;  ///< q is not in the primitive; if `inside` is false too, q lies on its surface
-    bool meets = false;    ///< a point with t > from is an inner point of the primitive
+    bool meets = false;    ///< a point with t > tmin is an inner point of the primitive
 
     friend bool operator==(const Meeting&, const Meeting&) = default;
 };
@@ -33,15 +33,15 @@ struct Meeting {
 /// bits always decide. The half-line must be proper.
 Meeting find_meeting(const HalfLine& line, const Primitive<double>& primitive);
 
-/// Like `Meeting::meets`, but only for t < end: true if a point with from < t < end is an inner point of the primitive.
+/// Like `Meeting::meets`, but only for t < end: true if a point with tmin < t < end is an inner point of the primitive.
 /// For a surface, true if the half-line crosses it at such a t, and not at a rim.
 bool meets_before(const HalfLine& line, double end, const Primitive<double>& primitive);
 
 /// Far side of the primitive that a ray leaves: the part of its surface that the ray may meet again ahead. Only a torus
 /// and a tube have one. For other shapes both numbers are infinite.
 struct FarSide {
-    double from = std::numeric_limits<double>::infinity();  ///< the far side is everything at a larger t
-    double wall = std::numeric_limits<double>::infinity();  ///< t at which the ray meets the far side, if it does
+    double t_begin = std::numeric_limits<double>::infinity();  ///< the far side is everything at a larger t
+    double t_wall = std::numeric_limits<double>::infinity();   ///< t at which the ray meets the far side, if it does
 
     friend bool operator==(const FarSide&, const FarSide&) = default;
 };

@@ -27,7 +27,7 @@ struct ObjectPoint {
 /// Input of a strategy: a ray hit a primitive at t, and a new ray leaves the hit point in direction w. Everything but
 /// `object` is in world space. The numbers of a primitive under a matrix are in its object space.
 template <class T>
-struct Leaving {
+struct StrategyInput {
     Ray<T> ray;
     T t;
     Primitive<T> primitive;
@@ -39,12 +39,12 @@ struct Leaving {
     T reach;                                    ///< distance to the target; infinite without one
 };
 
-/// New ray. Only hits at tmin < t < tmax count.
+/// Result of a strategy: the start of the new ray. Only hits at tmin < t < tmax count.
 template <class T>
-struct Respawn {
+struct StrategyOutput {
     Vec<T> origin;
     T tmin, tmax;
-    bool tests_left_primitive = true;  ///< also tested against the primitive that it leaves
+    bool tests_departed_primitive = true;  ///< the ray is also tested against the primitive that it leaves
 };
 
 /// Point from which a strategy starts: as computed, o + t·d, or this point projected onto the surface.
@@ -72,17 +72,17 @@ Vec<T> projected(const Ray<T>& ray, const Primitive<T>& primitive, const Vec<T>&
     return visit(primitive, [&](const auto& shape) { return shape.projected(ray, p); });
 }
 
-/// Side to which a ray leaves a primitive: by the sign of n·w as the format computes it.
+/// Side of the surface to which a ray leaves the hit point: by the sign of n·w as the format computes it.
 enum class Side : std::uint8_t { outside, inside };
 inline constexpr std::array<std::string_view, 2> side_names{"outside", "inside"};
 inline constexpr std::string_view name_of(Side side) { return side_names[static_cast<std::size_t>(side)]; }
 inline constexpr std::array both_sides{Side::outside, Side::inside};
 
-/// Direction in which a ray leaves.
+/// Direction in which a new ray leaves the hit point.
 template <class T>
 struct Departure {
     Vec<T> w;
-    T side, reach;  ///< as in `Leaving`
+    T side, reach;  ///< as in `StrategyInput`
 };
 
 /// Denominators of the cosines 1/n of the angles between ray and normal. At the first angle there is one direction, at

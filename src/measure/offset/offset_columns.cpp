@@ -35,8 +35,8 @@ double share_of_points(const S& s, Side side, std::size_t) {
     return fraction(s.side_summary(side).*n, s.points);
 }
 
-using D = SideSummary;
-using E = StrategySummary;
+using OfSide = SideSummary;
+using OfStrategy = StrategySummary;
 
 constexpr OffsetColumn table[] = {
     {"points", "", "pixels where the form hits the primitive that the ray truly hits first, and the point is finite",
@@ -46,7 +46,7 @@ constexpr OffsetColumn table[] = {
     {"bad_fraction", "", "share of rays with any fault other than a start on the wrong side, which alone harms nothing",
      false,
      [](const S& s, Side side, std::size_t k) {
-         return fraction(strategy_of(s, side, k).bad, s.side_summary(side).rays);
+         return fraction(strategy_of(s, side, k).bad_rays, s.side_summary(side).rays);
      }},
     {"self_hit_fraction", "",
      "share of rays that truly meet the primitive that they leave, except for its far wall; for rays into the "
@@ -71,37 +71,37 @@ constexpr OffsetColumn table[] = {
      false, fault_share<Fault::wrong_side>},
     {"not_finite_fraction", "", "share of rays whose new origin is not finite", false, fault_share<Fault::not_finite>},
     {"offset_p50", "world units", "median over the points of the largest distance from p to a new origin", false,
-     offset_percentile<&E::size, 50>},
+     offset_percentile<&OfStrategy::size, 50>},
     {"offset_max", "world units", "maximum over the points of the largest distance from p to a new origin", false,
-     offset_percentile<&E::size, 100>},
+     offset_percentile<&OfStrategy::size, 100>},
     {"oversize_points", "", "points whose smallest safe offset is finite and not 0", true,
-     [](const S& s, Side side, std::size_t k) { return to_double(strategy_of(s, side, k).oversize.count()); }},
+     [](const S& s, Side side, std::size_t k) { return to_double(strategy_of(s, side, k).size_ratio.count()); }},
     {"oversize_p50", "", "of these, how many times larger the offset is than the smallest safe one: median", false,
-     offset_percentile<&E::oversize, 50>},
-    {"oversize_p99", "", "the same: 99th percentile", false, offset_percentile<&E::oversize, 99>},
-    {"oversize_max", "", "the same: largest", false, offset_percentile<&E::oversize, 100>},
+     offset_percentile<&OfStrategy::size_ratio, 50>},
+    {"oversize_p99", "", "the same: 99th percentile", false, offset_percentile<&OfStrategy::size_ratio, 99>},
+    {"oversize_max", "", "the same: largest", false, offset_percentile<&OfStrategy::size_ratio, 100>},
     {"too_small_fraction", "", "share of these points whose offset is less than the smallest safe one", false,
      [](const S& s, Side side, std::size_t k) {
-         return fraction(strategy_of(s, side, k).too_small, strategy_of(s, side, k).oversize.count());
+         return fraction(strategy_of(s, side, k).too_small, strategy_of(s, side, k).size_ratio.count());
      }},
-    {"already_safe_fraction", "", "share of points that need no offset", false, share_of_points<&D::already_safe>},
+    {"already_safe_fraction", "", "share of points that need no offset", false, share_of_points<&OfSide::already_safe>},
     {"never_safe_fraction", "", "share of points that no offset along the normal makes safe", false,
-     share_of_points<&D::never_safe>},
+     share_of_points<&OfSide::never_safe>},
     {"safe_p50", "world units", "smallest safe offset of the points that have one, 0 among them: median", false,
-     side_percentile<&D::safe, 50>},
-    {"safe_p99", "world units", "the same: 99th percentile", false, side_percentile<&D::safe, 99>},
-    {"safe_max", "world units", "the same: largest", false, side_percentile<&D::safe, 100>},
+     side_percentile<&OfSide::safe_offset, 50>},
+    {"safe_p99", "world units", "the same: 99th percentile", false, side_percentile<&OfSide::safe_offset, 99>},
+    {"safe_max", "world units", "the same: largest", false, side_percentile<&OfSide::safe_offset, 100>},
     {"safe_ulps_p50", "ulp", "the same in ulps of the largest coordinate of p: median", false,
-     side_percentile<&D::safe_ulps, 50>},
-    {"safe_ulps_p99", "ulp", "the same: 99th percentile", false, side_percentile<&D::safe_ulps, 99>},
-    {"safe_ulps_max", "ulp", "the same: largest", false, side_percentile<&D::safe_ulps, 100>},
+     side_percentile<&OfSide::safe_ulps, 50>},
+    {"safe_ulps_p99", "ulp", "the same: 99th percentile", false, side_percentile<&OfSide::safe_ulps, 99>},
+    {"safe_ulps_max", "ulp", "the same: largest", false, side_percentile<&OfSide::safe_ulps, 100>},
     {"never_quiet_fraction", "",
      "share of points that no offset along the normal makes safe both by truth and by the form's own arithmetic", false,
-     share_of_points<&D::never_quiet>},
+     share_of_points<&OfSide::never_quiet>},
     {"quiet_p50", "world units", "smallest offset that is safe by truth and by the form's arithmetic: median", false,
-     side_percentile<&D::quiet, 50>},
-    {"quiet_p99", "world units", "the same: 99th percentile", false, side_percentile<&D::quiet, 99>},
-    {"quiet_max", "world units", "the same: largest", false, side_percentile<&D::quiet, 100>},
+     side_percentile<&OfSide::quiet_offset, 50>},
+    {"quiet_p99", "world units", "the same: 99th percentile", false, side_percentile<&OfSide::quiet_offset, 99>},
+    {"quiet_max", "world units", "the same: largest", false, side_percentile<&OfSide::quiet_offset, 100>},
 };
 
 }  // namespace

@@ -22,13 +22,13 @@ namespace {
 /// Measures one row on one band.
 class OffsetMeasurement {
 public:
-    OffsetMeasurement(const OffsetStudy& study, const OffsetRow& row, const Band& band)
+    OffsetMeasurement(const OffsetStudy& study, const OffsetRow& offset_row, const Band& band)
         : study_(study),
-          row_(row),
-          inputs_(band.inputs_for(row.row.format, *row.row.form->info)),
-          answers_(answer::evaluate(*row.row.form, inputs_)),
-          tree_(tree_of(band, row.row.format.parameters, inputs_.primitives)),
-          work_(row_.row, row_.point, inputs_.primitives, tree_.get(), light(), study.strategies),
+          row_(offset_row),
+          inputs_(band.inputs_for(offset_row.form_row.format, *offset_row.form_row.form->info)),
+          answers_(answer::evaluate(*offset_row.form_row.form, inputs_)),
+          tree_(tree_of(band, offset_row.form_row.format.parameters, inputs_.primitives)),
+          work_(row_.form_row, row_.point_kind, inputs_.primitives, tree_.get(), light(), study.strategies),
           band_(band) {
         const std::size_t n = band.pixels(), m = study.strategies.size();
         result_.y0 = band.y0();
@@ -49,7 +49,7 @@ public:
                 study_.limit.stop.check();
                 if (!hits_true_primitive(i)) continue;
                 const auto by_strategy = std::span(result_.by_strategy).subspan(2 * i * m, 2 * m);
-                if (!work_.measure(form_hit(i), result_.sides[i], by_strategy, study_.quiet)) continue;
+                if (!work_.measure(form_hit(i), result_.sides[i], by_strategy, study_.finds_quiet_offset)) continue;
                 result_.is_point[i] = 1;
                 result_.object[i] = answers_.object[i];
                 result_.ulp[i] = ulp_of(work_.start(form_hit(i))->p);
@@ -60,7 +60,8 @@ public:
     void add_to(OffsetSummary& summary) const {
         summary.pixels += result_.is_point.size();
         for (std::size_t i = 0; i < result_.is_point.size(); ++i) {
-            if (band_.truth(i, row_.row.convention()).decision == Truth::Decision::unresolved) ++summary.unresolved;
+            if (band_.truth(i, row_.form_row.convention()).decision == Truth::Decision::unresolved)
+                ++summary.unresolved;
             if (result_.is_point[i] == 0) continue;
             ++summary.points;
             for (const Side side : both_sides) add_side(i, side, summary.sides[static_cast<std::size_t>(side)]);
@@ -78,43 +79,44 @@ private:
     }
     [[nodiscard]] std::optional<Vec<double>> light() const {
         if (!study_.scene.appearance.light) return std::nullopt;
-        return picture::input_appearance(study_.scene, row_.row.format.parameters).light;
+        return picture::input_appearance(study_.scene, row_.form_row.format.parameters).light;
     }
     [[nodiscard]] bool hits_true_primitive(std::size_t i) const {
         if (answers_.hit[i] == 0 || !(answers_.t[i] > 0)) return false;
-        return answer::meets_first(band_, i, answers_.object[i], row_.row.convention());
+        return answer::meets_first(band_, i, answers_.object[i], row_.form_row.convention());
     }
     [[nodiscard]] FormHit form_hit(std::size_t i) const {
-        return {inputs_.rays_for(*row_.row.form->info)[i], answers_.t[i], static_cast<std::size_t>(answers_.object[i])};
+        return {inputs_.rays_for(*row_.form_row.form->info)[i], answers_.t[i],
+                static_cast<std::size_t>(answers_.object[i])};
     }
     [[nodiscard]] double ulp_of(const Vec<double>& p) const {
         const double size = largest_of(p);
         const long binade = size > 0 ? std::ilogb(size) : std::numeric_limits<int>::min();
-        return std::ldexp(1.0, static_cast<int>(ulp_exponent(row_.row.format.parameters, binade)));
+        return std::ldexp(1.0, static_cast<int>(ulp_exponent(row_.form_row.format.parameters, binade)));
     }
 
     void add_side(std::size_t i, Side side, SideSummary& summary) const {
         const SideOfPoint& side_result = result_.sides[i][static_cast<std::size_t>(side)];
         summary.rays += side_result.rays;
-        summary.already_safe += static_cast<std::uint64_t>(side_result.safe == 0);
-        summary.never_safe += static_cast<std::uint64_t>(std::isinf(side_result.safe));
-        summary.never_quiet += static_cast<std::uint64_t>(std::isinf(side_result.quiet));
-        if (std::isfinite(side_result.safe)) {
-            summary.safe.add(side_result.safe);
-            summary.safe_ulps.add(side_result.safe / result_.ulp[i]);
+        summary.already_safe += static_cast<std::uint64_t>(side_result.safe_offset == 0);
+        summary.never_safe += static_cast<std::uint64_t>(std::isinf(side_result.safe_offset));
+        summary.never_quiet += static_cast<std::uint64_t>(std::isinf(side_result.quiet_offset));
+        if (std::isfinite(side_result.safe_offset)) {
+            summary.safe_offset.add(side_result.safe_offset);
+            summary.safe_ulps.add(side_result.safe_offset / result_.ulp[i]);
         }
-        if (std::isfinite(side_result.quiet)) summary.quiet.add(side_result.quiet);
+        if (std::isfinite(side_result.quiet_offset)) summary.quiet_offset.add(side_result.quiet_offset);
         for (std::size_t k = 0; k < result_.strategies; ++k) add_strategy(i, side, k, summary);
     }
 
     void add_strategy(std::size_t i, Side side, std::size_t k, SideSummary& summary) const {
-        const double safe = result_.sides[i][static_cast<std::size_t>(side)].safe;
+        const double safe_offset = result_.sides[i][static_cast<std::size_t>(side)].safe_offset;
         const StrategyAtPoint& strategy_result = result_.at(i, side, k);
         StrategySummary& s = summary.strategies[k];
         s.size.add(strategy_result.size);
-        if (std::isfinite(safe) && safe > 0) {
-            s.oversize.add(strategy_result.size / safe);
-            s.too_small += static_cast<std::uint64_t>(strategy_result.size < safe);
+        if (std::isfinite(safe_offset) && safe_offset > 0) {
+            s.size_ratio.add(strategy_result.size / safe_offset);
+            s.too_small += static_cast<std::uint64_t>(strategy_result.size < safe_offset);
         }
         bool has_new_fault = false, has_fault = false;
         for (std::size_t f = 0; f < fault_names.size(); ++f) {
@@ -123,7 +125,7 @@ private:
             has_new_fault = has_new_fault || (strategy_result.count[f] > 0 && !s.first[f]);
         }
         if (!has_fault) return;
-        s.bad += strategy_result.bad;
+        s.bad_rays += strategy_result.bad_rays;
         if (!has_new_fault) return;
         for (const NewRay& ray : work_.rays(form_hit(i), *study_.strategies[k], side)) {
             for (std::size_t f = 0; f < fault_names.size(); ++f) {
@@ -191,8 +193,8 @@ OffsetSummary OffsetStudy::begin(std::size_t) const {
     return summary;
 }
 
-OffsetBand OffsetStudy::measure(const truth::Band& band, std::size_t row, OffsetSummary& summary) const {
-    OffsetMeasurement measurement(*this, rows[row], band);
+OffsetBand OffsetStudy::measure(const truth::Band& band, std::size_t row_index, OffsetSummary& summary) const {
+    OffsetMeasurement measurement(*this, rows[row_index], band);
     measurement.measure();
     measurement.add_to(summary);
     return measurement.take_result();
@@ -202,14 +204,14 @@ std::vector<SafeStrategy> safe_strategies(const OffsetSummary& summary, const st
                                           Shape shape, std::span<const Side> sides) {
     std::vector<SafeStrategy> safe;
     for (std::size_t k = 0; k < strategies.size() && summary.points > 0; ++k) {
-        const auto has_no_bad_ray = [&](Side side) { return summary.side_summary(side).strategies[k].bad == 0; };
+        const auto has_no_bad_ray = [&](Side side) { return summary.side_summary(side).strategies[k].bad_rays == 0; };
         if (!std::ranges::all_of(sides, has_no_bad_ray)) continue;
-        double oversize = truth::missing;
+        double largest_ratio = truth::missing;
         for (const Side side : sides) {
-            const double median = summary.side_summary(side).strategies[k].oversize.quantile(0.5);
-            if (!(oversize >= median)) oversize = median;
+            const double median = summary.side_summary(side).strategies[k].size_ratio.quantile(0.5);
+            if (!(largest_ratio >= median)) largest_ratio = median;
         }
-        safe.push_back({strategies[k], strategies[k]->operations(shape), oversize});
+        safe.push_back({strategies[k], strategies[k]->operations(shape), largest_ratio});
     }
     std::ranges::stable_sort(safe, {}, &SafeStrategy::operations);
     return safe;

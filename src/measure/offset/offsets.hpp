@@ -34,36 +34,37 @@ LOSTBITS_FIELDS(BadRay, x, y, object, ray, primitive)
 /// Results of one strategy to one side, over all points.
 struct StrategySummary {
     std::array<std::uint64_t, fault_names.size()> count{};             ///< rays with each fault
-    std::array<std::optional<BadRay>, fault_names.size()> first = {};  ///< first such ray in the order of the pixels
-    std::uint64_t bad = 0;          ///< rays with a fault other than `wrong_side`, which alone harms nothing
-    metric::Distribution size;      ///< largest |new origin − p| of each point
-    metric::Distribution oversize;  ///< `size` over the smallest safe offset, where this is finite and not 0
-    std::uint64_t too_small = 0;    ///< points of `oversize` with less than the smallest safe offset
+    std::array<std::optional<BadRay>, fault_names.size()> first = {};  ///< first ray with each fault, by pixel
+    std::uint64_t bad_rays = 0;       ///< rays with a fault other than `wrong_side`, which alone harms nothing
+    metric::Distribution size;        ///< largest |new origin − p| of each point
+    metric::Distribution size_ratio;  ///< `size` over the smallest safe offset, where this is finite and not 0
+    std::uint64_t too_small = 0;      ///< points of `size_ratio` whose `size` is less than the smallest safe offset
 
     [[nodiscard]] std::uint64_t operator[](Fault f) const { return count[static_cast<std::size_t>(f)]; }
     [[nodiscard]] const std::optional<BadRay>& first_with(Fault f) const { return first[static_cast<std::size_t>(f)]; }
 };
 
-LOSTBITS_FIELDS(StrategySummary, count, first, bad, size, oversize, too_small)
+LOSTBITS_FIELDS(StrategySummary, count, first, bad_rays, size, size_ratio, too_small)
 
-/// Results on one side of all points of a row.
+/// Results on one side of all points of a row. A quiet offset is safe and has no fault by the form's own arithmetic.
 struct SideSummary {
     std::uint64_t rays = 0;
-    std::uint64_t already_safe = 0;  ///< points that need no offset
-    std::uint64_t never_safe = 0;    ///< points that no offset along the normal makes safe
-    std::uint64_t never_quiet = 0;   ///< points that no such offset makes safe by the form's arithmetic as well
-    metric::Distribution safe;       ///< smallest safe offset of the points that have one, 0 among them; world units
-    metric::Distribution safe_ulps;  ///< the same in ulps of max |p|
-    metric::Distribution quiet;      ///< smallest offset that is safe and from which the form finds no self-hit
+    std::uint64_t already_safe = 0;     ///< points that need no offset
+    std::uint64_t never_safe = 0;       ///< points that no offset along the normal makes safe
+    std::uint64_t never_quiet = 0;      ///< points without a quiet offset
+    metric::Distribution safe_offset;   ///< smallest safe offset of the points that have one, 0 among them; world units
+    metric::Distribution safe_ulps;     ///< the same in ulps of max |p|
+    metric::Distribution quiet_offset;  ///< smallest offset at which the form's arithmetic finds no fault either
     std::vector<StrategySummary> strategies;
 };
 
-LOSTBITS_FIELDS(SideSummary, rays, already_safe, never_safe, never_quiet, safe, safe_ulps, quiet, strategies)
+LOSTBITS_FIELDS(SideSummary, rays, already_safe, never_safe, never_quiet, safe_offset, safe_ulps, quiet_offset,
+                strategies)
 
 /// A form in a format, and the kind of its hit points.
 struct OffsetRow {
-    evaluate::TestedForm row;
-    HitPoint point = HitPoint::computed;
+    evaluate::TestedForm form_row;
+    HitPoint point_kind = HitPoint::computed;
     friend bool operator==(const OffsetRow&, const OffsetRow&) = default;
 };
 
@@ -106,15 +107,16 @@ struct OffsetStudy {
     std::vector<OffsetRow> rows;  ///< rows whose forms are of primitives and report t
     std::vector<const Strategy*> strategies;
     truth::TruthLimit limit{};
-    bool quiet = true;  ///< also searches for the smallest quiet offset, which takes as long as all the rest
+    /// True to search for the smallest quiet offset as well, which takes as long as all the rest.
+    bool finds_quiet_offset = true;
     shard::Share share = {};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
     /// Throws InputError for a scene with too many primitives.
     void require() const;
-    [[nodiscard]] OffsetSummary begin(std::size_t row) const;
+    [[nodiscard]] OffsetSummary begin(std::size_t row_index) const;
     [[nodiscard]] static const truth::Band& prepare(const truth::Band& band) { return band; }
-    OffsetBand measure(const truth::Band& band, std::size_t row, OffsetSummary& summary) const;
+    OffsetBand measure(const truth::Band& band, std::size_t row_index, OffsetSummary& summary) const;
 };
 
 /// Forms and format that are measured if the user names none: one form for each shape, in the order of the shapes.
@@ -133,17 +135,17 @@ bool can_measure_offsets(const intersect::table::Intersector& form);
 using OffsetColumn = metric::MeasuredColumn<const OffsetSummary&, Side, std::size_t>;
 std::span<const OffsetColumn> offset_columns();
 
-/// Strategy that makes no bad ray (`StrategySummary::bad` is 0).
+/// Strategy that makes no bad ray (`StrategySummary::bad_rays` is 0).
 struct SafeStrategy {
     const Strategy* strategy;
     /// Number of operations for one new ray as the rule is written (`Strategy::operations`); not a time.
     std::uint64_t operations;
-    double oversize;  ///< median of `StrategySummary::oversize`, the largest over the sides; NaN if there is none
+    double size_ratio;  ///< median of `StrategySummary::size_ratio`, the largest over the sides; NaN if there is none
 };
 
 /// Returns the strategies of a measured row that are safe to all of these sides, the cheapest first, and equally cheap
-/// ones in the order of the table. Safe means `StrategySummary::bad` = 0: no self-hit by truth or by the form, no lost
-/// occluder and no lost exit. The result is empty if no strategy is safe, or if the row has no points.
+/// ones in the order of the table. Safe means `StrategySummary::bad_rays` = 0: no self-hit by truth or by the form, no
+/// lost occluder and no lost exit. The result is empty if no strategy is safe, or if the row has no points.
 std::vector<SafeStrategy> safe_strategies(const OffsetSummary& summary, const std::vector<const Strategy*>& strategies,
                                           Shape shape, std::span<const Side> sides = both_sides);
 

@@ -38,14 +38,14 @@ int whole_of(const Counted<float>& x) {
 
 /// Normal n, turned to the side of w.
 template <Number T>
-Vec<T> facing(const Leaving<T>& l) {
-    return Vec<T>(l.side * l.n.x, l.side * l.n.y, l.side * l.n.z);
+Vec<T> facing(const StrategyInput<T>& input) {
+    return Vec<T>(input.side * input.n.x, input.side * input.n.y, input.side * input.n.z);
 }
 
 /// Returns a new ray from an origin, tested from t = 0 on against every primitive.
 template <Number T>
-Respawn<T> ray_from(const Vec<T>& origin, const Leaving<T>& l) {
-    return {origin, T(0), l.reach, true};
+StrategyOutput<T> ray_from(const Vec<T>& origin, const StrategyInput<T>& input) {
+    return {origin, T(0), input.reach, true};
 }
 
 /// Returns 10^-k: the quotient of 1 and 10^k, rounded to the format. For float and k = 3 it is the literal 1e-3f.
@@ -58,32 +58,32 @@ T tenth_power() {
 
 struct None {
     template <Number T>
-    static Respawn<T> respawn(const Leaving<T>& l) {
-        return ray_from<T>(l.p, l);
+    static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
+        return ray_from<T>(input.p, input);
     }
 };
 
 template <int k>
 struct Tmin {
     template <Number T>
-    static Respawn<T> respawn(const Leaving<T>& l) {
-        return {l.p, tenth_power<T, k>(), l.reach, true};
+    static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
+        return {input.p, tenth_power<T, k>(), input.reach, true};
     }
 };
 
 template <int k>
 struct Epsilon {
     template <Number T>
-    static Respawn<T> respawn(const Leaving<T>& l) {
-        return ray_from<T>(moved<T>(l.p, l.side * tenth_power<T, k>(), l.n), l);
+    static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
+        return ray_from<T>(moved<T>(input.p, input.side * tenth_power<T, k>(), input.n), input);
     }
 };
 
 template <int k>
 struct AlongNewRay {
     template <Number T>
-    static Respawn<T> respawn(const Leaving<T>& l) {
-        return ray_from<T>(moved<T>(l.p, tenth_power<T, k>(), l.w), l);
+    static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
+        return ray_from<T>(moved<T>(input.p, tenth_power<T, k>(), input.w), input);
     }
 };
 
@@ -91,9 +91,9 @@ struct AlongNewRay {
 template <int k>
 struct Ulps {
     template <Number T>
-    static Respawn<T> respawn(const Leaving<T>& l) {
-        const T size = largest_of<T>(l.p);
-        return ray_from<T>(moved<T>(l.p, l.side * (T(k) * (next_up(size) - size)), l.n), l);
+    static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
+        const T size = largest_of<T>(input.p);
+        return ray_from<T>(moved<T>(input.p, input.side * (T(k) * (next_up(size) - size)), input.n), input);
     }
 };
 
@@ -101,15 +101,15 @@ struct Ulps {
 /// 1/65536 is 256u of float; other formats use 256u too.
 struct Integer {
     template <Number T>
-    static Respawn<T> respawn(const Leaving<T>& l) {
-        const Vec<T> n = facing<T>(l);
+    static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
+        const Vec<T> n = facing<T>(input);
         const T step = T(256) * unit_roundoff<T>(), near_zero = T(1) / T(32);
-        Vec<T> o = l.p;
+        Vec<T> o = input.p;
         for (int i = 0; i < 3; ++i) {
-            const T moved_bits = moved_by_floats(l.p[i], whole_of(T(256) * n[i]));
-            o[i] = select(abs(l.p[i]) < near_zero, l.p[i] + step * n[i], moved_bits);
+            const T moved_bits = moved_by_floats(input.p[i], whole_of(T(256) * n[i]));
+            o[i] = select(abs(input.p[i]) < near_zero, input.p[i] + step * n[i], moved_bits);
         }
-        return ray_from<T>(o, l);
+        return ray_from<T>(o, input);
     }
 };
 
@@ -117,26 +117,26 @@ struct Integer {
 /// float; other formats use the same multiple of their u.
 struct Cycles {
     template <Number T>
-    static Respawn<T> respawn(const Leaving<T>& l) {
-        const Vec<T> n = facing<T>(l);
+    static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
+        const Vec<T> n = facing<T>(input);
         const T step = T(4096) * unit_roundoff<T>() * T(4096) / T(1000) / T(100);
-        Vec<T> o = l.p;
+        Vec<T> o = input.p;
         for (int i = 0; i < 3; ++i) {
-            const T moved_bits = moved_by_floats(l.p[i], n[i] < T(0) ? -32 : 32);
-            o[i] = select(abs(l.p[i]) < T(1), l.p[i] + step * n[i], moved_bits);
+            const T moved_bits = moved_by_floats(input.p[i], n[i] < T(0) ? -32 : 32);
+            o[i] = select(abs(input.p[i]) < T(1), input.p[i] + step * n[i], moved_bits);
         }
-        return ray_from<T>(o, l);
+        return ray_from<T>(o, input);
     }
 };
 
 /// Moves p along n by (1 + max |p|) 1500u; 1500u is 750ε. A ray with a target ends at 1 − 15000u of the way to it.
 struct Relative {
     template <Number T>
-    static Respawn<T> respawn(const Leaving<T>& l) {
-        const T e = (T(1) + largest_of<T>(l.p)) * (T(1500) * unit_roundoff<T>());
-        const T shorter = (T(1) - T(15000) * unit_roundoff<T>()) * l.reach;
-        const bool ends = l.reach + l.reach > l.reach;  // false for an infinite reach
-        return {moved<T>(l.p, l.side * e, l.n), T(0), select(ends, shorter, l.reach), true};
+    static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
+        const T e = (T(1) + largest_of<T>(input.p)) * (T(1500) * unit_roundoff<T>());
+        const T shorter = (T(1) - T(15000) * unit_roundoff<T>()) * input.reach;
+        const bool ends = input.reach + input.reach > input.reach;  // false for an infinite reach
+        return {moved<T>(input.p, input.side * e, input.n), T(0), select(ends, shorter, input.reach), true};
     }
 };
 
@@ -151,10 +151,10 @@ Vec<T> beyond_bound(const BoundedPoint<T>& b, const Vec<T>& n) {
 
 /// Returns the point with its error bound. For a primitive under a matrix, both are in object space.
 template <Number T>
-BoundedPoint<T> bounded_point_of(const Leaving<T>& l) {
-    return visit(l.primitive, [&l](const auto& shape) {
-        return l.object ? shape.bounded_point(l.object->ray, l.object->t, l.object->p)
-                        : shape.bounded_point(l.ray, l.t, l.p);
+BoundedPoint<T> bounded_point_of(const StrategyInput<T>& input) {
+    return visit(input.primitive, [&input](const auto& shape) {
+        return input.object ? shape.bounded_point(input.object->ray, input.object->t, input.object->p)
+                            : shape.bounded_point(input.ray, input.t, input.p);
     });
 }
 
@@ -179,10 +179,11 @@ BoundedPoint<T> mapped(const Affine<T>& m, const BoundedPoint<T>& b) {
 /// with the point, as in pbrt's SpawnRay.
 struct Bound {
     template <Number T>
-    static Respawn<T> respawn(const Leaving<T>& l) {
-        const BoundedPoint<T> bounded = bounded_point_of(l);
-        return ray_from<T>(beyond_bound<T>(l.object ? mapped<T>(l.object->to_world, bounded) : bounded, facing<T>(l)),
-                           l);
+    static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
+        const BoundedPoint<T> bounded = bounded_point_of(input);
+        return ray_from<T>(
+            beyond_bound<T>(input.object ? mapped<T>(input.object->to_world, bounded) : bounded, facing<T>(input)),
+            input);
     }
 };
 
@@ -190,24 +191,25 @@ struct Bound {
 /// not part of the bound.
 struct BoundInObject {
     template <Number T>
-    static Respawn<T> respawn(const Leaving<T>& l) {
-        if (!l.object) return Bound::respawn(l);
-        const Vec<T>& n = l.object->n;
-        const Vec<T> o = beyond_bound<T>(bounded_point_of(l), Vec<T>(l.side * n.x, l.side * n.y, l.side * n.z));
-        return ray_from<T>(l.object->to_world.point(o), l);
+    static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
+        if (!input.object) return Bound::respawn(input);
+        const Vec<T>& n = input.object->n;
+        const Vec<T> o =
+            beyond_bound<T>(bounded_point_of(input), Vec<T>(input.side * n.x, input.side * n.y, input.side * n.z));
+        return ray_from<T>(input.object->to_world.point(o), input);
     }
 };
 
 struct Exclude {
     template <Number T>
-    static Respawn<T> respawn(const Leaving<T>& l) {
-        return {l.p, T(0), l.reach, false};
+    static StrategyOutput<T> respawn(const StrategyInput<T>& input) {
+        return {input.p, T(0), input.reach, false};
     }
 };
 
 template <class Rule>
-constexpr Strategy row(std::string_view name, std::string_view title, std::string_view source,
-                       bool keeps_point = false) {
+constexpr Strategy strategy_row(std::string_view name, std::string_view title, std::string_view source,
+                                bool keeps_point = false) {
     return {name,
             title,
             source,
@@ -219,28 +221,30 @@ constexpr Strategy row(std::string_view name, std::string_view title, std::strin
 }
 
 constexpr Strategy strategy_rows[] = {
-    row<None>("offset.none", "p, and t > 0", "-", true),
-    row<Tmin<3>>("offset.tmin", "p, and t > 1e-3", "Shirley, Ray Tracing in One Weekend, section 9.3", true),
-    row<Tmin<4>>("offset.tmin_1e-4", "p, and t > 1e-4", "Beason, smallpt: Global Illumination in 99 lines of C++",
-                 true),
-    row<Epsilon<3>>("offset.epsilon", "p + 1e-3 n", "common practice"),
-    row<Epsilon<4>>("offset.epsilon_1e-4", "p + 1e-4 n", "common practice"),
-    row<AlongNewRay<3>>("offset.direction", "p + 1e-3 w", "common practice"),
-    row<Ulps<4>>("offset.ulp", "p + 4 ulp(max |p|) n", "common practice"),
-    row<Ulps<16>>("offset.ulp_16", "p + 16 ulp(max |p|) n", "common practice"),
-    row<Integer>("offset.integer", "the bits of p moved by 256 n; p + n/65536 where |p| < 1/32",
-                 "Wächter, Binder, A Fast and Robust Method for Avoiding Self-Intersection, Ray Tracing Gems (2019), "
-                 "chapter 6"),
-    row<Cycles>("offset.cycles", "the bits of p moved by 32 toward n; p + 1e-5 n where |p| < 1",
-                "Blender Cycles, ray_offset, before it took the rule of Ray Tracing Gems"),
-    row<Relative>("offset.relative", "p + (1 + max |p|) 1500u n", "Mitsuba 3, Interaction::offset_p"),
-    row<Bound>("offset.bound", "p + (|n| . error bound of p) n, then one float further",
-               "Pharr, Jakob, Humphreys, Physically Based Rendering, fourth edition, section 6.8"),
-    row<BoundInObject>("offset.bound_object", "as offset.bound, but in object space; the same without a matrix",
-                       "Pharr, Jakob, Humphreys, Physically Based Rendering, fourth edition, section 6.8, in the space "
-                       "of the shape"),
-    row<Exclude>("offset.exclude", "p, and the primitive that is left is not tested",
-                 "common practice for convex solids", true),
+    strategy_row<None>("offset.none", "p, and t > 0", "-", true),
+    strategy_row<Tmin<3>>("offset.tmin", "p, and t > 1e-3", "Shirley, Ray Tracing in One Weekend, section 9.3", true),
+    strategy_row<Tmin<4>>("offset.tmin_1e-4", "p, and t > 1e-4",
+                          "Beason, smallpt: Global Illumination in 99 lines of C++", true),
+    strategy_row<Epsilon<3>>("offset.epsilon", "p + 1e-3 n", "common practice"),
+    strategy_row<Epsilon<4>>("offset.epsilon_1e-4", "p + 1e-4 n", "common practice"),
+    strategy_row<AlongNewRay<3>>("offset.direction", "p + 1e-3 w", "common practice"),
+    strategy_row<Ulps<4>>("offset.ulp", "p + 4 ulp(max |p|) n", "common practice"),
+    strategy_row<Ulps<16>>("offset.ulp_16", "p + 16 ulp(max |p|) n", "common practice"),
+    strategy_row<Integer>(
+        "offset.integer", "the bits of p moved by 256 n; p + n/65536 where |p| < 1/32",
+        "Wächter, Binder, A Fast and Robust Method for Avoiding Self-Intersection, Ray Tracing Gems (2019), "
+        "chapter 6"),
+    strategy_row<Cycles>("offset.cycles", "the bits of p moved by 32 toward n; p + 1e-5 n where |p| < 1",
+                         "Blender Cycles, ray_offset, before it took the rule of Ray Tracing Gems"),
+    strategy_row<Relative>("offset.relative", "p + (1 + max |p|) 1500u n", "Mitsuba 3, Interaction::offset_p"),
+    strategy_row<Bound>("offset.bound", "p + (|n| . error bound of p) n, then one float further",
+                        "Pharr, Jakob, Humphreys, Physically Based Rendering, fourth edition, section 6.8"),
+    strategy_row<BoundInObject>(
+        "offset.bound_object", "as offset.bound, but in object space; the same without a matrix",
+        "Pharr, Jakob, Humphreys, Physically Based Rendering, fourth edition, section 6.8, in the space "
+        "of the shape"),
+    strategy_row<Exclude>("offset.exclude", "p, and the primitive that is left is not tested",
+                          "common practice for convex solids", true),
 };
 
 }  // namespace
@@ -257,16 +261,16 @@ std::uint64_t Strategy::operations(Shape shape) const {
     using T = Counted<float>;
     const auto vec = [](float x, float y, float z) { return Vec<T>(T(x), T(y), T(z)); };
     const Primitive<T> primitive = primitive_around<T>(shape, vec(4, 4, 2.5F), T(2.0F));
-    const Leaving<T> leaving{.ray = {vec(1, 9, 8), vec(0.3F, -0.5F, -0.7F)},
-                             .t = T(7.0F),
-                             .primitive = primitive,
-                             .p = vec(3.5F, 5.5F, 3.5F),
-                             .n = vec(0.25F, 0.5F, 0.75F),
-                             .w = vec(0.5F, 0.25F, 0.5F),
-                             .side = T(1.0F),
-                             .reach = T(9.0F)};
+    const StrategyInput<T> strategy_input{.ray = {vec(1, 9, 8), vec(0.3F, -0.5F, -0.7F)},
+                                          .t = T(7.0F),
+                                          .primitive = primitive,
+                                          .p = vec(3.5F, 5.5F, 3.5F),
+                                          .n = vec(0.25F, 0.5F, 0.75F),
+                                          .w = vec(0.5F, 0.25F, 0.5F),
+                                          .side = T(1.0F),
+                                          .reach = T(9.0F)};
     operation_counts() = {};
-    static_cast<void>(counted(leaving));
+    static_cast<void>(counted(strategy_input));
     const auto& counts = operation_counts().counts;
     return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
 }

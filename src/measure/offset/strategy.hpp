@@ -19,16 +19,16 @@ struct Strategy {
     std::string_view source;  ///< publication of the rule
     bool keeps_point;  ///< true if the new origin is p itself, so that the rule only limits what the ray is tested
                        ///< against
-    Respawn<float> (*in_float)(const Leaving<float>&);
-    Respawn<double> (*in_double)(const Leaving<double>&);
-    Respawn<RoundedAny> (*in_any)(const Leaving<RoundedAny>&);
-    Respawn<Counted<float>> (*counted)(const Leaving<Counted<float>>&);
+    StrategyOutput<float> (*in_float)(const StrategyInput<float>&);
+    StrategyOutput<double> (*in_double)(const StrategyInput<double>&);
+    StrategyOutput<RoundedAny> (*in_any)(const StrategyInput<RoundedAny>&);
+    StrategyOutput<Counted<float>> (*counted)(const StrategyInput<Counted<float>>&);
 
     template <class T>
-    [[nodiscard]] Respawn<T> respawn(const Leaving<T>& l) const {
-        if constexpr (std::is_same_v<T, float>) return in_float(l);
-        else if constexpr (std::is_same_v<T, double>) return in_double(l);
-        else return in_any(l);
+    [[nodiscard]] StrategyOutput<T> respawn(const StrategyInput<T>& input) const {
+        if constexpr (std::is_same_v<T, float>) return in_float(input);
+        else if constexpr (std::is_same_v<T, double>) return in_double(input);
+        else return in_any(input);
     }
     /// Returns the number of operations for one new ray, as the rule is written. Additions, products, quotients, roots,
     /// comparisons, selections, conversions and moves of bits count one each.

@@ -74,19 +74,19 @@ Shadow compare(TrueShadow truth, std::uint8_t blocked) {
 /// Renders one form in one format on one band.
 class RowRenderer {
 public:
-    RowRenderer(const RenderStudy& study, const TestedForm& row, const SharedRenderInputs& shared)
+    RowRenderer(const RenderStudy& study, const TestedForm& form_row, const SharedRenderInputs& shared)
         : study_(study),
-          row_(row),
+          row_(form_row),
           band_(shared.band),
-          inputs_(shared.inputs.at(row.format.name)),
+          inputs_(shared.inputs.at(form_row.format.name)),
           truth_(shared.truth),
           appearance_(study.scene.appearance),
           n_(shared.band.pixels()),
-          rays_(inputs_.geometry.rays_for(*row.form->info)),
+          rays_(inputs_.geometry.rays_for(*form_row.form->info)),
           result_{shared.band.y0(),
                   shared.band.rows(),
                   inputs_.geometry.rays.width,
-                  answer::evaluate(*row.form, inputs_.geometry),
+                  answer::evaluate(*form_row.form, inputs_.geometry),
                   shared.truth,
                   std::vector<Seen>(n_),
                   {},
@@ -277,8 +277,8 @@ RenderStudy::Summary RenderStudy::begin(std::size_t) const {
 
 SharedRenderInputs RenderStudy::prepare(const truth::Band& band) const {
     std::map<std::string, truth::BandNeeds> needs;
-    for (const TestedForm& row : rows)
-        needs[row.format.name].unit_rays |= row.form->info->direction == intersect::Direction::unit;
+    for (const TestedForm& form_row : rows)
+        needs[form_row.format.name].unit_rays |= form_row.form->info->direction == intersect::Direction::unit;
     SharedRenderInputs shared{
         band, find_true_picture(scene, band, stages, limit), {}, input_appearance(scene, binary64)};
     for (const auto& [name, format_needs] : needs) {
@@ -290,8 +290,8 @@ SharedRenderInputs RenderStudy::prepare(const truth::Band& band) const {
     return shared;
 }
 
-RenderBand RenderStudy::measure(const SharedRenderInputs& shared, std::size_t row, Summary& summary) const {
-    RenderBand result = RowRenderer(*this, rows[row], shared).render();
+RenderBand RenderStudy::measure(const SharedRenderInputs& shared, std::size_t row_index, Summary& summary) const {
+    RenderBand result = RowRenderer(*this, rows[row_index], shared).render();
     for (std::size_t s = 0; s < stages.size(); ++s) add_to_summary(result, s, shared.look, summary[s]);
     return result;
 }

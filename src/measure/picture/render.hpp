@@ -147,9 +147,9 @@ struct RenderStudy {
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
     void require() const {}
-    [[nodiscard]] Summary begin(std::size_t row) const;
+    [[nodiscard]] Summary begin(std::size_t row_index) const;
     [[nodiscard]] SharedRenderInputs prepare(const truth::Band& band) const;
-    RenderBand measure(const SharedRenderInputs& shared, std::size_t row, Summary& summary) const;
+    RenderBand measure(const SharedRenderInputs& shared, std::size_t row_index, Summary& summary) const;
 };
 
 }  // namespace lostbits::measure::picture

@@ -45,8 +45,8 @@ private:
     std::uint64_t hash_ = 0xcbf29ce484222325U;
 };
 
-TestedForm row_like(const TestedForm& row, const TapeForm& form) {
-    return {.form = &form.row(), .format = row.format, .judged = row.judged};
+TestedForm row_like(const TestedForm& form_row, const TapeForm& form) {
+    return {.form = &form.row(), .format = form_row.format, .touching = form_row.touching};
 }
 
 /// Runs a tape on rays that have candidates among many primitives, with many pairs of a ray and a primitive in one
@@ -206,16 +206,16 @@ RowQuality own_quality(const RepairRequest& request, const Tape& tape, Judge& ju
         "form that does the same operations for every ray");
 }
 
-std::vector<evaluate::TestedForm> catalogue_beside(const evaluate::TestedForm& row) {
+std::vector<evaluate::TestedForm> catalogue_beside(const evaluate::TestedForm& form_row) {
     std::vector<evaluate::TestedForm> rows;
-    const auto parts = intersect::transform::transformed_parts_of(*row.form);
+    const auto parts = intersect::transform::transformed_parts_of(*form_row.form);
     for (const auto& form : intersect::table::catalogue()) {
-        if (form.shape != row.form->shape || !form.exists_in(row.format)) continue;
-        rows.push_back({parts.form ? &intersect::transform::through(*parts.method, form) : &form, row.format});
+        if (form.shape != form_row.form->shape || !form.exists_in(form_row.format)) continue;
+        rows.push_back({parts.form ? &intersect::transform::through(*parts.method, form) : &form, form_row.format});
     }
     for (const auto& method : intersect::transform::transform_methods())
         if (parts.form && &method != parts.method)
-            rows.push_back({&intersect::transform::through(method, *parts.form), row.format});
+            rows.push_back({&intersect::transform::through(method, *parts.form), form_row.format});
     return rows;
 }
 

@@ -87,7 +87,7 @@ bool answers_as(const evaluate::TestedForm& form, const Tape& tape, const Repair
 
 /// All forms of the catalogue for the same primitives and format. Under matrices, every form is taken through the
 /// transform method of the row, and the form itself through all methods.
-std::vector<evaluate::TestedForm> catalogue_beside(const evaluate::TestedForm& row);
+std::vector<evaluate::TestedForm> catalogue_beside(const evaluate::TestedForm& form_row);
 
 struct Ranked {
     evaluate::TestedForm row;

@@ -115,11 +115,11 @@ std::vector<external::Formula> placed_rows(const fs::path& library, const std::v
         const std::string name = "mended" + std::to_string(k);
         intersect::Info& info = infos.emplace_back(*original.info);
         info.name = external::lasting_text("mended." + name);
-        Intersector row{
+        Intersector catalogue_row{
             .info = &info, .shape = original.shape, .native32 = nullptr, .native64 = nullptr, .is_placed = true};
-        if (is_double(forms[k])) row.native64 = kernel_of<double>(loaded, name);
-        else row.native32 = kernel_of<float>(loaded, name);
-        formulas.push_back({.row = row, .packed = {}, .who = nullptr, .first = {}});
+        if (is_double(forms[k])) catalogue_row.native64 = kernel_of<double>(loaded, name);
+        else catalogue_row.native32 = kernel_of<float>(loaded, name);
+        formulas.push_back({.row = catalogue_row, .packed = {}, .who = nullptr, .first = {}});
     }
     return formulas;
 }
@@ -208,7 +208,7 @@ std::vector<intersect::external::Formula> compile_and_load(const RepairRequest& 
         form_request.row = original;
         Judge judge(form_request);
         const evaluate::TestedForm compiled{
-            .form = &formulas[k].row, .format = original.format, .judged = original.judged};
+            .form = &formulas[k].row, .format = original.format, .touching = original.touching};
         if (!answers_as(compiled, *forms[k].tape, form_request, judge))
             throw std::logic_error(forms[k].type + ": the compiled form has other answers than its tape");
         if (!compiled.form->is_placed) simd::register_packs({{formulas[k].row.info, formulas[k].packed}});
@@ -223,12 +223,12 @@ std::vector<Price> prices_of(const RepairRequest& request, const std::vector<eva
     const simd::Isa isa = simd::current_isa();
     std::vector<speed::TimedWork> work;
     std::vector<Price> prices;
-    for (const evaluate::TestedForm& row : rows) {
-        const bool uses_packs = row.form->is_placed || is_packed(*row.form, isa);
+    for (const evaluate::TestedForm& form_row : rows) {
+        const bool uses_packs = form_row.form->is_placed || is_packed(*form_row.form, isa);
         prices.push_back({.isa = name_of(uses_packs ? isa : simd::Isa::scalar)});
-        work.push_back(work_on_rays.on(row, packed_kernels(*row.form, isa)));
-        work.push_back(work_on_rays.on(row, packed_kernels(*row.form, simd::Isa::scalar)));
-        if (row.form->is_placed) work.back() = in_scalar_arithmetic(work.back());
+        work.push_back(work_on_rays.on(form_row, packed_kernels(*form_row.form, isa)));
+        work.push_back(work_on_rays.on(form_row, packed_kernels(*form_row.form, simd::Isa::scalar)));
+        if (form_row.form->is_placed) work.back() = in_scalar_arithmetic(work.back());
     }
     const auto times = time_interleaved(work, plan);
     for (std::size_t k = 0; k < rows.size(); ++k) prices[k].packed = times[2 * k], prices[k].single = times[2 * k + 1];

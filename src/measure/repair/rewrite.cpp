@@ -186,22 +186,23 @@ Tape with_inputs(Tape tape, const std::vector<double>& inputs, bool rounds) {
 
 RaySample::RaySample(const RepairRequest& request, int rays)
     : row_(request.row), requirement_(request.requirement), limit_(request.limit) {
-    const evaluate::TestedForm& row = request.row;
+    const evaluate::TestedForm& form_row = request.row;
     std::optional<scene::file::Scene> smaller_scene;
     if (request.scene) smaller_scene = choice::with_smaller_picture(*request.scene, rays);
     const truth::Band band =
         smaller_scene ? truth::Band(*smaller_scene, 0, smaller_scene->height, request.limit)
                       : truth::Band(some_of(request.rays->sample, static_cast<std::size_t>(rays)), request.limit);
-    const auto inputs = band.inputs_for(row.format, *row.form->info);
-    const auto& form_rays = inputs.rays_for(*row.form->info);
-    const bool takes_unit_directions = row.form->info->direction == intersect::Direction::unit;
+    const auto inputs = band.inputs_for(form_row.format, *form_row.form->info);
+    const auto& form_rays = inputs.rays_for(*form_row.form->info);
+    const bool takes_unit_directions = form_row.form->info->direction == intersect::Direction::unit;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
-        const auto truth = band.truth(i, row.convention());
+        const auto truth = band.truth(i, form_row.convention());
         const std::size_t primitive = answer::measured_primitive(inputs, i, truth.object);
         inputs_.push_back(tape::inputs_of(form_rays[i], inputs.primitives[primitive], band.range(i).tmax));
         exact_inputs_.push_back(takes_unit_directions ? along_axis(inputs_.back()) : inputs_.back());
-        const double t = truth.is_hit() ? band.rounded_truth(i, binary64, row.form->info->direction, row.convention())
-                                        : truth::missing;
+        const double t = truth.is_hit()
+                             ? band.rounded_truth(i, binary64, form_row.form->info->direction, form_row.convention())
+                             : truth::missing;
         correct_answers_.push_back({truth.decision, t, band.range(i)});
     }
 }

@@ -6,7 +6,7 @@
 namespace lostbits::measure::shard {
 
 /// Consecutive units [first, last) of a run's work: bands of a picture, blocks of floats, steps, or rows.
-struct Units {
+struct UnitRange {
     std::uint64_t first = 0, last = 0;
 
     [[nodiscard]] std::uint64_t size() const { return last - first; }
@@ -15,7 +15,7 @@ struct Units {
 
 /// Shard `number` (from 1) of `count`; with `count` = 1 it is the whole run.
 struct Share {
-    static constexpr std::uint64_t most = 1'000'000;  ///< so that no product below overflows with 2^44 units
+    static constexpr std::uint64_t max_count = 1'000'000;  ///< so that no product below overflows with 2^44 units
 
     std::uint64_t number = 1, count = 1;
 
@@ -23,7 +23,7 @@ struct Share {
     /// Units ⌊units·(number − 1)/count⌋ to ⌊units·number/count⌋. The shards of a run follow one another, share no unit,
     /// and together have all units; their sizes differ by at most one. Where there are fewer units than shards, some
     /// shards are empty.
-    [[nodiscard]] Units of_units(std::uint64_t units) const {
+    [[nodiscard]] UnitRange of_units(std::uint64_t units) const {
         return {units * (number - 1) / count, units * number / count};
     }
     friend bool operator==(const Share&, const Share&) = default;

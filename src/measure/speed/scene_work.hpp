@@ -34,7 +34,7 @@ public:
     /// Times every ray against every primitive, by the row's kernel: an item is one ray and one primitive. The format
     /// is f32 or f64. Work of one format shares its arrays and runs one at a time; the arrays live as long as any work
     /// on them.
-    TimedWork on(const evaluate::TestedForm& row, const intersect::simd::PackedRow& kernels);
+    TimedWork on(const evaluate::TestedForm& form_row, const intersect::simd::PackedRow& kernels);
 
 private:
     void choose_primitives(const std::vector<int>& same_as, std::size_t primitives);
@@ -42,7 +42,7 @@ private:
     template <class S>
     struct Store;
     template <class S>
-    std::shared_ptr<Store<S>> store(const evaluate::TestedForm& row);
+    std::shared_ptr<Store<S>> store(const evaluate::TestedForm& form_row);
 
     scene::file::Scene scene_ = {};
     std::unique_ptr<culling::Culler> culler_ = {};  ///< culler of the scene; null for a sample of a file

@@ -126,14 +126,14 @@ std::vector<TradeKernel> trade_kernels(const std::vector<TestedForm>& rows) {
         if (engine == Format::Engine::native64) kernel.f64 = f64;
         if (kernel.f32 || kernel.f64) kernels.push_back(std::move(kernel));
     };
-    for (const TestedForm& row : rows) {
+    for (const TestedForm& form_row : rows) {
         // A row under a matrix uses the current register width.
-        const auto isas = row.form->shapes().are_placed() ? std::vector{intersect::simd::current_isa()}
-                                                          : intersect::simd::available_isas();
+        const auto isas = form_row.form->shapes().are_placed() ? std::vector{intersect::simd::current_isa()}
+                                                               : intersect::simd::available_isas();
         for (const intersect::simd::Isa isa : isas) {
-            if (isas.size() > 1 && isa != intersect::simd::Isa::scalar && !is_packed(*row.form, isa)) continue;
-            const intersect::simd::PackedRow packed = packed_kernels(*row.form, isa);
-            add({.measured = row, .isa = name_of(isa)}, packed.f32, packed.f64);
+            if (isas.size() > 1 && isa != intersect::simd::Isa::scalar && !is_packed(*form_row.form, isa)) continue;
+            const intersect::simd::PackedRow packed = packed_kernels(*form_row.form, isa);
+            add({.measured = form_row, .isa = name_of(isa)}, packed.f32, packed.f64);
         }
     }
     return kernels;
@@ -180,13 +180,13 @@ TradeResult run_trade(const TradeRequest& request) {
     return result;
 }
 
-ParetoPoint pareto_point(const Timing& timing, const TestedForm& row, const evaluate::FormSummary& accuracy,
+ParetoPoint pareto_point(const Timing& timing, const TestedForm& form_row, const evaluate::FormSummary& accuracy,
                          const std::vector<const metric::Metric*>& metrics) {
     const std::size_t lost_bits_index = metric::index_of(metrics, "lost_bits");
     const auto wrong = accuracy.wrong_count();
     const auto known = accuracy.rays - accuracy.count(Outcome::unresolved);
     return {timing.median * 1e9, known == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(known),
-            row.format.parameters.precision - accuracy.metrics[lost_bits_index].quantile(0.99)};
+            form_row.format.parameters.precision - accuracy.metrics[lost_bits_index].quantile(0.99)};
 }
 
 std::vector<bool> dominated(const std::vector<ParetoPoint>& points) {

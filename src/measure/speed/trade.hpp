@@ -87,8 +87,8 @@ struct ParetoPoint {
 
     [[nodiscard]] bool never_wrong() const { return wrong_fraction == 0; }
 };
-ParetoPoint pareto_point(const Timing& timing, const evaluate::TestedForm& row, const evaluate::FormSummary& accuracy,
-                         const std::vector<const metric::Metric*>& metrics);
+ParetoPoint pareto_point(const Timing& timing, const evaluate::TestedForm& form_row,
+                         const evaluate::FormSummary& accuracy, const std::vector<const metric::Metric*>& metrics);
 
 /// Marks each point for which another one is at least as fast and as accurate, and better in one of the two.
 std::vector<bool> dominated(const std::vector<ParetoPoint>& points);

@@ -52,7 +52,7 @@ public:
 private:
     const scene::file::Scene& scene_;
     int lines_;
-    shard::Units units_;
+    shard::UnitRange units_;
 };
 
 }  // namespace lostbits::measure::study

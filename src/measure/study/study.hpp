@@ -7,15 +7,15 @@
 // - `Band`, `Summary`: the results of a row on a band, and over the picture;
 // - `pixels_together`: about how many pixels a band has;
 // - `require()`: throws InputError for a scene that cannot be measured;
-// - `begin(row)`: the summary of no pixels;
+// - `begin(row_index)`: the summary of no pixels;
 // - `prepare(band)`: everything that the rows of a band share, their truth above all;
-// - `measure(shared, row, summary)`: measures a row on a band, adds to its summary, and returns what sinks show.
+// - `measure(shared, row_index, summary)`: measures a row on a band, adds to its summary, and returns what sinks show.
 //
 // A study may also have
 //
 // - `scenes()`: the scenes of its rows, if rows differ in the rays that a scene makes;
 // - `prepare(band, rows)`, in place of `prepare(band)`: the rows are those whose rays are of this band;
-// - `measure(shared, row, summary, show)`: calls `show` with what sinks show, in memory that it uses again;
+// - `measure(shared, row_index, summary, show)`: calls `show` with what sinks show, in memory that it uses again;
 // - `stages`: receives the number of truths that each stage settled; may be null.
 //
 // The driver owns the loop over bands and rows, their threads, the share of a shard, and how summaries add up.
@@ -37,7 +37,7 @@ namespace lostbits::measure::study {
 
 /// Receives the bands of each row from top to bottom, different rows at the same time; may be empty.
 template <class Study>
-using ShowBand = std::function<void(std::size_t row, const typename Study::Band& band)>;
+using ShowBand = std::function<void(std::size_t row_index, const typename Study::Band& band)>;
 
 /// Rows whose rays are the same, and the scene that makes these rays.
 struct RowsOfScene {
@@ -71,22 +71,22 @@ decltype(auto) prepared(const S& study, truth::Band& band, const std::vector<std
 
 /// Measures a row on a band, adds to its summary, and shows the results of the band.
 template <class S, class Shared>
-void measure_row(const S& study, const Shared& shared, std::size_t row, typename S::Summary& summary,
+void measure_row(const S& study, const Shared& shared, std::size_t row_index, typename S::Summary& summary,
                  const ShowBand<S>& show) {
     const auto show_band = [&](const typename S::Band& band) {
-        if (show) show(row, band);
+        if (show) show(row_index, band);
     };
-    if constexpr (requires { study.measure(shared, row, summary, show_band); })
-        study.measure(shared, row, summary, show_band);
-    else show_band(study.measure(shared, row, summary));
+    if constexpr (requires { study.measure(shared, row_index, summary, show_band); })
+        study.measure(shared, row_index, summary, show_band);
+    else show_band(study.measure(shared, row_index, summary));
 }
 
 template <class S>
-concept Study = requires(const S& study, truth::Band& band, std::size_t row, typename S::Summary& summary,
+concept Study = requires(const S& study, truth::Band& band, std::size_t row_index, typename S::Summary& summary,
                          const ShowBand<S>& show) {
     study.require();
-    { study.begin(row) } -> std::same_as<typename S::Summary>;
-    measure_row(study, prepared(study, band, {}), row, summary, show);
+    { study.begin(row_index) } -> std::same_as<typename S::Summary>;
+    measure_row(study, prepared(study, band, {}), row_index, summary, show);
     { S::pixels_together } -> std::convertible_to<int>;
     { study.share } -> std::convertible_to<shard::Share>;
     study.progress(band.pixels());
@@ -104,7 +104,8 @@ truth::TruthLimit truth_limit(const Limit& limit) {
 template <Study S>
 std::vector<typename S::Summary> begin_all(const S& study) {
     std::vector<typename S::Summary> summaries;
-    for (std::size_t row = 0; row < study.rows.size(); ++row) summaries.push_back(study.begin(row));
+    for (std::size_t row_index = 0; row_index < study.rows.size(); ++row_index)
+        summaries.push_back(study.begin(row_index));
     return summaries;
 }
 
@@ -121,8 +122,8 @@ std::vector<typename S::Summary> run_share(const S& study, const ShowBand<S>& sh
                 if (study.stages) *study.stages += band.stages();
             const auto& shared = prepared(study, band, scene_rows.rows);
             intersect::process::in_parallel(std::size_t{0}, scene_rows.rows.size(), [&](std::size_t k) {
-                const std::size_t row = scene_rows.rows[k];
-                measure_row(study, shared, row, summaries[row], show);
+                const std::size_t row_index = scene_rows.rows[k];
+                measure_row(study, shared, row_index, summaries[row_index], show);
                 study.progress(band.pixels());
             });
         });

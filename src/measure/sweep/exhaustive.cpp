@@ -138,7 +138,8 @@ void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state) {
         });
         for (std::size_t k = 0; k < block_tallies.size(); ++k) {
             const std::size_t tally_index = request.place(blocks[k / rays].binade, k % rays, 0);
-            for (std::size_t row = 0; row < rows; ++row) state.tallies[tally_index + row].append(block_tallies[k][row]);
+            for (std::size_t row_index = 0; row_index < rows; ++row_index)
+                state.tallies[tally_index + row_index].append(block_tallies[k][row_index]);
             state.stages += stages[k];
         }
         for (const Block& block : blocks) state.tried += block.floats.size();
@@ -156,12 +157,13 @@ std::optional<std::uint32_t> RangeFinding::before(std::uint32_t float_index) con
 std::vector<RangeFinding> findings_of(const ExhaustiveRequest& request, const ExhaustiveState& state) {
     const auto binades = binades_of(request.sweep);
     std::vector<RangeFinding> findings;
-    for (std::size_t row = 0; row < request.rows.size(); ++row) {
+    for (std::size_t row_index = 0; row_index < request.rows.size(); ++row_index) {
         for (std::size_t ray = 0; ray < request.sweep.rays.size(); ++ray) {
             for (std::size_t range = 0; range < request.sweep.ranges().size(); ++range) {
-                RangeFinding finding{range, ray, row, request.sweep.ranges()[range], {}};
+                RangeFinding finding{range, ray, row_index, request.sweep.ranges()[range], {}};
                 for (std::size_t b = 0; b < binades.size(); ++b) {
-                    if (binades[b].range == range) finding.tally.append(state.tallies[request.place(b, ray, row)]);
+                    if (binades[b].range == range)
+                        finding.tally.append(state.tallies[request.place(b, ray, row_index)]);
                 }
                 findings.push_back(std::move(finding));
             }

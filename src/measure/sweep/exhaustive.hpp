@@ -115,8 +115,8 @@ struct ExhaustiveRequest {
     std::function<void(const ExhaustiveState&)> keep = [](const ExhaustiveState&) {};
 
     /// Index of the tally of a form on a ray in a binade.
-    [[nodiscard]] std::size_t place(std::size_t binade, std::size_t ray, std::size_t row) const {
-        return (binade * sweep.rays.size() + ray) * rows.size() + row;
+    [[nodiscard]] std::size_t place(std::size_t binade, std::size_t ray, std::size_t row_index) const {
+        return (binade * sweep.rays.size() + ray) * rows.size() + row_index;
     }
 };
 
@@ -162,7 +162,7 @@ std::vector<FloatTally> try_floats(const FloatsOnRay& floats_on_ray, truth::Stag
 
 /// Padding of tmax, in u, with which no hit is missed because of a gap between slabs; 0 if no hit is missed for that
 /// reason, NaN for a form that tests no box.
-double padding_max(const evaluate::TestedForm& row, const FloatTally& tally);
+double padding_max(const evaluate::TestedForm& form_row, const FloatTally& tally);
 
 /// Like `try_floats`, for a sweep across a mesh. Every float is compared with the complete truth of its ray, and its
 /// error is the metric `ulp_error`: nothing is left open.
@@ -175,6 +175,7 @@ struct FloatAnswer {
     double truth = truth::missing;  ///< t* in the unit of the answer, correctly rounded to binary64; NaN for a miss
     double ulps = truth::missing;   ///< (t − t*)/ulp(t*); NaN unless both hit
 };
-FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::size_t row, std::uint32_t float_index);
+FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::size_t row_index,
+                      std::uint32_t float_index);
 
 }  // namespace lostbits::measure::sweep

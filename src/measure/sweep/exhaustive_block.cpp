@@ -145,8 +145,8 @@ private:
 /// primitive; a form behind a box tests the bounding box of the primitive; other forms test no box.
 class BoxOfRow {
 public:
-    explicit BoxOfRow(const evaluate::TestedForm& row)
-        : row_(row), boxed_parts_(intersect::bounding_box::boxed_parts_of(*row.form)) {}
+    explicit BoxOfRow(const evaluate::TestedForm& form_row)
+        : row_(form_row), boxed_parts_(intersect::bounding_box::boxed_parts_of(*form_row.form)) {}
 
     [[nodiscard]] bool has_box() const {
         return row_.form->shape == bounding_box_shape || boxed_parts_.form != nullptr;
@@ -183,9 +183,9 @@ struct RowsOfTruth {
 std::vector<RowsOfTruth> rows_by_truth(const ExhaustiveRequest& request) {
     std::vector<RowsOfTruth> groups;
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const evaluate::TestedForm& row = request.rows[r];
-        const bool takes_unit_directions = row.form->info->direction == intersect::Direction::unit;
-        const truth::ColumnTerms terms{row.convention(),
+        const evaluate::TestedForm& form_row = request.rows[r];
+        const bool takes_unit_directions = form_row.form->info->direction == intersect::Direction::unit;
+        const truth::ColumnTerms terms{form_row.convention(),
                                        takes_unit_directions ? truth::Length::distance : truth::Length::parameter,
                                        truth::Tightness::ulps_of_binary32, request.limit};
         auto group = std::ranges::find_if(groups, [&](const RowsOfTruth& g) {
@@ -221,21 +221,21 @@ std::vector<FloatTally> try_floats(const FloatsOnRay& floats_on_ray, truth::Stag
             request.limit.stop.check();
             find_truth_columns(columns.problems(), groups[g].terms, truths);
             stages += truths.stages;
-            for (const std::size_t row : groups[g].rows) {
-                columns.answer(request.rows[row], std::span(t).first(n), std::span(hit).first(n));
+            for (const std::size_t row_index : groups[g].rows) {
+                columns.answer(request.rows[row_index], std::span(t).first(n), std::span(hit).first(n));
                 ulps[g].compare(std::span(t).first(n), std::span(hit).first(n), truths);
-                ChunkTally tally(ulps[g], chunk, tallies[row], refinements_left[row]);
+                ChunkTally tally(ulps[g], chunk, tallies[row_index], refinements_left[row_index]);
                 tally.add();
-                if (boxes[row].has_box())
-                    tally.add_padding([&](std::size_t i) { return boxes[row].padding(columns, i); });
+                if (boxes[row_index].has_box())
+                    tally.add_padding([&](std::size_t i) { return boxes[row_index].padding(columns, i); });
             }
         }
     }
     return tallies;
 }
 
-double padding_max(const evaluate::TestedForm& row, const FloatTally& tally) {
-    if (!BoxOfRow(row).has_box()) return truth::missing;
+double padding_max(const evaluate::TestedForm& form_row, const FloatTally& tally) {
+    if (!BoxOfRow(form_row).has_box()) return truth::missing;
     return tally.padding ? tally.padding->u : 0;
 }
 

@@ -28,9 +28,9 @@ public:
           band_(group_, floats_on_ray.request.limit, culler_ ? &*culler_ : nullptr),
           shared_(band_, rows_, measured_metrics()) {}
 
-    void measure(std::size_t row, const evaluate::Show& show) const {
+    void measure(std::size_t row_index, const evaluate::Show& show) const {
         evaluate::FormSummary summary(measured_metrics());
-        evaluate::measure_row({rows_[row], measured_metrics(), show}, shared_.of(rows_[row]), summary);
+        evaluate::measure_row({rows_[row_index], measured_metrics(), show}, shared_.of(rows_[row_index]), summary);
     }
     [[nodiscard]] const truth::StageCounts& stages() const { return band_.stages(); }
 
@@ -53,9 +53,9 @@ std::vector<FloatTally> try_floats_as_rays(const FloatsOnRay& floats_on_ray, tru
     const FloatBand band(floats_on_ray);
     stages += band.stages();
     std::vector<FloatTally> tallies;
-    for (std::size_t row = 0; row < floats_on_ray.request.rows.size(); ++row) {
+    for (std::size_t row_index = 0; row_index < floats_on_ray.request.rows.size(); ++row_index) {
         FloatTally& tally = tallies.emplace_back();
-        band.measure(row, [&](const evaluate::BandResult& result) {
+        band.measure(row_index, [&](const evaluate::BandResult& result) {
             for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
                 const bool both_hit = result.outcomes[i] == Outcome::agree_hit;
                 tally.add(floats_on_ray.floats.at(i), result.outcomes[i],
@@ -66,14 +66,15 @@ std::vector<FloatTally> try_floats_as_rays(const FloatsOnRay& floats_on_ray, tru
     return tallies;
 }
 
-FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::size_t row, std::uint32_t float_index) {
+FloatAnswer answer_at(const ExhaustiveRequest& request, std::size_t ray, std::size_t row_index,
+                      std::uint32_t float_index) {
     FloatAnswer float_answer;
-    FloatBand({request, ray, {float_index, float_index}}).measure(row, [&](const evaluate::BandResult& result) {
+    FloatBand({request, ray, {float_index, float_index}}).measure(row_index, [&](const evaluate::BandResult& result) {
         float_answer.outcome = result.outcomes.front();
         if (result.answers->hit.front() != 0) float_answer.t = result.answers->t.front();
         if (result.truth(0).is_hit())
-            float_answer.truth =
-                result.band->rounded_truth(0, binary64, request.rows[row].form->info->direction, result.convention);
+            float_answer.truth = result.band->rounded_truth(0, binary64, request.rows[row_index].form->info->direction,
+                                                            result.convention);
         if (float_answer.outcome == Outcome::agree_hit) float_answer.ulps = result.metrics.front().front();
     });
     return float_answer;

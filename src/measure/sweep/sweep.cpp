@@ -41,11 +41,11 @@ bool measures_transform_step(const Metric& m) {
     return (m.needs & metric::needs_steps) != 0 && m.ramp == metric::Ramp::magnitude;
 }
 
-std::vector<Event> events_of(const TestedForm& row, const std::vector<const Metric*>& metrics) {
+std::vector<Event> events_of(const TestedForm& form_row, const std::vector<const Metric*>& metrics) {
     const std::size_t lost_bits_index = metric::index_of(metrics, "lost_bits"),
                       stop_index = metric::index_of(metrics, "stop");
     std::vector<Event> events;
-    const double p = row.format.parameters.precision;
+    const double p = form_row.format.parameters.precision;
     for (const metric::Statistic& s : metric::quantiles) {
         for (const double bits : {1.0, 4.0, 8.0, p / 2, p}) {
             if (bits > p) continue;
@@ -63,7 +63,7 @@ std::vector<Event> events_of(const TestedForm& row, const std::vector<const Metr
         events.push_back({std::string(answer::outcome_names[static_cast<std::size_t>(o)]), "count", 1,
                           [o](const FormSummary& summary) { return static_cast<double>(summary.count(o)); }});
     }
-    if (is_primitive(row.form->shape) || stop_index == metrics.size()) return events;
+    if (is_primitive(form_row.form->shape) || stop_index == metrics.size()) return events;
     for (const Stop stop_reason : {Stop::max_dist, Stop::max_steps, Stop::stagnated}) {
         const auto c = static_cast<std::size_t>(stop_reason);
         events.push_back(
@@ -91,8 +91,8 @@ SweepRequest request_for_events(SweepRequest request) {
 /// values.
 class RowEvaluator {
 public:
-    RowEvaluator(const SweepRequest& request, std::size_t row)
-        : request_(request_for_events(request)), row_{request_.rows[row]} {}
+    RowEvaluator(const SweepRequest& request, std::size_t row_index)
+        : request_(request_for_events(request)), row_{request_.rows[row_index]} {}
     const FormSummary& summary_at(double value) {
         const auto [entry, is_new] = summaries_.try_emplace(value);
         if (is_new) entry->second = std::move(run_step(request_, row_, {value}).front());
@@ -143,17 +143,17 @@ void find_recovery(const SweepRequest& request, const StepOrder& steps, std::siz
         [&](const FormSummary& s) { return event.is_good(s); }, [](const FormSummary&) {});
 }
 
-Onset locate_onset(const SweepRequest& request, const StepOrder& steps, std::size_t row, const Event& event,
+Onset locate_onset(const SweepRequest& request, const StepOrder& steps, std::size_t row_index, const Event& event,
                    RowEvaluator& evaluator) {
-    Onset onset{row, event.name, event.statistic, event.threshold};
-    onset.rays = steps.front()->rows[row].rays;
-    onset.views = steps.front()->rows[row].views;
+    Onset onset{row_index, event.name, event.statistic, event.threshold};
+    onset.rays = steps.front()->rows[row_index].rays;
+    onset.views = steps.front()->rows[row_index].views;
     const auto first_bad_step =
-        std::ranges::find_if(steps, [&](const SweepStep* s) { return event.happens(s->rows[row]); });
+        std::ranges::find_if(steps, [&](const SweepStep* s) { return event.happens(s->rows[row_index]); });
     if (first_bad_step == steps.end()) return onset;
     onset.found = true;
     onset.first_bad = (*first_bad_step)->values.front();
-    onset.value_at_first_bad = event.value((*first_bad_step)->rows[row]);
+    onset.value_at_first_bad = event.value((*first_bad_step)->rows[row_index]);
     if (request.recoveries)
         find_recovery(request, steps, static_cast<std::size_t>(first_bad_step - steps.begin()), event, evaluator,
                       onset);
@@ -175,14 +175,14 @@ std::vector<Onset> onsets_of_draw(const SweepRequest& request, const std::vector
     for (const SweepStep& step : steps) forward_steps.push_back(&step);
     const StepOrder backward_steps(forward_steps.rbegin(), forward_steps.rend());
     std::vector<std::vector<Onset>> onsets_by_row(request.rows.size());
-    intersect::process::in_parallel(std::size_t{0}, request.rows.size(), [&](std::size_t row) {
-        RowEvaluator evaluator(request, row);
-        for (const Event& event : events_of(request.rows[row], request.metrics)) {
-            if (!request.asks_for({row, event.name, event.statistic, event.threshold})) continue;
-            onsets_by_row[row].push_back(locate_onset(request, forward_steps, row, event, evaluator));
+    intersect::process::in_parallel(std::size_t{0}, request.rows.size(), [&](std::size_t row_index) {
+        RowEvaluator evaluator(request, row_index);
+        for (const Event& event : events_of(request.rows[row_index], request.metrics)) {
+            if (!request.asks_for({row_index, event.name, event.statistic, event.threshold})) continue;
+            onsets_by_row[row_index].push_back(locate_onset(request, forward_steps, row_index, event, evaluator));
             if (!request.both_ends) continue;
-            onsets_by_row[row].push_back(locate_onset(request, backward_steps, row, event, evaluator));
-            onsets_by_row[row].back().from_last = true;
+            onsets_by_row[row_index].push_back(locate_onset(request, backward_steps, row_index, event, evaluator));
+            onsets_by_row[row_index].back().from_last = true;
         }
         request.progress(steps.size());
     });
@@ -271,9 +271,9 @@ std::uint64_t sweep_units(const SweepRequest& request) {
     return request.rows.size() * steps * (request.sweep.axes.size() == 1 ? 2 * draws : 1);
 }
 
-FormSummary run_cases_together(const CaseRequest& request, std::size_t row,
+FormSummary run_cases_together(const CaseRequest& request, std::size_t row_index,
                                const std::vector<std::size_t>& case_indices) {
-    const evaluate::TestedForm& tested_form = request.rows[row];
+    const evaluate::TestedForm& tested_form = request.rows[row_index];
     std::vector<scene::rays::RayGroup> groups;
     for (const std::size_t case_index : case_indices) {
         for (scene::rays::RayGroup& group : request.file.rays(case_index, tested_form.format.parameters))
@@ -285,14 +285,15 @@ FormSummary run_cases_together(const CaseRequest& request, std::size_t row,
 
 std::vector<std::vector<FormSummary>> run_cases(const CaseRequest& request) {
     std::map<std::string, std::vector<std::size_t>> by_format;
-    for (std::size_t row = 0; row < request.rows.size(); ++row) by_format[request.rows[row].format.name].push_back(row);
+    for (std::size_t row_index = 0; row_index < request.rows.size(); ++row_index)
+        by_format[request.rows[row_index].format.name].push_back(row_index);
     const auto units = request.share.of_units(request.file.size());
     std::vector<std::vector<FormSummary>> cases(units.size());
     intersect::process::in_parallel(std::size_t{0}, cases.size(), [&](std::size_t i) {
         cases[i].resize(request.rows.size());
         for (const auto& [format_name, rows_of_format] : by_format) {
             std::vector<evaluate::TestedForm> rows;
-            for (const std::size_t row : rows_of_format) rows.push_back(request.rows[row]);
+            for (const std::size_t row_index : rows_of_format) rows.push_back(request.rows[row_index]);
             auto summaries =
                 evaluate::measure_groups(request.file.rays(units.first + i, rows.front().format.parameters), rows,
                                          request.metrics, request.limit);

@@ -133,7 +133,7 @@ struct CaseRequest {
 /// case's rays in its own numbers, and has its own truth.
 std::vector<std::vector<evaluate::FormSummary>> run_cases(const CaseRequest& request);
 /// Runs one row over several cases as if they were one.
-evaluate::FormSummary run_cases_together(const CaseRequest& request, std::size_t row,
+evaluate::FormSummary run_cases_together(const CaseRequest& request, std::size_t row_index,
                                          const std::vector<std::size_t>& case_indices);
 
 /// Verdict on a summary. `right`: every decision is right, and no answer loses more than `within` bits.

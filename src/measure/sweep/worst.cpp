@@ -81,10 +81,10 @@ private:
 
 class Search {
 public:
-    Search(const WorstRequest& request, const evaluate::TestedForm& row)
+    Search(const WorstRequest& request, const evaluate::TestedForm& form_row)
         : request_(request),
           file_(request.search),
-          row_(row),
+          row_(form_row),
           random_(file_.seed),
           metric_(metric::index_of(request.metrics, file_.metric)) {}
 

@@ -261,6 +261,6 @@ const Intersector& contracted_row(const Intersector& form) {
     return rows().row_of({&form}, fill);
 }
 
-bool is_contracted(const Intersector& row) { return std::get<0>(rows().parts_of(row)) != nullptr; }
+bool is_contracted(const Intersector& catalogue_row) { return std::get<0>(rows().parts_of(catalogue_row)) != nullptr; }
 
 }  // namespace lostbits::measure::tape

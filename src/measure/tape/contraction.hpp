@@ -21,6 +21,6 @@ Tape contracted(const Tape& tape);
 const intersect::table::Intersector& contracted_row(const intersect::table::Intersector& form);
 
 /// True for a row that `contracted_row` created.
-bool is_contracted(const intersect::table::Intersector& row);
+bool is_contracted(const intersect::table::Intersector& catalogue_row);
 
 }  // namespace lostbits::measure::tape

@@ -170,7 +170,7 @@ private:
     /// that it can meet, and joins the results ray by ray.
     template <class IsWanted>
     void find_pairs(const IsWanted& is_wanted) {
-        for (const ShapeRow& row : shape_rows) gathered(row.shape).size = 0;
+        for (const ShapeRow& shape_row : shape_rows) gathered(shape_row.shape).size = 0;
         matrices_.fill({});
         std::vector<std::size_t> batch;
         for (std::size_t i = 0; i < count_; ++i) {
@@ -318,7 +318,7 @@ private:
     }
 
     void join_pairs() {
-        for (const ShapeRow& row : shape_rows) settle(row.shape);
+        for (const ShapeRow& shape_row : shape_rows) settle(shape_row.shape);
         auto pair = pairs_.cbegin();
         for (const std::size_t i : pair_rays_) {
             Truth best;

@@ -15,7 +15,7 @@ Vec<double> unit_direction(const Vec<double>& d, const FloatFormat& format);
 /// Normalises many directions in place, given as a column for each component.
 void make_unit(const std::array<std::span<double>, 3>& directions, const FloatFormat& format);
 
-/// t |d|, rounded once to the format: an end t of the range of a ray with direction d, as a distance.
+/// Converts an end t of the range of a ray with direction d to a distance: t |d|, rounded once to the format.
 double as_distance(double t, const Vec<double>& d, const FloatFormat& format);
 
 }  // namespace lostbits::measure::truth

@@ -13,11 +13,11 @@ namespace lostbits::output::attribution {
 
 std::string shell_word(std::string_view word) { return intersect::process::shell_word(word); }
 
-std::string name_of_pixel(const std::string& scene, int x, int y) {
+std::string explain_pixel_arguments(const std::string& scene, int x, int y) {
     return fmt::format("{} --pixel {},{}", scene, x, y);
 }
 
-std::string name_of_ray(const scene::rays::RayGroup* group) {
+std::string explain_ray_arguments(const scene::rays::RayGroup* group) {
     if (group == nullptr) return "";
     std::string text;
     for (const Primitive<double>& primitive : group->primitives) {
@@ -59,16 +59,17 @@ void set_plugin_options(const std::string& options) { plugin_options_text() = op
 const std::string& plugin_options() { return plugin_options_text(); }
 
 std::string plugin_options_for(std::string_view form) {
-    const bool is_in_catalogue =
-        std::ranges::any_of(intersect::table::catalogue(), [form](const auto& row) { return row.info->name == form; });
+    const bool is_in_catalogue = std::ranges::any_of(
+        intersect::table::catalogue(), [form](const auto& catalogue_row) { return catalogue_row.info->name == form; });
     return is_in_catalogue || form.empty() ? "" : plugin_options_text();
 }
 
-std::string explain_command(const std::string& name, const measure::evaluate::TestedForm& series) {
-    if (!series.form->native32 && !series.form->native64) return "";
-    return fmt::format("lostbits explain {} -i {} -f {}{}{}", name, series.form->info->name, series.format.name,
-                       series.judged ? fmt::format(" --convention {}", intersect::convention_name(series.judged)) : "",
-                       plugin_options_for(series.form->info->name));
+std::string explain_command(const std::string& arguments, const measure::evaluate::TestedForm& form_row) {
+    if (!form_row.form->native32 && !form_row.form->native64) return "";
+    return fmt::format(
+        "lostbits explain {} -i {} -f {}{}{}", arguments, form_row.form->info->name, form_row.format.name,
+        form_row.touching ? fmt::format(" --convention {}", intersect::convention_name(form_row.touching)) : "",
+        plugin_options_for(form_row.form->info->name));
 }
 
 }  // namespace lostbits::output::attribution

@@ -13,11 +13,11 @@ std::string shell_word(std::string_view word);
 
 /// Arguments of `explain` for pixel (x, y) of a scene: `near-benign --pixel 3,4`. `scene` is an argument quoted for a
 /// shell, possibly with options after it.
-std::string name_of_pixel(const std::string& scene, int x, int y);
+std::string explain_pixel_arguments(const std::string& scene, int x, int y);
 
 /// Arguments of `explain` for the first ray of a group and its primitives: `--sphere=0,0,5,2 --ray=…`, with exact
 /// numbers, the ends of the ray's range, and the constants of a march. Empty if `group` is null.
-std::string name_of_ray(const scene::rays::RayGroup* group);
+std::string explain_ray_arguments(const scene::rays::RayGroup* group);
 
 /// Sets the options that a command needs for external forms (` --plugin ./mine.so`). Call it once, before any command
 /// is built.
@@ -28,8 +28,8 @@ void set_plugin_options(const std::string& options);
 /// `plugin_options()` if the form of this name is external; otherwise empty.
 [[nodiscard]] std::string plugin_options_for(std::string_view form);
 
-/// `lostbits explain NAME -i FORM -f FORMAT`, with the convention that judges the series if it differs from the form's
-/// own, and the options for an external form. Empty for the answers of a file, which cannot be computed again.
-std::string explain_command(const std::string& name, const measure::evaluate::TestedForm& series);
+/// `lostbits explain ARGUMENTS -i FORM -f FORMAT`, with the convention that judges the form if it differs from the
+/// form's own, and the options for an external form. Empty for the answers of a file, which cannot be computed again.
+std::string explain_command(const std::string& arguments, const measure::evaluate::TestedForm& form_row);
 
 }  // namespace lostbits::output::attribution

@@ -68,7 +68,7 @@ std::string explain_json(const Explanation& x, const std::optional<MarchEnd>& ma
     Json j{{"schema", "lostbits-explanation/1"},
            {"form", std::string(x.form->info->name)},
            {"format", x.format.name},
-           {"convention", std::string(intersect::convention_name(x.judged))},
+           {"convention", std::string(intersect::convention_name(x.touching))},
            {"primitive", x.primitive},
            {"primitives", x.primitives}};
     for (std::size_t i = 0; i < x.inputs.size(); ++i) j["inputs"][x.names[i]] = exact_number(x.inputs[i]);

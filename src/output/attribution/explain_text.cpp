@@ -51,29 +51,31 @@ constexpr std::size_t widest_expression = 54;
 
 /// Returns the mark, the name and the formula, `* c       = b·b`, padded to the first column of numbers. A formula
 /// that is too wide gets a line of its own.
-std::string name_and_formula(const char* mark, const OperationRow& row) {
-    std::string text = mark + padded(row.name, 7) + " = " + row.formula;
+std::string name_and_formula(const char* mark, const OperationRow& operation_row) {
+    std::string text = mark + padded(operation_row.name, 7) + " = " + operation_row.formula;
     if (width_of(text) > widest_expression) text += "\n" + std::string(widest_expression, ' ');
     return padded(std::move(text), widest_expression) + " ";
 }
 
-std::string table_line(const Explanation& x, const OperationRow& row) {
-    const bool is_decision_row = row.digits == 0;
-    const char* const mark = row.culprit ? "* " : row.off_path ? "- " : "  ";
+std::string table_line(const Explanation& x, const OperationRow& operation_row) {
+    const bool is_decision_row = operation_row.digits == 0;
+    const char* const mark = operation_row.culprit ? "* " : operation_row.off_path ? "- " : "  ";
     const int width = digits_of(x.format.parameters) + 6;
     const auto number = [&](double v) {
         if (is_decision_row) return fmt::format("{:>{}}", v != 0 ? "true" : "false", width);
-        return fmt::format("{:>{}.{}g}", std::isnan(v) ? std::fabs(v) : v, std::max(width, row.digits + 6), row.digits);
+        return fmt::format("{:>{}.{}g}", std::isnan(v) ? std::fabs(v) : v, std::max(width, operation_row.digits + 6),
+                           operation_row.digits);
     };
-    std::string line = name_and_formula(mark, row) + number(row.computed) + " " + number(row.exact);
-    if (row.has_errors && !is_decision_row)
-        line += fmt::format(" {:>10} {:<16} {:>6} {:>14} {:>15}", row.error_ulps, row.cancelled, row.local,
-                            row.rounding_ulps, row.contribution_ulps);
+    std::string line =
+        name_and_formula(mark, operation_row) + number(operation_row.computed) + " " + number(operation_row.exact);
+    if (operation_row.has_errors && !is_decision_row)
+        line += fmt::format(" {:>10} {:<16} {:>6} {:>14} {:>15}", operation_row.error_ulps, operation_row.cancelled,
+                            operation_row.local, operation_row.rounding_ulps, operation_row.contribution_ulps);
     while (line.back() == ' ') line.pop_back();
     return line +
-           (row.branch_flipped ? "  rounding chose the other side"
-            : row.on_purpose   ? "  on purpose"
-                               : "") +
+           (operation_row.branch_flipped ? "  rounding chose the other side"
+            : operation_row.on_purpose   ? "  on purpose"
+                                         : "") +
            "\n";
 }
 
@@ -85,9 +87,9 @@ std::string table(const Explanation& x, const OperationView& view, bool show_all
                                    fmt::format("share of {}, ulp", view.subject()));
     const OperationTable operations = operation_table(x, view, show_all);
     if (operations.first > 0)
-        text +=
-            fmt::format("  ({} of earlier samples: --verbose)\n", scene::toml::counted(operations.first, "operation"));
-    for (const OperationRow& row : operations.rows) text += table_line(x, row);
+        text += fmt::format("  ({} of earlier samples: --verbose)\n",
+                            scene::toml::count_with_noun(operations.first, "operation"));
+    for (const OperationRow& operation_row : operations.rows) text += table_line(x, operation_row);
     return text;
 }
 
@@ -272,10 +274,10 @@ std::string explain_text(const Explanation& x, bool show_all, const std::optiona
     if (x.form->is_set())
         text +=
             fmt::format("It is a {}, which the form {} answers.\n", name_of(x.shape), x.form->of(x.shape).info->name);
-    if (x.judged)
-        text +=
-            fmt::format("Judged by the {} primitive: a ray that only touches is a {}.\n",
-                        intersect::convention_name(x.judged), *x.judged == intersect::Touching::hit ? "hit" : "miss");
+    if (x.touching)
+        text += fmt::format("Judged by the {} primitive: a ray that only touches is a {}.\n",
+                            intersect::convention_name(x.touching),
+                            *x.touching == intersect::Touching::hit ? "hit" : "miss");
     if (x.rounded_inputs) {
         text += fmt::format(
             "{} cannot represent all of these numbers and gets them rounded, as below. The true t is the one for the "

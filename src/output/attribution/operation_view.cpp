@@ -122,26 +122,26 @@ OperationRow table_row(const Explanation& x, const OperationView& view, NodeId i
     const measure::attribution::OperationError& e = view.of(i);
     const TapeNode& n = x.tape[i];
     const bool is_decision_row = is_decision(n.op);
-    OperationRow row{.node = i,
-                     .has_errors = has_errors,
-                     .name = view.text().name(i),
-                     .formula = has_errors ? view.text().expression(i) : "(an earlier sample)",
-                     .computed = n.value,
-                     .exact = e.exact,
-                     .digits = is_decision_row ? 0 : digits_of(x.tape.format_of(i))};
-    if (!has_errors) return row;
-    row.culprit = i == culprit_operation(x);
-    row.branch_flipped = e.turned && (is_decision_row || e.rounding != 0);
-    row.off_path = !is_decision_row && !view.is_on_way(i);
-    row.on_purpose = measure::attribution::is_on_purpose(n.op) && e.rounding != 0;
-    if (is_decision_row) return row;
+    OperationRow operation_row{.node = i,
+                               .has_errors = has_errors,
+                               .name = view.text().name(i),
+                               .formula = has_errors ? view.text().expression(i) : "(an earlier sample)",
+                               .computed = n.value,
+                               .exact = e.exact,
+                               .digits = is_decision_row ? 0 : digits_of(x.tape.format_of(i))};
+    if (!has_errors) return operation_row;
+    operation_row.culprit = i == culprit_operation(x);
+    operation_row.branch_flipped = e.turned && (is_decision_row || e.rounding != 0);
+    operation_row.off_path = !is_decision_row && !view.is_on_way(i);
+    operation_row.on_purpose = measure::attribution::is_on_purpose(n.op) && e.rounding != 0;
+    if (is_decision_row) return operation_row;
     const auto number = [](double ulps) { return std::isfinite(ulps) ? short_number(ulps) : ""; };
-    row.error_ulps = number(view.ulps_of_value(i, e.error));
-    row.cancelled = view.cancellation(i);
-    if (e.local_bits != 0) row.local = fmt::format("{:.1f}", e.local_bits);
-    if (e.rounding != 0) row.rounding_ulps = number(view.ulps_of_value(i, e.rounding));
-    if (e.live && e.rounding != 0) row.contribution_ulps = number(view.contribution(i));
-    return row;
+    operation_row.error_ulps = number(view.ulps_of_value(i, e.error));
+    operation_row.cancelled = view.cancellation(i);
+    if (e.local_bits != 0) operation_row.local = fmt::format("{:.1f}", e.local_bits);
+    if (e.rounding != 0) operation_row.rounding_ulps = number(view.ulps_of_value(i, e.rounding));
+    if (e.live && e.rounding != 0) operation_row.contribution_ulps = number(view.contribution(i));
+    return operation_row;
 }
 
 /// The first node that the table shows. Without `show_all`, the table of a march begins with the last samples.

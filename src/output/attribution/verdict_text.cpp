@@ -90,7 +90,7 @@ std::string wrong_primitive_sentence(const Explanation& x) {
         "that primitive "
         "alone it reports {}. The text below is about primitive {}; the command for the other one is: {}\n",
         label_of(x.primitive, x.shape), label_of(missed.primitive, missed_shape), reported, x.primitive,
-        explain_command(name_of_ray(&missed.alone), {&x.form->of(missed_shape), x.format, x.judged}));
+        explain_command(explain_ray_arguments(&missed.alone), {&x.form->of(missed_shape), x.format, x.touching}));
 }
 
 /// Part of the error that is due to rounding, in ulps; NaN unless form and truth agree on a hit and the tape explains

@@ -21,7 +21,7 @@ ChoiceResult choose_among(const measure::choice::ChoiceRequest& request, const s
     measure::choice::ChoiceRequest quiet_request = request;
     quiet_request.show = {};
     quiet_request.progress = [](std::uint64_t) {};
-    if (chosen.meets) chosen.margins = margins_of(quiet_request, all[*chosen.meets].row);
+    if (chosen.cheapest_index) chosen.margins = margins_of(quiet_request, all[*chosen.cheapest_index].row);
     else chosen.obstacle = find_obstacle(quiet_request, all[*nearest(all, request.requirement)].row);
     return chosen;
 }
@@ -47,7 +47,7 @@ Table<CandidateRow> candidate_table() {
                 "distance of the hit point from the true one along the ray, at the same share; missing: the "
                 "requirement has no tolerance",
                 or_missing([](const R& r) { return r.quality->distance_error; })},
-               {"meets", "true if it meets the requirement", &R::meets},
+               {"meets", "true if it meets the requirement", &R::meets_requirement},
                {"chosen", "true for the cheapest that meets the requirement", &R::chosen},
                {"mended", "the form that was repaired, and how; missing for a form as it is",
                 [](const R& r) { return r.repair ? r.repair->how : ""; }}});
@@ -89,7 +89,7 @@ Table<SafeOffsetRow> offset_table() {
         {"oversize_p50", "1",
          "how many times longer than the smallest safe offset, median; the larger of the sides; missing: no offset is "
          "needed",
-         or_missing([](const R& r) { return r.safe.oversize; })}};
+         or_missing([](const R& r) { return r.safe.size_ratio; })}};
 }
 
 std::vector<SafeOffsetRow> offset_rows(const measure::choice::SafeOffsets& offsets) {
@@ -139,14 +139,15 @@ image::Canvas front_plot(const ChoiceResult& chosen) {
     spec.title = fmt::format("Time against kept bits on {}", chosen.request.id());
     spec.subtitle = {
         fmt::format("Required: {}. {}.", in_words(requirement),
-                    chosen.meets ? fmt::format("Chosen: {} in {}", chosen.all[*chosen.meets].row.form->info->name,
-                                               chosen.all[*chosen.meets].row.format.name)
-                                 : "Nothing meets the requirement"),
+                    chosen.cheapest_index
+                        ? fmt::format("Chosen: {} in {}", chosen.all[*chosen.cheapest_index].row.form->info->name,
+                                      chosen.all[*chosen.cheapest_index].row.format.name)
+                        : "Nothing meets the requirement"),
         fmt::format("Time: {} of the rays against {} of the primitives, median of {} of this run, bars from quartile "
                     "to quartile. Named: the Pareto front, on which fewer wrong decisions count before more bits, and "
                     "the chosen form.",
                     chosen.timed.rays, chosen.timed.primitives,
-                    scene::toml::counted(chosen.request.plan.repetitions, "repetition"))};
+                    scene::toml::count_with_noun(chosen.request.plan.repetitions, "repetition"))};
     spec.x = {"time per ray and primitive, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
     spec.y = {"bits kept", plot::AxisSpec::Scale::linear, 0.0, {}};
     std::vector<speed::FrontPoint> points;
@@ -155,8 +156,8 @@ image::Canvas front_plot(const ChoiceResult& chosen) {
         points.push_back({.row = c.row,
                           .quality = {c.time.median * 1e9, c.quality.wrong_fraction(), c.quality.kept_bits},
                           .time = c.time,
-                          .marker = chosen.meets == k ? 3 : 0,
-                          .named = chosen.meets == k,
+                          .marker = chosen.cheapest_index == k ? 3 : 0,
+                          .named = chosen.cheapest_index == k,
                           .hollow = !c.quality.decides(requirement)});
     }
     speed::add_front(spec, points);
@@ -164,7 +165,7 @@ image::Canvas front_plot(const ChoiceResult& chosen) {
                  {"f64", 0, 1},
                  {"decides more rays wrongly than allowed", 0, plot::ink_colour, false, true},
                  {"not on the Pareto front", 0, 0, true}};
-    if (chosen.meets) spec.keys.push_back({"chosen", 3, plot::ink_colour});
+    if (chosen.cheapest_index) spec.keys.push_back({"chosen", 3, plot::ink_colour});
     return plot::scatter_plot(spec);
 }
 
@@ -192,7 +193,7 @@ std::vector<CandidateRow> candidate_rows(const ChoiceResult& chosen) {
                         &c.time,
                         &c.quality,
                         c.quality.meets(requirement),
-                        chosen.meets == k,
+                        chosen.cheapest_index == k,
                         chosen.repair_of(form)});
     }
     if (!chosen.request.rays || !chosen.request.rays->answers) return rows;

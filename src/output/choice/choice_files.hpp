@@ -39,8 +39,8 @@ struct ChoiceResult {
     const measure::choice::ChoiceRequest& request;
     const std::vector<Candidate>& all;
     measure::choice::TimedRays timed;
-    std::optional<std::size_t> meets;        ///< index of the cheapest candidate that meets the requirement
-    std::vector<GrowthMargin> margins = {};  ///< margins of the chosen candidate
+    std::optional<std::size_t> cheapest_index;  ///< index of the cheapest candidate that meets the requirement
+    std::vector<GrowthMargin> margins = {};     ///< margins of the chosen candidate
     std::optional<measure::choice::SafeOffsets> offsets = {};     ///< safe offsets of the chosen candidate, if measured
     std::optional<Obstacle> obstacle = {};                        ///< if nothing meets the requirement
     std::optional<RequirementMap> requirement_map = {};           ///< for each pixel of a scene
@@ -91,7 +91,7 @@ struct CandidateRow {
     speed::KernelKey name;
     const measure::speed::Timing* time;  ///< null: unknown
     const RowQuality* quality;
-    bool meets, chosen;
+    bool meets_requirement, chosen;
     const RepairedCandidate* repair;  ///< null: the form as it is
 };
 table::Table<CandidateRow> candidate_table();

@@ -72,9 +72,11 @@ std::string kept_phrase(const RowQuality& quality, int precision, const Requirem
 }
 
 std::string decisions_phrase(const RowQuality& quality) {
-    if (quality.wrong == 0) return fmt::format("no wrong decision in {}", scene::toml::counted(quality.rays, "ray"));
+    if (quality.wrong == 0)
+        return fmt::format("no wrong decision in {}", scene::toml::count_with_noun(quality.rays, "ray"));
     const auto share = quality.wrong_fraction();
-    return fmt::format("{} of {} decided wrongly ({}%)", quality.wrong, scene::toml::counted(quality.rays, "ray"),
+    return fmt::format("{} of {} decided wrongly ({}%)", quality.wrong,
+                       scene::toml::count_with_noun(quality.rays, "ray"),
                        share < 0.001 ? fmt::format("{:.2g}", share * 100) : fmt::format("{:.3g}", share * 100));
 }
 
@@ -94,7 +96,7 @@ std::string times_phrase(double factor) { return fmt::format("{:.2f} times", fac
 std::string failure_phrase(const GrowthMargin& margin, const Requirement& requirement, int precision) {
     if (!margin.broken.decides(requirement)) {
         const std::string_view main_fault = measure::answer::wrong_decision_phrase(margin.broken.main_fault.value());
-        const std::string ray_count = scene::toml::counted(margin.broken.rays, "ray");
+        const std::string ray_count = scene::toml::count_with_noun(margin.broken.rays, "ray");
         if (margin.broken.main_fault_count == margin.broken.wrong)
             return fmt::format("{} ({} of {})", main_fault, margin.broken.wrong, ray_count);
         return fmt::format("wrong decisions ({} of {}; most often, {} times, {})", margin.broken.wrong, ray_count,
@@ -150,12 +152,12 @@ std::string next_ray_text(const ChoiceResult& chosen) {
     const auto cheapest_of = [](const std::vector<measure::offset::SafeStrategy>& safe) {
         return safe.empty() ? std::string("none")
                             : fmt::format("{} ({})", safe.front().strategy->name,
-                                          scene::toml::counted(safe.front().operations, "operation"));
+                                          scene::toml::count_with_noun(safe.front().operations, "operation"));
     };
     return fmt::format(
         "  Cheapest strategy for the next ray that is right for all {} from {}: {} if rays only leave the primitive, "
         "{} if rays go into it too.\n",
-        scene::toml::counted(rays, "ray"), scene::toml::counted(points, "point"), cheapest_of(outside),
+        scene::toml::count_with_noun(rays, "ray"), scene::toml::count_with_noun(points, "point"), cheapest_of(outside),
         cheapest_of(both));
 }
 
@@ -283,10 +285,10 @@ std::string in_words(const Requirement& requirement) {
 
 std::string in_words(const ChoiceResult& chosen) {
     std::string text = fmt::format("{}: {}\n", chosen.request.id(), in_words(chosen.request.requirement));
-    if (!chosen.meets) {
+    if (!chosen.cheapest_index) {
         text += nothing_meets_text(chosen);
     } else {
-        const Candidate& c = chosen.all[*chosen.meets];
+        const Candidate& c = chosen.all[*chosen.cheapest_index];
         const int precision = c.row.format.parameters.precision;
         text += fmt::format("The cheapest is {}: {}, {}.\n", candidate_name(c),
                             kept_phrase(c.quality, precision, chosen.request.requirement), decisions_phrase(c.quality));
@@ -302,8 +304,8 @@ std::string in_words(const ChoiceResult& chosen) {
     if (chosen.requirement_map) text += in_words(chosen, *chosen.requirement_map);
     text += mended_text(chosen) + file_answers_text(chosen) + unequal_widths(chosen.all);
     return text + fmt::format("Times are of this run: {} of the {} against {} of its primitives.\n",
-                              scene::toml::counted(chosen.timed.rays, "ray"), chosen.request.rays ? "file" : "scene",
-                              chosen.timed.primitives);
+                              scene::toml::count_with_noun(chosen.timed.rays, "ray"),
+                              chosen.request.rays ? "file" : "scene", chosen.timed.primitives);
 }
 
 }  // namespace lostbits::output::choice

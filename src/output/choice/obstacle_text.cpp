@@ -25,7 +25,7 @@ std::string kept_and_wrong(const RowQuality& quality, const Requirement& require
     const std::string kept = bits_text(quality.kept_bits, requirement, quality.distance_error);
     if (quality.decides(requirement)) return kept;
     return fmt::format("{} and decides {} of {} wrongly", kept, quality.wrong,
-                       scene::toml::counted(quality.rays, "ray"));
+                       scene::toml::count_with_noun(quality.rays, "ray"));
 }
 
 /// `the centres and the radii`.

@@ -156,11 +156,11 @@ std::string in_words(const ChoiceResult& chosen, const RequirementMap& r) {
     text += ".\n";
     const double least_time = r.least_time(chosen.all);
     const auto choice_count = choices_by_pixels(r).size();
-    if (chosen.meets && choice_count > 1) {
+    if (chosen.cheapest_index && choice_count > 1) {
         text += fmt::format(
             "The cheapest at each pixel would take {} choices and {:.2f} times the time of this one; switching between "
             "forms cannot gain more.\n",
-            choice_count, least_time / chosen.all[*chosen.meets].time.median);
+            choice_count, least_time / chosen.all[*chosen.cheapest_index].time.median);
     }
     return text;
 }

@@ -34,15 +34,16 @@ scene::file::Scene shown_scene(const std::string& name, const ClaimRequest& run)
 std::vector<TestedForm> rows_of(const std::vector<const Claim*>& claims) {
     std::vector<TestedForm> rows;
     for (const Claim* const c : claims) {
-        const TestedForm row = measure::claim::claim_row(*c);
+        const TestedForm form_row = measure::claim::claim_row(*c);
         const auto is_same_series = [&](const TestedForm& r) {
-            return r.form == row.form && r.format == row.format && r.judged == row.judged;
+            return r.form == form_row.form && r.format == form_row.format && r.touching == form_row.touching;
         };
-        if (std::ranges::none_of(rows, is_same_series)) rows.push_back(row);
+        if (std::ranges::none_of(rows, is_same_series)) rows.push_back(form_row);
     }
-    std::ranges::stable_sort(rows, {}, [catalogue = intersect::table::catalogue()](const TestedForm& row) {
-        const auto entry = std::ranges::find(catalogue, row.form->info, &intersect::table::Intersector::info);
-        return std::pair(entry - catalogue.begin(), row.form->info->name);  // forms made at run time come last, by name
+    std::ranges::stable_sort(rows, {}, [catalogue = intersect::table::catalogue()](const TestedForm& form_row) {
+        const auto entry = std::ranges::find(catalogue, form_row.form->info, &intersect::table::Intersector::info);
+        return std::pair(entry - catalogue.begin(),
+                         form_row.form->info->name);  // forms made at run time come last, by name
     });
     return rows;
 }
@@ -72,8 +73,8 @@ std::string picture_of(const SceneSubject& subject, const ShownSubject& shown) {
     if (std::ranges::all_of(shown.claims, is_about_march)) {
         const measure::answer::OneRay ray(scene, 0, 0, {.stop = shown.run.stop});
         std::string text;
-        for (const TestedForm& row : rows)
-            text += fmt::format("```\n{}```\n", attribution::march_table(*row.form, row.format, ray));
+        for (const TestedForm& form_row : rows)
+            text += fmt::format("```\n{}```\n", attribution::march_table(*form_row.form, form_row.format, ray));
         return text;
     }
     const measure::evaluate::MapStudy request{.scene = &scene,
@@ -82,7 +83,7 @@ std::string picture_of(const SceneSubject& subject, const ShownSubject& shown) {
                                               .limit = {.stop = shown.run.stop}};
     const std::string file = scene.id + ".png";
     map::MapFiles sheet(request, {.folder = {},
-                                  .drawn = request.metrics,
+                                  .drawn_metrics = request.metrics,
                                   .scene_arguments = scene.id,
                                   .sheet_alone = picture_path(shown, file)});
     sheet.finish(measure::evaluate::run_map(request, sheet.show()));
@@ -139,12 +140,12 @@ std::string picture_of(const scene::claim::SweepSubject& subject, const ShownSub
             .file = file, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = run.stop}};
         const auto cases = measure::sweep::run_cases(request);
         std::string text;
-        for (const std::optional<Touching> judged :
+        for (const std::optional<Touching> touching :
              {std::optional<Touching>{}, std::optional{Touching::hit}, std::optional{Touching::miss}}) {
-            if (std::ranges::none_of(rows, [&](const TestedForm& r) { return r.judged == judged; })) continue;
+            if (std::ranges::none_of(rows, [&](const TestedForm& r) { return r.touching == touching; })) continue;
             const std::string picture =
-                judged ? fmt::format("{}.{}.png", file.id, intersect::convention_name(judged)) : file.id + ".png";
-            image::save_figure(picture_path(shown, picture), sweep::case_matrix(request, cases, judged));
+                touching ? fmt::format("{}.{}.png", file.id, intersect::convention_name(touching)) : file.id + ".png";
+            image::save_figure(picture_path(shown, picture), sweep::case_matrix(request, cases, touching));
             text += picture_link(shown, file.title, picture);
         }
         return text;
@@ -152,7 +153,8 @@ std::string picture_of(const scene::claim::SweepSubject& subject, const ShownSub
     const scene::sweep::SweepFile sweep(path, run.data_dir, {}, run.stop);
     measure::sweep::SweepRequest request{
         .sweep = sweep, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = run.stop}};
-    for (TestedForm& row : request.rows) row.judged = row.judged ? row.judged : sweep.convention;
+    for (TestedForm& form_row : request.rows)
+        form_row.touching = form_row.touching ? form_row.touching : sweep.convention;
     const auto steps = measure::sweep::run_sweep(request);
     std::string text;
     if (sweep.axes.size() == 2) {

@@ -27,15 +27,15 @@ std::string witness_text(const ClaimResult& r) {
 
 std::string explain_witness(const Claim& c, const ClaimResult& r) {
     if (r.witness.x < 0) return "";
-    const std::string name =
-        r.witness.given ? attribution::name_of_ray(r.witness.given.get())
-        : c.on<scene::claim::SceneSubject>()
-            ? attribution::name_of_pixel(shell_word(c.subject_name()), static_cast<int>(r.witness.x), r.witness.y)
-            : "";
+    const std::string name = r.witness.given ? attribution::explain_ray_arguments(r.witness.given.get())
+                             : c.on<scene::claim::SceneSubject>()
+                                 ? attribution::explain_pixel_arguments(shell_word(c.subject_name()),
+                                                                        static_cast<int>(r.witness.x), r.witness.y)
+                                 : "";
     if (name.empty()) return "";
-    measure::evaluate::TestedForm row = measure::claim::claim_row(c);
-    row.judged = r.witness.judged;
-    return attribution::explain_command(name, row);
+    measure::evaluate::TestedForm form_row = measure::claim::claim_row(c);
+    form_row.touching = r.witness.touching;
+    return attribution::explain_command(name, form_row);
 }
 
 std::string quantity(const Claim& c) {
@@ -45,7 +45,7 @@ std::string quantity(const Claim& c) {
 }
 
 std::string floats_text(const ClaimResult& r) {
-    return r.floats == 0 ? "" : "all " + scene::toml::counted(r.floats, "float");
+    return r.floats == 0 ? "" : "all " + scene::toml::count_with_noun(r.floats, "float");
 }
 
 std::string evidence_text(const Claim& c, const ClaimResult& r) {
@@ -114,7 +114,7 @@ std::string expected_and_measured(const Claim& c, const ClaimResult& r) {
     if (r.further.empty()) return fmt::format("{}, measured {}", expected, file::decimal(r.measured));
     const auto s = r.spread();
     return fmt::format("{}, measured {}, and {} to {} over {}", expected, file::decimal(r.measured),
-                       file::decimal(s.low), file::decimal(s.high), scene::toml::counted(s.draws, "draw"));
+                       file::decimal(s.low), file::decimal(s.high), scene::toml::count_with_noun(s.draws, "draw"));
 }
 
 }  // namespace

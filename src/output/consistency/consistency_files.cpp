@@ -73,8 +73,8 @@ std::string note_of(const Check& check, const CheckSummary& s) {
 
 }  // namespace
 
-std::string ConsistencyView::row_name(const ConsistencyStudy& study, std::size_t row) {
-    return map::row_name(study.rows[row]);
+std::string ConsistencyView::row_name(const ConsistencyStudy& study, std::size_t row_index) {
+    return map::row_name(study.rows[row_index]);
 }
 
 std::vector<PixelColumn<ConsistencyBand>> ConsistencyView::columns(const ConsistencyStudy& study) {
@@ -82,12 +82,13 @@ std::vector<PixelColumn<ConsistencyBand>> ConsistencyView::columns(const Consist
     for (std::size_t r = 0; r < study.rows.size(); ++r) {
         for (std::size_t c = 0; c < study.checks.size(); ++c) {
             const Check& check = *study.checks[c];
-            const auto& row = study.rows[r];
-            pixel::ColumnSpec spec{.file = fmt::format("{}.{}.png", row_name(study, r), check.name),
-                                   .title = fmt::format("{}: {}", check.name, check.title),
-                                   .subtitle = {fmt::format("{} in {}", row.form->info->name, row.format.name)},
-                                   .look = std::make_shared<const pixel::Look>(look_of(check)),
-                                   .places = {{c, r}}};
+            const auto& form_row = study.rows[r];
+            pixel::ColumnSpec spec{
+                .file = fmt::format("{}.{}.png", row_name(study, r), check.name),
+                .title = fmt::format("{}: {}", check.name, check.title),
+                .subtitle = {fmt::format("{} in {}", form_row.form->info->name, form_row.format.name)},
+                .look = std::make_shared<const pixel::Look>(look_of(check)),
+                .places = {{c, r}}};
             if (check.numbers)
                 spec.subtitle.emplace_back(
                     "colour: by how much more than the exact answers the chord differs from either end, clamped at "
@@ -122,8 +123,8 @@ pixel::Sheet ConsistencyView::sheet(const ConsistencyStudy& study, const std::fi
         spec.unit = excess_unit;
     }
     for (const Check* check : study.checks) spec.forms.emplace_back(check->name);
-    for (const auto& row : study.rows)
-        spec.formats.push_back(fmt::format("{} {}", map::short_name(*row.form->info), row.format.name));
+    for (const auto& form_row : study.rows)
+        spec.formats.push_back(fmt::format("{} {}", map::short_name(*form_row.form->info), form_row.format.name));
     return {file, std::move(spec)};
 }
 
@@ -174,7 +175,8 @@ Table<CheckRow> ConsistencyView::summary_table() {
         return [ray](const R& r) {
             const auto& shown_pixel = r.summary->shown;
             return shown_pixel && !(shown_pixel->rays.*ray).primitives.empty()
-                       ? attribution::explain_command(attribution::name_of_ray(&(shown_pixel->rays.*ray)), *r.row)
+                       ? attribution::explain_command(attribution::explain_ray_arguments(&(shown_pixel->rays.*ray)),
+                                                      *r.row)
                        : std::string();
         };
     };

@@ -29,7 +29,7 @@ struct ConsistencyView {
 
     static table::Table<CheckRow> summary_table();
     static std::vector<CheckRow> summary_rows(const Study& study, const std::vector<RowChecks>& rows);
-    static std::string row_name(const Study& study, std::size_t row);
+    static std::string row_name(const Study& study, std::size_t row_index);
     static std::size_t pixels(const Band& band) { return band.checks.front().results.size(); }
     static std::vector<pixel::PixelColumn<Band>> columns(const Study& study);
     static pixel::Sheet sheet(const Study& study, const std::filesystem::path& file);

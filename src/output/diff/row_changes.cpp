@@ -81,18 +81,18 @@ bool is_wrong_decision(const std::string& name) {
 }
 
 /// Number in a column of a row; NaN if there is none.
-double number_of(const CsvTable& table, std::size_t row, std::string_view name) {
+double number_of(const CsvTable& table, std::size_t row_index, std::string_view name) {
     const CsvColumn* const column = table.find(name);
-    return column == nullptr ? std::nan("") : cell_number(column->cells[row]);
+    return column == nullptr ? std::nan("") : cell_number(column->cells[row_index]);
 }
 
 /// Lower and upper bound on the number of true hits of a row: an answer that is not a number or not proved does not
 /// show if the ray truly hits. NaN if the table lacks the columns.
-std::pair<double, double> true_hits(const CsvTable& table, std::size_t row) {
+std::pair<double, double> true_hits(const CsvTable& table, std::size_t row_index) {
     const auto count_or = [&](const char* name, double fallback) {
-        return table.find(name) == nullptr ? fallback : number_of(table, row, name);
+        return table.find(name) == nullptr ? fallback : number_of(table, row_index, name);
     };
-    const double smallest = number_of(table, row, "agree_hit") + number_of(table, row, "false_miss") +
+    const double smallest = number_of(table, row_index, "agree_hit") + number_of(table, row_index, "false_miss") +
                             count_or("wrong_primitive", 0) + count_or("double_hit", 0) +
                             count_or("wrong_neighbour", 0) + count_or("out_of_order", 0);
     return {smallest, smallest + count_or("crack", 0) + count_or("not_a_number", 0) + count_or("unresolved", 0)};
@@ -163,21 +163,21 @@ std::string RowVerdict::text(const std::string& second) const {
         lines.push_back(
             fmt::format("not comparable in {}: the two forms are asked different questions, so other rays are "
                         "hits (agree_hit + false_miss differ)",
-                        scene::toml::counted(other_truth, "row")));
+                        scene::toml::count_with_noun(other_truth, "row")));
     if (one_sided > 0)
         lines.push_back(
             fmt::format("not comparable in {}: as many wrong decisions, but only one side has a lost_bits_p99",
-                        scene::toml::counted(one_sided, "row")));
+                        scene::toml::count_with_noun(one_sided, "row")));
     if (of_other_hits > 0)
         lines.push_back(fmt::format(
             "in {} both forms decide equally many rays wrongly, perhaps not the same ones: each lost_bits_p99 is "
             "over its own hits; `lostbits map --against` compares the hits that both have",
-            scene::toml::counted(of_other_hits, "row")));
+            scene::toml::count_with_noun(of_other_hits, "row")));
     if (better + worse + even > 0)
         lines.push_back(fmt::format("{} is better in {}, worse in {}, the same in {}: by {}{}{}{}", second,
-                                    scene::toml::counted(better, "row"), worse, even, by_shares ? "the share of " : "",
-                                    by_decisions ? "wrong decisions" : "", by_decisions && by_bits ? ", then by " : "",
-                                    by_bits ? "lost_bits_p99" : ""));
+                                    scene::toml::count_with_noun(better, "row"), worse, even,
+                                    by_shares ? "the share of " : "", by_decisions ? "wrong decisions" : "",
+                                    by_decisions && by_bits ? ", then by " : "", by_bits ? "lost_bits_p99" : ""));
     return fmt::format("{}", fmt::join(lines, "\n"));
 }
 

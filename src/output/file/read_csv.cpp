@@ -167,7 +167,7 @@ CsvTable parse_csv(std::string text, const std::string& source) {
         const std::size_t line = parser.line();
         parser.read_row(cells);
         if (cells.size() != table.columns.size()) {
-            parser.fail(line, "is not a CSV file: " + scene::toml::counted(cells.size(), "cell") +
+            parser.fail(line, "is not a CSV file: " + scene::toml::count_with_noun(cells.size(), "cell") +
                                   " where the header has " + std::to_string(table.columns.size()) +
                                   "; quote cells that contain commas");
         }

@@ -39,14 +39,16 @@ scene::file::Scene scene_of(const JudgeRequest& request, const Dump& dump, const
 }
 
 /// Arguments of `lostbits explain` that name a ray; empty if its primitives are too many to be named.
-std::string ray_arguments(const measure::evaluate::WorstRay& ray) { return attribution::name_of_ray(ray.given.get()); }
+std::string ray_arguments(const measure::evaluate::WorstRay& ray) {
+    return attribution::explain_ray_arguments(ray.given.get());
+}
 
-std::string case_name(const TestedForm& row, const ReportedRay& ray) {
+std::string case_name(const TestedForm& form_row, const ReportedRay& ray) {
     const std::string error_text =
         ray.outcome == measure::answer::Outcome::agree_hit
             ? fmt::format("{:.6g} ulp", ray.ulps)
             : std::string(measure::answer::outcome_names[static_cast<std::size_t>(ray.outcome)]);
-    return fmt::format("{} in {}: ray {}, {}", row.form->info->name, row.format.name, ray.place, error_text);
+    return fmt::format("{} in {}: ray {}, {}", form_row.form->info->name, form_row.format.name, ray.place, error_text);
 }
 
 /// A ray in a chunk of the file.
@@ -117,7 +119,7 @@ Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::me
 /// Files of one series.
 class RowParts {
 public:
-    RowParts(const TestedForm& row, WorstRays worst) : row_(row), worst_(std::move(worst)) {}
+    RowParts(const TestedForm& form_row, WorstRays worst) : row_(form_row), worst_(std::move(worst)) {}
     void open_rows(const std::filesystem::path& folder, const Dump& dump, const JudgeRequest& request) {
         rows_.emplace(folder, map::row_name(row_) + ".csv",
                       fmt::format("One row per ray: {} in {}", row_.form->info->name, row_.format.name),
@@ -156,9 +158,9 @@ struct JudgeFiles::Parts {
     /// For a shard: adds the lines of the series' table to the map's piece of the series.
     [[nodiscard]] pixel::KeepPiece keep_of_map() {
         if (!options.keep) return {};
-        return [this](std::size_t row, pixel::Piece&& piece) {
-            if (rows.at(row)->rows()) piece.lines = rows[row]->rows()->take_lines();
-            options.keep(row, std::move(piece));
+        return [this](std::size_t row_index, pixel::Piece&& piece) {
+            if (rows.at(row_index)->rows()) piece.lines = rows[row_index]->rows()->take_lines();
+            options.keep(row_index, std::move(piece));
         };
     }
 };
@@ -170,18 +172,18 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
     p.map_request = {.scene = &p.scene, .rows = request.rows, .metrics = request.metrics};
     const std::size_t ulps = measure::metric::index_of(request.metrics, "ulp_error");
     std::vector<file::DataResource> tables;
-    for (const TestedForm& row : request.rows) {
-        p.rows.push_back(std::make_unique<RowParts>(row, WorstRays(p.options.worst, ulps)));
+    for (const TestedForm& form_row : request.rows) {
+        p.rows.push_back(std::make_unique<RowParts>(form_row, WorstRays(p.options.worst, ulps)));
         if (!p.options.rows) continue;
         p.rows.back()->open_rows(p.options.keep ? "" : p.options.folder, dump, request);
         tables.push_back(p.rows.back()->rows()->about());
     }
     p.map.emplace(p.map_request, map::MapFilesOptions{.folder = p.options.folder,
-                                                      .drawn = p.options.drawn,
+                                                      .drawn_metrics = p.options.drawn_metrics,
                                                       .single_pictures = p.options.single_pictures,
                                                       .scene_arguments = "",
                                                       .other_tables = tables,
-                                                      .name_of_ray = ray_arguments,
+                                                      .ray_arguments = ray_arguments,
                                                       .listed = !request.picture,
                                                       .keep = p.keep_of_map(),
                                                       .by = request.by ? dump.layout().kept()[*request.by] : ""});
@@ -192,14 +194,14 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
 
 JudgeFiles::~JudgeFiles() = default;
 
-void JudgeFiles::piece(std::size_t row, const Chunk& chunk, const measure::evaluate::BandResult& result) {
-    parts_->rows[row]->piece(chunk, result);
+void JudgeFiles::piece(std::size_t row_index, const Chunk& chunk, const measure::evaluate::BandResult& result) {
+    parts_->rows[row_index]->piece(chunk, result);
 }
 
-void JudgeFiles::put(std::size_t row, pixel::Piece&& piece) {
-    if (auto& rows = parts_->rows.at(row)->rows()) rows->add_lines(piece.lines);
+void JudgeFiles::put(std::size_t row_index, pixel::Piece&& piece) {
+    if (auto& rows = parts_->rows.at(row_index)->rows()) rows->add_lines(piece.lines);
     piece.lines.clear();
-    parts_->map->put(row, std::move(piece));
+    parts_->map->put(row_index, std::move(piece));
 }
 
 std::vector<WorstRays> JudgeFiles::worst() const {

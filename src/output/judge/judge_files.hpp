@@ -18,12 +18,13 @@ using measure::judge::WorstRays;
 struct JudgeFilesOptions {
     std::filesystem::path folder;
     std::string id, title;
-    std::string command;                                     ///< the command that finds the worst rays again
-    std::vector<const measure::metric::Metric*> drawn = {};  ///< metrics on sheets; empty: the rays are no picture
-    bool single_pictures = false;                            ///< also each picture of a sheet alone
-    bool rows = false;                                       ///< one row per ray in `<form>.<format>.csv`
-    std::size_t worst = 10;                                  ///< number of rays of each kind in worst.toml
-    pixel::KeepPiece keep = {};                              ///< receives the pieces of a shard
+    std::string command;  ///< the command that finds the worst rays again
+    std::vector<const measure::metric::Metric*> drawn_metrics =
+        {};                        ///< metrics on sheets; empty: the rays are no picture
+    bool single_pictures = false;  ///< also each picture of a sheet alone
+    bool rows = false;             ///< one row per ray in `<form>.<format>.csv`
+    std::size_t worst = 10;        ///< number of rays of each kind in worst.toml
+    pixel::KeepPiece keep = {};    ///< receives the pieces of a shard
 };
 
 /// Opens every file before any work and gives all files their final names in `finish`, like `MapFiles`.
@@ -35,10 +36,10 @@ public:
     JudgeFiles(const JudgeFiles&) = delete;
     JudgeFiles& operator=(const JudgeFiles&) = delete;
 
-    /// Adds the next judged rays of a series (a form in a format). `row` is its index in the request.
-    void piece(std::size_t row, const scene::dump::Chunk& chunk, const measure::evaluate::BandResult& result);
+    /// Adds the next judged rays of a series (a form in a format). `row_index` is its index in the request.
+    void piece(std::size_t row_index, const scene::dump::Chunk& chunk, const measure::evaluate::BandResult& result);
     /// Writes the next piece of a series, which another run kept.
-    void put(std::size_t row, pixel::Piece&& piece);
+    void put(std::size_t row_index, pixel::Piece&& piece);
     /// Worst rays of each series. `append` adds the worst rays that another run found among later rays of the file.
     [[nodiscard]] std::vector<WorstRays> worst() const;
     void append(std::vector<WorstRays>&& later_rays);

@@ -94,7 +94,7 @@ std::string words_of(const JudgedAnswer& answer, bool is_point) {
     if (is_point) return file::listed(std::array{origin.x, origin.y, origin.z}, file::hex, ",");
     scene::rays::RayGroup group = scene::rays::group_of(answer.ray);
     group.rays.tmin = {answer.range.tmin}, group.rays.tmax = {answer.range.tmax}, group.rays.open = answer.range.open;
-    return attribution::name_of_ray(&group);
+    return attribution::explain_ray_arguments(&group);
 }
 
 Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {

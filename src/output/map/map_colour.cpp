@@ -46,8 +46,8 @@ namespace {
 /// The precision of all rows, in bits; 0 if they differ or there are none.
 int common_precision(std::span<const TestedForm> rows) {
     const int first_precision = rows.empty() ? 0 : rows.front().format.parameters.precision;
-    const auto has_first_precision = [first_precision](const TestedForm& row) {
-        return row.format.parameters.precision == first_precision;
+    const auto has_first_precision = [first_precision](const TestedForm& form_row) {
+        return form_row.format.parameters.precision == first_precision;
     };
     return std::ranges::all_of(rows, has_first_precision) ? first_precision : 0;
 }

@@ -72,7 +72,7 @@ public:
     /// The scale; missing for categories.
     [[nodiscard]] const std::optional<image::ColourScale>& scale() const { return look_.scale; }
     /// True if the metric has a picture for this series.
-    [[nodiscard]] bool applies_to(const TestedForm& row) const;
+    [[nodiscard]] bool applies_to(const TestedForm& form_row) const;
     /// True if both metrics are drawn alike, so that they may share a bar.
     [[nodiscard]] bool shares_with(const Metric& other) const;
 
@@ -93,14 +93,14 @@ public:
 
     /// Meaning of the colours in one line, for one format, or for a sheet if `has_several_formats`.
     [[nodiscard]] std::string note(bool has_several_formats = false) const;
-    /// Meaning of `p99` in a glance, for a sheet; empty if no glance contains a p99.
+    /// Meaning of `p99` in a `short_summary`, for a sheet; empty if no short summary contains a p99.
     [[nodiscard]] std::string quantile_note() const;
     /// Summary of a row in at most four short lines: wrong decisions as shares of all pixels, then the errors of the
     /// agreed hits, then the number of those hits.
-    [[nodiscard]] std::string glance(const FormSummary& summary, std::size_t m) const;
+    [[nodiscard]] std::string short_summary(const FormSummary& summary, std::size_t m) const;
     /// True if the worst ray of a row is the one with the largest value of the drawn metric.
     [[nodiscard]] bool names_worst() const { return is_of_hits() && look_.scale; }
-    /// The summary of `glance` as a sentence, for the caption of a picture.
+    /// The `short_summary` as a sentence, for the caption of a picture.
     [[nodiscard]] std::string caption(const FormSummary& summary, std::size_t m) const;
     /// The longest caption that a picture with this number of pixels can get.
     [[nodiscard]] std::string widest_caption(std::uint64_t pixels) const;

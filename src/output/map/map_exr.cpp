@@ -90,10 +90,10 @@ void append(Attributes& attributes, const Attributes& added) {
     attributes.insert(attributes.end(), added.begin(), added.end());
 }
 
-pixel::ExrLayers<MapStrip> layers_of(const MapExrRequest& request, const TestedForm& row) {
+pixel::ExrLayers<MapStrip> layers_of(const MapExrRequest& request, const TestedForm& form_row) {
     pixel::ExrLayers<MapStrip> layers;
     layers.add_preview([](const MapStrip& strip, std::size_t i) { return strip.preview[i]; });
-    add_exactly(layers, "t", is_within_float(row.format), [](const MapStrip& strip, std::size_t i) {
+    add_exactly(layers, "t", is_within_float(form_row.format), [](const MapStrip& strip, std::size_t i) {
         const auto& answers = *strip.result->answers;
         return answers.hit[i] != 0 ? answers.t[i] : missing;
     });
@@ -129,11 +129,11 @@ pixel::ExrLayers<NeededStrip> needed_layers() {
     return layers;
 }
 
-ExrPart row_part(const MapExrRequest& request, const TestedForm& row, const std::string& truth,
+ExrPart row_part(const MapExrRequest& request, const TestedForm& form_row, const std::string& truth,
                  std::vector<Channel> channels) {
-    ExrPart part = part_of(request, row_name(row), "lostbits-map/2", std::move(channels));
-    append(part.spec.attributes, {{"lostbits:form", std::string(row.form->info->name)},
-                                  {"lostbits:format", row.format.name},
+    ExrPart part = part_of(request, row_name(form_row), "lostbits-map/2", std::move(channels));
+    append(part.spec.attributes, {{"lostbits:form", std::string(form_row.form->info->name)},
+                                  {"lostbits:format", form_row.format.name},
                                   {"lostbits:truth", truth},
                                   {"lostbits:outcomes", pixel::numbered(measure::answer::outcome_names)}});
     for (const Metric* m : request.layers) {
@@ -169,12 +169,13 @@ ExrRows rows_in(std::size_t part, const pixel::ExrLayers<Band>& layers, const Ba
 
 MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) {
     std::vector<ExrPart> parts;
-    for (const TestedForm& row : request.map.rows) {
-        rows_.push_back({&row, layers_of(request, row)});
+    for (const TestedForm& form_row : request.map.rows) {
+        rows_.push_back({&form_row, layers_of(request, form_row)});
         const std::size_t truth_index =
-            index_in(truth_parts_, [kind = truth_kind(row)](const TruthPart& t) { return t.kind == kind; });
-        if (truth_index == truth_parts_.size()) truth_parts_.push_back({truth_kind(row), &row, truth_layers(row)});
-        parts.push_back(row_part(request, row, truth_parts_[truth_index].name(), rows_.back().layers.channels()));
+            index_in(truth_parts_, [kind = truth_kind(form_row)](const TruthPart& t) { return t.kind == kind; });
+        if (truth_index == truth_parts_.size())
+            truth_parts_.push_back({truth_kind(form_row), &form_row, truth_layers(form_row)});
+        parts.push_back(row_part(request, form_row, truth_parts_[truth_index].name(), rows_.back().layers.channels()));
     }
     for (const TruthPart& t : truth_parts_) {
         parts.push_back(part_of(request, t.name(), "lostbits-map/2", t.layers.channels()));
@@ -191,12 +192,13 @@ MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) 
 
 MapExr::~MapExr() = default;
 
-std::vector<ExrRows> MapExr::rows_of(const TestedForm& row, const BandResult& result,
+std::vector<ExrRows> MapExr::rows_of(const TestedForm& form_row, const BandResult& result,
                                      std::span<const image::Rgb8> preview) const {
     const MapStrip strip{&result, preview};
-    const std::size_t index = index_in(rows_, [&row](const Row& r) { return r.row == &row; });
+    const std::size_t index = index_in(rows_, [&form_row](const Row& r) { return r.row == &form_row; });
     std::vector<ExrRows> pieces{rows_in(index, rows_[index].layers, strip)};
-    const std::size_t truth_index = index_in(truth_parts_, [&row](const TruthPart& t) { return t.filled_by == &row; });
+    const std::size_t truth_index =
+        index_in(truth_parts_, [&form_row](const TruthPart& t) { return t.filled_by == &form_row; });
     if (truth_index < truth_parts_.size())
         pieces.push_back(rows_in(rows_.size() + truth_index, truth_parts_[truth_index].layers, strip));
     return pieces;

@@ -62,7 +62,7 @@ public:
 
     /// Rows of the file for one band: of a series of the map, with its truth unless another series writes that truth;
     /// or of the bits needed by a form.
-    [[nodiscard]] std::vector<ExrRows> rows_of(const TestedForm& row, const BandResult& result,
+    [[nodiscard]] std::vector<ExrRows> rows_of(const TestedForm& form_row, const BandResult& result,
                                                std::span<const image::Rgb8> preview) const;
     [[nodiscard]] std::vector<ExrRows> rows_of(const NeededBand& result, std::span<const image::Rgb8> preview) const;
     /// Writes the next rows of the parts. Different parts may be written concurrently.

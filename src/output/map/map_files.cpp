@@ -48,24 +48,24 @@ struct MapFiles::Parts {
         return table;
     }
     void add_row(std::size_t r) {
-        const TestedForm& row = request.rows[r];
+        const TestedForm& form_row = request.rows[r];
         std::unique_ptr<table::TableFile<BandRay>> pixels;
         if (options.pixels_csv)
             pixels = std::make_unique<table::TableFile<BandRay>>(
-                options.keep ? "" : options.folder, row_name(row) + ".csv",
-                fmt::format("One row per pixel: {} in {}", row.form->info->name, row.format.name),
+                options.keep ? "" : options.folder, row_name(form_row) + ".csv",
+                fmt::format("One row per pixel: {} in {}", form_row.form->info->name, form_row.format.name),
                 pixel_table(request.metrics));
         MapRowFiles::Writers writers{
             .add_pixel =
-                [&row](table::TableFile<BandRay>& file, const BandResult& band, std::size_t i) {
-                    file.add({&band, i, &row});
+                [&form_row](table::TableFile<BandRay>& file, const BandResult& band, std::size_t i) {
+                    file.add({&band, i, &form_row});
                 },
             .pixels = [](const BandResult& band) { return band.outcomes.size(); }};
         pixel::BandFiles<BandResult> files{pictures->files(), {}, options.keep};
         if (MapExr* const exr = options.exr) {
-            writers.exr_rows = [&row, exr](const BandResult& band, std::span<const image::Rgb8> preview) {
-                return preview.empty() ? exr->rows_of(row, band, outcome_colours_of(band))
-                                       : exr->rows_of(row, band, preview);
+            writers.exr_rows = [&form_row, exr](const BandResult& band, std::span<const image::Rgb8> preview) {
+                return preview.empty() ? exr->rows_of(form_row, band, outcome_colours_of(band))
+                                       : exr->rows_of(form_row, band, preview);
             };
             files.write_exr = [exr](const std::vector<ExrRows>& pieces) { exr->write(pieces); };
         }
@@ -78,9 +78,9 @@ MapFiles::MapFiles(const MapStudy& request, const MapFilesOptions& options)
     Parts& p = *parts_;
     // The limit on open files is checked before an hour of work is spent.
     const std::size_t files_per_row =
-        (options.single_pictures ? options.drawn.size() : 0) + (options.pixels_csv ? 1 : 0);
-    file::require_open_files(request.rows.size() * files_per_row + options.drawn.size() + 2, options.folder.string(),
-                             "select fewer forms, formats or metrics");
+        (options.single_pictures ? options.drawn_metrics.size() : 0) + (options.pixels_csv ? 1 : 0);
+    file::require_open_files(request.rows.size() * files_per_row + options.drawn_metrics.size() + 2,
+                             options.folder.string(), "select fewer forms, formats or metrics");
     const bool has_tables = !options.keep && options.sheet_alone.empty();
     if (has_tables)
         p.summary.emplace(options.folder, "summary.csv",
@@ -97,16 +97,16 @@ MapFiles::~MapFiles() = default;
 
 measure::evaluate::ShowRows MapFiles::show() { return measure::evaluate::show_to_each(parts_->rows); }
 
-void MapFiles::put(std::size_t row, pixel::Piece&& piece) { parts_->rows.at(row).write_piece(piece); }
+void MapFiles::put(std::size_t row_index, pixel::Piece&& piece) { parts_->rows.at(row_index).write_piece(piece); }
 
 void MapFiles::finish(const std::vector<FormSummary>& summaries, const measure::evaluate::Groups& groups) {
     Parts& p = *parts_;
     p.pictures->finish(summaries);
     if (!p.summary) return;
     const auto ray_arguments = [&p](const measure::evaluate::WorstRay& ray) {
-        return p.options.name_of_ray
-                   ? p.options.name_of_ray(ray)
-                   : attribution::name_of_pixel(p.options.scene_arguments, static_cast<int>(ray.x), ray.y);
+        return p.options.ray_arguments
+                   ? p.options.ray_arguments(ray)
+                   : attribution::explain_pixel_arguments(p.options.scene_arguments, static_cast<int>(ray.x), ray.y);
     };
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         p.summary->add_all(summary_rows(r, p.request.rows[r], summaries[r], groups, ray_arguments));

@@ -16,12 +16,12 @@
 namespace lostbits::output::map {
 
 struct MapFilesOptions {
-    std::filesystem::path folder;  ///< folder of the scene; created if missing
-    std::vector<const Metric*>
-        drawn;  ///< metrics on sheets; metrics that are drawn alike share a sheet. The first metric is also the preview
-    bool single_pictures = false;  ///< also a picture of each metric of each row
-    bool pixels_csv = false;       ///< a row per pixel in `<form>.<format>.csv`
-    std::string scene_arguments;   ///< names the scene to `lostbits explain`: an id and perhaps options
+    std::filesystem::path folder;              ///< folder of the scene; created if missing
+    std::vector<const Metric*> drawn_metrics;  ///< metrics on sheets; metrics that are drawn alike share a sheet. The
+                                               ///< first metric is also the preview
+    bool single_pictures = false;              ///< also a picture of each metric of each row
+    bool pixels_csv = false;                   ///< a row per pixel in `<form>.<format>.csv`
+    std::string scene_arguments;               ///< names the scene to `lostbits explain`: an id and perhaps options
     std::string explaining_sheet =
         {};  ///< the sheet of this run that explains p99, orders and worst pixels; empty: this one
     /// Draws lost bits in a paler colour where the problem explains them (`is_inside_envelope`). Needs `excess_bits`.
@@ -29,7 +29,7 @@ struct MapFilesOptions {
     MapExr* exr = nullptr;  ///< for the same request; filled, and closed before summary.csv; null: no EXR is written
     std::vector<file::DataResource> other_tables =
         {};                              ///< tables that others write into the folder, for datapackage.json
-    NameOfRay name_of_ray = {};          ///< replaces `scene_arguments` if the rays come from a file
+    RayArguments ray_arguments = {};     ///< replaces `scene_arguments` if the rays come from a file
     bool listed = false;                 ///< the rays are a list and not a picture, so none is drawn
     std::optional<BarRange> range = {};  ///< for every colour bar; absent: what fits each format
     pixel::KeepPiece keep = {};          ///< receives the pieces of a shard
@@ -51,7 +51,7 @@ public:
     /// Returns the function that receives the bands of the request's rows.
     [[nodiscard]] measure::evaluate::ShowRows show();
     /// Writes the next piece of a row, which another run kept.
-    void put(std::size_t row, pixel::Piece&& piece);
+    void put(std::size_t row_index, pixel::Piece&& piece);
     void finish(const std::vector<FormSummary>& summaries, const measure::evaluate::Groups& groups = {});
 
 private:

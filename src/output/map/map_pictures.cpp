@@ -34,9 +34,9 @@ std::string file_name_part(const Metric& metric) {
 
 std::vector<MapSheet> sheets_of(const MapStudy& request, const MapFilesOptions& options) {
     std::vector<MapSheet> sheets;
-    for (const Metric* m : options.drawn) {
-        const auto applies = [m](const TestedForm& row) {
-            return MetricPaint(*m, row.format.parameters).applies_to(row);
+    for (const Metric* m : options.drawn_metrics) {
+        const auto applies = [m](const TestedForm& form_row) {
+            return MetricPaint(*m, form_row.format.parameters).applies_to(form_row);
         };
         const auto first = std::ranges::find_if(request.rows, applies);
         if (first == request.rows.end()) continue;
@@ -69,12 +69,13 @@ pixel::Pages MapPictures::pages() {
 
 pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
     std::vector<image::ColourScale> scales;  // one per line
-    for (const TestedForm& row : request_.rows) {
-        if (!sheet.paint.applies_to(row)) continue;
-        static_cast<void>(find_or_add(sheet.forms, short_name(*row.form->info)));
+    for (const TestedForm& form_row : request_.rows) {
+        if (!sheet.paint.applies_to(form_row)) continue;
+        static_cast<void>(find_or_add(sheet.forms, short_name(*form_row.form->info)));
         for (const Metric* m : sheet.metrics) {
-            if (find_or_add(sheet.lines, sheet.line_name(row, *m)) < scales.size() || !sheet.paint.scale()) continue;
-            scales.push_back(metric_scale(*m, row.format.parameters, options_.range));
+            if (find_or_add(sheet.lines, sheet.line_name(form_row, *m)) < scales.size() || !sheet.paint.scale())
+                continue;
+            scales.push_back(metric_scale(*m, form_row.format.parameters, options_.range));
         }
     }
     const auto differs = [&scales](const image::ColourScale& s) { return !s.is_as(scales.front()); };
@@ -110,14 +111,14 @@ bool MapPictures::zooms(const MetricPaint& paint) const {
 std::vector<MapPictures::Column> MapPictures::add_columns() {
     std::vector<Column> columns;
     for (std::size_t r = 0; r < request_.rows.size(); ++r) {
-        const TestedForm& row = request_.rows[r];
-        for (const Metric* m : options_.drawn) {
-            const auto paint = std::make_shared<const MetricPaint>(*m, row.format.parameters, options_.range);
-            if (!paint->applies_to(row)) continue;
+        const TestedForm& form_row = request_.rows[r];
+        for (const Metric* m : options_.drawn_metrics) {
+            const auto paint = std::make_shared<const MetricPaint>(*m, form_row.format.parameters, options_.range);
+            if (!paint->applies_to(form_row)) continue;
             const auto sheet = std::ranges::find_if(
                 sheets_, [m](const MapSheet& s) { return std::ranges::find(s.metrics, m) != s.metrics.end(); });
-            const pixel::SheetPosition position{find_or_add(sheet->forms, short_name(*row.form->info)),
-                                                find_or_add(sheet->lines, sheet->line_name(row, *m)),
+            const pixel::SheetPosition position{find_or_add(sheet->forms, short_name(*form_row.form->info)),
+                                                find_or_add(sheet->lines, sheet->line_name(form_row, *m)),
                                                 static_cast<std::size_t>(sheet - sheets_.begin())};
             drawings_.push_back({r, index_of(request_.metrics, m), paint, position});
             columns.push_back(column_of(drawings_.back()));
@@ -128,19 +129,19 @@ std::vector<MapPictures::Column> MapPictures::add_columns() {
 
 MapPictures::Column MapPictures::column_of(const Drawing& drawing) const {
     const scene::file::Scene& scene = *request_.scene;
-    const TestedForm& row = request_.rows[drawing.row];
+    const TestedForm& form_row = request_.rows[drawing.row];
     const Metric& m = drawing.paint->metric();
     pixel::ColumnSpec spec{
-        .file = row_name(row) + (options_.drawn.size() == 1 ? "" : "." + file_name_part(m)) + ".png",
+        .file = row_name(form_row) + (options_.drawn_metrics.size() == 1 ? "" : "." + file_name_part(m)) + ".png",
         .title = fmt::format(
-            "{} in {}: {}{}", row.form->info->name, row.format.name, m.name,
-            m.domain == measure::metric::MetricDomain::pairs ? fmt::format(" {}", row.against->info->name) : ""),
-        .subtitle = {title_of(*row.form->info), drawing.paint->note()},
+            "{} in {}: {}{}", form_row.form->info->name, form_row.format.name, m.name,
+            m.domain == measure::metric::MetricDomain::pairs ? fmt::format(" {}", form_row.against->info->name) : ""),
+        .subtitle = {title_of(*form_row.form->info), drawing.paint->note()},
         .look = std::make_shared<const pixel::Look>(look_of(drawing)),
         .places = {drawing.position},
         .widest_caption = drawing.paint->widest_caption(scene.pixels()) +
                           worst_pixel_text(drawing, {.x = scene.width, .y = scene.height})};
-    if (std::string note = input_note(scene, std::span(&row, 1)); !note.empty() && !options_.listed)
+    if (std::string note = input_note(scene, std::span(&form_row, 1)); !note.empty() && !options_.listed)
         spec.subtitle.push_back(std::move(note));
     const auto pixel_of = [paint = drawing.paint, metric = drawing.metric](const BandResult& band, std::size_t i) {
         return paint->pixel(band.outcomes[i], band.metrics[metric][i]);
@@ -173,12 +174,13 @@ bool MapPictures::is_enveloped(const Metric& metric) const {
 /// a compiled form, which cannot be explained, and for rays of a file, which have no scene.
 std::string MapPictures::worst_pixel_text(const Drawing& drawing, const measure::evaluate::WorstRay& worst) const {
     if (!drawing.paint->names_worst()) return "";
-    const TestedForm& row = request_.rows[drawing.row];
+    const TestedForm& form_row = request_.rows[drawing.row];
     const std::string text = fmt::format("; worst pixel {},{}", worst.x, worst.y);
-    if (!row.form->record || options_.scene_arguments.empty()) return text;
+    if (!form_row.form->record || options_.scene_arguments.empty()) return text;
     return text + ": " +
            attribution::explain_command(
-               attribution::name_of_pixel(options_.scene_arguments, static_cast<int>(worst.x), worst.y), row);
+               attribution::explain_pixel_arguments(options_.scene_arguments, static_cast<int>(worst.x), worst.y),
+               form_row);
 }
 
 pixel::SheetEnd MapPictures::end_of(std::size_t sheet, const std::vector<FormSummary>& summaries) const {
@@ -214,9 +216,9 @@ std::string input_note(const scene::file::Scene& scene, std::span<const TestedFo
     if (scene.inputs == scene::file::Inputs::own)
         return "each format rounds the ideal scene itself, and errors include that rounding (metric input_error)";
     std::vector<std::string> narrow_formats;
-    for (const TestedForm& row : rows) {
-        if (!holds_shared_inputs(row.format.parameters))
-            static_cast<void>(find_or_add(narrow_formats, row.format.name));
+    for (const TestedForm& form_row : rows) {
+        if (!holds_shared_inputs(form_row.format.parameters))
+            static_cast<void>(find_or_add(narrow_formats, form_row.format.name));
     }
     if (narrow_formats.empty()) return "";
     return fmt::format("in {} the inputs are rounded too, and errors include that rounding (metric input_error)",
@@ -251,7 +253,7 @@ std::vector<std::string> sheet_subtitle(const SheetSubject& sheet) {
 
 std::string cell_note(const MetricPaint& paint, const FormSummary& summary, std::size_t m) {
     const measure::evaluate::WorstRay* const worst = paint.names_worst() ? summary.worst_ray() : nullptr;
-    return paint.glance(summary, m) + (worst ? fmt::format("\nworst pixel {},{}", worst->x, worst->y) : "");
+    return paint.short_summary(summary, m) + (worst ? fmt::format("\nworst pixel {},{}", worst->x, worst->y) : "");
 }
 
 std::vector<std::size_t> best_first(std::size_t forms, std::span<const SheetCell> cells, std::size_t lost_bits_index) {

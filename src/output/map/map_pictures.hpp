@@ -39,9 +39,10 @@ struct SheetSubject {
 };
 [[nodiscard]] std::vector<std::string> sheet_subtitle(const SheetSubject& sheet);
 
-/// Lines below a cell: four of a glance, and one that names the worst pixel.
+/// Lines below a cell: four of the `short_summary`, and one that names the worst pixel.
 inline constexpr std::size_t cell_note_lines = 5;
-/// Text below a cell of a sheet: a glance, and `worst pixel 100,90` if a ray is worse than another.
+/// Text below a cell of a sheet: the `short_summary` of the metric, and `worst pixel 100,90` if a ray is worse than
+/// another.
 [[nodiscard]] std::string cell_note(const MetricPaint& paint, const FormSummary& summary, std::size_t m);
 
 /// Result of a form in the first format of a sheet.
@@ -62,8 +63,8 @@ struct MapSheet {
     std::vector<const Metric*> metrics;
     std::vector<std::string> forms = {}, lines = {};
 
-    [[nodiscard]] std::string line_name(const TestedForm& row, const Metric& metric) const {
-        return metrics.size() == 1 ? row.format.name : row.format.name + " " + std::string(metric.name);
+    [[nodiscard]] std::string line_name(const TestedForm& form_row, const Metric& metric) const {
+        return metrics.size() == 1 ? form_row.format.name : form_row.format.name + " " + std::string(metric.name);
     }
 };
 

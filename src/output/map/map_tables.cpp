@@ -47,8 +47,8 @@ void add_columns(Table<SummaryRow>& table, const std::vector<SummaryColumn>& col
 }
 
 std::string worst_ray_command(const SummaryRow& r, const measure::evaluate::WorstRay* ray) {
-    const std::string name = ray != nullptr && ray->x >= 0 ? r.name_of_ray(*ray) : "";
-    return name.empty() ? "" : attribution::explain_command(name, r.row);
+    const std::string arguments = ray != nullptr && ray->x >= 0 ? r.ray_arguments(*ray) : "";
+    return arguments.empty() ? "" : attribution::explain_command(arguments, r.row);
 }
 
 }  // namespace
@@ -76,11 +76,11 @@ Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const
         .add(std::move(table));
 }
 
-std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& row, const FormSummary& summary,
-                                     const measure::evaluate::Groups& groups, const NameOfRay& name_of_ray) {
-    std::vector<SummaryRow> rows{{row, &summary, name_of_ray}};
+std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& form_row, const FormSummary& summary,
+                                     const measure::evaluate::Groups& groups, const RayArguments& ray_arguments) {
+    std::vector<SummaryRow> rows{{form_row, &summary, ray_arguments}};
     for (const measure::evaluate::Group& group : groups.all())
-        rows.push_back({row, &group.summaries[r], name_of_ray, group.value.empty() ? "(empty)" : group.value});
+        rows.push_back({form_row, &group.summaries[r], ray_arguments, group.value.empty() ? "(empty)" : group.value});
     return rows;
 }
 
@@ -110,14 +110,14 @@ bool asks_for_culprits(const std::vector<const Metric*>& metrics) {
     return std::ranges::any_of(metrics, &Metric::by_run);
 }
 
-std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const TestedForm& row,
+std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const TestedForm& form_row,
                                  const FormSummary& summary) {
     const auto metric = std::ranges::find_if(metrics, &Metric::by_run);
     const auto& counts = summary.categories[static_cast<std::size_t>(metric - metrics.begin())];
     std::vector<Culprit> culprits;
     for (const std::size_t c : culprits_by_count(counts))
-        culprits.push_back(
-            {row, (*metric)->categories[c], counts[c], measure::attribution::culprit_share(counts, std::array{c})});
+        culprits.push_back({form_row, (*metric)->categories[c], counts[c],
+                            measure::attribution::culprit_share(counts, std::array{c})});
     return culprits;
 }
 

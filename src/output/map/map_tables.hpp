@@ -18,13 +18,13 @@ using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 
 /// Arguments of `lostbits explain` that name a ray of a summary: `near-benign --pixel 3,4`; empty if the ray has none.
-using NameOfRay = std::function<std::string(const measure::evaluate::WorstRay&)>;
+using RayArguments = std::function<std::string(const measure::evaluate::WorstRay&)>;
 
 /// A row of a map, or a group of its rays.
 struct SummaryRow {
     TestedForm row;
     const FormSummary* summary;
-    NameOfRay name_of_ray;
+    RayArguments ray_arguments;
     std::optional<std::string> group = {};  ///< missing: all rays
 };
 
@@ -34,9 +34,9 @@ struct SummaryRow {
 /// the rays, which stands first; empty: no groups.
 table::Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes,
                                        bool has_meshes = false, std::string group_column = {});
-/// A row for all rays, then one for each group. `row` is row `r` of the run.
-std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& row, const FormSummary& summary,
-                                     const measure::evaluate::Groups& groups, const NameOfRay& name_of_ray);
+/// A row for all rays, then one for each group. `form_row` is row `r` of the run.
+std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& form_row, const FormSummary& summary,
+                                     const measure::evaluate::Groups& groups, const RayArguments& ray_arguments);
 
 /// An operation that is the culprit of some rays. Operations are rows and not columns, because columns would differ
 /// from run to run.
@@ -52,7 +52,7 @@ table::Table<Culprit> culprit_table();
 [[nodiscard]] bool asks_for_culprits(const std::vector<const Metric*>& metrics);
 
 /// The culprits of a row, the most frequent first.
-std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const TestedForm& row,
+std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, const TestedForm& form_row,
                                  const FormSummary& summary);
 
 /// Categories of the operations that are the culprit of any ray, the most frequent first; equally frequent operations

@@ -1,4 +1,4 @@
-// Legends, notes and glances of a metric in pictures.
+// Legends, notes and short summaries of a metric in pictures.
 #include "output/map/map_colour.hpp"
 
 #include <fmt/format.h>
@@ -31,7 +31,7 @@ std::string percent(std::uint64_t count, std::uint64_t total) {
 /// Formats a value for a text with little space.
 std::string short_number(double x) { return file::short_decimal(x, 3); }
 
-constexpr Rgb8 no_culprit = image::outcome_colours[0];  ///< a hit to which no operation adds an error
+constexpr Rgb8 no_culprit_colour = image::outcome_colours[0];  ///< a hit to which no operation adds an error
 constexpr const char* hit_without_value = "correct hit without a value";
 constexpr const char* not_both_hit = "not both hit: nothing to compare";
 constexpr std::size_t max_culprits = 6;          ///< culprits that a legend names
@@ -77,7 +77,7 @@ Rgb8 category_colour(const Metric& metric, std::size_t category) {
     if (metric.categories.data() == intersect::stop_names.data()) return image::stop_colours[category];
     if (metric.domain == MetricDomain::pairs) return image::against_colours[category];
     if (metric.domain == MetricDomain::agreed_hits) return image::distinct_colour(category);  // slate is taken
-    return category == 0 ? no_culprit : image::distinct_colour(category - 1);
+    return category == 0 ? no_culprit_colour : image::distinct_colour(category - 1);
 }
 
 }  // namespace
@@ -97,7 +97,7 @@ MetricPaint::MetricPaint(const Metric& metric, const FloatFormat& format, const 
         const std::string name = outcome == Outcome::agree_hit ? hit_without_value : plain_name(outcome);
         categories.push_back({is_of_hits() ? name : "", image::outcome_colours[o]});
     }
-    // This colour recedes, because nothing is wrong if two forms do not both hit.
+    // Two forms need not both hit, so such pixels get an inconspicuous colour.
     categories.push_back(
         {is_distance() ? not_both_hit : "",
          pixel::colour_of(metric.domain == MetricDomain::pairs ? Outcome::agree_miss : Outcome::not_a_number)});
@@ -106,16 +106,17 @@ MetricPaint::MetricPaint(const Metric& metric, const FloatFormat& format, const 
                 categories.begin() + static_cast<std::ptrdiff_t>(value_categories_) + 1, categories.end() - 1);
 }
 
-bool MetricPaint::applies_to(const TestedForm& row) const {
+bool MetricPaint::applies_to(const TestedForm& form_row) const {
     if (metric_->domain == MetricDomain::pairs)  // distances exist only between values of t with the same meaning
-        return row.against != nullptr &&
-               (!metric_->categories.empty() || measure::answer::are_comparable(*row.form->info, *row.against->info));
-    const bool is_machine_format = row.format.engine != Format::Engine::rounded;
-    if ((metric_->needs & measure::metric::needs_bound) && (row.form->bounded == nullptr || !is_machine_format))
+        return form_row.against != nullptr &&
+               (!metric_->categories.empty() ||
+                measure::answer::are_comparable(*form_row.form->info, *form_row.against->info));
+    const bool is_machine_format = form_row.format.engine != Format::Engine::rounded;
+    if ((metric_->needs & measure::metric::needs_bound) && (form_row.form->bounded == nullptr || !is_machine_format))
         return false;
-    if ((metric_->needs & measure::metric::needs_filter_arithmetic) && row.form->filter_arithmetic == nullptr)
+    if ((metric_->needs & measure::metric::needs_filter_arithmetic) && form_row.form->filter_arithmetic == nullptr)
         return false;
-    return metric_->domain != MetricDomain::marches || !is_primitive(row.form->shape);
+    return metric_->domain != MetricDomain::marches || !is_primitive(form_row.form->shape);
 }
 
 bool MetricPaint::shares_with(const Metric& other) const {
@@ -147,7 +148,8 @@ pixel::Look MetricPaint::look(bool has_mesh) const {
 
 std::vector<LegendEntry> MetricPaint::widest_culprit_legend(std::uint64_t pixels) const {
     const std::string count = pixel::widest_count(pixels);
-    std::vector<LegendEntry> entries(max_culprits + 2, {std::string(max_culprit_letters, '+'), no_culprit, count});
+    std::vector<LegendEntry> entries(max_culprits + 2,
+                                     {std::string(max_culprit_letters, '+'), no_culprit_colour, count});
     for (const Outcome o : {Outcome::agree_miss, Outcome::not_a_number, Outcome::unresolved})
         entries.push_back({plain_name(o), pixel::colour_of(o), count});
     return entries;
@@ -166,8 +168,8 @@ std::vector<LegendEntry> MetricPaint::culprit_legend(const pixel::CategoryCounts
         else other_rays += counts[c];
     }
     if (counts.front() > 0)
-        entries.push_back(
-            {shortened(metric_->categories.front(), max_culprit_letters), no_culprit, std::to_string(counts.front())});
+        entries.push_back({shortened(metric_->categories.front(), max_culprit_letters), no_culprit_colour,
+                           std::to_string(counts.front())});
     if (other_rays > 0)
         entries.push_back({"other operations, each in its own colour", image::style::page,
                            pixel::count_text(other_rays, blamed_rays)});
@@ -208,7 +210,7 @@ std::string MetricPaint::quantile_note() const {
                                                                                                             : "have");
 }
 
-std::string MetricPaint::glance(const FormSummary& s, std::size_t m) const {
+std::string MetricPaint::short_summary(const FormSummary& s, std::size_t m) const {
     if (metric_->by_run) {
         const auto order = culprits_by_count(s.categories[m]);
         if (order.empty()) return "no culprit";
@@ -229,7 +231,7 @@ std::string MetricPaint::glance(const FormSummary& s, std::size_t m) const {
     if (!is_of_hits()) {
         if (d.count() == 0) return is_distance() ? "no ray that both forms hit" : "no value";
         return fmt::format("median {}{}\nlargest {}{}\nof {}{}", short_number(d.quantile(0.5)), unit,
-                           short_number(d.quantile(1)), unit, scene::toml::counted(d.count(), "ray"),
+                           short_number(d.quantile(1)), unit, scene::toml::count_with_noun(d.count(), "ray"),
                            is_distance() ? " that both forms hit" : "");
     }
     std::string text = faults_of(s);
@@ -251,8 +253,8 @@ std::string MetricPaint::glance(const FormSummary& s, std::size_t m) const {
 
 std::string MetricPaint::caption(const FormSummary& s, std::size_t m) const {
     std::string text;
-    for (const char c : glance(s, m)) text += c != '\n' ? std::string(1, c) : text.ends_with(':') ? " " : "; ";
-    // The caption of a single picture has space to spell out what a sheet explains once.
+    for (const char c : short_summary(s, m)) text += c != '\n' ? std::string(1, c) : text.ends_with(':') ? " " : "; ";
+    // A sheet explains `p99` once in its notes. The caption of a single picture has space to spell it out.
     constexpr std::string_view marker = "p99 ";
     const std::size_t position = text.find(marker);
     const bool is_word = position == 0 || (position != std::string::npos && text[position - 1] == ' ');

@@ -34,8 +34,8 @@ using measure::evaluate::TestedForm;
 }
 
 /// `sphere.unified.f32`
-[[nodiscard]] inline std::string row_name(const TestedForm& row) {
-    return std::string(row.form->info->name) + "." + row.format.name;
+[[nodiscard]] inline std::string row_name(const TestedForm& form_row) {
+    return std::string(form_row.form->info->name) + "." + form_row.format.name;
 }
 
 /// A name in words: `wrong primitive` for `wrong_primitive`.
@@ -59,8 +59,8 @@ struct TruthKind {
     const scene::camera::RayGenerator* generator;  ///< its ideal rays may have other origins
     friend bool operator==(const TruthKind&, const TruthKind&) = default;
 };
-[[nodiscard]] inline TruthKind truth_kind(const TestedForm& row) {
-    return {row.form->info->direction, row.convention(), scene::rays::generator_of(*row.form)};
+[[nodiscard]] inline TruthKind truth_kind(const TestedForm& form_row) {
+    return {form_row.form->info->direction, form_row.convention(), scene::rays::generator_of(*form_row.form)};
 }
 
 /// Forms across and formats down, both in the order of their first rows.
@@ -72,8 +72,9 @@ struct RowGrid {
     std::vector<GridCell> cells;  ///< one per row of the constructor's argument
 
     explicit RowGrid(const std::vector<TestedForm>& rows) {
-        for (const TestedForm& row : rows)
-            cells.push_back({find_or_add(forms, short_name(*row.form->info)), find_or_add(formats, row.format.name)});
+        for (const TestedForm& form_row : rows)
+            cells.push_back(
+                {find_or_add(forms, short_name(*form_row.form->info)), find_or_add(formats, form_row.format.name)});
     }
 };
 

@@ -11,9 +11,9 @@ using measure::offset::SideSummary;
 
 namespace {
 
-std::string subject_text(const OffsetRow& row, Side side) {
-    return fmt::format("{} in {}, {} points, rays {}", row.row.form->info->name, row.row.format.name,
-                       name_of(row.point), in_words(side));
+std::string subject_text(const OffsetRow& offset_row, Side side) {
+    return fmt::format("{} in {}, {} points, rays {}", offset_row.form_row.form->info->name,
+                       offset_row.form_row.format.name, name_of(offset_row.point_kind), in_words(side));
 }
 
 /// Look of a strategy in every plot: its index in the table of strategies. The index after the last one is for the
@@ -37,57 +37,60 @@ AlongFiles::AlongFiles(const std::filesystem::path& folder, const OffsetStudy& s
 
 void AlongFiles::add(double axis_value, std::vector<OffsetSummary> summaries) {
     for (const StrategyRow& row : OffsetView::summary_rows(study_, summaries)) table_.add({axis_value, row});
-    steps_.push_back(axis_value);
+    axis_values_.push_back(axis_value);
     summaries_.push_back(std::move(summaries));
 }
 
-std::filesystem::path AlongFiles::file_of(std::size_t row, Side side, const char* kind) const {
+std::filesystem::path AlongFiles::file_of(std::size_t row_index, Side side, const char* kind) const {
     return folder_ /
-           fmt::format("along.{}.{}.{}.{}.png", name_of(along_), row_name(study_.rows[row]), name_of(side), kind);
+           fmt::format("along.{}.{}.{}.{}.png", name_of(along_), row_name(study_.rows[row_index]), name_of(side), kind);
 }
 
-plot::LinePlotSpec AlongFiles::spec_of(std::size_t row, Side side, const std::string& title, plot::AxisSpec y) const {
+plot::LinePlotSpec AlongFiles::spec_of(std::size_t row_index, Side side, const std::string& title,
+                                       plot::AxisSpec y) const {
     return {.title = fmt::format("{} along {}", title, name_of(along_)),
-            .subtitle = {study_.scene.title, subject_text(study_.rows[row], side)},
+            .subtitle = {study_.scene.title, subject_text(study_.rows[row_index], side)},
             .x = {std::string(measure::offset::meaning_of(along_)), plot::AxisSpec::Scale::log2, {}, {}},
             .y = std::move(y)};
 }
 
-plot::Series AlongFiles::series_of(std::size_t row, Side side, const std::function<double(const SideSummary&)>& value,
+plot::Series AlongFiles::series_of(std::size_t row_index, Side side,
+                                   const std::function<double(const SideSummary&)>& value,
                                    const Strategy* strategy) const {
     plot::Series series{.label = strategy ? short_name(*strategy) : "smallest safe offset, largest of all points",
-                        .x = steps_,
+                        .x = axis_values_,
                         .dashed = strategy == nullptr,
                         .look = look_of(strategy)};
-    for (const auto& step : summaries_) series.y.push_back(value(step[row].side_summary(side)));
+    for (const auto& step : summaries_) series.y.push_back(value(step[row_index].side_summary(side)));
     return series;
 }
 
-void AlongFiles::plot_wrong(std::size_t row, Side side) const {
-    auto spec = spec_of(row, side, "Rays that go wrong",
+void AlongFiles::plot_wrong(std::size_t row_index, Side side) const {
+    auto spec = spec_of(row_index, side, "Rays that go wrong",
                         {"share of rays", plot::AxisSpec::Scale::linear, 0.0, {}, false, false, 1});
     for (std::size_t k = 0; k < study_.strategies.size(); ++k)
         spec.series.push_back(series_of(
-            row, side, [k](const SideSummary& s) { return measure::truth::fraction(s.strategies[k].bad, s.rays); },
+            row_index, side,
+            [k](const SideSummary& s) { return measure::truth::fraction(s.strategies[k].bad_rays, s.rays); },
             study_.strategies[k]));
     spec.notes = {
         "wrong: a self-hit (by truth or by the form's arithmetic), a lost occluder, or a lost exit",
         "shares are of the points that the form finds; there is none if it misses or names another primitive"};
-    image::save_figure(file_of(row, side, "wrong"), plot::line_plot(spec));
+    image::save_figure(file_of(row_index, side, "wrong"), plot::line_plot(spec));
 }
 
-void AlongFiles::plot_size(std::size_t row, Side side) const {
-    auto spec = spec_of(row, side, "Offsets", {"world units", plot::AxisSpec::Scale::log10, {}, {}});
-    spec.series = {series_of(row, side, [](const SideSummary& s) { return s.safe.quantile(1); })};
+void AlongFiles::plot_size(std::size_t row_index, Side side) const {
+    auto spec = spec_of(row_index, side, "Offsets", {"world units", plot::AxisSpec::Scale::log10, {}, {}});
+    spec.series = {series_of(row_index, side, [](const SideSummary& s) { return s.safe_offset.quantile(1); })};
     for (std::size_t k = 0; k < study_.strategies.size(); ++k)
         if (!study_.strategies[k]->keeps_point)
             spec.series.push_back(series_of(
-                row, side, [k](const SideSummary& s) { return s.strategies[k].size.quantile(0.5); },
+                row_index, side, [k](const SideSummary& s) { return s.strategies[k].size.quantile(0.5); },
                 study_.strategies[k]));
     spec.notes = {
         "dashed: the largest of the smallest safe offsets of all points; other lines: medians over the points",
         "the dashed line has a gap where no point needs an offset or no offset is safe"};
-    image::save_figure(file_of(row, side, "size"), plot::line_plot(spec));
+    image::save_figure(file_of(row_index, side, "size"), plot::line_plot(spec));
 }
 
 void AlongFiles::finish() {

@@ -65,27 +65,28 @@ pixel::Look safe_look() {
 
 PixelValue safe_offset(const OffsetBand& band, std::size_t pixel, Side side) {
     if (band.is_point[pixel] == 0) return {0};
-    const double offset = band.sides[pixel][static_cast<std::size_t>(side)].safe;
+    const double offset = band.sides[pixel][static_cast<std::size_t>(side)].safe_offset;
     if (offset == 0) return {1};
     return std::isfinite(offset) ? PixelValue{3, offset / band.ulp[pixel]} : PixelValue{2};
 }
 
-std::size_t line_of(std::size_t row, Side side) { return 2 * row + static_cast<std::size_t>(side); }
+std::size_t line_of(std::size_t row_index, Side side) { return 2 * row_index + static_cast<std::size_t>(side); }
 
 /// Adds the notes below the cells of a line of the sheet.
 void add_notes(const OffsetStudy& study, std::size_t line, const measure::offset::SideSummary& side,
                std::vector<study::Note>& notes) {
-    if (side.safe.count() > 0)
-        notes.push_back({{0, line},
-                         fmt::format("p50 {}, max {}\n(world units)", file::short_decimal(side.safe.quantile(0.5), 2),
-                                     file::short_decimal(side.safe.quantile(1), 2))});
+    if (side.safe_offset.count() > 0)
+        notes.push_back(
+            {{0, line},
+             fmt::format("p50 {}, max {}\n(world units)", file::short_decimal(side.safe_offset.quantile(0.5), 2),
+                         file::short_decimal(side.safe_offset.quantile(1), 2))});
     for (std::size_t k = 0; k < study.strategies.size(); ++k) {
         const auto& strategy = side.strategies[k];
-        std::string note = side.rays > 0 && strategy.bad == 0
+        std::string note = side.rays > 0 && strategy.bad_rays == 0
                                ? "every ray right"
-                               : pixel::share_text(strategy.bad, side.rays) + " of rays wrong";
-        if (const double oversize = strategy.oversize.quantile(0.5); oversize > 0)
-            note += fmt::format("\n{} x needed", file::short_decimal(oversize, 3));
+                               : pixel::share_text(strategy.bad_rays, side.rays) + " of rays wrong";
+        if (const double size_ratio = strategy.size_ratio.quantile(0.5); size_ratio > 0)
+            note += fmt::format("\n{} x needed", file::short_decimal(size_ratio, 3));
         notes.push_back({{k + 1, line}, std::move(note)});
     }
 }
@@ -96,10 +97,12 @@ std::string short_name(const Strategy& strategy) {
     return std::string(strategy.name.substr(strategy.name.find('.') + 1));
 }
 
-std::string row_name(const OffsetRow& row) { return fmt::format("{}.{}", map::row_name(row.row), name_of(row.point)); }
+std::string row_name(const OffsetRow& offset_row) {
+    return fmt::format("{}.{}", map::row_name(offset_row.form_row), name_of(offset_row.point_kind));
+}
 
-std::string OffsetView::row_name(const OffsetStudy& study, std::size_t row) {
-    return offset::row_name(study.rows[row]);
+std::string OffsetView::row_name(const OffsetStudy& study, std::size_t row_index) {
+    return offset::row_name(study.rows[row_index]);
 }
 
 std::string in_words(Side side) { return side == Side::outside ? "away from the primitive" : "into the primitive"; }
@@ -109,11 +112,11 @@ std::vector<PixelColumn<OffsetBand>> OffsetView::columns(const OffsetStudy& stud
                safe_offset_look = std::make_shared<const pixel::Look>(safe_look());
     std::vector<PixelColumn<OffsetBand>> columns;
     for (std::size_t r = 0; r < study.rows.size(); ++r) {
-        const OffsetRow& row = study.rows[r];
-        const std::string row_text =
-            fmt::format("{} in {}, {} points", row.row.form->info->name, row.row.format.name, name_of(row.point));
+        const OffsetRow& offset_row = study.rows[r];
+        const std::string row_text = fmt::format("{} in {}, {} points", offset_row.form_row.form->info->name,
+                                                 offset_row.form_row.format.name, name_of(offset_row.point_kind));
         for (const Side side : both_sides) {
-            const std::string file_prefix = fmt::format("{}.{}.", offset::row_name(row), name_of(side));
+            const std::string file_prefix = fmt::format("{}.{}.", offset::row_name(offset_row), name_of(side));
             for (std::size_t k = 0; k < study.strategies.size(); ++k) {
                 const Strategy& strategy = *study.strategies[k];
                 columns.push_back({{.file = file_prefix + short_name(strategy) + ".png",
@@ -155,10 +158,11 @@ pixel::Sheet OffsetView::sheet(const OffsetStudy& study, const std::filesystem::
         .unit = safe_unit,
         .categories = true};
     for (const Strategy* s : study.strategies) spec.forms.push_back(short_name(*s));
-    for (const OffsetRow& row : study.rows) {
+    for (const OffsetRow& offset_row : study.rows) {
         for (const Side side : both_sides)
-            spec.formats.push_back(fmt::format("{} {} {} {}", map::short_name(*row.row.form->info), row.row.format.name,
-                                               name_of(row.point), name_of(side)));
+            spec.formats.push_back(fmt::format("{} {} {} {}", map::short_name(*offset_row.form_row.form->info),
+                                               offset_row.form_row.format.name, name_of(offset_row.point_kind),
+                                               name_of(side)));
     }
     return {file, std::move(spec)};
 }
@@ -179,9 +183,9 @@ Table<study::PixelInBand<OffsetBand>> OffsetView::pixel_table(const OffsetStudy&
         using P = measure::offset::SideOfPoint;
         table.add<P>(
             {{"rays_" + name, "rays " + in_words(side), &P::rays},
-             {"safe_" + name, "world units", "smallest safe offset; inf if no offset is safe", &P::safe},
+             {"safe_" + name, "world units", "smallest safe offset; inf if no offset is safe", &P::safe_offset},
              {"quiet_" + name, "world units",
-              "smallest offset that is safe by truth and by the form's arithmetic; inf if none is", &P::quiet}},
+              "smallest offset that is safe by truth and by the form's arithmetic; inf if none is", &P::quiet_offset}},
             [side](const R& r) -> const P& { return r.band->sides[r.i][static_cast<std::size_t>(side)]; });
         for (std::size_t k = 0; k < study.strategies.size(); ++k) {
             const Strategy& strategy = *study.strategies[k];
@@ -190,7 +194,7 @@ Table<study::PixelInBand<OffsetBand>> OffsetView::pixel_table(const OffsetStudy&
                         [side, k](const R& r) { return r.band->at(r.i, side, k)[Fault::self_hit]; }},
                        {short_name(strategy) + "_bad_" + name,
                         rays + " with any fault except a start on the wrong side, which alone does no harm",
-                        [side, k](const R& r) { return r.band->at(r.i, side, k).bad; }}});
+                        [side, k](const R& r) { return r.band->at(r.i, side, k).bad_rays; }}});
         }
     }
     return table;
@@ -203,15 +207,15 @@ Table<StrategyRow> OffsetView::summary_table() {
                    {"side", "side of the new rays: outside (light, mirror, hemisphere) or inside (refraction)",
                     [](const R& r) { return name_of(r.side); }},
                    {"point", "starting point: as computed, or projected back onto the surface",
-                    [](const R& r) { return name_of(r.row->point); }}};
+                    [](const R& r) { return name_of(r.row->point_kind); }}};
     table.add(
         table::subject_columns("form that finds the points and is tested for self-hits", "format of all computations"),
-        [](const R& r) -> const auto& { return r.row->row; });
+        [](const R& r) -> const auto& { return r.row->form_row; });
     table.add({"operations", "operations per new ray, as the strategy is written",
-               [](const R& r) { return r.strategy->operations(r.row->row.form->shape); }});
+               [](const R& r) { return r.strategy->operations(r.row->form_row.form->shape); }});
     for (const auto& column : measure::offset::offset_columns())
         table.add(table::measured_column<R>(
-            column, [](const auto& c, const R& r) { return c.value(*r.summary, r.side, r.place); }));
+            column, [](const auto& c, const R& r) { return c.value(*r.summary, r.side, r.strategy_index); }));
     return table;
 }
 
@@ -228,36 +232,37 @@ std::vector<StrategyRow> OffsetView::summary_rows(const OffsetStudy& study,
 std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t r, const OffsetSummary& summary) {
     std::vector<std::string> lines;
     if (summary.points == 0) return lines;
-    const OffsetRow& row = study.rows[r];
-    const std::string row_text =
-        fmt::format("{} {} {}", row.row.form->info->name, row.row.format.name, name_of(row.point));
+    const OffsetRow& offset_row = study.rows[r];
+    const std::string row_text = fmt::format("{} {} {}", offset_row.form_row.form->info->name,
+                                             offset_row.form_row.format.name, name_of(offset_row.point_kind));
     for (const Side side : measure::offset::both_sides) {
         const measure::offset::SideSummary& side_summary = summary.side_summary(side);
         std::string right_strategies;
         for (std::size_t k = 0; k < study.strategies.size(); ++k) {
-            if (side_summary.strategies[k].bad > 0) continue;
+            if (side_summary.strategies[k].bad_rays > 0) continue;
             right_strategies +=
                 fmt::format("{}{}", right_strategies.empty() ? "" : ", ", short_name(*study.strategies[k]));
         }
-        const double largest = side_summary.safe.quantile(1);
+        const double largest = side_summary.safe_offset.quantile(1);
         const std::string safe_text =
-            std::isnan(largest)
-                ? fmt::format("no offset is safe at any of {}", scene::toml::counted(side_summary.never_safe, "point"))
-                : fmt::format("smallest safe offset up to {}{}", file::short_decimal(largest, 3),
-                              side_summary.never_safe == 0 ? ""
-                              : side_summary.never_safe == 1
-                                  ? " (1 point has none)"
-                                  : fmt::format(" ({} points have none)", side_summary.never_safe));
+            std::isnan(largest) ? fmt::format("no offset is safe at any of {}",
+                                              scene::toml::count_with_noun(side_summary.never_safe, "point"))
+                                : fmt::format("smallest safe offset up to {}{}", file::short_decimal(largest, 3),
+                                              side_summary.never_safe == 0 ? ""
+                                              : side_summary.never_safe == 1
+                                                  ? " (1 point has none)"
+                                                  : fmt::format(" ({} points have none)", side_summary.never_safe));
         lines.push_back(fmt::format("{} {}: {}; right for all {}: {}", row_text, name_of(side), safe_text,
-                                    scene::toml::counted(side_summary.rays, "ray"),
+                                    scene::toml::count_with_noun(side_summary.rays, "ray"),
                                     right_strategies.empty() ? "no strategy" : right_strategies));
     }
-    const auto safe_strategies_of_both =
-        measure::offset::safe_strategies(summary, study.strategies, row.row.form->shape, measure::offset::both_sides);
+    const auto safe_strategies_of_both = measure::offset::safe_strategies(
+        summary, study.strategies, offset_row.form_row.form->shape, measure::offset::both_sides);
     if (!safe_strategies_of_both.empty())
-        lines.push_back(fmt::format("{}: the cheapest strategy that is right on both sides is {}, with {}", row_text,
-                                    safe_strategies_of_both.front().strategy->name,
-                                    scene::toml::counted(safe_strategies_of_both.front().operations, "operation")));
+        lines.push_back(
+            fmt::format("{}: the cheapest strategy that is right on both sides is {}, with {}", row_text,
+                        safe_strategies_of_both.front().strategy->name,
+                        scene::toml::count_with_noun(safe_strategies_of_both.front().operations, "operation")));
     return lines;
 }
 

@@ -24,7 +24,7 @@ using measure::offset::Strategy;
 /// Name without its prefix: `integer` for `offset.integer`.
 [[nodiscard]] std::string short_name(const Strategy& strategy);
 /// Name of a series, such as `sphere.half_b.f32.computed`.
-[[nodiscard]] std::string row_name(const OffsetRow& row);
+[[nodiscard]] std::string row_name(const OffsetRow& offset_row);
 /// Phrase for a side: `away from the primitive`, `into the primitive`.
 [[nodiscard]] std::string in_words(Side side);
 
@@ -34,7 +34,7 @@ struct StrategyRow {
     const OffsetSummary* summary;
     Side side;
     const Strategy* strategy;
-    std::size_t place;  ///< index of the strategy
+    std::size_t strategy_index;
 };
 /// A view, see output/study/study_files.hpp. One sheet shows all offsets: the smallest safe offset and the strategies
 /// across; forms, formats, kinds of points and sides down. `<form>.<format>.<point>.<side>.safe.png` and
@@ -50,7 +50,7 @@ struct OffsetView {
     static table::Table<StrategyRow> summary_table();
     /// Every strategy on every side.
     static std::vector<StrategyRow> summary_rows(const Study& study, const std::vector<OffsetSummary>& summaries);
-    static std::string row_name(const Study& study, std::size_t row);
+    static std::string row_name(const Study& study, std::size_t row_index);
     static std::size_t pixels(const Band& band) { return band.is_point.size(); }
     static std::vector<pixel::PixelColumn<Band>> columns(const Study& study);
     static pixel::Sheet sheet(const Study& study, const std::filesystem::path& file);
@@ -61,7 +61,7 @@ struct OffsetView {
 
 /// Findings for row `r` of a study, one sentence per line. For each side: the largest of the smallest safe offsets,
 /// and the strategies that are right for every ray. Then the cheapest strategy that is right on both sides (`none`,
-/// which leaves the point as it is, is a strategy too). Empty if no point counts.
+/// which leaves the point as it is, is a strategy too). Empty if the summary has no points.
 [[nodiscard]] std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t r,
                                                      const OffsetSummary& summary);
 
@@ -85,22 +85,22 @@ public:
     [[nodiscard]] const file::DataResource& resource() const { return table_.about(); }
 
 private:
-    void plot_wrong(std::size_t row, Side side) const;
-    void plot_size(std::size_t row, Side side) const;
-    [[nodiscard]] plot::LinePlotSpec spec_of(std::size_t row, Side side, const std::string& title,
+    void plot_wrong(std::size_t row_index, Side side) const;
+    void plot_size(std::size_t row_index, Side side) const;
+    [[nodiscard]] plot::LinePlotSpec spec_of(std::size_t row_index, Side side, const std::string& title,
                                              plot::AxisSpec y) const;
     /// The line of a strategy in a plot; without a strategy, the line of the smallest safe offset.
-    [[nodiscard]] plot::Series series_of(std::size_t row, Side side,
+    [[nodiscard]] plot::Series series_of(std::size_t row_index, Side side,
                                          const std::function<double(const measure::offset::SideSummary&)>& value,
                                          const Strategy* strategy = nullptr) const;
-    [[nodiscard]] std::filesystem::path file_of(std::size_t row, Side side, const char* kind) const;
+    [[nodiscard]] std::filesystem::path file_of(std::size_t row_index, Side side, const char* kind) const;
 
     std::filesystem::path folder_;
     const OffsetStudy& study_;
     SceneAxis along_;
     table::TableFile<AlongRow> table_;
-    std::vector<double> steps_;
-    std::vector<std::vector<OffsetSummary>> summaries_;  ///< one per step
+    std::vector<double> axis_values_;                    ///< values on the axis, in the order of `add`
+    std::vector<std::vector<OffsetSummary>> summaries_;  ///< one per value on the axis
 };
 
 }  // namespace lostbits::output::offset

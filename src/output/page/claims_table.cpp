@@ -218,7 +218,7 @@ std::string counts_text(std::size_t claims, const claim::VerdictCounts& n) {
     add(n.qualified, "qualified", "qualified");
     add(n.refuted, "refuted", "refuted");
     add(n.skipped, "skipped", "skipped");
-    return fmt::format("{}: {}", scene::toml::counted(claims, "claim"), text);
+    return fmt::format("{}: {}", scene::toml::count_with_noun(claims, "claim"), text);
 }
 
 /// Title under which the page shows a subject; empty if the page does not show it.

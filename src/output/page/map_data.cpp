@@ -50,8 +50,8 @@ struct MapData::Group {
     map::TruthKind kind;
     Layer hit, object, truth, remainder, bound, condition;
 
-    Group(const TestedForm& row, std::size_t n)
-        : kind(map::truth_kind(row)),
+    Group(const TestedForm& form_row, std::size_t n)
+        : kind(map::truth_kind(form_row)),
           hit(1, n),
           object(4, n),
           truth(8, n),
@@ -81,14 +81,14 @@ private:
 
 class MapData::Row {
 public:
-    Row(const MapStudy& request, const TestedForm& row, std::size_t n, std::size_t group, Group* group_to_fill)
-        : row_(row),
+    Row(const MapStudy& request, const TestedForm& form_row, std::size_t n, std::size_t group, Group* group_to_fill)
+        : row_(form_row),
           group_(group),
           group_to_fill_(group_to_fill),
           outcome_(1, n),
           object_(4, n),
-          t_(row.format.engine == Format::Engine::native32 ? 4 : 8, n),
-          sizes_(n, std::numeric_limits<float>::quiet_NaN()) {
+          t_(form_row.format.engine == Format::Engine::native32 ? 4 : 8, n),
+          error_sizes_(n, std::numeric_limits<float>::quiet_NaN()) {
         for (std::size_t m = 0; m < request.metrics.size(); ++m) {
             stores_condition_ |=
                 (measure::evaluate::needs_of({request.metrics[m]}) & measure::metric::needs_condition) != 0;
@@ -104,8 +104,9 @@ public:
             const std::size_t pixel = static_cast<std::size_t>(result.y0) * static_cast<std::size_t>(result.width) + i;
             if (group_to_fill_) group_to_fill_->set_pixel(pixel, i, result, stores_condition_);
             outcome_.set(pixel, static_cast<std::uint64_t>(result.outcomes[i]));
-            if (measure::evaluate::is_wrong(result.outcomes[i])) sizes_[pixel] = std::numeric_limits<float>::infinity();
-            else if (ulps_) sizes_[pixel] = std::fabs(static_cast<float>(result.metrics[*ulps_][i]));
+            if (measure::evaluate::is_wrong(result.outcomes[i]))
+                error_sizes_[pixel] = std::numeric_limits<float>::infinity();
+            else if (ulps_) error_sizes_[pixel] = std::fabs(static_cast<float>(result.metrics[*ulps_][i]));
             for (auto& [m, layer] : stored_metrics_) {
                 if (m == inherent_) set_inherent(layer, pixel, i, result);
                 else layer.set(pixel, static_cast<float>(result.metrics[m][i]));
@@ -126,7 +127,7 @@ public:
     }
     [[nodiscard]] std::size_t group() const { return group_; }
     /// Sizes of the errors for `choose_rays`.
-    [[nodiscard]] std::span<const float> sizes() const { return sizes_; }
+    [[nodiscard]] std::span<const float> error_sizes() const { return error_sizes_; }
 
 private:
     /// Difference of the bits of t from those of the truth. For formats other than the native two, the bits of t in
@@ -168,26 +169,26 @@ private:
     LineOfHits inherent_bits_ = {};
     std::optional<std::size_t> ulps_ = {};  ///< index of `ulp_error`
     Layer outcome_, object_, t_;
-    std::vector<float> sizes_;
+    std::vector<float> error_sizes_;
     std::vector<StoredMetric> stored_metrics_;
 };
 
 MapData::MapData(const MapStudy& request) : request_(request) {
     const std::size_t n = request.scene->pixels();
-    for (const TestedForm& row : request.rows) {
+    for (const TestedForm& form_row : request.rows) {
         const auto found =
-            std::ranges::find_if(groups_, [&row](const auto& g) { return g->kind == map::truth_kind(row); });
+            std::ranges::find_if(groups_, [&form_row](const auto& g) { return g->kind == map::truth_kind(form_row); });
         const auto g = static_cast<std::size_t>(found - groups_.begin());
         const bool is_first = found == groups_.end();
-        if (is_first) groups_.push_back(std::make_unique<Group>(row, n));
-        rows_.push_back(std::make_unique<Row>(request, row, n, g, is_first ? groups_[g].get() : nullptr));
+        if (is_first) groups_.push_back(std::make_unique<Group>(form_row, n));
+        rows_.push_back(std::make_unique<Row>(request, form_row, n, g, is_first ? groups_[g].get() : nullptr));
     }
 }
 
 MapData::~MapData() = default;
 
 measure::evaluate::ShowRows MapData::show() {
-    return [this](std::size_t row, const BandResult& result) { rows_.at(row)->band(result); };
+    return [this](std::size_t row_index, const BandResult& result) { rows_.at(row_index)->band(result); };
 }
 
 namespace {
@@ -206,8 +207,8 @@ Json metric_json(const Metric& m, std::span<const TestedForm> rows) {
                                          : "stored"}};
     if (paint.scale()) {  // one scale for each format, as in the pictures
         Json& scales = json["scales"] = Json::object();
-        for (const TestedForm& row : rows)
-            scales[row.format.name] = scale_json(map::metric_scale(m, row.format.parameters));
+        for (const TestedForm& form_row : rows)
+            scales[form_row.format.name] = scale_json(map::metric_scale(m, form_row.format.parameters));
         return json;
     }
     Json& categories = json["categories"] = Json::array();
@@ -227,7 +228,7 @@ const char* coding_name(const Format& format) {
     return "plain64";
 }
 
-Json summary_json(const MapStudy& request, const TestedForm& row, const FormSummary& s, std::size_t group,
+Json summary_json(const MapStudy& request, const TestedForm& form_row, const FormSummary& s, std::size_t group,
                   const std::string& scene_with_size) {
     Json statistics = Json::object();
     for (std::size_t m = 0; m < request.metrics.size(); ++m) {
@@ -236,24 +237,25 @@ Json summary_json(const MapStudy& request, const TestedForm& row, const FormSumm
             array_of(measure::metric::quantiles,
                      [&](const measure::metric::Statistic& q) { return number_json(q.of(s.metrics[m])); });
     }
-    const FloatFormat& f = row.format.parameters;
+    const FloatFormat& f = form_row.format.parameters;
     const measure::evaluate::WorstRay* const worst = s.worst_ray();
-    return {{"form", row.form->info->name},
-            {"format", row.format.name},
-            {"title", map::title_of(*row.form->info)},
+    return {{"form", form_row.form->info->name},
+            {"format", form_row.format.name},
+            {"title", map::title_of(*form_row.form->info)},
             {"precision", f.precision},
             {"emin", f.emin},
-            {"coding", coding_name(row.format)},
-            {"direction", row.form->info->direction == Direction::unit ? "unit" : "any"},
-            {"formula", row.form->is_template()},
-            {"from", attribution::plugin_options_for(row.form->info->name)},
+            {"coding", coding_name(form_row.format)},
+            {"direction", form_row.form->info->direction == Direction::unit ? "unit" : "any"},
+            {"formula", form_row.form->is_template()},
+            {"from", attribution::plugin_options_for(form_row.form->info->name)},
             {"group", group},
             {"outcomes", s.outcomes},
             {"true_hits", s.true_hits},
             {"statistics", std::move(statistics)},
             {"worst_explain",
              worst ? attribution::explain_command(
-                         attribution::name_of_pixel(scene_with_size, static_cast<int>(worst->x), worst->y), row)
+                         attribution::explain_pixel_arguments(scene_with_size, static_cast<int>(worst->x), worst->y),
+                         form_row)
                    : ""},
             {"worst", worst ? Json{{"x", worst->x}, {"y", worst->y}} : Json()}};
 }
@@ -288,11 +290,11 @@ std::vector<Blob> MapData::blobs(const std::vector<FormSummary>& summaries) cons
         result.push_back({fmt::format("truth:{}:{}", request_.scene->id, g), pack(bytes)});
     }
     for (std::size_t r = 0; r < rows_.size(); ++r) {
-        const TestedForm& row = request_.rows[r];
-        const std::string name = fmt::format("{}:{}", request_.scene->id, map::row_name(row));
-        if (row.form->is_template()) {
-            const auto rays = choose_rays(summaries[r], rows_[r]->sizes(), request_.scene->width);
-            result.push_back({"rays:" + name, pack(text_of(rays_json(request_, row, rays)))});
+        const TestedForm& form_row = request_.rows[r];
+        const std::string name = fmt::format("{}:{}", request_.scene->id, map::row_name(form_row));
+        if (form_row.form->is_template()) {
+            const auto rays = choose_rays(summaries[r], rows_[r]->error_sizes(), request_.scene->width);
+            result.push_back({"rays:" + name, pack(text_of(rays_json(request_, form_row, rays)))});
         }
         result.push_back({"row:" + name, pack(rows_[r]->bytes())});
     }

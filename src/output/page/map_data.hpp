@@ -17,8 +17,8 @@ using measure::evaluate::FormSummary;
 using measure::evaluate::MapStudy;
 using measure::evaluate::TestedForm;
 
-/// A pixel whose operations the page holds. `why` holds the reasons for the choice; the page writes them as it writes
-/// names of outcomes.
+/// A pixel whose operations the page holds. `why` has the reasons why it was chosen, such as `median error` or the name
+/// of an outcome.
 struct ChosenRay {
     int x, y;
     std::vector<std::string> why;
@@ -28,13 +28,14 @@ struct ChosenRay {
 inline constexpr std::size_t parts_each_way = 4;
 
 /// Chooses rays, each at most once: the worst ray, the first of each kind of wrong decision, the largest and the median
-/// error, and the worst of each part of the picture. `sizes` has one value per pixel: |ulp_error| of a correct hit,
-/// infinity for a wrong decision, NaN without an error.
-[[nodiscard]] std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const float> sizes, int width);
+/// error, and the worst of each part of the picture. `error_sizes` has one value per pixel: |ulp_error| of a correct
+/// hit, infinity for a wrong decision, NaN without an error.
+[[nodiscard]] std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const float> error_sizes,
+                                                 int width);
 
 /// The output of `explain` for each ray: its sentences, and its table with a row per operation. A compiled form has no
 /// operations.
-[[nodiscard]] Json rays_json(const MapStudy& request, const TestedForm& row, const std::vector<ChosenRay>& rays);
+[[nodiscard]] Json rays_json(const MapStudy& request, const TestedForm& form_row, const std::vector<ChosenRay>& rays);
 
 /// A packed piece of data, and the name by which the page finds it.
 struct Blob {
@@ -42,9 +43,9 @@ struct Blob {
 };
 
 /// Takes the results of a map row by row and keeps, exactly,
-/// - once for all rows that share a truth (by direction and convention): the true decision, RN64(t*) as its difference
-/// from the line through the two hits to the left, the remainder t* − RN64(t*) as a float, the bound as a power of two,
-/// and κ as a float;
+/// - once for all rows that share a truth (by direction and convention): the true decision, the double T nearest to t*
+/// as its difference from the value that the two hits to the left predict linearly, the remainder t* − T as a float,
+/// the bound as a power of two, and κ as a float;
 /// - for each row: the outcome, the primitive, and the bits of t minus those of the truth, both in the row's format.
 /// Most answers are a few ulps away, so most differences are small;
 /// - every other metric as a float;

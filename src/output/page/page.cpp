@@ -19,7 +19,7 @@
 namespace lostbits::output::page {
 
 using measure::answer::Outcome;
-using scene::toml::counted;
+using scene::toml::count_with_noun;
 
 namespace {
 
@@ -287,14 +287,14 @@ std::string claims_body(const Report& report) {
     if (n.differing + n.broken > 0) meaning += " Failed: the measurement differs from the recorded one.";
     return fmt::format(
         "<p>{} measured again:</p>\n{}<p class=\"hint\">{}</p>\n<div id=\"claim-view\" hidden></div>\n{}",
-        counted(report.claims.size(), "claim"), verdict_tiles(n), meaning, claims_table(report));
+        count_with_noun(report.claims.size(), "claim"), verdict_tiles(n), meaning, claims_table(report));
 }
 
 /// Command that made the page.
 std::string command_body(const Report& report) {
     std::vector<std::string> parts;
-    if (!report.maps.empty()) parts.push_back(counted(report.maps.size(), "map"));
-    if (!report.sweeps.empty()) parts.push_back(counted(report.sweeps.size(), "sweep"));
+    if (!report.maps.empty()) parts.push_back(count_with_noun(report.maps.size(), "map"));
+    if (!report.sweeps.empty()) parts.push_back(count_with_noun(report.sweeps.size(), "sweep"));
     return fmt::format("<p>{}{}Made by:</p>\n", fmt::join(parts, ", "), parts.empty() ? "" : ". ") +
            preformatted(html(report.command));
 }

@@ -18,14 +18,14 @@ using measure::attribution::Explanation;
 namespace {
 
 /// Pixel of the median of the finite errors; ties go to the first pixel. Nothing if no error is finite.
-std::optional<std::size_t> median_of(std::span<const float> sizes) {
+std::optional<std::size_t> median_of(std::span<const float> error_sizes) {
     std::vector<std::size_t> finite_pixels;
-    for (std::size_t i = 0; i < sizes.size(); ++i) {
-        if (std::isfinite(sizes[i])) finite_pixels.push_back(i);
+    for (std::size_t i = 0; i < error_sizes.size(); ++i) {
+        if (std::isfinite(error_sizes[i])) finite_pixels.push_back(i);
     }
     if (finite_pixels.empty()) return {};
     const auto middle = finite_pixels.begin() + static_cast<std::ptrdiff_t>(finite_pixels.size() / 2);
-    std::ranges::nth_element(finite_pixels, middle, {}, [&](std::size_t i) { return std::pair{sizes[i], i}; });
+    std::ranges::nth_element(finite_pixels, middle, {}, [&](std::size_t i) { return std::pair{error_sizes[i], i}; });
     return *middle;
 }
 
@@ -42,15 +42,16 @@ IndexRange part_of(std::size_t n, std::size_t k) { return {k * n / parts_each_wa
 
 /// Worst pixel of a part of a picture, or nothing if no pixel has an error. Among equally bad pixels, the one nearest
 /// to the middle of the part.
-std::optional<std::size_t> worst_of(std::span<const float> sizes, std::size_t width, IndexRange columns,
+std::optional<std::size_t> worst_of(std::span<const float> error_sizes, std::size_t width, IndexRange columns,
                                     IndexRange rows) {
     std::optional<std::size_t> found;
     std::pair<float, double> worst{-1, 0};  // the error, and minus the distance from the middle
     for (std::size_t y = rows.first; y < rows.last; ++y) {
         for (std::size_t x = columns.first; x < columns.last; ++x) {
             const std::size_t i = y * width + x;
-            const std::pair candidate{sizes[i], -std::hypot(columns.offset_from_middle(x), rows.offset_from_middle(y))};
-            if (std::isnan(sizes[i]) || candidate <= worst) continue;
+            const std::pair candidate{error_sizes[i],
+                                      -std::hypot(columns.offset_from_middle(x), rows.offset_from_middle(y))};
+            if (std::isnan(error_sizes[i]) || candidate <= worst) continue;
             found = i;
             worst = candidate;
         }
@@ -90,7 +91,7 @@ Json ray_json(const ChosenRay& chosen, const Explanation& explanation,
 
 }  // namespace
 
-std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const float> sizes, int width) {
+std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const float> error_sizes, int width) {
     std::vector<ChosenRay> chosen;
     const auto add = [&chosen](std::int64_t x, int y, std::string why) {
         const auto found = std::ranges::find_if(chosen, [&](const ChosenRay& r) { return r.x == x && r.y == y; });
@@ -108,24 +109,24 @@ std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const f
                 fmt::format("{}: the first", measure::answer::outcome_names[static_cast<std::size_t>(wrong)]));
     }
     if (summary.worst.x >= 0) add(summary.worst.x, summary.worst.y, "largest error");
-    if (const auto i = median_of(sizes)) add_pixel(*i, "median error");
+    if (const auto i = median_of(error_sizes)) add_pixel(*i, "median error");
     for (std::size_t part = 0; part < parts_each_way * parts_each_way; ++part) {
         const IndexRange columns = part_of(w, part % parts_each_way),
-                         rows = part_of(sizes.size() / w, part / parts_each_way);
-        if (const auto i = worst_of(sizes, w, columns, rows)) add_pixel(*i, "worst in its part of the picture");
+                         rows = part_of(error_sizes.size() / w, part / parts_each_way);
+        if (const auto i = worst_of(error_sizes, w, columns, rows)) add_pixel(*i, "worst in its part of the picture");
     }
     return chosen;
 }
 
-Json rays_json(const MapStudy& request, const TestedForm& row, const std::vector<ChosenRay>& rays) {
-    const auto* const generator = scene::rays::generator_of(*row.form);
+Json rays_json(const MapStudy& request, const TestedForm& form_row, const std::vector<ChosenRay>& rays) {
+    const auto* const generator = scene::rays::generator_of(*form_row.form);
     const scene::file::Scene scene = generator ? with_rays(*request.scene, *generator) : *request.scene;
     std::vector<Json> explained(rays.size());
     intersect::process::in_parallel(0, rays.size(), [&](std::size_t i) {
         measure::answer::OneRay ray(scene, rays[i].x, rays[i].y, request.limit);
-        ray.judge_by(row.judged);
-        const Explanation explanation = measure::attribution::explain_alone(*row.form, row.format, ray);
-        explained[i] = ray_json(rays[i], explanation, attribution::end_of_march(*row.form, row.format, ray));
+        ray.judge_by(form_row.touching);
+        const Explanation explanation = measure::attribution::explain_alone(*form_row.form, form_row.format, ray);
+        explained[i] = ray_json(rays[i], explanation, attribution::end_of_march(*form_row.form, form_row.format, ray));
     });
     return array_of(explained, [](const Json& json) { return json; });
 }

@@ -21,8 +21,8 @@ namespace {
 
 /// `{"form":…,"format":…,"values":[statistic][cell],"outcomes":[cell][outcome],"true_hits":[cell]}`: the numbers of a
 /// row at every step, cell or case. `summary_at(cell)` is the result of the row there.
-Json row_json(const measure::evaluate::TestedForm& row, const std::vector<const Metric*>& metrics, std::size_t cells,
-              const auto& summary_at) {
+Json row_json(const measure::evaluate::TestedForm& form_row, const std::vector<const Metric*>& metrics,
+              std::size_t cells, const auto& summary_at) {
     const auto columns = measure::evaluate::summary_columns(metrics);
     Json values = Json::array(), outcomes = Json::array(), true_hits = Json::array();
     for (const std::string_view name : sweep_statistics) {
@@ -35,10 +35,10 @@ Json row_json(const measure::evaluate::TestedForm& row, const std::vector<const 
         outcomes.push_back(summary_at(c).outcomes);
         true_hits.push_back(summary_at(c).true_hits);
     }
-    return {{"form", row.form->info->name},
-            {"format", row.format.name},
-            {"precision", row.format.parameters.precision},
-            {"from", attribution::plugin_options_for(row.form->info->name)},
+    return {{"form", form_row.form->info->name},
+            {"format", form_row.format.name},
+            {"precision", form_row.format.parameters.precision},
+            {"from", attribution::plugin_options_for(form_row.form->info->name)},
             {"values", std::move(values)},
             {"outcomes", std::move(outcomes)},
             {"true_hits", std::move(true_hits)}};
@@ -118,7 +118,7 @@ Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std
                 return number_json(inherent < request.metrics.size() ? case_summaries[r].metrics[inherent].quantile(1)
                                                                      : measure::truth::missing);
             });
-            row["judged"] = intersect::convention_name(request.rows[r].judged);
+            row["judged"] = intersect::convention_name(request.rows[r].touching);
             row["verdicts"] = array_of(cases, [&](const std::vector<FormSummary>& case_summaries) {
                 return measure::sweep::verdict_names[static_cast<std::size_t>(
                     measure::sweep::verdict_of(case_summaries[r], request.metrics, file.right_within_bits))];
@@ -140,7 +140,7 @@ std::string onset_text(const Onset& o) {
 std::string draws_text(const std::vector<Onset>& onsets) {
     if (onsets.empty()) return "";
     const Onset& first_onset = onsets.front();
-    return fmt::format(", among {}{}", scene::toml::counted(first_onset.rays, "ray"),
+    return fmt::format(", among {}{}", scene::toml::count_with_noun(first_onset.rays, "ray"),
                        first_onset.further.empty() ? "" : fmt::format(" ({} draws)", 1 + first_onset.further.size()));
 }
 
@@ -168,12 +168,13 @@ std::string onset_table(const SweepRequest& request, const std::vector<Onset>& o
                                    fmt::format("First value of {} at which each event happens{}",
                                                html(request.sweep.axes.front().name), draws_text(onsets)));
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const measure::evaluate::TestedForm& row = request.rows[r];
-        text += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>", html(row.form->info->name), row.format.name);
+        const measure::evaluate::TestedForm& form_row = request.rows[r];
+        text += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>", html(form_row.form->info->name),
+                            form_row.format.name);
         for (const EventColumn& column : columns) {
             const double threshold = column.share == 0   ? 1
                                      : column.share == 4 ? 4
-                                                         : column.share * row.format.parameters.precision;
+                                                         : column.share * form_row.format.parameters.precision;
             const auto found = std::ranges::find_if(onsets, [&](const Onset& o) {
                 return o.row == r && o.event == column.event && o.statistic == column.statistic &&
                        o.threshold == threshold;

@@ -64,9 +64,9 @@ std::string summary_table(const MapStudy& request, const std::vector<FormSummary
     std::string text = begin_table(names);
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const FormSummary& s = summaries[r];
-        const TestedForm& row = request.rows[r];
-        text += fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(row)),
-                            html(row.form->info->name), row.format.name);
+        const TestedForm& form_row = request.rows[r];
+        text += fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(form_row)),
+                            html(form_row.form->info->name), form_row.format.name);
         for (const CountColumn& count_column : counts)
             text += fmt::format("<td class=\"n\">{}</td>", static_cast<std::uint64_t>(value(count_column.column, s)));
         text += fmt::format("<td class=\"n\">{}</td>", s.count(measure::answer::Outcome::agree_hit));
@@ -82,8 +82,8 @@ std::string summary_table(const MapStudy& request, const std::vector<FormSummary
             text += fmt::format(
                 "<td><a class=\"jump\" href=\"#scene-{}\" "
                 "data-view=\"scene={}&amp;form={}&amp;format={}&amp;x={}&amp;y={}\">{}, {}</a></td></tr>\n",
-                html(request.scene->id), html(request.scene->id), html(row.form->info->name), row.format.name, worst->x,
-                worst->y, worst->x, worst->y);
+                html(request.scene->id), html(request.scene->id), html(form_row.form->info->name), form_row.format.name,
+                worst->x, worst->y, worst->x, worst->y);
     }
     return text + end_table;
 }
@@ -94,12 +94,12 @@ std::string choice_table(const choice::ChoiceResult& chosen) {
     for (const std::size_t k : measure::choice::by_price(chosen.all)) {
         const measure::choice::Candidate& c = chosen.all[k];
         text += fmt::format("<tr{}><th scope=\"row\">{}</th><td>{}</td><td>{}</td>",
-                            chosen.meets == k ? " class=\"chosen\"" : "", html(c.row.form->info->name),
+                            chosen.cheapest_index == k ? " class=\"chosen\"" : "", html(c.row.form->info->name),
                             c.row.format.name, c.isa == "scalar" ? "one ray" : fmt::format("{} bits", c.isa));
         text += fmt::format("<td class=\"n\">{:.2f}</td><td class=\"n\">{}</td>", c.time.median * 1e9,
                             std::isnan(c.quality.kept_bits) ? "&ndash;" : file::kept_text(c.quality.kept_bits));
         text += share_cell(c.quality.wrong_fraction());
-        text += fmt::format("<td>{}</td></tr>\n", chosen.meets == k                             ? "yes, chosen"
+        text += fmt::format("<td>{}</td></tr>\n", chosen.cheapest_index == k                    ? "yes, chosen"
                                                   : c.quality.meets(chosen.request.requirement) ? "yes"
                                                                                                 : "no");
     }

@@ -58,7 +58,7 @@ pixel::ExrLayers<RenderBand> RenderView::layers(const RenderStudy& study) {
     return layers;
 }
 
-image::ExrSpec RenderView::exr_spec(const RenderStudy& study, std::size_t row,
+image::ExrSpec RenderView::exr_spec(const RenderStudy& study, std::size_t row_index,
                                     const std::vector<image::Channel>& channels, const std::string& command) {
     return {.width = study.scene.width,
             .height = study.scene.height,
@@ -66,8 +66,8 @@ image::ExrSpec RenderView::exr_spec(const RenderStudy& study, std::size_t row,
             .attributes = {{"lostbits:command", command},
                            {"lostbits:schema", "lostbits-render/1"},
                            {"lostbits:scene", study.scene.id},
-                           {"lostbits:form", std::string(study.rows[row].form->info->name)},
-                           {"lostbits:format", study.rows[row].format.name},
+                           {"lostbits:form", std::string(study.rows[row_index].form->info->name)},
+                           {"lostbits:format", study.rows[row_index].format.name},
                            image::compiler_attribute(),
                            {"lostbits:seen", pixel::numbered(measure::picture::seen_names)},
                            {"lostbits:shadow", pixel::numbered(measure::picture::shadow_names)},

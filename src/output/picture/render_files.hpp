@@ -52,15 +52,17 @@ struct RenderView {
 
     static table::Table<StageRow> summary_table();
     static std::vector<StageRow> summary_rows(const Study& study, const std::vector<Study::Summary>& summaries);
-    static std::string row_name(const Study& study, std::size_t row) { return map::row_name(study.rows[row]); }
+    static std::string row_name(const Study& study, std::size_t row_index) {
+        return map::row_name(study.rows[row_index]);
+    }
     static std::size_t pixels(const Band& band) { return band.seen.size(); }
     static std::vector<pixel::PixelColumn<Band>> columns(const Study& study);
     static pixel::Sheet sheet(const Study& study, const std::filesystem::path& file);
     static std::vector<study::Note> notes(const Study& study, const std::vector<Study::Summary>& summaries);
     static pixel::ExrLayers<Band> layers(const Study& study);
     /// `command` makes the files again.
-    static image::ExrSpec exr_spec(const Study& study, std::size_t row, const std::vector<image::Channel>& channels,
-                                   const std::string& command);
+    static image::ExrSpec exr_spec(const Study& study, std::size_t row_index,
+                                   const std::vector<image::Channel>& channels, const std::string& command);
 };
 
 }  // namespace lostbits::output::picture

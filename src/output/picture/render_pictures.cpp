@@ -143,10 +143,10 @@ private:
 
     [[nodiscard]] pixel::ColumnSpec map_spec(std::size_t r, std::string file, const std::string& title,
                                              const char* note, SharedLook look) const {
-        const measure::evaluate::TestedForm& row = study_.rows[r];
+        const measure::evaluate::TestedForm& form_row = study_.rows[r];
         return {.file = std::move(file),
-                .title = fmt::format("{} in {}: {}", row.form->info->name, row.format.name, title),
-                .subtitle = {map::title_of(*row.form->info), note},
+                .title = fmt::format("{} in {}: {}", form_row.form->info->name, form_row.format.name, title),
+                .subtitle = {map::title_of(*form_row.form->info), note},
                 .look = std::move(look)};
     }
 
@@ -156,8 +156,8 @@ private:
     }
 
     template <class ValueOf>
-    void add(pixel::ColumnSpec spec, std::size_t row, ValueOf value_of) {
-        columns_.push_back({std::move(spec), row, pixel::drawn_by<RenderBand>(value_of)});
+    void add(pixel::ColumnSpec spec, std::size_t row_index, ValueOf value_of) {
+        columns_.push_back({std::move(spec), row_index, pixel::drawn_by<RenderBand>(value_of)});
     }
 
     const RenderStudy& study_;

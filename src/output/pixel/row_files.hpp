@@ -45,7 +45,7 @@ void fields(Bits& bits, Piece& piece) {
 }
 
 /// Receives the pieces of each row instead of the files; then no file is opened.
-using KeepPiece = std::function<void(std::size_t row, Piece&& piece)>;
+using KeepPiece = std::function<void(std::size_t row_index, Piece&& piece)>;
 
 /// Files that the rows of a scene share.
 template <class Band>
@@ -66,9 +66,9 @@ public:
         std::function<void(table::TableFile<Pixel>&, const Band&, std::size_t i)> add_pixel = {};
         std::size_t (*pixels)(const Band&);  ///< the number of pixels of a band
     };
-    RowFiles(std::size_t row, const BandFiles<Band>& files, Writers writers,
+    RowFiles(std::size_t row_index, const BandFiles<Band>& files, Writers writers,
              std::unique_ptr<table::TableFile<Pixel>> table)
-        : row_(row), files_(files), writers_(std::move(writers)), table_(std::move(table)) {}
+        : row_(row_index), files_(files), writers_(std::move(writers)), table_(std::move(table)) {}
 
     void band(const Band& result) {
         const std::size_t pixels = writers_.pixels(result);

@@ -30,18 +30,18 @@ std::uint64_t hash_of(std::string_view name) {
 std::size_t form_look(const intersect::table::Intersector& form) {
     const auto forms = intersect::table::intersectors(), catalogue_forms = intersect::table::catalogue();
     std::size_t look = is_primitive(form.shape) ? 0 : first_march;
-    for (const auto& row : catalogue_forms) {
-        if (row.info == form.info) return look;
-        look += row.shape == form.shape;
+    for (const auto& catalogue_row : catalogue_forms) {
+        if (catalogue_row.info == form.info) return look;
+        look += catalogue_row.shape == form.shape;
     }
     constexpr std::size_t free_looks = look_count - first_free;
     std::set<std::size_t> taken_looks;
-    for (const auto& row : forms.subspan(catalogue_forms.size())) {
-        std::size_t free_look = hash_of(row.info->name) % free_looks;
+    for (const auto& catalogue_row : forms.subspan(catalogue_forms.size())) {
+        std::size_t free_look = hash_of(catalogue_row.info->name) % free_looks;
         while (taken_looks.contains(free_look) && taken_looks.size() < free_looks)
             free_look = (free_look + 1) % free_looks;
         taken_looks.insert(free_look);
-        if (row.info == form.info) return first_free + free_look;
+        if (catalogue_row.info == form.info) return first_free + free_look;
     }
     return first_free + hash_of(form.info->name) % free_looks;
 }

@@ -40,7 +40,7 @@ struct UndrawnCounts {
     [[nodiscard]] std::vector<std::string> notes() const {
         std::vector<std::string> sentences;
         const auto add = [&](int count, const char* singular, const char* plural) {
-            if (count > 0) sentences.push_back(scene::toml::counted(count, singular, plural));
+            if (count > 0) sentences.push_back(scene::toml::count_with_noun(count, singular, plural));
         };
         if (infinite_y > 0) sentences.emplace_back("A triangle at the edge marks an infinite value.");
         add(off_scale_y, "value is not positive and is not drawn, because the axis is logarithmic.",
@@ -333,7 +333,7 @@ Canvas line_plot(const LinePlotSpec& spec) {
     std::vector<std::string> footnotes = undrawn.notes();
     if (lines.size() < spec.series.size())
         footnotes.push_back(fmt::format("{} for {} series: series with the same values share a line.",
-                                        scene::toml::counted(lines.size(), "line"), spec.series.size()));
+                                        scene::toml::count_with_noun(lines.size(), "line"), spec.series.size()));
     footnotes.insert(footnotes.end(), spec.notes.begin(), spec.notes.end());
     const Canvas notes = image::heading({}, footnotes, content);
     const int foot =

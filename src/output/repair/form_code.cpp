@@ -136,8 +136,8 @@ bool is_taken(const std::string& type) {
         std::set<std::string, std::less<>> names{"Ray",   "Vec",       "Hit",      "Info",      "Primitive", "Range",
                                                  "Wider", "Direction", "Touching", "AtOrigin",  "Inside",    "Facing",
                                                  "Roots", "Key",       "ShapeRow", "Convention"};
-        for (const ShapeRow& row : shape_rows) {
-            std::string name(row.name);
+        for (const ShapeRow& shape_row : shape_rows) {
+            std::string name(shape_row.name);
             name.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(name.front())));
             names.insert(std::move(name));
         }

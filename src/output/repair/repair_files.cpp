@@ -71,7 +71,7 @@ std::vector<FormRow> rows_of(const RepairSummary& r) {
                         .name = std::string(r.catalogue[k].form->info->name),
                         .row = r.catalogue[k],
                         .quality = &r.catalogue_quality[k]});
-    for (FormRow& row : rows) row.meets = row.quality->meets(r.request.requirement);
+    for (FormRow& row : rows) row.meets_requirement = row.quality->meets(r.request.requirement);
     std::vector<FormRow*> timed_rows;
     std::vector<ParetoPoint> points;
     for (FormRow& row : rows) {
@@ -157,7 +157,7 @@ Table<FormRow> form_table() {
                 [](const R& r) { return when(r.operations != 0, r.operations); }},
                {"rules", "rules that rewrote it, in order; missing if it was not rewritten", &R::rules}});
     table.add(choice::quality_columns(), &R::quality);
-    table.add({"meets", "true if it meets the requirement", &R::meets});
+    table.add({"meets", "true if it meets the requirement", &R::meets_requirement});
     table.add<RowQuality>(
         {{"apart_rays", "rays that the search did not use; missing if they were not measured", &RowQuality::rays},
          {"apart_wrong", "number of these that are decided wrongly", &RowQuality::wrong},
@@ -187,7 +187,8 @@ Table<MinimalRow> minimal_table() {
         {"rays", "rays whose truth is known", [](const R& r) { return r.without->rays; }},
         {"wrong", "rays decided wrongly without it", [](const R& r) { return r.without->wrong; }},
         {"kept_bits", "bits", "bits kept without it", or_missing([](const R& r) { return r.without->kept_bits; })},
-        {"meets", "true if the requirement is met without it: always 0, or the set would not be minimal", &R::meets}};
+        {"meets", "true if the requirement is met without it: always 0, or the set would not be minimal",
+         &R::meets_requirement}};
 }
 
 namespace {
@@ -236,7 +237,7 @@ Table<ProbeRow> probe_table() {
                            {"wrong", "number of these that are decided wrongly", &RowQuality::wrong},
                            {"kept_bits", "bits", "bits kept", or_missing(&RowQuality::kept_bits)}},
                           &R::quality);
-    return table.add({"meets", "true if it meets the requirement there", &R::meets});
+    return table.add({"meets", "true if it meets the requirement there", &R::meets_requirement});
 }
 
 std::vector<ProbeRow> probe_rows(const RepairSummary& r) {

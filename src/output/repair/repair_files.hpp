@@ -93,7 +93,7 @@ struct FormRow {
     const std::vector<RowQuality>* probed = nullptr;  ///< accuracy on each probe; null: not measured
     std::string rules = {};                           ///< rules that rewrote the form
     std::string wider = {};                           ///< format of the wider operations
-    bool meets = false;                               ///< meets the requirement
+    bool meets_requirement = false;                   ///< meets the requirement
     const Price* price = nullptr;                     ///< null: not timed
     bool front = false;  ///< the form was timed, and no other is at least as accurate and as fast, and better in one
     const std::vector<NodeId>* set = nullptr;  ///< operations of a set that are done wider; null if it is not a set
@@ -119,14 +119,14 @@ struct MinimalRow {
     std::string operation;
     int step;  ///< index among the operations that do not depend only on constants
     const RowQuality* without;
-    bool meets;
+    bool meets_requirement;
 };
 /// A row of probes.csv: a form on the rays of a probe.
 struct ProbeRow {
     FormRow form;
     std::string_view probe;
     const RowQuality* quality;
-    bool meets;
+    bool meets_requirement;
 };
 table::Table<ProbeRow> probe_table();
 std::vector<ProbeRow> probe_rows(const RepairSummary& result);

@@ -30,7 +30,8 @@ std::string in_words(const RowQuality& quality, const measure::choice::Requireme
                                  ? "no bits, because form and truth agree on no hit"
                                  : choice::bits_text_near(quality.kept_bits, requirement) + " bits";
     if (quality.wrong == 0) return bits + ", no wrong decision";
-    return fmt::format("{}, {} of {} decided wrongly", bits, quality.wrong, scene::toml::counted(quality.rays, "ray"));
+    return fmt::format("{}, {} of {} decided wrongly", bits, quality.wrong,
+                       scene::toml::count_with_noun(quality.rays, "ray"));
 }
 
 /// Predicate of a sentence: `keep 22.1 bits and decide no ray wrongly`.
@@ -41,7 +42,7 @@ std::string as_clause(const RowQuality& quality, const measure::choice::Requirem
             : fmt::format("keep {} bits", choice::bits_text_near(quality.kept_bits, requirement));
     if (quality.wrong == 0) return predicate + " and decide no ray wrongly";
     return fmt::format("{} and decide {} of {} wrongly", predicate, quality.wrong,
-                       scene::toml::counted(quality.rays, "ray"));
+                       scene::toml::count_with_noun(quality.rays, "ray"));
 }
 
 std::string margin_text(const GrowthMargin& margin, const RepairSummary& r) {
@@ -88,7 +89,7 @@ std::string held_out_text(const RepairSummary& r, const RowQuality& on_searched,
     const std::string where =
         r.request.scene ? fmt::format("{}x{} other pixels, which the search did not use", repair.held_out_scene.width,
                                       repair.held_out_scene.height)
-                        : fmt::format("all {} of the file", scene::toml::counted(r.request.rays->rays, "ray"));
+                        : fmt::format("all {} of the file", scene::toml::count_with_noun(r.request.rays->rays, "ray"));
     std::string text =
         fmt::format("  On {}: {}; without the change: {}.\n", where, in_words(held_out, r.request.requirement),
                     in_words(repair.own_held_out, r.request.requirement));
@@ -104,7 +105,7 @@ std::string margins_text(const std::vector<GrowthMargin>& margins, const RepairS
         r.request.scene ? measure::choice::with_smaller_picture(*r.request.scene, measure::repair::few_rays).pixels()
                         : r.request.rays->sample.rays.size();
     std::string text =
-        fmt::format("  How far it holds on {} of the {} as {}:\n", scene::toml::counted(ray_count, "ray"),
+        fmt::format("  How far it holds on {} of the {} as {}:\n", scene::toml::count_with_noun(ray_count, "ray"),
                     r.request.scene ? "scene" : "file", r.request.scene ? "it is" : "they are");
     for (const GrowthMargin& margin : margins) text += fmt::format("  {}.\n", margin_text(margin, r));
     return text;
@@ -126,7 +127,7 @@ std::string probes_text(const RepairSummary& r, const std::vector<RowQuality>& p
     }
     std::string text;
     const std::string moved = fmt::format("if rays and primitives are moved together ({})",
-                                          scene::toml::counted(r.repair.probed_rays, "ray"));
+                                          scene::toml::count_with_noun(r.repair.probed_rays, "ray"));
     if (!holds.empty()) text += fmt::format("  It also holds {}: {}.\n", moved, fmt::join(holds, "; "));
     for (const auto& [quality, probes] : fails)
         text += fmt::format("  It fails {}: {}. Then it keeps {}.\n", moved, fmt::join(probes, "; "), quality);
@@ -209,13 +210,14 @@ std::string obstruction_text(const RepairSummary& r) {
 std::string rewritten_text(const RepairSummary& r, std::size_t k) {
     const auto& rewritten = r.repair.rewriting.found[k];
     const std::string wider_text =
-        rewritten.set
-            ? fmt::format(", {} of it in {},", scene::toml::counted(rewritten.set->operations.size(), "operation"),
-                          name_of_wider(r.repair.wider))
-            : "";
-    std::string text = fmt::format("Written another way{} it keeps {}; {} instead of {}.\n", wider_text,
-                                   in_words(rewritten.quality, r.request.requirement),
-                                   scene::toml::counted(rewritten.operations, "operation"), r.repair.operations);
+        rewritten.set ? fmt::format(", {} of it in {},",
+                                    scene::toml::count_with_noun(rewritten.set->operations.size(), "operation"),
+                                    name_of_wider(r.repair.wider))
+                      : "";
+    std::string text =
+        fmt::format("Written another way{} it keeps {}; {} instead of {}.\n", wider_text,
+                    in_words(rewritten.quality, r.request.requirement),
+                    scene::toml::count_with_noun(rewritten.operations, "operation"), r.repair.operations);
     if (!rewritten.quality.meets(r.request.requirement))
         return text + fmt::format("  That does not meet the requirement. Rules: {}.\n", rules_of(rewritten));
     std::set<const measure::identity::Rule*> listed;
@@ -383,8 +385,8 @@ std::string in_words(const RepairSummary& r) {
     }
     text += prices_text(r);
     return text +
-           fmt::format("Tried {} on all {}.\n", scene::toml::counted(repair.tried, "candidate"),
-                       scene::toml::counted(
+           fmt::format("Tried {} on all {}.\n", scene::toml::count_with_noun(repair.tried, "candidate"),
+                       scene::toml::count_with_noun(
                            r.request.scene ? r.request.scene->pixels() : r.request.rays->sample.rays.size(), "ray"));
 }
 

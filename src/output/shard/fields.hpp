@@ -38,8 +38,8 @@ void fields(Bits& bits, scene::rays::RayGroup& group) {
 }
 
 LOSTBITS_FIELDS(measure::truth::StageCounts, binary64, double_double, ball, interval)
-LOSTBITS_FIELDS(measure::evaluate::WorstRay, x, y, group, object, size, ray, primitive, t, outcome, ulps, truth, judged,
-                given)
+LOSTBITS_FIELDS(measure::evaluate::WorstRay, x, y, group, object, size, ray, primitive, t, outcome, ulps, truth,
+                touching, given)
 LOSTBITS_FIELDS(measure::evaluate::FormSummary, rays, views, outcomes, true_hits, metrics, categories, worst, faults)
 
 template <class Bits>

@@ -139,7 +139,7 @@ void StateFileReader::read_head() {
         !parse_integer(std::string_view(shard).substr(slash + 1), head_.share.count))
         damaged();
     const auto [number, count] = head_.share;
-    if (number < 1 || number > count || count > measure::shard::Share::most) damaged();
+    if (number < 1 || number > count || count > measure::shard::Share::max_count) damaged();
     if (!read_line("").empty()) damaged();
 }
 

@@ -125,7 +125,7 @@ std::string timing_text(const TradeRequest& request, const TradeResult& result) 
     return fmt::format(
         "Time per ray and primitive: {} of the scene against {} of its primitives. The times are from this run, and "
         "vary from run to run.\n",
-        scene::toml::counted(timed.rays, "ray"), timed.primitives);
+        scene::toml::count_with_noun(timed.rays, "ray"), timed.primitives);
 }
 
 KernelKey kernel_key(const TradeKernel& kernel) {
@@ -189,11 +189,12 @@ std::string shown_rays(const TradeRequest& request, const TradeResult& result, s
     const auto& timed = result.times.front()[measure::speed::reference_load(request.loads)];
     const std::string repetition_text =
         fmt::format("median of {}, bars from quartile to quartile.",
-                    scene::toml::counted(request.plan.repetitions, "interleaved repetition"));
+                    scene::toml::count_with_noun(request.plan.repetitions, "interleaved repetition"));
     const std::uint64_t judged_rays = result.accuracy(set, 0).rays;
     if (request.scene)
         return fmt::format("Accuracy: {} of the scene. Time: {} of its rays against {} of its primitives; {}",
-                           scene::toml::counted(judged_rays, "ray"), timed.rays, timed.primitives, repetition_text);
+                           scene::toml::count_with_noun(judged_rays, "ray"), timed.rays, timed.primitives,
+                           repetition_text);
     const auto sets = measure::speed::trade_sets(request);
     return fmt::format(
         "Accuracy: {} rays of the set {}. Time{}: rays like those of the set {}, {:.0f} KiB of them and of answers in "
@@ -286,7 +287,7 @@ std::string trade_text(const TradeRequest& request, const TradeResult& result) {
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const auto qualities = pareto_points_of(request, result, s);
         text += fmt::format("{}: {}, {}\n", sets[s].name, sets[s].title,
-                            scene::toml::counted(result.accuracy(s, 0).rays, "ray"));
+                            scene::toml::count_with_noun(result.accuracy(s, 0).rays, "ray"));
         text += ranking_text(request, result, qualities) + cheapest_text(request, qualities) + "\n";
     }
     return text + timing_text(request, result);

@@ -74,10 +74,10 @@ public:
 
     /// Returns the function that receives the bands of the study.
     [[nodiscard]] measure::study::ShowBand<Study> show() {
-        return [this](std::size_t row, const Band& band) { rows_[row].band(band); };
+        return [this](std::size_t row_index, const Band& band) { rows_[row_index].band(band); };
     }
     /// Writes the next piece of a row. Another run kept the piece.
-    void put(std::size_t row, pixel::Piece&& piece) { rows_.at(row).write_piece(piece); }
+    void put(std::size_t row_index, pixel::Piece&& piece) { rows_.at(row_index).write_piece(piece); }
 
     void finish(const std::vector<typename Study::Summary>& summaries) {
         for (const auto& book : books_) book->close();

@@ -40,7 +40,7 @@ table::Table<CaseRow> case_table(const CaseRequest& request) {
          "convention by which touching and t = 0 are judged: the form's own (own); touching is a hit (closed) or a "
          "miss (open); "
          "t = 0 is a hit in both",
-         [](const R& r) { return intersect::convention_name(r.summary.row.judged); }},
+         [](const R& r) { return intersect::convention_name(r.summary.row.touching); }},
         {"verdict",
          fmt::format(
              "right ({}), within_inputs (every decision is right, and every answer is {}: half an ulp in each input "
@@ -93,24 +93,24 @@ private:
 }  // namespace
 
 image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vector<FormSummary>>& cases,
-                          std::optional<intersect::Touching> judged) {
+                          std::optional<intersect::Touching> touching) {
     const map::LostBitsScale scale(request.rows);
-    plot::MatrixPlotSpec spec{.title = judged ? fmt::format("{}: judged by the {} primitive", request.file.title,
-                                                            intersect::convention_name(judged))
-                                              : request.file.title,
+    plot::MatrixPlotSpec spec{.title = touching ? fmt::format("{}: judged by the {} primitive", request.file.title,
+                                                              intersect::convention_name(touching))
+                                                : request.file.title,
                               .subtitle = {fmt::format("Right: {}. {}.", right_means(request.file), numbers_mean)},
                               .legend = {{"right", case_right_colour, {}}},
                               .scale = scale.bar(),
                               .unit = scale.unit()};
     std::vector<std::size_t> order;  // rows of the request, by format
-    for (const measure::evaluate::TestedForm& row : request.rows) {
-        const std::string& format = row.format.name;
+    for (const measure::evaluate::TestedForm& form_row : request.rows) {
+        const std::string& format = form_row.format.name;
         if (std::ranges::find(spec.groups, format, &plot::MatrixPlotSpec::Group::label) == spec.groups.end())
             spec.groups.push_back({format, {}});
     }
     for (auto& group : spec.groups) {
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
-            if (request.rows[r].format.name != group.label || request.rows[r].judged != judged) continue;
+            if (request.rows[r].format.name != group.label || request.rows[r].touching != touching) continue;
             group.columns.push_back(map::short_name(*request.rows[r].form->info));
             order.push_back(r);
             spec.keys += (spec.keys.empty() ? "" : " ") + map::row_name(request.rows[r]);
@@ -154,19 +154,19 @@ CaseFiles::CaseFiles(const CaseRequest& request, const std::filesystem::path& fo
 void CaseFiles::finish(const std::vector<std::vector<FormSummary>>& cases) {
     for (std::size_t i = 0; i < cases.size(); ++i) {
         const std::string name = request_.file.name(i);
-        const auto name_of_ray = [&](const measure::evaluate::WorstRay& ray) {
+        const auto ray_arguments = [&](const measure::evaluate::WorstRay& ray) {
             const std::int64_t ray_index = std::int64_t{ray.group} * request_.file.rays_of(i) + ray.x;
             return file_argument_ + " --case " + attribution::shell_word(fmt::format("{}:{}", name, ray_index));
         };
         for (std::size_t r = 0; r < request_.rows.size(); ++r)
             csv_.add({name,
                       measure::sweep::verdict_of(cases[i][r], request_.metrics, request_.file.right_within_bits),
-                      {request_.rows[r], &cases[i][r], name_of_ray}});
+                      {request_.rows[r], &cases[i][r], ray_arguments}});
     }
-    for (const auto& judged : request_.file.conventions) {
+    for (const auto& touching : request_.file.conventions) {
         image::save_figure(
-            folder_ / (judged ? fmt::format("matrix.{}.png", intersect::convention_name(judged)) : "matrix.png"),
-            case_matrix(request_, cases, judged));
+            folder_ / (touching ? fmt::format("matrix.{}.png", intersect::convention_name(touching)) : "matrix.png"),
+            case_matrix(request_, cases, touching));
     }
     table::close_tables(folder_, request_.file.title, csv_);
 }

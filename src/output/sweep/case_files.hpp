@@ -48,6 +48,6 @@ private:
 
 /// The matrix of forms (columns, by format) and cases (rows) for the rows judged by one convention.
 image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vector<FormSummary>>& cases,
-                          std::optional<intersect::Touching> judged = {});
+                          std::optional<intersect::Touching> touching = {});
 
 }  // namespace lostbits::output::sweep

@@ -38,7 +38,7 @@ struct FloatsRow {
     [[nodiscard]] std::string explain(std::uint32_t float_index) const {
         const scene::rays::RayGroup group = request.sweep.group_at(ray, float_at(float_index));
         const std::string scene = request.sweep.mesh ? request.scene + " " : "";
-        return attribution::explain_command(scene + attribution::name_of_ray(&group), request.rows[row]);
+        return attribution::explain_command(scene + attribution::explain_ray_arguments(&group), request.rows[row]);
     }
 
     const ExhaustiveRequest& request;
@@ -257,10 +257,10 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& f) {
     const auto& sweep = request.sweep;
     const FloatTally& tally = f.tally;
     std::string text =
-        fmt::format("all {} between {} and {} were tried: {}", scene::toml::counted(tally.floats(), "float"),
+        fmt::format("all {} between {} and {} were tried: {}", scene::toml::count_with_noun(tally.floats(), "float"),
                     float_text(f.floats.first), float_text(f.floats.last), request.rows[f.row].form->info->name);
-    if (const auto judged = request.rows[f.row].judged)
-        text += fmt::format(", judged by the {} primitive,", intersect::convention_name(judged));
+    if (const auto touching = request.rows[f.row].touching)
+        text += fmt::format(", judged by the {} primitive,", intersect::convention_name(touching));
     if (sweep.rays.size() > 1) text += fmt::format(" on the ray {}", sweep.rays[f.ray].name);
     if (!tally.first_wrong) {
         text += tally.count(Outcome::unresolved) == 0
@@ -275,8 +275,9 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& f) {
                                f.floats.falls() ? "down to" : "up to", float_text(*good), float_text(wrong.place),
                                failure_phrase(wrong.outcome))
                  : fmt::format(" already fails at the first of them: {}", failure_phrase(wrong.outcome));
-    text += fmt::format("; it is wrong for {} in all{}, the last at {}", scene::toml::counted(tally.wrong(), "float"),
-                        sweep.mesh ? kinds_text(tally) : "", float_text(tally.last_wrong->place));
+    text += fmt::format("; it is wrong for {} in all{}, the last at {}",
+                        scene::toml::count_with_noun(tally.wrong(), "float"), sweep.mesh ? kinds_text(tally) : "",
+                        float_text(tally.last_wrong->place));
     if (tally.padding)
         text += fmt::format("; to miss none it needs {} u more padding", file::decimal(tally.padding->u));
     return text;
@@ -291,10 +292,11 @@ ExhaustiveFiles::ExhaustiveFiles(const ExhaustiveRequest& request, const std::fi
 
 void ExhaustiveFiles::add_binades(const ExhaustiveState& state) {
     const auto binades = measure::sweep::binades_of(request_.sweep);
-    for (std::size_t row = 0; row < request_.rows.size(); ++row) {
+    for (std::size_t row_index = 0; row_index < request_.rows.size(); ++row_index) {
         for (std::size_t ray = 0; ray < request_.sweep.rays.size(); ++ray) {
             for (std::size_t b = 0; b < binades.size(); ++b) {
-                FloatsRow floats_row{request_, ray, row, binades[b].floats, state.tallies[request_.place(b, ray, row)]};
+                FloatsRow floats_row{request_, ray, row_index, binades[b].floats,
+                                     state.tallies[request_.place(b, ray, row_index)]};
                 floats_row.find_worst();
                 floats_row.binade = binades[b].binade.name();
                 binades_.add(floats_row);

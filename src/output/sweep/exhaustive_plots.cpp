@@ -93,18 +93,18 @@ public:
 
     [[nodiscard]] std::vector<std::string> subtitle() const {
         std::vector<std::string> lines{request_.sweep.title, "every float in each binade was tried"};
-        if (const auto judged = request_.sweep.convention)
-            lines.front() += fmt::format(", judged by the {} primitive", intersect::convention_name(judged));
+        if (const auto touching = request_.sweep.convention)
+            lines.front() += fmt::format(", judged by the {} primitive", intersect::convention_name(touching));
         if (lacks_floats_) lines.back() += "; zeros, infinities and NaNs are only in the tables";
         return lines;
     }
 
     [[nodiscard]] std::vector<AxisHalf> halves() const {
         std::vector<AxisHalf> list;
-        for (std::size_t row = 0; row < request_.rows.size(); ++row) {
+        for (std::size_t row_index = 0; row_index < request_.rows.size(); ++row_index) {
             for (std::size_t ray = 0; ray < request_.sweep.rays.size(); ++ray) {
-                if (positive_count_ > 0) list.push_back({row, ray, false});
-                if (negative_count_ > 0) list.push_back({row, ray, true});
+                if (positive_count_ > 0) list.push_back({row_index, ray, false});
+                if (negative_count_ > 0) list.push_back({row_index, ray, true});
             }
         }
         return list;

@@ -42,12 +42,12 @@ Table<SampleRow> sample_table(const SweepRequest& request) {
 }
 
 std::vector<SampleRow> sample_rows(const SweepRequest& request, const std::vector<SweepStep>& steps) {
-    const auto name_of_ray = [](const measure::evaluate::WorstRay& ray) {
-        return attribution::name_of_ray(ray.given.get());
+    const auto ray_arguments = [](const measure::evaluate::WorstRay& ray) {
+        return attribution::explain_ray_arguments(ray.given.get());
     };
     std::vector<SampleRow> rows;
     for (std::size_t r = 0; r < request.rows.size(); ++r)
-        for (const SweepStep& step : steps) rows.push_back({&step, {request.rows[r], &step.rows[r], name_of_ray}});
+        for (const SweepStep& step : steps) rows.push_back({&step, {request.rows[r], &step.rows[r], ray_arguments}});
     return rows;
 }
 

@@ -49,7 +49,7 @@ std::vector<Layer> layers_of(const SweepRequest& request) {
 }
 
 void write_exr(const std::filesystem::path& path, const SweepRequest& request, const SweepGrid& plane, std::size_t r) {
-    const TestedForm& row = request.rows[r];
+    const TestedForm& form_row = request.rows[r];
     image::ExrSpec spec;
     spec.width = static_cast<int>(plane.x.size());
     spec.height = static_cast<int>(plane.y.size());
@@ -58,8 +58,8 @@ void write_exr(const std::filesystem::path& path, const SweepRequest& request, c
     const auto& axes = request.sweep.axes;
     spec.attributes = {{"lostbits:schema", "lostbits-plane/1"},
                        {"lostbits:sweep", request.sweep.id},
-                       {"lostbits:form", std::string(row.form->info->name)},
-                       {"lostbits:format", row.format.name},
+                       {"lostbits:form", std::string(form_row.form->info->name)},
+                       {"lostbits:format", form_row.format.name},
                        {"lostbits:x", axes[0].name},
                        {"lostbits:x_values", file::listed(plane.x, file::decimal, " ")},
                        {"lostbits:y", axes[1].name},
@@ -87,9 +87,9 @@ SweepGrid::SweepGrid(const SweepRequest& request, const std::vector<SweepStep>& 
     if (y_falls_) std::ranges::reverse(y);
 }
 
-const FormSummary& SweepGrid::at(std::size_t row, std::size_t column, std::size_t line) const {
+const FormSummary& SweepGrid::at(std::size_t row_index, std::size_t column, std::size_t line) const {
     const std::size_t i = x_falls_ ? x.size() - 1 - column : column, j = y_falls_ ? y.size() - 1 - line : line;
-    return steps_[i * y.size() + j].rows[row];
+    return steps_[i * y.size() + j].rows[row_index];
 }
 
 namespace {
@@ -102,13 +102,13 @@ struct DrawnPlane {
     bool has_outlined = false, has_few = false;
 };
 
-DrawnPlane drawn_plane(const SweepRequest& request, const SweepGrid& plane, std::size_t row) {
+DrawnPlane drawn_plane(const SweepRequest& request, const SweepGrid& plane, std::size_t row_index) {
     const std::size_t lost_index = measure::metric::index_of(request.metrics, "lost_bits"),
                       excess_index = measure::metric::index_of(request.metrics, "excess_bits");
     DrawnPlane drawn;
     for (std::size_t line = 0; line < plane.y.size(); ++line) {
         for (std::size_t column = 0; column < plane.x.size(); ++column) {
-            const FormSummary& s = plane.at(row, column, line);
+            const FormSummary& s = plane.at(row_index, column, line);
             plot::PlaneCell cell;
             bool is_explained = false;
             ++drawn.wrong.rays;
@@ -166,11 +166,11 @@ std::string note_of(const DrawnPlane& drawn) {
 
 }  // namespace
 
-image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row) {
+image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row_index) {
     const auto& axes = request.sweep.axes;
-    const TestedForm& tested = request.rows[row];
+    const TestedForm& tested = request.rows[row_index];
     const SweepGrid plane(request, steps);
-    const DrawnPlane drawn = drawn_plane(request, plane, row);
+    const DrawnPlane drawn = drawn_plane(request, plane, row_index);
     return plot::plane_plot(
         {.title = fmt::format("{} in {}: lost bits, p99", tested.form->info->name, tested.format.name),
          .subtitle = {request.sweep.title, std::string(drawn.has_outlined ? outlined_means : nowhere_outlined) + "."},
@@ -182,7 +182,7 @@ image::Canvas plane_picture(const SweepRequest& request, const std::vector<Sweep
          .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), tested.format.parameters),
          .unit = "lost bits",
          .legend = map::outcome_legend(drawn.wrong),
-         .none_means = drawn.has_few ? gap_means() : "no value"});
+         .none_means = drawn.has_few ? gap_text() : "no value"});
 }
 
 void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& request,
@@ -202,7 +202,7 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
     }
     std::vector<image::LegendEntry> legend = map::outcome_legend(wrong);
     for (image::LegendEntry& entry : legend) entry.count.clear();
-    if (has_gap) legend.push_back({gap_means(), no_value, ""});
+    if (has_gap) legend.push_back({gap_text(), no_value, ""});
     if (has_explained) legend.push_back({map::paler_means, map::paler(scale.bar().at(0.5)), ""});
     const auto axis_text = [](const scene::sweep::Axis& axis, const std::vector<double>& values) {
         return fmt::format("{}, from {} to {}", plot_axis(axis).title, file::short_decimal(values.front(), 3),

@@ -44,12 +44,12 @@ using scene::sweep::Axis;
 const plot::AxisSpec share_axis{"share of rays", plot::AxisSpec::Scale::linear, 0.0, {}, false, false, 1};
 
 /// One value of a row of the request along the sweep, by rising parameter.
-Series series_of(const std::vector<SweepStep>& steps, std::size_t row, const std::string& label,
+Series series_of(const std::vector<SweepStep>& steps, std::size_t row_index, const std::string& label,
                  const std::function<double(const FormSummary&)>& value) {
     Series series{label};
     for (const SweepStep& step : steps) {
         series.x.push_back(step.values.front());
-        series.y.push_back(value(step.rows[row]));
+        series.y.push_back(value(step.rows[row_index]));
     }
     if (series.x.front() > series.x.back()) {
         std::ranges::reverse(series.x);
@@ -69,16 +69,17 @@ struct Quantity {
     std::string empty_text = {};  ///< reason why there is nothing to draw; empty: there is something to draw
 };
 
-bool is_marching(const TestedForm& row) { return !is_primitive(row.form->shape); }
+bool is_marching(const TestedForm& form_row) { return !is_primitive(form_row.form->shape); }
 
 /// Number of rays per step, and how many of them are independent.
 std::string rays_text(const MeasuredSweep& sweep) {
     const FormSummary& first_summary = sweep.steps.front().rows.front();
-    if (!sweep.request.sweep.has_random_rays()) return scene::toml::counted(first_summary.rays, "ray") + " per step";
+    if (!sweep.request.sweep.has_random_rays())
+        return scene::toml::count_with_noun(first_summary.rays, "ray") + " per step";
     if (first_summary.views == first_summary.rays)
-        return scene::toml::counted(first_summary.rays, "independent ray") + " per step";
+        return scene::toml::count_with_noun(first_summary.rays, "independent ray") + " per step";
     return fmt::format("{} rays per step, of {}", first_summary.rays,
-                       scene::toml::counted(first_summary.views, "independent view"));
+                       scene::toml::count_with_noun(first_summary.views, "independent view"));
 }
 
 /// Plot with the parts common to all plots along a sweep: the sweep's title, its axis, and the number of rays per
@@ -118,8 +119,8 @@ image::Canvas lines_of(const MeasuredSweep& sweep, const Format& format, const Q
         if (!mark.format.empty() && mark.format != format.name) continue;
         spec.marks.push_back({mark.at, mark.label});
         const auto onset = std::ranges::find_if(sweep.onsets, [&](const Onset& o) {
-            const TestedForm& row = sweep.request.rows[o.row];
-            return o.found && !o.from_last && row.form->info->name == mark.form && row.format == format &&
+            const TestedForm& form_row = sweep.request.rows[o.row];
+            return o.found && !o.from_last && form_row.form->info->name == mark.form && form_row.format == format &&
                    o.event == mark.event && o.statistic == mark.statistic && o.threshold == mark.threshold;
         });
         if (onset != sweep.onsets.end())
@@ -206,10 +207,10 @@ using Parts = std::vector<std::pair<std::string, std::string>>;
 /// ulp.
 image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t r, const std::string& title, const Parts& parts) {
     const SweepRequest& request = sweep.request;
-    const TestedForm& row = request.rows[r];
-    LinePlotSpec spec =
-        plot_along(sweep, fmt::format("{} of {} in {}, medians", title, row.form->info->name, row.format.name),
-                   {"ulp", plot::AxisSpec::Scale::log2, 0x1p-6, {}});
+    const TestedForm& form_row = request.rows[r];
+    LinePlotSpec spec = plot_along(
+        sweep, fmt::format("{} of {} in {}, medians", title, form_row.form->info->name, form_row.format.name),
+        {"ulp", plot::AxisSpec::Scale::log2, 0x1p-6, {}});
     for (const auto& [metric, label] : parts) {
         const std::size_t m = measure::metric::index_of(request.metrics, metric);
         spec.series.push_back(
@@ -219,7 +220,7 @@ image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t r, const std::s
                 spec.marks.push_back({o.first_bad, label + ": 1 ulp"});
     }
     for (const auto& mark : request.sweep.marks) {
-        if (mark.format.empty() || mark.format == row.format.name) spec.marks.push_back({mark.at, mark.label});
+        if (mark.format.empty() || mark.format == form_row.format.name) spec.marks.push_back({mark.at, mark.label});
     }
     return plot::line_plot(spec);
 }
@@ -261,9 +262,9 @@ void write_march_plots(const SaveAs& save, const MeasuredSweep& sweep, const For
               .value = [iterations_index](const FormSummary& s) { return s.metrics[iterations_index].quantile(0.99); },
               .shows = is_marching}));
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const TestedForm& row = request.rows[r];
-        if (row.format == format && is_marching(row))
-            save(fmt::format("split.{}", row.form->info->name),
+        const TestedForm& form_row = request.rows[r];
+        if (form_row.format == format && is_marching(form_row))
+            save(fmt::format("split.{}", form_row.form->info->name),
                  parts_plot(sweep, r, "Model and rounding error",
                             {{"model_error", "model"}, {"rounding_error", "rounding"}, {"ulp_error", "total error"}}));
     }
@@ -275,7 +276,7 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
     const SweepRequest& request = sweep.request;
     constexpr std::size_t max_operations = 7;
     constexpr std::size_t max_letters = 70;
-    const TestedForm& row = request.rows[r];
+    const TestedForm& form_row = request.rows[r];
     const auto m = static_cast<std::size_t>(std::ranges::find_if(request.metrics, &measure::metric::Metric::by_run) -
                                             request.metrics.begin());
     std::vector<double> peak_share(request.metrics[m]->categories.size());
@@ -290,8 +291,8 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
     }
     if (order.empty()) return {};
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return peak_share[a] > peak_share[b]; });
-    LinePlotSpec spec =
-        plot_along(sweep, fmt::format("Culprits of {} in {}", row.form->info->name, row.format.name), share_axis);
+    LinePlotSpec spec = plot_along(
+        sweep, fmt::format("Culprits of {} in {}", form_row.form->info->name, form_row.format.name), share_axis);
     spec.subtitle.back() += "; an operation's share of the rays that have a culprit";
     const auto add = [&](const std::string& label, std::span<const std::size_t> categories) {
         spec.series.push_back(series_of(sweep.steps, r, label, [&](const FormSummary& s) {
@@ -306,7 +307,8 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
             std::span(order).subspan(k, 1));
     }
     if (named_count < order.size())
-        add(scene::toml::counted(order.size() - named_count, "other operation"), std::span(order).subspan(named_count));
+        add(scene::toml::count_with_noun(order.size() - named_count, "other operation"),
+            std::span(order).subspan(named_count));
     return plot::line_plot(spec);
 }
 
@@ -314,8 +316,8 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
 
 std::vector<Format> formats_of(const MeasuredSweep& sweep) {
     std::vector<Format> formats;
-    for (const TestedForm& row : sweep.request.rows) {
-        if (std::ranges::find(formats, row.format) == formats.end()) formats.push_back(row.format);
+    for (const TestedForm& form_row : sweep.request.rows) {
+        if (std::ranges::find(formats, form_row.format) == formats.end()) formats.push_back(form_row.format);
     }
     return formats;
 }
@@ -334,11 +336,13 @@ void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep&
                  wrong_plot(sweep, format, o));
         write_march_plots(save, sweep, format);
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
-            const TestedForm& row = request.rows[r];
-            if (const Parts parts = steps_of(request); row.format == format && !parts.empty() && row.form->is_placed)
-                save(fmt::format("steps.{}", row.form->info->name), parts_plot(sweep, r, "Steps", parts));
-            if (row.format != format || !map::asks_for_culprits(request.metrics)) continue;
-            if (const auto plot = culprit_plot(sweep, r)) save(fmt::format("culprit.{}", row.form->info->name), *plot);
+            const TestedForm& form_row = request.rows[r];
+            if (const Parts parts = steps_of(request);
+                form_row.format == format && !parts.empty() && form_row.form->is_placed)
+                save(fmt::format("steps.{}", form_row.form->info->name), parts_plot(sweep, r, "Steps", parts));
+            if (form_row.format != format || !map::asks_for_culprits(request.metrics)) continue;
+            if (const auto plot = culprit_plot(sweep, r))
+                save(fmt::format("culprit.{}", form_row.form->info->name), *plot);
         }
     }
 }

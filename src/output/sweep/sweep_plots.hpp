@@ -63,7 +63,7 @@ class SweepGrid {
 public:
     SweepGrid(const SweepRequest& request, const std::vector<SweepStep>& steps);
     /// Results of one row of the request at a cell of the plane.
-    [[nodiscard]] const FormSummary& at(std::size_t row, std::size_t column, std::size_t line) const;
+    [[nodiscard]] const FormSummary& at(std::size_t row_index, std::size_t column, std::size_t line) const;
     std::vector<double> x, y;
 
 private:
@@ -85,7 +85,7 @@ inline constexpr const char* nowhere_outlined =
 void write_planes(const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
                   bool single_pictures);
 /// The plane of one row of the request, as `write_planes` saves it.
-image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row);
+image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t row_index);
 /// Writes the contact sheet of `write_planes`. On the sheet a step is one colour, and cells that the outline would not
 /// enclose are paler instead (`map::paler_means`).
 void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& request,
@@ -94,7 +94,7 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
 /// Quantile of a metric over agreed hits; NaN, a gap in the line, if too few hits agree.
 [[nodiscard]] double drawn_quantile(const FormSummary& s, std::size_t metric, double q);
 /// Meaning of a gap, here and on the page.
-[[nodiscard]] std::string gap_means();
+[[nodiscard]] std::string gap_text();
 
 /// Part of an axis, with its ends.
 struct AxisPart {
@@ -106,7 +106,7 @@ struct AxisPart {
 /// Found by bisection to 2^-9 of the value, on the first ray; the rays of a distribution are all equally far away.
 /// Nothing if neither end of the axis is in the part, or if there is not exactly one sphere.
 [[nodiscard]] std::optional<AxisPart> too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format);
-inline constexpr const char* too_far_means = "shaded: an ulp of the distance is at least as wide as the sphere";
+inline constexpr const char* too_far_text = "shaded: an ulp of the distance is at least as wide as the sphere";
 
 /// Shades the part that is too far in a plot along a sweep, and explains the gaps of lines over agreed hits.
 void shade_and_note(plot::LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& format, bool over_hits);

@@ -11,8 +11,10 @@ namespace lostbits::output::sweep {
 
 namespace {
 
-constexpr double relative_bracket = 0x1p-9;
-constexpr int max_steps = 60;  // steps of a bisection: more than any axis has octaves, and nine bits
+constexpr double relative_bracket = 0x1p-9;  // the bisection ends when its bracket is this narrow
+/// Largest number of steps of the bisection. On a linear axis whose ends are n octaves apart, it needs n + 9 steps; on
+/// a logarithmic axis, fewer.
+constexpr int max_steps = 60;
 
 bool is_too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format, double value) {
     const auto groups = sweep.rays({value});
@@ -33,7 +35,7 @@ double drawn_quantile(const FormSummary& s, std::size_t metric, double q) {
     return s.agreement().is_enough() ? s.metrics[metric].quantile(q) : std::numeric_limits<double>::quiet_NaN();
 }
 
-std::string gap_means() {
+std::string gap_text() {
     return fmt::format("no value where fewer than {:.0f} % of the hits agree", 100 * measure::metric::least_agreement);
 }
 
@@ -59,7 +61,7 @@ void shade_and_note(plot::LinePlotSpec& spec, const MeasuredSweep& sweep, const 
         plot::PlotShade& shade = spec.shades.emplace_back();
         shade.from = part->from;
         shade.to = part->to;
-        shade.label = too_far_means;
+        shade.label = too_far_text;
     }
     const auto is_withheld = [&](const SweepStep& step) {
         for (std::size_t r = 0; r < step.rows.size(); ++r) {
@@ -69,7 +71,7 @@ void shade_and_note(plot::LinePlotSpec& spec, const MeasuredSweep& sweep, const 
         return false;
     };
     if (over_hits && std::ranges::any_of(sweep.steps, is_withheld))
-        spec.notes.push_back("A gap in a line means " + gap_means() + ".");
+        spec.notes.push_back("A gap in a line means " + gap_text() + ".");
 }
 
 }  // namespace lostbits::output::sweep

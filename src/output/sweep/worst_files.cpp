@@ -113,18 +113,18 @@ table::Table<WorstRow> worst_table(const WorstRequest& request) {
         {"explain", "the command that explains the worst ray and prints these numbers again", [](const R& r) {
              if (!r.worst) return std::string();
              const scene::rays::RayGroup group = group_of_worst(*r.worst);
-             return attribution::explain_command(attribution::name_of_ray(&group), r.row);
+             return attribution::explain_command(attribution::explain_ray_arguments(&group), r.row);
          }});
 }
 
-std::string worst_case_text(const WorstRequest& request, const measure::evaluate::TestedForm& row,
+std::string worst_case_text(const WorstRequest& request, const measure::evaluate::TestedForm& form_row,
                             const WorstResult& w) {
     const bool is_agreed_hit = w.outcome == Outcome::agree_hit;
     std::string result_text = is_agreed_hit
                                   ? fmt::format("{} {:.6g}", request.search.metric, w.value)
                                   : std::string(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]);
     if (!is_agreed_hit && request.search.nearest) result_text += fmt::format(" at {:.6g} radii", w.distance);
-    return case_text(fmt::format("{} in {}: {}", row.form->info->name, row.format.name, result_text),
+    return case_text(fmt::format("{} in {}: {}", form_row.form->info->name, form_row.format.name, result_text),
                      group_of_worst(w));
 }
 
@@ -220,10 +220,10 @@ std::string census_phrase(const measure::edges::EdgeFinding& finding) {
         if (rays == 0) continue;
         const std::string counts = outcomes[0] + outcomes[1] == 0
                                        ? "none"
-                                       : scene::toml::counted(outcomes[0], "crack") + " and " +
-                                             scene::toml::counted(outcomes[1], "double hit");
+                                       : scene::toml::count_with_noun(outcomes[0], "crack") + " and " +
+                                             scene::toml::count_with_noun(outcomes[1], "double hit");
         text += fmt::format("{}{} of {}{}", text.empty() ? "" : ", ", counts,
-                            text.empty() ? scene::toml::counted(rays, "ray") : std::to_string(rays),
+                            text.empty() ? scene::toml::count_with_noun(rays, "ray") : std::to_string(rays),
                             k == 0 ? " at edges" : " at vertices");
     }
     return text;
@@ -234,7 +234,7 @@ std::string census_phrase(const measure::edges::EdgeFinding& finding) {
 void NearestFiles::write(const std::filesystem::path& folder) const {
     const auto explain = [this](std::size_t r, const NearestRay& nearest) {
         const scene::rays::RayGroup group = scene::rays::group_of(nearest.ray);
-        return attribution::explain_command(scene + " " + attribution::name_of_ray(&group), request.rows[r]);
+        return attribution::explain_command(scene + " " + attribution::explain_ray_arguments(&group), request.rows[r]);
     };
     table::TableFile<NearestRow> csv(
         folder, "worst.csv", "One row per form, format and outcome: the nearest ray found at an edge", nearest_table());
@@ -266,7 +266,7 @@ std::string NearestFiles::sentence(std::size_t r) const {
                                       outcome_phrase, found[r].rays.at(k), nearest->distance)
                         : fmt::format("{}{} no {} among {}", k > 0 ? "," : "",
                                       counts.empty() || k > 0 ? "" : " the search for the nearest found",
-                                      outcome_phrase, scene::toml::counted(found[r].rays.at(k), "ray"));
+                                      outcome_phrase, scene::toml::count_with_noun(found[r].rays.at(k), "ray"));
     }
     return text;
 }

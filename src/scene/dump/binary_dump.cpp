@@ -43,12 +43,12 @@ BinaryDump::BinaryDump(const std::filesystem::path& path, const DumpOptions& opt
         fail_short(whole_records,
                    bytes - (record_layout_.column_major ? 0 : whole_records * record_layout_.record_size));
     if (records_ && bytes > *records_ * record_layout_.record_size)
-        throw InputError(
-            fmt::format("{}: byte {}: {} the last of the {} that the header names; is "
-                        "it one array, written whole?",
-                        source_.name(), record_layout_.begin + *records_ * record_layout_.record_size,
-                        toml::counted(bytes - *records_ * record_layout_.record_size, "byte follows", "bytes follow"),
-                        toml::counted(*records_, "record")));
+        throw InputError(fmt::format(
+            "{}: byte {}: {} the last of the {} that the header names; is "
+            "it one array, written whole?",
+            source_.name(), record_layout_.begin + *records_ * record_layout_.record_size,
+            toml::count_with_noun(bytes - *records_ * record_layout_.record_size, "byte follows", "bytes follow"),
+            toml::count_with_noun(*records_, "record")));
     if (!records_) records_ = whole_records;
 }
 
@@ -57,13 +57,14 @@ void BinaryDump::fail_short(std::uint64_t record, std::uint64_t bytes) const {
         throw InputError(
             fmt::format("{}: has {} of numbers, but its header names {} of {} bytes each; it "
                         "was cut short, so write it again",
-                        source_.name(), toml::counted(bytes, "byte"), toml::counted(*record_layout_.records, "record"),
-                        record_layout_.record_size));
+                        source_.name(), toml::count_with_noun(bytes, "byte"),
+                        toml::count_with_noun(*record_layout_.records, "record"), record_layout_.record_size));
     throw InputError(fmt::format(
         "{}: record {}: has {} of {} bytes{}; the file was cut short, or its columns are "
         "different: check their names and types",
         source_.name(), record, bytes, record_layout_.record_size,
-        record_layout_.records ? ", and the header names " + toml::counted(*record_layout_.records, "record") : ""));
+        record_layout_.records ? ", and the header names " + toml::count_with_noun(*record_layout_.records, "record")
+                               : ""));
 }
 
 bool BinaryDump::next(std::size_t most, Records& records) {

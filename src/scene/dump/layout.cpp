@@ -27,9 +27,9 @@ std::vector<KnownName> make_known_names() {
         for (const char* const name : names) known.push_back({name, slot++});
     };
     add(slot::origin, {"ox", "oy", "oz", "dx", "dy", "dz", "tmax", "tmin"});
-    for (const ShapeRow& row : shape_rows)
-        for (std::size_t k = 0; k < row.numbers; ++k)
-            known.push_back({column_names(row.shape)[k], slot::primitive + k, row.shape});
+    for (const ShapeRow& shape_row : shape_rows)
+        for (std::size_t k = 0; k < shape_row.numbers; ++k)
+            known.push_back({column_names(shape_row.shape)[k], slot::primitive + k, shape_row.shape});
     add(slot::t, {"t"});
     add(slot::hit, {"hit"});
     add(slot::object, {"object"});
@@ -40,10 +40,10 @@ std::vector<KnownName> make_known_names() {
     add(slot::origin, {"px", "py", "pz"});
     add(slot::origin,
         {"origin_x", "origin_y", "origin_z", "direction_x", "direction_y", "direction_z", "t_max", "t_min"});
-    for (const ShapeRow& row : shape_rows)
-        for (std::size_t k = 0; k < row.numbers; ++k)
-            for (std::string& name : other_column_names(row.shape, k))
-                known.push_back({std::move(name), slot::primitive + k, row.shape});
+    for (const ShapeRow& shape_row : shape_rows)
+        for (std::size_t k = 0; k < shape_row.numbers; ++k)
+            for (std::string& name : other_column_names(shape_row.shape, k))
+                known.push_back({std::move(name), slot::primitive + k, shape_row.shape});
     return known;
 }
 
@@ -90,7 +90,7 @@ struct NamedShapes {
     std::optional<Shape> chosen;
 
     explicit NamedShapes(const std::vector<std::string>& names) {
-        for (const ShapeRow& row : shape_rows) all.push_back({row.shape});
+        for (const ShapeRow& shape_row : shape_rows) all.push_back({shape_row.shape});
         for (const KnownName& known : known_names())
             if (known.shape && std::ranges::find(names, known.name) != names.end())
                 all[static_cast<std::size_t>(*known.shape)].slots.insert(known.slot);
@@ -306,11 +306,11 @@ std::vector<std::string> parts_of(std::string_view name, std::size_t count) {
             {"ray", {"ox", "oy", "oz", "dx", "dy", "dz"}},
             {"matrix", {matrix_columns.begin(), matrix_columns.end()}},
         };
-        for (const ShapeRow& row : shape_rows) {
-            const auto names = column_names(row.shape);
-            known_groups.push_back({std::string(row.name), {names.begin(), names.end()}});
+        for (const ShapeRow& shape_row : shape_rows) {
+            const auto names = column_names(shape_row.shape);
+            known_groups.push_back({std::string(shape_row.name), {names.begin(), names.end()}});
             std::size_t first_number = 0;
-            for (const Key& key : row.keys) {
+            for (const Key& key : shape_row.keys) {
                 const auto part = names.subspan(first_number, key.count());
                 for (const std::string_view group_name : {key.name, key.letter, key.aliases[0], key.aliases[1]})
                     known_groups.push_back({std::string(group_name), {part.begin(), part.end()}});

@@ -259,14 +259,14 @@ RecordLayout read_npy(toml::ByteSource& source, const DumpOptions& options) {
         if (rays.size() < 2)
             throw InputError(
                 fmt::format("{}: has {}; rays are an array of n rows and k columns, or of records with named fields",
-                            file, toml::counted(rays.size(), "axis", "axes")));
+                            file, toml::count_with_noun(rays.size(), "axis", "axes")));
         if (options.columns.empty())
             throw InputError(fmt::format("{}: has {} without names; name them with --columns ox,oy,oz,dx,dy,dz,…", file,
-                                         toml::counted(rays.back(), "column")));
+                                         toml::count_with_noun(rays.back(), "column")));
         const auto names = names_in(options.columns);
         if (names.size() != rays.back())
             throw InputError(fmt::format("{}: has {}, but --columns names {}; write _ for each column to skip", file,
-                                         toml::counted(rays.back(), "column"), names.size()));
+                                         toml::count_with_noun(rays.back(), "column"), names.size()));
         rays.pop_back();
         for (const std::string& name : names) array.columns.push_back({name, type, 0});
     }

@@ -90,15 +90,15 @@ struct PrimitiveTable {
 /// comes last.
 std::vector<PrimitiveTable> primitives_in_order(TableReader& file, const Node& original) {
     std::vector<PrimitiveTable> tables;
-    for (const ShapeRow& row : shape_rows) {
-        const Node* const original_list = original.find(row.name);
+    for (const ShapeRow& shape_row : shape_rows) {
+        const Node* const original_list = original.find(shape_row.name);
         const std::size_t count = original_list ? original_list->items.size() : 0;
         std::size_t k = 0;
-        for (const TableReader& table : file.tables(row.name)) {
+        for (const TableReader& table : file.tables(shape_row.name)) {
             constexpr int last_line = std::numeric_limits<int>::max();
             const toml::Where where =
                 count == 0 ? toml::Where{"", last_line, 0} : original_list->items[std::min(k++, count - 1)].where;
-            tables.push_back({row.shape, table, {where.line, where.column}});
+            tables.push_back({shape_row.shape, table, {where.line, where.column}});
         }
     }
     std::ranges::stable_sort(tables, {}, &PrimitiveTable::position);
@@ -108,8 +108,8 @@ std::vector<PrimitiveTable> primitives_in_order(TableReader& file, const Node& o
 /// "[[sphere]] with centre and radius, [[box]] with lo and hi, ..."
 std::string tables_of_primitives() {
     std::string text;
-    for (const ShapeRow& row : shape_rows)
-        text += "[[" + std::string(row.name) + "]] with " + key_phrase(row.shape) + ", ";
+    for (const ShapeRow& shape_row : shape_rows)
+        text += "[[" + std::string(shape_row.name) + "]] with " + key_phrase(shape_row.shape) + ", ";
     return text + "[sphereflake] with levels, or [[mesh]] with file or make";
 }
 
@@ -256,11 +256,11 @@ std::vector<std::string> Scene::remarks() const {
 
 std::vector<Shape> Scene::shapes() const {
     std::vector<Shape> found;
-    for (const ShapeRow& row : shape_rows) {
-        const bool is_listed = std::ranges::find(listed, row.shape, &Primitive<Real>::shape) != listed.end();
-        if (is_listed || (flake && row.shape == sphere::Sphereflake::shape) ||
-            (mesh && row.shape == triangle::Mesh::shape))
-            found.push_back(row.shape);
+    for (const ShapeRow& shape_row : shape_rows) {
+        const bool is_listed = std::ranges::find(listed, shape_row.shape, &Primitive<Real>::shape) != listed.end();
+        if (is_listed || (flake && shape_row.shape == sphere::Sphereflake::shape) ||
+            (mesh && shape_row.shape == triangle::Mesh::shape))
+            found.push_back(shape_row.shape);
     }
     return found;
 }

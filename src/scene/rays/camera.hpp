@@ -68,9 +68,12 @@ Vec<T> pixel_point(const CameraFrame<T>& frame, int x, int y) {
 /// The ray through the middle of pixel (x, y); x counts to the right from the left column, y down from the top row.
 ///
 /// With a = (x + ½ − centre_x)·pitch to the right and b = (centre_y − (y + ½))·pitch upwards:
-/// orthographic: origin + a·right + b·up, direction `forward`; pinhole: `origin`, direction forward + a·right + b·up,
-/// divided by its length if `normalise`; pixel_plane: `origin`, direction pixel_point − origin. It uses only + − × ÷ √
-/// in T, in the order in which these formulas are written, so the rounding is the same on every machine.
+/// - orthographic: from origin + a·right + b·up in the direction `forward`;
+/// - pinhole: from `origin` in the direction forward + a·right + b·up, divided by its length if `normalise`;
+/// - pixel_plane: from `origin` in the direction pixel_point − origin.
+///
+/// The function uses only + − × ÷ √ in T, in the order in which these formulas are written, so the rounding is the same
+/// on every machine.
 template <class T>
 Ray<T> ray(const CameraFrame<T>& frame, int x, int y) {
     if (frame.kind == file::Camera::Kind::pixel_plane) return {frame.origin, pixel_point(frame, x, y) - frame.origin};

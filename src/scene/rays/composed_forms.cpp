@@ -43,24 +43,24 @@ const Intersector& with_generator(const RayGenerator& generator, const Intersect
     });
 }
 
-const RayGenerator* generator_of(const Intersector& row) {
-    return std::get<const RayGenerator*>(composed_forms().parts_of(row));
+const RayGenerator* generator_of(const Intersector& catalogue_row) {
+    return std::get<const RayGenerator*>(composed_forms().parts_of(catalogue_row));
 }
 
-const Intersector& strip_generator(const Intersector& row) {
-    const auto* const form = std::get<const Intersector*>(composed_forms().parts_of(row));
-    return form ? *form : row;
+const Intersector& strip_generator(const Intersector& catalogue_row) {
+    const auto* const form = std::get<const Intersector*>(composed_forms().parts_of(catalogue_row));
+    return form ? *form : catalogue_row;
 }
 
-const Intersector& require_no_generator(const Intersector& row) {
-    if (generator_of(row))
+const Intersector& require_no_generator(const Intersector& catalogue_row) {
+    if (generator_of(catalogue_row))
         throw InputError(
-            std::string(row.info->name) +
+            std::string(catalogue_row.info->name) +
             ": the ray generator comes last, after one form and its box, as in "
             "sphere.unified^box.signs@ray-three; for several shapes, or with a transform, write camera.rays "
             "into the scene, or --set camera.rays=" +
-            std::string(generator_of(row)->info->name));
-    return row;
+            std::string(generator_of(catalogue_row)->info->name));
+    return catalogue_row;
 }
 
 std::vector<std::string> forms_in_name(const std::string& name) {

@@ -107,8 +107,9 @@ Vec<double> vec_in(const std::vector<Quantity>& v, const FloatFormat& f, int exp
 /// Returns "spheres = [{ centre, radius }, …] or boxes = [{ lo, hi }, …]".
 std::string primitives_of_a_case() {
     std::string text;
-    for (const ShapeRow& row : shape_rows)
-        text += (text.empty() ? "" : " or ") + std::string(row.plural) + " = [{ " + key_list(row.shape) + " }, …]";
+    for (const ShapeRow& shape_row : shape_rows)
+        text += (text.empty() ? "" : " or ") + std::string(shape_row.plural) + " = [{ " + key_list(shape_row.shape) +
+                " }, …]";
     return text;
 }
 
@@ -125,10 +126,10 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
     }
     table.read("symmetric", c.symmetric);
     std::vector<std::pair<std::pair<int, int>, PrimitiveSpec>> primitives;  // by position in the file
-    for (const ShapeRow& row : shape_rows) {
-        for (TableReader& primitive : table.tables(row.plural)) {
-            PrimitiveSpec spec{row.shape, {}};
-            for (const Key& key : row.keys) {
+    for (const ShapeRow& shape_row : shape_rows) {
+        for (TableReader& primitive : table.tables(shape_row.plural)) {
+            PrimitiveSpec spec{shape_row.shape, {}};
+            for (const Key& key : shape_row.keys) {
                 if (key.count() == 1) spec.numbers.emplace_back(primitive.node(key.name), false);
                 else
                     std::ranges::move(quantities(primitive, key.name, key.count(), false),
@@ -216,11 +217,11 @@ bool CaseFile::are_placed() const {
 
 std::vector<Shape> CaseFile::shapes() const {
     std::vector<Shape> found;
-    for (const ShapeRow& row : shape_rows) {
-        const auto has_shape = [&row](const Case& c) {
-            return std::ranges::find(c.primitives, row.shape, &PrimitiveSpec::shape) != c.primitives.end();
+    for (const ShapeRow& shape_row : shape_rows) {
+        const auto has_shape = [&shape_row](const Case& c) {
+            return std::ranges::find(c.primitives, shape_row.shape, &PrimitiveSpec::shape) != c.primitives.end();
         };
-        if (std::ranges::any_of(cases_, has_shape)) found.push_back(row.shape);
+        if (std::ranges::any_of(cases_, has_shape)) found.push_back(shape_row.shape);
     }
     return found;
 }
@@ -278,8 +279,8 @@ namespace {
 /// kind lacks.
 void reject_misspelt_tables(const Node& root) {
     std::vector<std::string> tables{"axis", "case", "edge_search", "march", "mark", "ray", "search"};
-    for (const ShapeRow& row : shape_rows) tables.emplace_back(row.name);
-    for (const DistributionRow& row : distributions()) tables.emplace_back(row.table);
+    for (const ShapeRow& shape_row : shape_rows) tables.emplace_back(shape_row.name);
+    for (const DistributionRow& distribution_row : distributions()) tables.emplace_back(distribution_row.table);
     for (const auto& [key, where, value] : root.entries) {
         const Node& first = value.kind == Node::Kind::array && !value.items.empty() ? value.items.front() : value;
         if (first.kind != Node::Kind::table || std::ranges::find(tables, key) != tables.end()) continue;

@@ -19,9 +19,10 @@ Drawer make_drawer(toml::TableReader table) {
 
 template <class F>
 constexpr DistributionRow row_of(Shape shape) {
-    DistributionRow row{.shape = shape, .table = F::table, .read = make_drawer<F>, .sets = F::sets, .timed = F::timed};
-    if constexpr (requires { F::aims; }) row.aims = F::aims, row.aimed_at = F::aimed_at;
-    return row;
+    DistributionRow distribution_row{
+        .shape = shape, .table = F::table, .read = make_drawer<F>, .sets = F::sets, .timed = F::timed};
+    if constexpr (requires { F::aims; }) distribution_row.aims = F::aims, distribution_row.aimed_at = F::aimed_at;
+    return distribution_row;
 }
 
 }  // namespace
@@ -35,11 +36,11 @@ std::span<const DistributionRow> distributions() {
 
 std::string distribution_tables() {
     std::string text;
-    for (const DistributionRow& row : distributions()) {
-        const bool is_last = &row == &distributions().back();
+    for (const DistributionRow& distribution_row : distributions()) {
+        const bool is_last = &distribution_row == &distributions().back();
         if (!text.empty()) text += is_last ? " or " : ", ";
-        const std::string shape = with_article(row.shape);
-        text += shape.substr(0, shape.find(' ')) + " [" + std::string(row.table) + "]";
+        const std::string shape = with_article(distribution_row.shape);
+        text += shape.substr(0, shape.find(' ')) + " [" + std::string(distribution_row.table) + "]";
     }
     return text + " table";
 }

@@ -146,10 +146,10 @@ void ExhaustiveFile::check_primitives(TableReader& file, const TableReader& axis
 void ExhaustiveFile::read_primitive(TableReader& file) {
     std::string tables;
     std::vector<Shape> found;
-    for (const ShapeRow& row : shape_rows) {
-        std::string table = with_article(row.shape) + "]";
+    for (const ShapeRow& shape_row : shape_rows) {
+        std::string table = with_article(shape_row.shape) + "]";
         tables += (tables.empty() ? "" : " or ") + table.insert(table.find(' ') + 1, "[");
-        if (file.has(row.name)) found.push_back(row.shape);
+        if (file.has(shape_row.name)) found.push_back(shape_row.shape);
     }
     if (found.size() != 1)
         toml::fail(file.where(), "a sweep over every float needs one primitive, " + tables +
@@ -166,8 +166,8 @@ void ExhaustiveFile::read_primitive(TableReader& file) {
 
 void ExhaustiveFile::read_scene(TableReader& file, const std::filesystem::path& data_dir,
                                 intersect::process::StopToken stop) {
-    for (const ShapeRow& row : shape_rows)
-        file.reject(row.name, "cannot be combined with scene, whose mesh the rays cross; leave one out");
+    for (const ShapeRow& shape_row : shape_rows)
+        file.reject(shape_row.name, "cannot be combined with scene, whose mesh the rays cross; leave one out");
     scene = read_mesh_scene(file, data_dir, stop);
     mesh = rays::shared_mesh(*scene);
     primitive = Primitive<float>(triangle::Mesh::shape);

@@ -47,9 +47,9 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
     read_three_ranges("origin");
     read_three_ranges("direction");
     // The shape whose first key and most other keys are present. If no first key is present, it may be misspelt.
-    const auto key_counts = [&table](const ShapeRow& row) {
+    const auto key_counts = [&table](const ShapeRow& shape_row) {
         const auto is_present = [&table](const Key& key) { return table.has(key.name); };
-        return std::pair(is_present(row.keys.front()), std::ranges::count_if(row.keys, is_present));
+        return std::pair(is_present(shape_row.keys.front()), std::ranges::count_if(shape_row.keys, is_present));
     };
     shape = std::ranges::max(shape_rows, {}, key_counts).shape;  // and the first shape if several are equal
     for (const Key& key : row_of(shape).keys) {

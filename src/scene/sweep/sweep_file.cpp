@@ -28,8 +28,8 @@ constexpr long long most_steps = 100000;
 
 /// The ray distribution that a file names; null if it names none.
 const DistributionRow* distribution_of(const toml::Node& root) {
-    for (const DistributionRow& row : distributions())
-        if (TableReader(root).has(row.table)) return &row;
+    for (const DistributionRow& distribution_row : distributions())
+        if (TableReader(root).has(distribution_row.table)) return &distribution_row;
     return nullptr;
 }
 
@@ -189,8 +189,8 @@ void SweepFile::change(const SweepChanges& changes) {
     auto axes_tables = TableReader(root_).tables("axis");
     if (changes.steps.size() > 1 && changes.steps.size() != axes_tables.size())
         throw InputError(fmt::format("{}: --steps gives {}, but the sweep has {}; give one for all, or one for each",
-                                     name, toml::counted(changes.steps.size(), "number"),
-                                     toml::counted(axes_tables.size(), "[[axis]] table")));
+                                     name, toml::count_with_noun(changes.steps.size(), "number"),
+                                     toml::count_with_noun(axes_tables.size(), "[[axis]] table")));
     for (std::size_t a = 0; a < axes_tables.size(); ++a) {
         if (!axes_tables[a].has("steps"))
             throw InputError(name +
@@ -221,8 +221,8 @@ void SweepFile::reject_changes_of_axes(const SweepChanges& changes) const {
 /// Reads the subject of the sweep, and its axes, whose paths belong to the subject.
 void SweepFile::read_subject(TableReader& file, const std::filesystem::path& data_dir) {
     const auto scene = file.optional_string("scene");
-    const auto distribution_count =
-        std::ranges::count_if(distributions(), [&](const DistributionRow& row) { return file.has(row.table); });
+    const auto distribution_count = std::ranges::count_if(
+        distributions(), [&](const DistributionRow& distribution_row) { return file.has(distribution_row.table); });
     if (distribution_count + int{scene.has_value()} != 1)
         toml::fail(file.where(),
                    "a sweep is over either scene = \"…\", " + distribution_tables() +

@@ -6,9 +6,9 @@
 
 namespace lostbits::scene::toml {
 
-/// `thing` is the noun for one; `things` is the plural if it is not just `thing` and an s.
+/// Returns `2 rays` for n = 2 and `thing` = "ray". `things` is the plural, if it is not `thing` followed by an s.
 template <class Count>
-std::string counted(Count n, std::string_view thing, std::string_view things = {}) {
+std::string count_with_noun(Count n, std::string_view thing, std::string_view things = {}) {
     std::string text = std::to_string(n) + " ";
     if (n == Count{1}) return text.append(thing);
     return things.empty() ? text.append(thing) + "s" : text.append(things);

@@ -309,7 +309,7 @@ TEST_CASE("the safe offsets of a choice are those of the scene in fewer pixels")
     CHECK(safe->outside.front().operations == 0);  // the primitive is at least not tested
     CHECK(std::ranges::count(safe->outside, "offset.exclude", [](const auto& s) { return s.strategy->name; }) == 1);
     const measure::offset::OffsetStudy request{
-        .scene = scene, .rows = {{row}}, .strategies = measure::offset::all_strategies(), .quiet = false};
+        .scene = scene, .rows = {{row}}, .strategies = measure::offset::all_strategies(), .finds_quiet_offset = false};
     const auto all =
         measure::offset::safe_strategies(measure::study::run_study(request).front(), request.strategies, Shape::sphere);
     REQUIRE(safe->both.size() == all.size());

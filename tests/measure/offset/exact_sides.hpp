@@ -17,7 +17,7 @@ inline ExactMeeting exact_meeting(const measure::offset::HalfLine& line, const P
     Rational q[3], w[3];
     for (int i = 0; i < 3; ++i) {
         w[i] = Rational(line.ray.direction[i]);
-        q[i] = Rational(line.ray.origin[i]) + Rational(line.from) * w[i];
+        q[i] = Rational(line.ray.origin[i]) + Rational(line.tmin) * w[i];
     }
     if (primitive.shape == Shape::sphere) {
         Rational a = 0, half_b = 0, c = -Rational(primitive.numbers[3]) * Rational(primitive.numbers[3]);

@@ -60,29 +60,29 @@ TEST_CASE("offsets: the far side of a torus begins outside it, between its two p
         Vec<double> w = random.vec(-1, 1);
         const Ray<double> ray{{across, 0, 40 * std::sin(round)}, w};
         const FarSide far = far_side(ray, ring);
-        if (std::isinf(far.from)) {
-            CHECK(std::isinf(far.wall));
+        if (std::isinf(far.t_begin)) {
+            CHECK(std::isinf(far.t_wall));
             continue;
         }
-        CAPTURE(k, far.from, far.wall);
+        CAPTURE(k, far.t_begin, far.t_wall);
         // The polynomial has a largest value there, and the ring is on the far side or only near it.
-        const double step = 1e-5 * far.from;
-        CHECK(ring_at(ray, far.from) > 0);
-        CHECK(ring_at(ray, far.from) > ring_at(ray, far.from - step));
-        CHECK(ring_at(ray, far.from) > ring_at(ray, far.from + step));
-        CHECK(far.from < far.wall);
-        CHECK(meets_before({ray, far.from}, 1e6 / length(w), ring) == std::isfinite(far.wall));
-        ++(std::isinf(far.wall) ? passed : met);
+        const double step = 1e-5 * far.t_begin;
+        CHECK(ring_at(ray, far.t_begin) > 0);
+        CHECK(ring_at(ray, far.t_begin) > ring_at(ray, far.t_begin - step));
+        CHECK(ring_at(ray, far.t_begin) > ring_at(ray, far.t_begin + step));
+        CHECK(far.t_begin < far.t_wall);
+        CHECK(meets_before({ray, far.t_begin}, 1e6 / length(w), ring) == std::isfinite(far.t_wall));
+        ++(std::isinf(far.t_wall) ? passed : met);
     }
     CHECK(met > 100);
     CHECK(passed > 50);
 }
 
 TEST_CASE("offsets: the next wall of a torus is where the ray enters by rational arithmetic", "[measure][offset]") {
-    CHECK(far_side({{99, 0, 0}, {-1, 0, 0}}, ring).wall == Approx(198));
-    CHECK(far_side({{-99, 0, 0}, {2, 0, 0}}, ring).wall == Approx(99));
-    CHECK(std::isinf(far_side({{179, 0, 0}, {1, 0, 0}}, ring).wall));  // from the rim that faces away
-    CHECK(std::isinf(far_side({{99, 0, 0}, {1, 0, 0}}, ring).wall));   // into it
+    CHECK(far_side({{99, 0, 0}, {-1, 0, 0}}, ring).t_wall == Approx(198));
+    CHECK(far_side({{-99, 0, 0}, {2, 0, 0}}, ring).t_wall == Approx(99));
+    CHECK(std::isinf(far_side({{179, 0, 0}, {1, 0, 0}}, ring).t_wall));  // from the rim that faces away
+    CHECK(std::isinf(far_side({{99, 0, 0}, {1, 0, 0}}, ring).t_wall));   // into it
     test::Seeded random(65);
     int met = 0, free = 0;
     for (int k = 0; k < 3000; ++k) {
@@ -95,7 +95,7 @@ TEST_CASE("offsets: the next wall of a torus is where the ray enters by rational
         if (dot(w, n) < 0) w = -1.0 * w;
         if (dot(w, n) < 1e-3 * length(w)) continue;
         const Ray<double> ray{p, w};
-        const double wall = far_side(ray, ring).wall, last = std::isinf(wall) ? 400 / length(w) : wall;
+        const double wall = far_side(ray, ring).t_wall, last = std::isinf(wall) ? 400 / length(w) : wall;
         CAPTURE(k, wall);
         bool clear = true;
         for (int i = 1; i < 40; ++i) clear = clear && ring_at(ray, last * (0.01 + 0.98 * i / 40)) > 0;
@@ -117,10 +117,10 @@ TEST_CASE("offsets: the next wall of a torus is where the ray enters by rational
 
 TEST_CASE("offsets: the next wall of a tube is opposite, between the rims", "[measure][offset]") {
     // From (1, 0, z) along d: −2 p·d/d² = 6/25 t across.
-    CHECK(far_side({{1, 0, 0}, {-3, 4, 0}}, pipe).wall == Approx(0.24).epsilon(1e-14));
-    CHECK(far_side({{1, 0, 0}, {-3, 4, 16}}, pipe).wall == Approx(0.24).epsilon(1e-14));
-    CHECK(std::isinf(far_side({{1, 0, 0}, {-3, 4, 17}}, pipe).wall));  // out of the open end
-    CHECK(std::isinf(far_side({{1, 0, 0}, {3, 4, 0}}, pipe).wall));
+    CHECK(far_side({{1, 0, 0}, {-3, 4, 0}}, pipe).t_wall == Approx(0.24).epsilon(1e-14));
+    CHECK(far_side({{1, 0, 0}, {-3, 4, 16}}, pipe).t_wall == Approx(0.24).epsilon(1e-14));
+    CHECK(std::isinf(far_side({{1, 0, 0}, {-3, 4, 17}}, pipe).t_wall));  // out of the open end
+    CHECK(std::isinf(far_side({{1, 0, 0}, {3, 4, 0}}, pipe).t_wall));
     CHECK(meets_before({{{1, 0, 0}, {-3, 4, 0}}, 0}, 0.25, pipe));
     CHECK_FALSE(meets_before({{{1, 0, 0}, {-3, 4, 0}}, 0}, 0.23, pipe));
     CHECK_FALSE(meets_before({{{1, 0, 0}, {-3, 4, 0}}, 0.5}, 0.25, pipe));
@@ -131,38 +131,39 @@ TEST_CASE("offsets: the next wall of a tube is opposite, between the rims", "[me
 TEST_CASE("offsets: the far wall of a torus is a true hit, and excluding the torus loses it", "[measure][offset]") {
     for (const char* format : {"f32", "f64"}) {
         const Measured m("torus.closest_approach", format, ring, {{0, 0, 0}, {1, 0, 0}}, 99);
-        INFO(format << ", safe " << m.side_of_point(Side::outside).safe << " and "
-                    << m.side_of_point(Side::inside).safe);
-        CHECK(m.side_of_point(Side::outside).safe < 1e-4);
-        CHECK(m.side_of_point(Side::inside).safe < 1e-4);
+        INFO(format << ", safe " << m.side_of_point(Side::outside).safe_offset << " and "
+                    << m.side_of_point(Side::inside).safe_offset);
+        CHECK(m.side_of_point(Side::outside).safe_offset < 1e-4);
+        CHECK(m.side_of_point(Side::inside).safe_offset < 1e-4);
         CHECK(m.by("offset.bound", Side::outside)[Fault::self_hit] == 0);
         CHECK(m.by("offset.bound", Side::outside)[Fault::lost_occluder] == 0);
         CHECK(m.by("offset.exclude", Side::outside)[Fault::lost_occluder] > 0);
-        CHECK(m.by("offset.exclude", Side::outside).bad == m.by("offset.exclude", Side::outside)[Fault::lost_occluder]);
+        CHECK(m.by("offset.exclude", Side::outside).bad_rays ==
+              m.by("offset.exclude", Side::outside)[Fault::lost_occluder]);
         CHECK(m.by("offset.exclude", Side::inside)[Fault::lost_exit] == m.side_of_point(Side::inside).rays);
     }
     // A point 2^-9 within the ring: all rays hit the ring that they leave, except those that are past it.
     const Measured within("torus.closest_approach", "f64", ring, {{0, 0, 0}, {1, 0, 0}}, 99 + 0x1p-9);
     CHECK(within.by("offset.none", Side::outside)[Fault::self_hit] == within.side_of_point(Side::outside).rays);
-    CHECK(within.side_of_point(Side::outside).safe == Approx(0x1p-9).epsilon(1e-6));
+    CHECK(within.side_of_point(Side::outside).safe_offset == Approx(0x1p-9).epsilon(1e-6));
 }
 
 TEST_CASE("offsets: the next wall is a true hit inside a tube, and rays leave on both sides of it",
           "[measure][offset]") {
     for (const char* format : {"f32", "f64"}) {
         const Measured m("tube.framed", format, pipe, {{0, 0, 0}, {1, 0, 0}}, 1);
-        CHECK(m.side_of_point(Side::outside).safe < 1e-4);
-        CHECK(m.side_of_point(Side::inside).safe < 1e-4);
-        CHECK(m.by("offset.bound", Side::outside).bad == 0);
-        CHECK(m.by("offset.bound", Side::inside).bad == 0);
+        CHECK(m.side_of_point(Side::outside).safe_offset < 1e-4);
+        CHECK(m.side_of_point(Side::inside).safe_offset < 1e-4);
+        CHECK(m.by("offset.bound", Side::outside).bad_rays == 0);
+        CHECK(m.by("offset.bound", Side::inside).bad_rays == 0);
         CHECK(m.by("offset.exclude", Side::outside)[Fault::lost_occluder] > 0);
-        CHECK(m.by("offset.exclude", Side::inside).bad == 0);  // out of the tube, nothing of it lies ahead
+        CHECK(m.by("offset.exclude", Side::inside).bad_rays == 0);  // out of the tube, nothing of it lies ahead
     }
     // A pipe that is thinner than the move across it: the new origin is past the other wall.
     const Primitive<double> hair(Tube<double>{{0, 0, -4}, {0, 0, 4}, 0x1p-12});
     const Measured past("tube.framed", "f64", hair, {{0, 0, 0}, {1, 0, 0}}, 0x1p-12);
     CHECK(past.by("offset.epsilon", Side::outside)[Fault::lost_occluder] > 0);
-    CHECK(past.by("offset.bound", Side::outside).bad == 0);
+    CHECK(past.by("offset.bound", Side::outside).bad_rays == 0);
 }
 
 TEST_CASE("offsets: a far wall hit only by the moved ray is not a self-hit", "[measure][offset]") {
@@ -186,8 +187,8 @@ TEST_CASE("offsets: a far wall hit only by the moved ray is not a self-hit", "[m
     }
     // Out of the open end of a pipe, beside its rim: moved toward the axis the ray meets the wall below the rim.
     const Measured pipe_end("tube.framed", "f64", pipe, {{0, 0, 0}, {1, 0, 0}}, 1, Vec<double>(-3, 0, 8.002));
-    CHECK(far_side({{1, 0, 0}, {-2, 0, 4.001}}, pipe).from == Approx(0.5));
-    CHECK(std::isinf(far_side({{1, 0, 0}, {-2, 0, 4.001}}, pipe).wall));
+    CHECK(far_side({{1, 0, 0}, {-2, 0, 4.001}}, pipe).t_begin == Approx(0.5));
+    CHECK(std::isinf(far_side({{1, 0, 0}, {-2, 0, 4.001}}, pipe).t_wall));
     CHECK(meets_before({{{0.999, 0, 0}, {-2, 0, 4.001}}, 0}, 1, pipe));
     CHECK(pipe_end.by("offset.epsilon", Side::outside)[Fault::self_hit] == 0);
 }
@@ -223,13 +224,13 @@ TEST_CASE("offsets: rays leave a flat primitive on either side, and excluding it
             const Measured m(form, "f32", primitive, down, t);
             for (const Side side : both_sides) {
                 CAPTURE(form, t, name_of(side));
-                CHECK(m.by("offset.exclude", side).bad == 0);
+                CHECK(m.by("offset.exclude", side).bad_rays == 0);
                 CHECK(m.by("offset.none", side)[Fault::lost_exit] == 0);
-                CHECK(m.by("offset.epsilon", side).bad == 0);
+                CHECK(m.by("offset.epsilon", side).bad_rays == 0);
                 // A point on the other side must move as far as it is off, and half a last place.
                 const bool is_off = (t < 3) == (side == Side::inside) && t != 3;
                 CHECK((m.by("offset.none", side)[Fault::self_hit] > 0) == is_off);
-                CHECK(m.side_of_point(side).safe == (is_off ? Approx(0x1p-20).epsilon(1e-6) : Approx(0)));
+                CHECK(m.side_of_point(side).safe_offset == (is_off ? Approx(0x1p-20).epsilon(1e-6) : Approx(0)));
             }
         }
     }

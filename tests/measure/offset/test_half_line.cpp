@@ -51,7 +51,7 @@ Hostile hostile(Seeded& random, bool box, const FloatFormat& format) {
         default: break;
     }
     h.line.ray = {p, stored(w)};
-    h.line.from = random.index(4) == 0 ? test::stored(random.magnitude(-20, 2), format) : 0;
+    h.line.tmin = random.index(4) == 0 ? test::stored(random.magnitude(-20, 2), format) : 0;
     return h;
 }
 

@@ -69,7 +69,7 @@ TEST_CASE("the smallest safe offset is safe and the float below it is not, also 
                     for (const Side side : both_sides) {
                         const SideOfPoint& s = sides[static_cast<std::size_t>(side)];
                         for (const bool by_form : {false, true}) {
-                            const double e = by_form ? s.quiet : s.safe;
+                            const double e = by_form ? s.quiet_offset : s.safe_offset;
                             CAPTURE(scene, format, name_of(point), name_of(side), by_form, k, e);
                             if (!std::isfinite(e)) continue;
                             REQUIRE(work.is_safe(points.met[k], side, e, by_form));
@@ -87,7 +87,7 @@ TEST_CASE("the smallest safe offset is safe and the float below it is not, also 
                             CHECK_FALSE(is_truly_safe(work, points, k, side, below));
                         }
                         // A quiet offset is safe, and a point that is safe from 0 on needs no offset.
-                        if (s.quiet == 0) CHECK(s.safe == 0);
+                        if (s.quiet_offset == 0) CHECK(s.safe_offset == 0);
                         CHECK(s.rays >= 17);
                     }
                 }
@@ -117,8 +117,8 @@ TEST_CASE("faults of next rays agree with rational arithmetic", "[measure][offse
                         CAPTURE(scene, k, s->name, name_of(side));
                         CHECK(r.has(Fault::wrong_side) == (out ? there.inside : there.outside));
                         CHECK(r.has(Fault::self_hit) ==
-                              (r.tests_left_primitive && ahead.meets && (out || ahead.outside)));
-                        CHECK(r.has(Fault::lost_exit) == (!out && (!r.tests_left_primitive || !ahead.meets)));
+                              (r.tests_departed_primitive && ahead.meets && (out || ahead.outside)));
+                        CHECK(r.has(Fault::lost_exit) == (!out && (!r.tests_departed_primitive || !ahead.meets)));
                     }
                 }
             }
@@ -143,8 +143,8 @@ TEST_CASE("the strategies reported as cheapest are safe, and those left out are 
     std::set<const Strategy*> safe;
     for (const SafeStrategy& s : both) safe.insert(s.strategy);
     for (std::size_t k = 0; k < request.strategies.size(); ++k) {
-        const bool right = summary.side_summary(Side::outside).strategies[k].bad == 0 &&
-                           summary.side_summary(Side::inside).strategies[k].bad == 0;
+        const bool right = summary.side_summary(Side::outside).strategies[k].bad_rays == 0 &&
+                           summary.side_summary(Side::inside).strategies[k].bad_rays == 0;
         INFO(request.strategies[k]->name);
         CHECK(right == safe.contains(request.strategies[k]));
     }

@@ -23,16 +23,16 @@ TEST_CASE("strategies: none moves nothing, exclude skips its own primitive, cons
         CHECK((s.operations(Shape::sphere) == 0) == s.keeps_point);
     }
     const auto rule = [](std::string_view name) { return *std::ranges::find(strategies(), name, &Strategy::name); };
-    Leaving<float> l{.ray = {{0, 0, 9}, {0, 0, -1}},
-                     .t = 8,
-                     .primitive = Sphere<float>{{0, 0, 0}, 1},
-                     .p = {0.01F, -3, 1},
-                     .n = {0.5F, -0.5F, 0.70710678F},
-                     .w = {0, 0, 1},
-                     .side = 1,
-                     .reach = 7};
+    StrategyInput<float> l{.ray = {{0, 0, 9}, {0, 0, -1}},
+                           .t = 8,
+                           .primitive = Sphere<float>{{0, 0, 0}, 1},
+                           .p = {0.01F, -3, 1},
+                           .n = {0.5F, -0.5F, 0.70710678F},
+                           .w = {0, 0, 1},
+                           .side = 1,
+                           .reach = 7};
     CHECK(rule("offset.none").in_float(l).origin == l.p);
-    CHECK_FALSE(rule("offset.exclude").in_float(l).tests_left_primitive);
+    CHECK_FALSE(rule("offset.exclude").in_float(l).tests_departed_primitive);
     CHECK(rule("offset.tmin").in_float(l).tmin == 1e-3F);
     CHECK(rule("offset.epsilon").in_float(l).origin == Vec<float>(0.01F + 5e-4F, -3 - 5e-4F, 1 + 1e-3F * 0.70710678F));
     const auto integer = rule("offset.integer").in_float(l).origin;
@@ -57,14 +57,14 @@ TEST_CASE("strategies: none moves nothing, exclude skips its own primitive, cons
 }
 
 TEST_CASE("strategies: constants for double scale those for float by the unit roundoff", "[measure][offset]") {
-    Leaving<double> l{.ray = {{0, 0, 9}, {0, 0, -1}},
-                      .t = 8,
-                      .primitive = Sphere<double>{{0, 0, 0}, 1},
-                      .p = {0.01, -3, 1},
-                      .n = {0.5, -0.5, 0.7},
-                      .w = {0, 0, 1},
-                      .side = 1,
-                      .reach = 7};
+    StrategyInput<double> l{.ray = {{0, 0, 9}, {0, 0, -1}},
+                            .t = 8,
+                            .primitive = Sphere<double>{{0, 0, 0}, 1},
+                            .p = {0.01, -3, 1},
+                            .n = {0.5, -0.5, 0.7},
+                            .w = {0, 0, 1},
+                            .side = 1,
+                            .reach = 7};
     const auto at = [&](std::string_view name) {
         return std::ranges::find(strategies(), name, &Strategy::name)->in_double(l).origin;
     };

@@ -25,7 +25,7 @@ TEST_CASE("shares are consecutive, cover all units and differ in size by at most
             CHECK(most - least <= 1);
         }
     }
-    const auto last = Share{Share::most, Share::most}.of_units(std::uint64_t{1} << 44);
+    const auto last = Share{Share::max_count, Share::max_count}.of_units(std::uint64_t{1} << 44);
     CHECK(last.last == std::uint64_t{1} << 44);
     CHECK(Share{}.is_whole());
     CHECK_FALSE(Share{1, 2}.is_whole());

@@ -62,7 +62,7 @@ bool has_word(const std::string& text, const char* words) { return text.find(wor
 
 std::string glance(const FormSummary& s, const lostbits::FloatFormat& format = binary32,
                    const char* name = "lost_bits") {
-    return MetricPaint(*find_metric(name), format).glance(s, 0);
+    return MetricPaint(*find_metric(name), format).short_summary(s, 0);
 }
 
 }  // namespace
@@ -132,7 +132,7 @@ TEST_CASE("the difference of two forms has a unit, a count, and a legend where t
     FormSummary s({&apart});
     s.rays = 1000;
     for (int i = 0; i < 300; ++i) s.metrics[0].add(i < 200 ? 0.0 : 3.0);
-    CHECK(paint.glance(s, 0) == "median 0 ulp\nlargest 3 ulp\nof 300 rays that both forms hit");
+    CHECK(paint.short_summary(s, 0) == "median 0 ulp\nlargest 3 ulp\nof 300 rays that both forms hit");
     const auto legend = legend_of(
         paint, {{Outcome::agree_hit, 0, 200}, {Outcome::agree_hit, 3, 100}, {Outcome::agree_miss, none, 700}});
     REQUIRE(legend.size() == 1);
@@ -141,7 +141,7 @@ TEST_CASE("the difference of two forms has a unit, a count, and a legend where t
     CHECK(legend.front().colour == paint.colour(Outcome::agree_hit, none));
     CHECK(legend.front().colour != image::outcome_colours[static_cast<std::size_t>(Outcome::not_a_number)]);
     CHECK(paint.look(false).widest_legend(1000).size() == 1);
-    CHECK(paint.glance(FormSummary({&apart}), 0) == "no ray that both forms hit");
+    CHECK(paint.short_summary(FormSummary({&apart}), 0) == "no ray that both forms hit");
     CHECK(has_word(paint.note(), "where both forms hit"));
 }
 
@@ -170,7 +170,7 @@ TEST_CASE("every metric is a number with a scale or a category with a name, and 
         FormSummary s({m});
         s.rays = s.true_hits = s.outcomes[0] = 1;
         CHECK(legend_of(paint, {{Outcome::agree_hit, none, 1}}).size() <= 1);
-        CHECK((paint.glance(s, 0) + paint.caption(s, 0) + paint.note() + paint.widest_caption(1)).size() > 1);
+        CHECK((paint.short_summary(s, 0) + paint.caption(s, 0) + paint.note() + paint.widest_caption(1)).size() > 1);
     }
 }
 
@@ -184,7 +184,7 @@ TEST_CASE("shares of culprits are of the rays that have a culprit, and the pictu
     s.outcomes[static_cast<std::size_t>(Outcome::agree_miss)] = 700;
     s.outcomes[static_cast<std::size_t>(Outcome::agree_hit)] = 300;
     s.categories = {{100, 150, 50}};
-    CHECK(paint.glance(s, 0) == "75% of 200 culprits:\nb*b - c");
+    CHECK(paint.short_summary(s, 0) == "75% of 200 culprits:\nb*b - c");
     const auto legend = legend_of(paint, {{Outcome::agree_hit, 0, 100},
                                           {Outcome::agree_hit, 1, 150},
                                           {Outcome::agree_hit, 2, 50},

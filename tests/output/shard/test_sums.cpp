@@ -58,7 +58,7 @@ TEST_CASE("study: shards of every study add up to the bits of the whole", "[outp
     check_parts(measure::offset::OffsetStudy{.scene = touching,
                                              .rows = {{rows[0]}, {rows[1], measure::offset::HitPoint::projected}},
                                              .strategies = {&measure::offset::strategies().front()},
-                                             .quiet = false});
+                                             .finds_quiet_offset = false});
     const auto acne = load("raycast-acne", 8, 4200);  // two bands
     check_parts(measure::picture::RenderStudy{.scene = acne,
                                               .stages = {scene::file::Stage::visible, scene::file::Stage::shadows},

@@ -171,7 +171,7 @@ TEST_CASE("a quantile over too few agreed hits leaves a gap", "[too_far]") {
     CHECK(output::sweep::drawn_quantile(s, 0, 0.5) == 3);
     agreed = 9;
     CHECK(std::isnan(output::sweep::drawn_quantile(s, 0, 0.5)));
-    CHECK(output::sweep::gap_means() == "no value where fewer than 10 % of the hits agree");
+    CHECK(output::sweep::gap_text() == "no value where fewer than 10 % of the hits agree");
 }
 
 }  // namespace test_sweep_plots

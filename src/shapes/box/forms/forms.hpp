@@ -1,4 +1,4 @@
-// The closed list of the forms of the box: one line for each, and its include.
+// All forms of the box: one line for each, and its include.
 #pragma once
 
 #include "intersect/form_list.hpp"
@@ -33,7 +33,7 @@ using BoxForms = FormList<  //
     box::EmbreePadded,      //
     box::BvhRobust,         //
     box::TinyBvh,           //
-    box::FilteredSlabs      // of the laboratory itself
+    box::FilteredSlabs      // own form of lostbits
     >;
 
 }  // namespace lostbits::intersect::box

@@ -1,4 +1,4 @@
-// The closed list of the forms of the disc: one line for each, and its include.
+// All forms of the disc: one line for each, and its include.
 #pragma once
 
 #include "intersect/form_list.hpp"

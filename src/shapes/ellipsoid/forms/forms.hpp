@@ -1,4 +1,4 @@
-// The closed list of the forms of the ellipsoid: one line for each, and its include.
+// All forms of the ellipsoid: one line for each, and its include.
 #pragma once
 
 #include "intersect/form_list.hpp"
@@ -25,7 +25,7 @@ using EllipsoidForms = FormList<     //
     ellipsoid::CesiumInterval,       //
     ellipsoid::ScaledPerpendicular,  //
     ellipsoid::LineOfSight,          //
-    ellipsoid::MomentDiscriminant,   // of the laboratory itself
+    ellipsoid::MomentDiscriminant,   // own forms of lostbits
     ellipsoid::InTwoWords,           //
     ellipsoid::FilteredEllipsoid     //
     >;

@@ -1,4 +1,4 @@
-// The closed list of the forms of the sphere: one line for each, and its include.
+// All forms of the sphere: one line for each, and its include.
 #pragma once
 
 #include "intersect/form_list.hpp"
@@ -49,7 +49,7 @@ using SphereForms = FormList<   //
     sphere::NewtonRefined,      //
     sphere::FactoredC,          //
     sphere::DoubleInside,       //
-    sphere::Filtered            // of the laboratory itself
+    sphere::Filtered            // own form of lostbits
     >;
 
 }  // namespace lostbits::intersect::sphere

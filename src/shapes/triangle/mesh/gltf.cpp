@@ -256,7 +256,7 @@ private:
     }
     template <class IndexAt>
     void add_faces(const GltfValue& value, const Vertices& vertices, std::size_t corners, const IndexAt& index_at) {
-        if (corners % 3 != 0) value.fail("has " + toml::counted(corners, "corner") + "; three make a triangle");
+        if (corners % 3 != 0) value.fail("has " + toml::count_with_noun(corners, "corner") + "; three make a triangle");
         require_within_limit(value, mesh_in_file_.mesh.faces.size(), corners / 3, "triangles");
         for (std::size_t i = 0; i < corners; i += 3) {
             settings_.stop.check();

@@ -125,8 +125,8 @@ private:
                 lines_.fail("face has no list vertex_indices");
             if (element.count > 0 && element.properties.empty())
                 lines_.fail("element " + toml::excerpt(element.name) +
-                            " has no properties, so nothing says where its " + toml::counted(element.count, "element") +
-                            " end; leave it out");
+                            " has no properties, so nothing says where its " +
+                            toml::count_with_noun(element.count, "element") + " end; leave it out");
         }
         return std::move(header_);
     }
@@ -151,9 +151,10 @@ public:
             least_bytes += is_text() ? 2 : bytes_of(property.count.value_or(property.type));
         // The last line of a text may lack its line break.
         if (element.count * least_bytes > bytes_.left() + 1)
-            throw InputError(fmt::format(
-                "{}: ends before the {} of {}, which take at least {} bytes; was it cut short?", position_text(),
-                toml::counted(element.count, "element"), toml::excerpt(element.name), element.count * least_bytes));
+            throw InputError(
+                fmt::format("{}: ends before the {} of {}, which take at least {} bytes; was it cut short?",
+                            position_text(), toml::count_with_noun(element.count, "element"),
+                            toml::excerpt(element.name), element.count * least_bytes));
     }
     /// Begins an element, which is one line in a text file.
     void begin_element() {
@@ -165,7 +166,7 @@ public:
     /// Refuses data that the header does not name, because it may be faces.
     void end() {
         if (!is_text() && bytes_.left() > 0)
-            fail(toml::counted(bytes_.left(), "byte follows", "bytes follow") +
+            fail(toml::count_with_noun(bytes_.left(), "byte follows", "bytes follow") +
                  " the last element that the header names");
         while (is_text() && lines_.next())
             if (!lines_.word().empty()) lines_.fail("follows the last element that the header names");

@@ -55,7 +55,7 @@ private:
     void end_facet() {
         move_position(Position::in_facet, Position::in_solid);
         if (corners_ != 3)
-            lines_.fail_line("ends a facet of " + scene::toml::counted(corners_, "vertex", "vertices") +
+            lines_.fail_line("ends a facet of " + scene::toml::count_with_noun(corners_, "vertex", "vertices") +
                              "; an STL facet has 3");
     }
 
@@ -80,10 +80,11 @@ MeshInFile read_stl(MeshBytes& bytes, const MeshTerms& settings) {
         const bool is_text =
             std::string_view(start).substr(start.starts_with("\xEF\xBB\xBF") ? 3 : 0).starts_with("solid");
         if (is_text) return StlText(bytes, settings.stored).read();
-        throw InputError(fmt::format(
-            "{}: byte {}: is not an STL: it does not begin with the word solid, and with {} it "
-            "would have {} bytes and not {}; was it cut short?",
-            bytes.name(), start.size() < header_size ? 0 : 80, toml::counted(count, "facet"), size, bytes.size()));
+        throw InputError(
+            fmt::format("{}: byte {}: is not an STL: it does not begin with the word solid, and with {} it "
+                        "would have {} bytes and not {}; was it cut short?",
+                        bytes.name(), start.size() < header_size ? 0 : 80, toml::count_with_noun(count, "facet"), size,
+                        bytes.size()));
     }
     MeshInFile mesh_in_file;
     bytes.take(header_size);
