@@ -305,8 +305,8 @@ Exit run(const JudgeOptions& o, const Common& common) {
 }  // namespace
 
 void add_judge(const shell::Command& program, const Common& common) {
-    auto command =
-        program.add_command("judge", "Judge the answers in a file of rays, or those of forms for the same rays");
+    auto command = program.add_command(
+        "judge", "Judge the answers in a file of rays, or let forms answer the same rays and judge them");
     const auto o = std::make_shared<JudgeOptions>();
     o->stop = common.stop;
     command

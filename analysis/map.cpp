@@ -322,18 +322,19 @@ void add_map(const shell::Command& program, const Common& common) {
     selection::add_changes(command, o->scenes, "sphere[0].radius=10");
     selection::add_pixels(command, *o);
     selection::add_pictures(command, o->pictures);
-    command.add("--bits", o->bits_needed,
-                "Also draw, for every pixel, the narrowest significand with which a form keeps this many correct bits "
-                "(1 to 52)",
-                shell::whole_from(1, 52));
+    command.add(
+        "--bits", o->bits_needed,
+        "Also draw, for every pixel, how narrow the significand may be if the form is to keep this many correct "
+        "bits (1 to 52)",
+        shell::whole_from(1, 52));
     command.add("--exr", o->exr,
                 "Also write SCENE.exr, with the answers, outcomes and metrics of every pixel (docs/files.md)");
     command.add("--against", o->against,
                 "Also compare every form with this form: draw and count the rays on which the answers differ");
     command.add(
         "--envelope", o->envelope,
-        "Draw a pixel of lost_bits paler where the problem is to blame, not the formula: an error of half an ulp "
-        "in every input could cost as many bits as the form lost");
+        "In pictures of lost_bits, draw a pixel paler if inputs that are off by half an ulp could explain the loss; "
+        "the problem is then to blame, not the formula");
     add_shard(command, o->shard);
     selection::add_out(command, o->out);
     command.runs([o, &common] { return run(*o, common); });

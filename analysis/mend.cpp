@@ -196,8 +196,8 @@ Exit run(const MendOptions& o, const Common& common) {
                          ".hpp");
     if (o.emit.ends_with(".glsl") && request.row.form->is_placed)
         throw InputError("--emit " + o.emit +
-                         ": a shader gets a primitive without a matrix; write .hpp, or mend the form without its "
-                         "transform, -i " +
+                         ": a shader cannot be written for a form with a transform; write --emit NAME.hpp, or mend the "
+                         "form without its transform, -i " +
                          std::string(intersect::bounding_box::innermost(*request.row.form).info->name));
     request.requirement = {.bits = o.bits, .wrong = o.wrong, .quantile = parse_quantile(o.at)};
     request.limit.stop = common.stop;

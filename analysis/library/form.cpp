@@ -62,8 +62,8 @@ void Selection::keep_rows_for(const std::string& name, const selection::ShapePre
     rows = selection::rows_meeting({rows, forms, true}, name, meets);
     if (rows.empty())
         throw NothingSelected(name +
-                              ": no chosen form takes its primitives in a chosen format; choose other forms or "
-                              "formats");
+                              ": has primitives that no chosen form takes in a chosen format; choose other "
+                              "forms or formats");
 }
 
 }  // namespace lostbits::analysis::library
