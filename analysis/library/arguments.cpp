@@ -1,4 +1,5 @@
-// Rewrites messages of the program for callers, who have arguments instead of options.
+// Rewrites messages of the program for the C and Python interfaces: replaces the command-line options in a message by
+// the names of the arguments that stand for them.
 #include <array>
 #include <cctype>
 #include <string_view>

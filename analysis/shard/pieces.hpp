@@ -35,9 +35,14 @@ bool pass_piece(output::shard::BitReader& bits, Files& files) {
     return true;
 }
 
-/// The result of a job that writes files: what `measure` returns or, in a run that joins shards, the sum of what the
-/// shards found. Returns nothing in a shard, which records its part. `none` is the result of no work. `files` takes the
-/// pieces of the rows that the shards recorded.
+/// Does a job that writes files, as the kind of run requires:
+///
+/// - A whole run returns the result of `measure`.
+/// - A shard records the result of `measure` and returns nothing.
+/// - A run that joins shards does not call `measure`. It passes the pieces that the shards recorded to `files`, and
+///   returns the sum of the recorded results.
+///
+/// `none` is the result of no work, with which the sum begins.
 template <class Result, class Files, class Measure>
 std::optional<Result> result_with_files(Result none, Files& files, Division& division, const std::string& job,
                                         const Measure& measure) {

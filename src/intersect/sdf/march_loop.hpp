@@ -22,7 +22,12 @@ struct Unwatched {
     void stepped(const M& /*active*/, const T& /*t*/, const Vec<T>& /*p*/) const {}
 };
 
-/// The last sample of a march and the one before it (t = d = 0 if there was only one).
+/// The last two samples of a march; d is the field value at a sample.
+///
+/// - After a hit, t and d belong to the last sample, t_before and d_before to the sample before it (both are 0 if there
+///   was only one sample).
+/// - After a miss, t_before and d belong to the last sample, d_before to the sample before it. t = t_before + d is
+///   already the next position, at which no sample was taken.
 template <class T>
 struct MarchSamples {
     mask_t<T> hit;

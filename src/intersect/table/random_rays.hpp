@@ -31,8 +31,13 @@ struct RowAnswers {
     }
 };
 
-/// The same rays on every machine. Every second ray goes near the first point of its primitive. Origins are up to 2048
-/// away. Directions have unit length, or are shorter than the distance to the primitive.
+/// Random rays, each with a primitive of its own. They are the same on every machine.
+///
+/// - The coordinates of an origin are between −2048 and 2048.
+/// - Rays with an even index have a random direction. Rays with an odd index are aimed near the first point of their
+///   primitive.
+/// - If `have_unit_directions` is true, directions have unit length. Otherwise random directions have a length below 2,
+///   and aimed ones lead only a part of the way to the primitive.
 template <class S>
 class RandomRays {
 public:

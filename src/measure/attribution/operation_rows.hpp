@@ -142,7 +142,8 @@ struct Operation<TapeOp::fma> {
 
 template <>
 struct Operation<TapeOp::call> {
-    /// C has no such function, so its text is the answer. In FPCore it would be another program (output/attribution).
+    /// The call sums without rounding. C has no function for that, so its text `$v` is the number that the call
+    /// returned. FPCore has no operation for that either, so there is no text, and `explain --fpcore` refuses the ray.
     static constexpr OperationText text{.binds = 4, .plain = "exactly(ray, primitive)", .c = "$v", .fpcore = ""};
 };
 

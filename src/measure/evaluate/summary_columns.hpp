@@ -1,5 +1,5 @@
-// Table of the numbers of a summary. Each row of the table is a column of summary.csv, samples.csv and cases.csv, a
-// quantity that claims can name, and an entry of the page.
+// Lists the numbers of a summary, one `SummaryColumn` each. A number is a column of summary.csv, samples.csv and
+// cases.csv, a quantity that claims can name, and a value for the tables of a report's page.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 namespace lostbits::measure::evaluate {
 
 struct SummaryColumn {
-    /// Format of the number; for `category`, it is an index into `categories` and the name is written.
+    /// How files write the number. A `category` is an index into `categories`; files write the name at this index.
     enum class Kind { count, number, hex, category };
 
     std::string name;

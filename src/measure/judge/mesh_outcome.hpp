@@ -105,13 +105,18 @@ struct ListJudgement {
     std::vector<const crossing::MeshCrossing*> met = {};
 };
 
-/// Compares a list of hits, in its order, with all crossings of a ray.
+/// Compares a list of hits, in its order, with all crossings of a ray. The triangles that the ray meets at a crossing
+/// are the *owners* of the crossing. Each hit is assigned to one crossing, or to none, by its triangle:
 ///
-/// A hit is the crossing that its triangle owns. A triangle that the ray does not meet, but that shares a vertex with
-/// an owner of a crossing and does not face the other way, is a `wrong_neighbour` of that crossing if no other hit is
-/// this crossing, and a `double_hit` otherwise. Any other hit is false. A crossing without a hit is missing. The ray is
-/// a `crack` if a crossing is missing and the number of different crossings in the list, false ones included, differs
-/// from the true number by an odd number. At a border of the mesh, the outcome stays `missing_hit`.
+/// - The triangle owns a crossing: the hit is this crossing.
+/// - The ray does not meet the triangle, but the triangle shares a vertex with an owner of a crossing and does not face
+///   the other way: the hit counts as this crossing. It is a `wrong_neighbour` if no other hit is this crossing, and a
+///   `double_hit` otherwise.
+/// - Neither: the hit is a `false_hit`.
+///
+/// A crossing without a hit is missing. To find cracks, lists are counted with each crossing once, and with each false
+/// hit as a crossing. The ray is a `crack` if this count differs from the true number of crossings by an odd number,
+/// and if some missing crossing does not lie at a border of the mesh.
 ListJudgement judge_list(const Ray<double>& ray, std::span<const ListedHit> hits,
                          const crossing::MeshCrossings& crossings, const scene::rays::MeshColumns& mesh,
                          const MeshContract& contract);

@@ -1,5 +1,5 @@
-// A change of a form as a patch of the user's own file: the expressions of the user's function that change are written
-// again, in the language and with the names of the file.
+// Writes a change of a form as a patch of the user's own file. The patch replaces the expressions of the user's
+// function that change. The new expressions are in the language of the file and use its names.
 #pragma once
 
 #include <memory>
@@ -10,8 +10,8 @@
 namespace lostbits::measure::repair {
 
 struct Patch {
-    std::string diff;     ///< unified diff, with the path as the user named the file; empty: see `why_not`
-    std::string why_not;  ///< reason for an empty diff, which ends a sentence that names the file first
+    std::string diff;     ///< unified diff, with the path that the user gave for the file; empty if there is no patch
+    std::string why_not;  ///< if `diff` is empty, the reason: the end of the sentence "It is not a patch of FILE: …"
     std::string file;
 };
 
@@ -26,8 +26,9 @@ public:
 
     /// True if the form is a function of a file (`--function`).
     [[nodiscard]] bool has_file() const;
-    /// Returns the change that makes the function compute as the new tape does. The changed file was compiled and
-    /// followed, and gives the bits of the new tape on the request's rays (at most `few_rays`).
+    /// Returns a patch with which the function computes what the new tape computes, or the reason why there is none.
+    /// `patch_of` has compiled the patched file and followed its operations. On the request's rays (at most `few_rays`
+    /// of them), these operations give the same bits as the new tape.
     [[nodiscard]] Patch patch_of(const Tape& new_tape);
 
 private:

@@ -64,13 +64,14 @@ P sum_of_sizes(const P& x, const P& y, const P& z) {
     return sum_of_three<P>(abs(x), abs(y), abs(z));
 }
 
-/// True if no power of two lies in [x − bound, x + bound], x ≠ 0: the binade of the enclosed number is known.
+/// True if x − bound and x + bound lie in one binade. Then every number between them lies in this binade. x is not 0.
 template <class P>
 mask_t<P> in_one_binade(const P& x, const P& bound) {
     const P low = binade(x - bound), high = binade(x + bound);
     return low <= high && low >= high;
 }
-/// Same test for two words, of which only hi can be a power of two or next to one.
+/// Same test for x = hi + lo, with a bound far below an ulp of hi. Only if |hi| is a power of two can [x − bound,
+/// x + bound] contain one. It does not contain |hi| if |lo| > bound.
 template <class P>
 mask_t<P> in_one_binade(const TwoWords<P>& x, const P& bound) {
     using lostbits::abs;

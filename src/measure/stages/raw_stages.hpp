@@ -32,8 +32,8 @@ struct RawFindings {
     std::uint8_t *touches = nullptr, *on_surface = nullptr;
 };
 
-/// Matrices of a batch of primitives: if `placed`, each primitive is under a matrix, which follows its numbers. All
-/// matrices of a batch are of one kind.
+/// Says if the primitives of a batch are under matrices (`placed`), and of which kind. One batch has matrices of one
+/// kind only. In the columns, the numbers of a matrix follow the numbers of its primitive.
 struct UnderMatrix {
     bool placed = false, is_inverse = false;
     int orientation = 1;
@@ -106,9 +106,12 @@ struct ColumnKernels {
 struct RawStages {
     ColumnKernels columns;
     void (*unit_directions)(const RawDirections&);
-    /// Functions that use exact sums, in the order of the list of shapes. For a shape that lies flat between points,
-    /// the function settles rays that touch it; for a surface of degree four, rays that begin near it. Each number has
-    /// one word, and there is no matrix and no range. Null for the other shapes.
+    /// Functions that use exact sums, one for each shape in the order of `shape_rows`; null if the shape has none.
+    ///
+    /// - For a shape that lies flat between points, the function settles rays that touch the shape.
+    /// - For a surface of degree four, it settles rays that begin near the surface.
+    ///
+    /// These functions take only problems whose numbers have one word, without a matrix and without a range of t.
     std::array<void (*)(const RawProblems<double>&), shape_rows.size()> ties;
 };
 

@@ -1,4 +1,10 @@
 // Stages, which prove the answers of many rays at once, at the width of the machine's registers.
+//
+// A *problem* is one ray and one primitive, with the range in which t counts. A *stage* is code that tries to settle
+// many problems at once in one arithmetic: double or double-double with error bounds, or exact sums. A *finding* is
+// what a stage has proved about one problem: whether the problem is settled and, if it is, whether the ray hits, and
+// enclosures of t* and of the distance t* |d|. A problem that a stage cannot settle stays open. measure/truth then
+// passes it to another stage, or computes with more bits (`find_truth`).
 #pragma once
 
 #include "intersect/simd/packed.hpp"

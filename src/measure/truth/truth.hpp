@@ -41,14 +41,23 @@ struct Truth {
 /// Names in files, in the order of `Truth::Decision`.
 inline constexpr std::array<std::string_view, 3> decision_names{"miss", "hit", "unresolved"};
 
-/// Limit of the precision of a proof. Enclosures start at double-double (`Ball`) and go to MPFI at 192 bits, doubling.
-/// Every decision rests on the sign of a dyadic polynomial in the inputs, of degree four, of eight (ellipsoids,
-/// cylinders) or twelve (cones). An interval of enough bits has zero width: for doubles, 12·(1024 + 1074) + 24 < 25300
-/// bits are enough (the worst case of the tests needed 6144). For tori the degree is 34 or more, so that numbers whose
-/// exponents are some 700 apart may need more. The last precision tried is 24576; a problem that it leaves open is
-/// `unresolved`. Code that finds many truths, or that asks forms about the same rays, checks `stop` on the way.
+/// Limit of the precision of a proof.
+///
+/// Enclosures start at double-double (`Ball`). A problem that this leaves open is tried in MPFI at 192 bits (at 384 for
+/// `Real`), and at twice the bits each time, as long as these are at most `bits`. So with 32768 the last precision
+/// tried is 24576. A problem that is open even then is `unresolved`. The worst case of the tests needed 6144 bits.
+///
+/// Every decision rests on the sign of a dyadic polynomial in the inputs. An interval of enough bits encloses its value
+/// with zero width, so it decides. By the degree of the polynomial, doubles need:
+///
+/// - Degree four, or eight (ellipsoids, cylinders): fewer than 24576 bits.
+/// - Degree twelve (cones): at most 12·(1024 + 1074) + 24 = 25200 bits. This is more than 24576, so a cone with numbers
+///   from both ends of the range of doubles may stay unresolved.
+/// - Degree 34 or more (tori): more than 24576 bits, if the exponents of the numbers are some 700 apart.
+///
+/// Code that finds many truths, or that asks forms about the same rays, checks `stop` on the way.
 struct TruthLimit {
-    int bits = 32768;
+    int bits = 32768;  ///< largest precision that may be tried
     intersect::process::StopToken stop = {};
 };
 

@@ -24,11 +24,12 @@ struct MeshAnswerFilesOptions {
     bool rows = false;  ///< one row per ray or point in `<name>.<format>.csv`
 };
 
-/// The columns of summary.csv, for answers of a kind; C and Python have the same table.
+/// Row of summary.csv: the result for one file of answers.
 struct MeshSummaryRow {
     std::string name, format;
     const MeshAnswersResult* result;
 };
+/// Columns of summary.csv for answers of this kind. The C and Python interfaces return the same columns.
 table::Table<MeshSummaryRow> mesh_summary_table(AnswerKind kind);
 
 /// A fault and the first ray or point that has it.

@@ -16,22 +16,35 @@ struct BoundDecision : SlabDecision<T> {
 };
 
 /// Decides by tmin and tmax alone. Each of them is zero, the ray's end, or t = (plane − o)·(1/d) with three roundings.
-/// With L the least normal number and M = 1/L, their errors are:
+/// L is the least normal number. The errors are:
 ///
-///     plane − o     no sum underflows
-///     1/d           3.1u of t altogether where 1/d is normal. It is subnormal for |d| > M, no less than M^-1/4 and off
-///                   by at most 4u of itself: 6.1u of t altogether
-///     the product   uL more where it underflows, which is u of everything ≥ L; it keeps its sign or gives ±0
-///     overflow      of plane − o, of 1/d or of the product: dmax, the later of the two t, is ±∞. −∞ has the right
-///                   sign, so the ray is missed. dmin = −∞ has the right sign too, and is not examined. +∞, and NaN
-///                   from 0·∞, show in `overflow_sum`, the sum of all dmax. If d = 0 causes them,
-///                   `largest_intermediate` decides
+///     plane − o                error ≤ u |plane − o|, since no sum underflows
+///     1/d, normal              error ≤ u |1/d|, so the error of t is at most 3.1u |t|
+///     1/d, subnormal           L/4 ≤ |1/d| < L, since |d| > 1/L
+///                              error ≤ 4u |1/d|, so the error of t is at most 6.1u |t|
+///     product that underflows  error of t ≤ 6.1u |t| + uL; the computed t has the sign of t, or is ±0
 ///
-/// So if `overflow_sum` < ∞, tmin (1 + 6.1u) + uL ≤ tmax (1 − 6.1u) − uL proves a hit and tmin (1 − 6.1u) − uL > tmax
-/// (1 + 6.1u) + uL a miss. 16u and L on one side cover both, with the roundings of the test, whatever the sign of tmax.
-/// A slab that the ray is parallel to has tmin = ∞ if the ray is outside, and −∞ and ∞ if it is inside. A ray in one of
-/// its planes makes 0·∞, which leaves tmin and tmax as they were. (∞ < ∞ is false, so a direction of zeros is left
-/// undecided.) tmin and tmax are right to 6.1u of themselves, or to the distance between subnormal numbers.
+/// If plane − o, 1/d or the product overflows, then dmax, the later t of a slab, is ±∞ or NaN:
+///
+///     dmax = −∞                the sign is right, so the ray is missed (dmin = −∞ is right too, and is not examined)
+///     dmax = +∞                `overflow_sum`, the sum of all dmax, is ∞ or NaN
+///     dmax = NaN, from 0·∞     `overflow_sum` is NaN
+///
+/// d = 0 also makes dmax infinite or NaN. `largest_intermediate` then shows if anything overflowed. If `overflow_sum`
+/// is less than ∞, these inequalities are proofs:
+///
+///     of a hit                 tmin (1 + 6.1u) + uL ≤ tmax (1 − 6.1u) − uL
+///     of a miss                tmin (1 − 6.1u) − uL > tmax (1 + 6.1u) + uL
+///
+/// The function makes stricter tests, which allow for their own roundings, and hold for either sign of tmax:
+///
+///     of a hit                 tmin < tmax (1 − 16u) − L
+///     of a miss                tmin > tmax (1 + 16u) + L
+///
+/// A slab that is parallel to the ray has two infinite t: of one sign if the ray is outside the slab, and −∞ and ∞ if
+/// it is inside. For a ray in one of the planes, 0·∞ is NaN, which leaves tmin and tmax as they were. For a direction
+/// of zeros, tmin and tmax may both be ∞; then neither test holds, and the ray is left undecided. The errors of tmin
+/// and tmax are at most 6.1u of themselves, or the distance between subnormal numbers.
 template <Number T>
 BoundDecision<T> by_bound(const T& tmin, const T& tmax, const T& overflow_sum) {
     if constexpr (traces_operations<T>) {
@@ -60,9 +73,13 @@ struct SlabResult {
     T limit;
 };
 
-/// Returns the largest of dmax |d| and (1/d) d over the axes. Where nothing overflows, these are plane − o and 1, to
-/// 7u. The result is ∞ if a sum, a product or 1/d overflowed (1/d, if dmax is NaN from 0·∞). A slab with d = 0 makes
-/// NaN, which max leaves out.
+/// Returns the largest of these two values over the axes. If nothing overflows, each is right to 7u of itself:
+///
+///     dmax |d|    is plane − o, or its negative
+///     (1/d) d     is 1
+///
+/// The result is ∞ if dmax is +∞ because a sum or a product overflowed, or if 1/d overflowed: then (1/d) d is ∞, also
+/// if dmax is NaN from 0·∞. For a slab with d = 0 both values are NaN, which max leaves out.
 template <Number T>
 T largest_intermediate(const Ray<T>& ray, const OrderedSlabs<T>& slabs) {
     T largest(0);
@@ -74,8 +91,8 @@ T largest_intermediate(const Ray<T>& ray, const OrderedSlabs<T>& slabs) {
     return largest;
 }
 
-/// True if every number is 0 or between 2^-450 and 2^500 in size, so that products of two numbers, and of their last
-/// places, are doubles. Floats always fit.
+/// True if each number x is 0 or satisfies 2^-450 ≤ |x| ≤ 2^500. Then the product of two numbers does not overflow in
+/// double, and the product of their last places does not underflow. Floats always fit.
 template <Number T>
 mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
     if constexpr (traces_operations<T>) {
@@ -161,8 +178,9 @@ static Segment<T> segment_in(const Ray<T>& ray, const OrderedSlabs<T>& slabs, co
     return {narrow<T>(tmin), narrow<T>(tmax)};
 }
 
-/// Returns the hit of `known`. Where `known` is not proved, the decision is computed again, over the whole range of
-/// numbers. t is that of `result` where `is_accurate`, and else that of the whole range.
+/// Decides the rays that `known` does not prove by `meet_slabs`, which takes doubles of any magnitude. A ray that
+/// `known` proves keeps its decision. `meet_slabs` also computes tmin and tmax of a ray that is neither proved nor
+/// `is_accurate`. All other rays keep tmin and tmax of `result`.
 template <Number T>
 Hit<T> decide_in_every_range(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const SlabResult<T>& result,
                              const SlabDecision<T>& known, const mask_t<T>& is_accurate) {
@@ -178,8 +196,9 @@ Hit<T> decide_in_every_range(const Ray<T>& ray, const OrderedSlabs<T>& slabs, co
                       {select(is_accurate, segment.tmin, answers[1]), select(is_accurate, segment.tmax, answers[2])});
 }
 
-/// Decides without rounding where `first_decision` is not proved. t is that of `result` where
-/// `first_decision.in_range`, and else that of the whole range of numbers.
+/// Decides the rays that `first_decision` does not prove, without rounding: numbers that fit by products and sums of
+/// two words or by exact sums, all others by `decide_in_every_range`. tmin and tmax are those of `result`, unless
+/// `decide_in_every_range` computes them because `first_decision.in_range` is false.
 template <Number T>
 Hit<T> decide_exactly(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const SlabResult<T>& result,
                       const BoundDecision<T>& first_decision) {

@@ -15,16 +15,18 @@
 
 namespace lostbits::scene::triangle {
 
-/// Parses the JSON of a file. In a binary file, the text begins at byte `begin`. Throws InputError with the position if
-/// the text is not JSON, nests values deeper than a mesh does, or has more values than a mesh. So no text can exhaust
-/// the stack or the memory.
+/// Parses the JSON of a file. `begin` is the byte of a binary file at which the JSON begins, or 0 for a file of text.
+/// Throws InputError, with the position in the file, if the text is not JSON, if its values are nested deeper than
+/// those of any mesh, or if it has more values than any mesh. Because of these two limits, no text can exhaust the
+/// stack or the memory.
 nlohmann::json parse_gltf_json(const std::string& file, std::string_view text, std::uint64_t begin,
                                intersect::process::StopToken stop);
 
 /// Decodes base64, in which four letters stand for three bytes. Returns nothing if the text is not base64.
 std::optional<std::string> bytes_of_base64(std::string_view letters, intersect::process::StopToken stop);
 
-/// Decodes an address to a name, with `%20` for a blank. Returns nothing if it is malformed.
+/// Decodes an address (URI) to the name of a file: `%20` becomes a blank. Returns nothing if the two characters after a
+/// `%` are not a hexadecimal number.
 std::optional<std::string> name_of_uri(std::string_view uri);
 
 /// A value, and its path from the root: `meshes[0].primitives[2]`.

@@ -1,4 +1,6 @@
-// Normalises the axis first, then takes dot products. C = O·O − Oz² − r² subtracts squares of the distance to the tube.
+// Normalises the axis, then takes dot products with it. O leads from the tube's bottom to the ray origin, Oz is its
+// part along the axis, and C is O·O − Oz² − r². The squares O·O and Oz² grow with the distance of the origin from the
+// tube, and so does the rounding error of C.
 #pragma once
 
 #include "shapes/tube/forms/parts.hpp"
