@@ -126,12 +126,12 @@ private:
     [[nodiscard]] std::string position_of_byte(std::size_t byte) const {
         // False for the other bytes of a character in UTF-8.
         const auto starts_character = [](char c) { return (c & 0xc0) != 0x80; };
-        const std::size_t line = std::max<std::size_t>(line_number_, 1);  // an empty file has no line
         return position_at(
-            line, static_cast<std::size_t>(std::ranges::count_if(line_.substr(0, byte), starts_character)) + 1);
+            line_number_, static_cast<std::size_t>(std::ranges::count_if(line_.substr(0, byte), starts_character)) + 1);
     }
+    /// Line 1 in an empty file, which has no line.
     [[nodiscard]] std::string position_at(std::size_t line, std::size_t column) const {
-        return bytes_.name() + ":" + std::to_string(line) + ":" + std::to_string(column);
+        return bytes_.name() + ":" + std::to_string(std::max<std::size_t>(line, 1)) + ":" + std::to_string(column);
     }
 
     MeshBytes& bytes_;
