@@ -113,7 +113,6 @@ private:
     const Type* structure_of(Cursor& cursor, char close, bool packed);
     const Type* simple_type(Cursor& cursor);
     const Type* named(const std::string& name);
-    void read_line(std::string_view line);
     void read_global(Cursor& cursor);
     IrFunction* read_header(Cursor& cursor);
 

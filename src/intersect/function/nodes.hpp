@@ -88,7 +88,6 @@ private:
     /// number.
     std::optional<NodeId> unconverted(NodeId x);
     [[nodiscard]] bool fits(double x) const;
-    NodeId needed(Mask decision, Nodes& more) const;
 
     int bits_;
     std::vector<ProgramNode> all_;

@@ -16,7 +16,6 @@ namespace lostbits::intersect::function {
 namespace {
 
 using Kind = SourceType::Kind;
-using Words = std::span<const std::string_view>;
 
 /// A vector or a number of an argument, and the names from which its role is guessed.
 struct Part {
@@ -34,9 +33,7 @@ struct Part {
 bool is_tmin(const Part& p) { return !p.is_vector && (is_tmin_name(p.last_name) || p.last_name == "min"); }
 bool is_tmax(const Part& p) { return !p.is_vector && (is_tmax_name(p.last_name) || p.last_name == "max"); }
 
-bool is_radius(std::string_view name) {
-    return is_one_of(name, {"r", "rad", "radius", "w", "sr", "ra"}) && name != "w";
-}
+bool is_radius(std::string_view name) { return is_one_of(name, {"r", "rad", "radius", "sr", "ra"}); }
 
 /// How many numbers are in a type that consists only of numbers of one size; -1 if the type holds anything else, or too
 /// many numbers. `last_member` receives the normalized name of the last member.

@@ -8,8 +8,6 @@
 
 namespace lostbits::measure::stability {
 
-/// Numbers of runs, of proofs tried and of exact decisions.
-inline long all_runs = 0, all_holds = 0, all_exact = 0;
 /// Runs a formula over all problems near one. If Kleene's logic does not decide its result, the formula runs again
 /// twice: with yes and with no as the answer to the first open comparison. Every problem is in one of the cases, so a
 /// result that all cases share holds for all problems. A sign that does not affect the decision, such as that of v·d
@@ -73,7 +71,6 @@ private:
         used_ = 0, is_open_ = false;
         known_.clear(), watched_.clear();
         const bool is_last_run = ++runs_ > most_runs_;
-        ++all_runs;
         const auto [known, expected] = run();
         if (known && expected) return true;
         if (known || !is_open_ || is_last_run) {

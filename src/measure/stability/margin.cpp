@@ -151,7 +151,6 @@ public:
 
     /// True if all problems within ε have the same decision, with a proof.
     bool holds(double epsilon, const Change& start = {}) {
-        ++all_holds;
         const bool is_same = decision_ && question_.holds_for_all_within(
                                               epsilon,
                                               [&](const auto&... problem) {
@@ -209,7 +208,6 @@ private:
     }
     bool changes_decision(const Change& change) {
         ++exact_count_;
-        ++all_exact;
         const auto changed = decision_after(change);
         return changed && !changed->is_same(*decision_, counted_);
     }

@@ -63,8 +63,6 @@ public:
     /// Drops all later bytes, because the library writes the end of a picture even when it is told to stop.
     void discard() noexcept { is_discarding_ = true; }
 
-    [[nodiscard]] bool failed() const noexcept { return failure_ != nullptr; }
-
     void rethrow() const {
         if (failure_) std::rethrow_exception(failure_);
     }
