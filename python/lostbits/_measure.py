@@ -216,13 +216,16 @@ def inside(points: Floats, mesh: Any, *, threads: int = 0) -> Inside:
     on = _scene_of_mesh(mesh)
     found = Inside(tables_of(lib.long_call("lostbits_inside", on.handle.pointer, c.byref(array), c.c_size_t(len(kept)),
                                            threads=threads)[1]))
-    if found.mesh["odd"] > 0:
-        warnings.warn(f"{found.mesh['odd']} of the {found.mesh['edges']} edges of the mesh belong to an odd number of "
-                      "faces, so the mesh is not closed; which points are inside depends on the ray", OpenMesh,
-                      stacklevel=2)
-    elif found.mesh["unbalanced"] > 0:
-        warnings.warn(f"at {found.mesh['unbalanced']} of the {found.mesh['edges']} edges of the mesh, more faces run one "
-                      "way than the other, so `winding` depends on the ray; `inside` does not", OpenMesh, stacklevel=2)
+    odd, unbalanced, edges = (found.mesh[name] for name in ("odd", "unbalanced", "edges"))
+    text = ""
+    if odd > 0:
+        text = (f"{odd} of the {edges} edges of the mesh belong to an odd number of faces, so the mesh is not closed; "
+                "which points are inside depends on the ray")
+    elif unbalanced > 0:
+        text = (f"at {unbalanced} of the {edges} edges of the mesh, more faces run one way than the other, so `winding` "
+                "depends on the ray; `inside` does not")
+    if text:
+        warnings.warn(text, OpenMesh, stacklevel=2)
     return found
 
 

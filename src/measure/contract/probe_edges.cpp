@@ -83,7 +83,7 @@ WrongCount count_wrong_at_scale(const Trial& trial, const Places& places, int po
 }
 
 /// For example "383 of 2200 (17 %)".
-std::string share_text(std::size_t part, std::size_t whole) {
+std::string count_and_percent(std::size_t part, std::size_t whole) {
     const double percent = 100.0 * static_cast<double>(part) / static_cast<double>(std::max<std::size_t>(whole, 1));
     return fmt::format("{} of {} ({:.3g} %)", part, whole, percent);
 }
@@ -97,7 +97,11 @@ std::string scale_text(int power, std::size_t wrong, std::size_t tested) {
         "number, or its products leave the range of the format",
         power_text(power), wrong, tested);
 }
-constexpr const char* all_scales = ", at nine scales from 2^-60 to 2^60";
+/// Reports that all answers are right, at all scales or up to the limit that `scale_text` wrote.
+void report_right(Trial& trial, const std::string& text, const std::string& scale_limit) {
+    if (scale_limit.empty()) trial.report_kept(text + ", at nine scales from 2^-60 to 2^60");
+    else trial.report_note(text + scale_limit);
+}
 
 /// Tests rays at all places of random primitives. Axes along x, y and z come first: a form may support no others.
 void try_places(Trial& trial, const scene::sweep::DistributionRow& distribution) {
@@ -123,10 +127,10 @@ void try_places(Trial& trial, const scene::sweep::DistributionRow& distribution)
                 count.is_many() && scale_limit.empty())
                 scale_limit = scale_text(power, count.wrong, count.tested);
     }
-    const std::string text =
-        fmt::format("{} rays at places of {} ({}) get the right answer", tested, row_of(trial.shape).plural, names);
-    if (scale_limit.empty()) trial.report_kept(text + all_scales);
-    else trial.report_note(text + scale_limit);
+    report_right(
+        trial,
+        fmt::format("{} rays at places of {} ({}) get the right answer", tested, row_of(trial.shape).plural, names),
+        scale_limit);
 }
 
 Vec<double> in_format(const Vec<double>& v, int bits) { return bits == 32 ? rays::stored(v) : v; }
@@ -281,7 +285,7 @@ EdgeRayCounts light_at_scale(const Trial& trial, std::size_t scale) {
 void try_mesh(Trial& trial) {
     const EdgeRayCounts unscaled = light_at_scale(trial, 0);
     EdgeRayCounts total = unscaled;
-    std::string scale_limit = all_scales;
+    std::string scale_limit;
     for (std::size_t scale = 1; scale < scale_powers.size(); ++scale) {
         const EdgeRayCounts counts = light_at_scale(trial, scale);
         if (20 * counts.all_passed() > counts.all_tested() + 60 * unscaled.all_passed()) {
@@ -290,19 +294,16 @@ void try_mesh(Trial& trial) {
         }
         total.add(counts);
     }
-    const bool holds_at_all_scales = scale_limit == all_scales;
     if (total.all_passed() > 0)
         return trial.report_warning(fmt::format(
             "{} rays at edges and {} at vertices of closed meshes pass between the triangles: it claims none of them; "
             "the first is {}{}",
-            share_text(total.passed[0], total.tested[0]), share_text(total.passed[1], total.tested[1]), total.first,
-            holds_at_all_scales ? "" : scale_limit));
-    const std::string text = fmt::format(
-        "no ray passes between triangles, of {} at edges and {} at vertices of "
-        "closed meshes{}",
-        total.tested[0], total.tested[1], scale_limit);
-    if (holds_at_all_scales) trial.report_kept(text);
-    else trial.report_note(text);
+            count_and_percent(total.passed[0], total.tested[0]), count_and_percent(total.passed[1], total.tested[1]),
+            total.first, scale_limit));
+    report_right(trial,
+                 fmt::format("no ray passes between triangles, of {} at edges and {} at vertices of closed meshes",
+                             total.tested[0], total.tested[1]),
+                 scale_limit);
 }
 
 }  // namespace
