@@ -112,8 +112,8 @@ public:
     [[nodiscard]] std::string help() const;
     [[nodiscard]] std::vector<Example> examples() const;
     [[nodiscard]] bool is_hidden() const;
-    [[nodiscard]] std::vector<Option> options() const;                           ///< without those of groups
-    [[nodiscard]] Option option(const std::string& name) const;                  ///< an empty option if there is none
+    [[nodiscard]] std::vector<Option> options() const;           ///< without those of groups
+    [[nodiscard]] Option option(const std::string& name) const;  ///< empty if the command has no such option
     [[nodiscard]] std::vector<Command> commands() const { return inner(true); }  ///< its own subcommands
     [[nodiscard]] std::vector<Command> groups() const { return inner(false); }
     [[nodiscard]] std::vector<std::string> names_of_commands() const;  ///< without hidden ones

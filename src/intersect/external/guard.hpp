@@ -77,7 +77,7 @@ auto call_of(const char* who, Call&& call) {
 void note_change(const std::string& who, const std::string& change);
 /// Returns the noted changes as sentences that begin with the name of the library or form.
 std::vector<std::string> changes_noted();
-/// Returns the noted change of one library or form; empty if there is none.
+/// Returns the change noted for one library or form; empty if no change was noted.
 std::string change_noted(const std::string& who);
 
 /// Name of the foreign code that runs in this thread, for messages; null if there is none.

@@ -147,7 +147,7 @@ bool client_has_ended(int input) {
     return poll(&polled_input, 1, 0) > 0 && ((polled_input.revents & POLLHUP) != 0 || read(input, &byte, 1) == 0);
 }
 
-/// Throws the error of a failed write, unless the client has ended: then nobody waits for the answer.
+/// Throws the error of a failed write, unless the client has ended and so expects no answer.
 void throw_unless_client_ended(int input) {
     const int write_error = errno;
     if (!client_has_ended(input))

@@ -87,7 +87,8 @@ struct UserSignature {
     std::string shown;  ///< the guessed signature in one line
 };
 
-/// What a comment `lostbits: sphere(o, d, c, r) -> t, miss = -1, roots = near`, or the option, states of a function.
+/// Signature of a function as the option or a comment states it: `lostbits: sphere(o, d, c, r) -> t, miss = -1, roots =
+/// near`.
 struct StatedSignature {
     std::string shape;
     std::vector<std::string> roles;  ///< roles of the vectors and numbers of all arguments, in order

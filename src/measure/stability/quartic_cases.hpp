@@ -12,7 +12,7 @@ namespace lostbits::measure::stability {
 /// behind it. `either` if f has one minimum.
 enum class TorusPass : std::uint8_t { either, first, second };
 
-/// Whether and where a ray hits a primitive.
+/// Decision about a ray and a primitive, and the place of the hit.
 struct SpanDecision {
     Tri hit = Tri::unknown;
     Crossing at = Crossing::begin;

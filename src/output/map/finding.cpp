@@ -79,7 +79,7 @@ std::string wrong_decision_text(const FormSummary& summary) {
 std::string finding_text(const MapStudy& request, const std::vector<FormSummary>& summaries) {
     const auto forms = forms_of(request, summaries);
     if (forms.empty()) return "";
-    // Of equally good forms the first is named, as on the sheet, where the others share its column.
+    // The first of equally good forms is named, as on the sheet, where the others share its column.
     const FoundForm &best = *std::ranges::min_element(forms, {}, rank_of),
                     &worst = *std::ranges::max_element(forms, {}, rank_of);
     const auto& format = request.rows.front().format;

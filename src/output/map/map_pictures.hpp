@@ -27,7 +27,7 @@ using measure::evaluate::MapStudy;
 /// every format holds them.
 [[nodiscard]] std::string input_note(const scene::file::Scene& scene, std::span<const TestedForm> rows);
 
-/// What the lines below the title of a contact sheet describe.
+/// Facts that the lines below the title of a contact sheet state.
 struct SheetSubject {
     const scene::file::Scene& scene;
     std::string scene_arguments;       ///< see `MapFilesOptions`; empty for rays of a file

@@ -181,7 +181,7 @@ std::string wider_set_text(const RepairSummary& r) {
            margins_text(r.margins, r) + symmetric_set_text(r);
 }
 
-/// What remains wrong if the form's operations do not round, in a sentence or two.
+/// Says in a sentence or two what remains wrong if the form's operations do not round.
 std::string obstruction_text(const RepairSummary& r) {
     const auto& requirement = r.request.requirement;
     const auto& [exact, with_unit, off_unit] = *r.repair.obstruction;

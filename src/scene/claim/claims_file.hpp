@@ -80,9 +80,9 @@ struct Claim {
     std::string onset, statistic;         ///< event and statistic, as in `onsets.csv`
     double threshold = 0;
     double low = 0, high = 0;  ///< both ends included; they guard against drift, and are fitted to the measurement
-    /// What the sentence says about the number. The criterion is true of all numbers in `low`..`high` if the claim
-    /// holds, of none of them if it is refuted, and of all or none if it is qualified. Without a criterion the sentence
-    /// describes the number, and the interval is what it says.
+    /// Criterion that the statement sets for the number. The criterion is true of all numbers in `low`..`high` if the
+    /// claim holds, of none of them if it is refuted, and of all or none if it is qualified. Without a criterion the
+    /// statement describes the number, and the interval is what it says.
     std::optional<Criterion> criterion;
     /// Number of draws from which the interval was derived (see `interval_of` in measure/claim). 0: the claim has no
     /// random numbers, or the interval has another origin.

@@ -135,9 +135,9 @@ SphereDecision<T> proved_widely(const WideValues<T>& values, const T& t) {
 ///     |δh| ≤ 4v|f||d|,  |δc| ≤ 5v A + v|c|,  |δa| ≤ 3v a,  |δD| ≤ v a (19 f·f + 6r²) + v|D|,
 /// so the sign of D is right where |D| > e = 24 v A a. A quarter of e is to spare, and covers e's own rounding in T.
 ///
-/// Where |c| ≥ (v/u) A, which is part of `is_accurate`, c is right to 6u of itself, with its sign. Where D ≥ 0 then, h²
-/// ≥ a|c| from outside, so |h| ≥ √(v/u) |f||d|, which is more than |δh|: the sign of h is right wherever it matters. q²
-/// ≥ a|c| everywhere, so h is right to 4√(uv) of q. (f·f is at most A.)
+/// c is right to 6u of itself, with its sign, where |c| ≥ (v/u) A, which is part of `is_accurate`. If D ≥ 0 there, h² ≥
+/// a|c| from outside, so |h| ≥ √(v/u) |f||d|, which is more than |δh|: the sign of h is right wherever it matters. q² ≥
+/// a|c| everywhere, so h is right to 4√(uv) of q. (f·f is at most A.)
 ///
 /// t: D contributes |√D̂ − √D|/q ≤ e/(√D̂ q), which is required to be at most 16u. The rest is 6u of c, and the
 /// roundings of h, c, D, √, +, ÷ in T: 27u together, within the 32u of 18 correct bits of 24.
