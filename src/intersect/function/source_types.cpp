@@ -289,6 +289,13 @@ UserSignature signature_of(Module& module, const std::string& path, const std::s
     std::string_view text;
     std::string lines;
     bool is_overloaded = false;
+    // The same name in the namespace that the option names comes before that in another namespace.
+    const auto fit_of = [&](std::string_view subprogram) {
+        const bool is_nested = language == SourceLanguage::llvm;  // LLVM IR that C++ may have become
+        const std::string whole = qualified_name(module, subprogram, is_nested ? SourceLanguage::cpp : language);
+        return whole == own_name ? 2 : whole.ends_with("::" + own_name) ? 1 : 0;
+    };
+    int best_fit = 0;
     for (const auto& [symbol, f] : module.functions) {
         const std::string_view subprogram = module.metadata(f.subprogram);
         const std::string source_name = field(subprogram, "name");
@@ -299,9 +306,13 @@ UserSignature signature_of(Module& module, const std::string& path, const std::s
         is_overloaded = is_overloaded || (found != nullptr && language == SourceLanguage::llvm &&
                                           field(subprogram, "linkageName").empty() && field(text, "line") != line);
         lines += (lines.empty() ? "" : ", ") + own_name + "@" + line;
-        if (found != nullptr && field(text, "linkageName").find(own_name) != std::string::npos) continue;
+        const int fit = fit_of(subprogram);
+        if (found != nullptr &&
+            (fit < best_fit || (fit == best_fit && field(text, "linkageName").find(own_name) != std::string::npos)))
+            continue;
         found = &f;
         text = subprogram;
+        best_fit = fit;
     }
     if (found == nullptr) throw InputError(no_function(module.text(), path, name, language));
     if (is_overloaded)
