@@ -80,7 +80,9 @@ std::string quoted_line(const Info& form, const Format& format, NodeId node) {
     std::string text = text_of_place(p);
     for (int caller = p.caller; caller >= 0; caller = f->places[static_cast<std::size_t>(caller)].caller) {
         const SourcePlace& c = f->places[static_cast<std::size_t>(caller)];
-        if (c.line == 0 || c.file != p.file) continue;
+        // Rust compiles the caller of the whole function below the user's text, in the same file.
+        const bool is_below = c.file == f->path && c.line > std::ranges::count(f->source, '\n') + 1;
+        if (c.line == 0 || c.file != p.file || is_below) continue;
         text += ", called at " + std::to_string(c.line) + ":" + std::to_string(c.column);
     }
     text += "\n";
