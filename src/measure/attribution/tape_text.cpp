@@ -1,7 +1,10 @@
 #include "measure/attribution/tape_text.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 #include "measure/attribution/operations.hpp"
 
@@ -41,6 +44,7 @@ TapeText::TapeText(const Tape& tape, std::vector<std::string> inputs, Style styl
       inputs_(std::move(inputs)),
       style_(style),
       names_(tape.nodes.size()),
+      number_texts_(tape.nodes.size()),
       expressions_(tape.nodes.size()),
       part_of_dot_(tape.nodes.size(), no_node) {
     for (NodeId i = 0; i < tape.size(); ++i) {
@@ -57,7 +61,42 @@ TapeText::TapeText(const Tape& tape, std::vector<std::string> inputs, Style styl
         for (const NodeId part : {i, last.operands[0], last.operands[1], first.operands[0], first.operands[1]})
             part_of_dot_[static_cast<std::size_t>(part)] = i;
     }
+    if (style == Style::pretty) find_numbers();
     name_all();
+}
+
+/// Finds the operations by which a written formula builds its constants: m·2^e, from an integer m of 20 bits. In double
+/// each of these operations is exact.
+void TapeText::find_numbers() {
+    constexpr int least_piece = 1 << 19;
+    struct Number {
+        bool is_known = false, has_piece = false;
+        double value = 0;
+    };
+    std::vector<Number> numbers(tape_.nodes.size());
+    for (NodeId i = 0; i < tape_.size(); ++i) {
+        const TapeNode& n = tape_[i];
+        Number& number = numbers[static_cast<std::size_t>(i)];
+        if (n.op == TapeOp::constant) {
+            number = {true, n.operands[0] >= least_piece, static_cast<double>(n.operands[0])};
+            continue;
+        }
+        const auto side = [&](std::size_t k) { return numbers[static_cast<std::size_t>(n.operands[k])]; };
+        if (n.op == TapeOp::neg) {
+            number = side(0);
+            number.value = -number.value;
+        } else if (n.op == TapeOp::add || n.op == TapeOp::mul || n.op == TapeOp::div) {
+            const Number a = side(0), b = side(1);
+            number = {a.is_known && b.is_known, a.has_piece || b.has_piece,
+                      n.op == TapeOp::add   ? a.value + b.value
+                      : n.op == TapeOp::mul ? a.value * b.value
+                                            : a.value / b.value};
+        }
+        if (!number.is_known || !number.has_piece || !std::isfinite(number.value)) continue;
+        const auto narrow = static_cast<float>(number.value);
+        number_texts_[static_cast<std::size_t>(i)] =
+            narrow == number.value ? fmt::format("{}", narrow) : fmt::format("{}", number.value);
+    }
 }
 
 bool TapeText::is_vector(const Triple& v) const {
@@ -101,6 +140,7 @@ void TapeText::name_all() {
         const TapeNode& n = tape_[i];
         std::string& name = names_[static_cast<std::size_t>(i)];
         if (n.op == TapeOp::constant) name = std::to_string(n.operands[0]);
+        else if (n.label.empty() && is_number(i)) name = number_texts_[static_cast<std::size_t>(i)];
         else if (!n.label.empty()) {
             name = n.label;
             if (const int use_count = ++use_counts[name]; use_count > 1 && style_ != Style::generic) {
@@ -162,7 +202,8 @@ std::string TapeText::operand(NodeId i, int binds) const {
     const TapeNode& n = tape_[i];
     const std::string& own_name = name(i);
     if (n.op == TapeOp::input || !n.label.empty()) return own_name;
-    if (n.op == TapeOp::constant) return n.operands[0] < 0 && binds > 1 ? in_brackets(own_name) : own_name;
+    if (n.op == TapeOp::constant || is_number(i))
+        return own_name.starts_with('-') && binds > 1 ? in_brackets(own_name) : own_name;
     if (!vector_of(name(i)).empty() && !is_simple(i)) return own_name;
     if (style_ == Style::generic && !text_of(n.op).generic.empty()) return "(...)";
     const std::string text = expression(i);
@@ -193,6 +234,7 @@ const std::string& TapeText::expression(NodeId i) const {
 
 std::string TapeText::compose(NodeId i) const {
     if (is_given(tape_[i].op)) return name(i);
+    if (is_number(i)) return number_texts_[static_cast<std::size_t>(i)];
     Dot dot;
     if (!dot_of(i, dot)) return write_out(i);
     if (style_ == Style::pretty) return vector_text(dot.a, false) + "·" + vector_text(dot.b, false);

@@ -35,6 +35,9 @@ public:
     /// Category of an operation in a map, in the generic style: `inv = 1/d.i`. Several operations may have the same
     /// category.
     [[nodiscard]] std::string category(NodeId i) const;
+    /// True for an operation that only builds a number of a user's file, such as 1e-6, from integers: the pretty style
+    /// writes the number.
+    [[nodiscard]] bool is_number(NodeId i) const { return !number_texts_[static_cast<std::size_t>(i)].empty(); }
 
 private:
     using Triple = std::array<NodeId, 3>;
@@ -46,6 +49,7 @@ private:
     [[nodiscard]] bool dot_of(NodeId i, Dot& dot) const;
     void name_vector(const Triple& v);
     void name_all();
+    void find_numbers();
     [[nodiscard]] bool is_simple(NodeId i) const;
     [[nodiscard]] std::string vector_text(const Triple& v, bool without_brackets) const;
     [[nodiscard]] std::string operand(NodeId i, int binds) const;
@@ -56,6 +60,7 @@ private:
     std::vector<std::string> inputs_;
     Style style_;
     std::vector<std::string> names_;
+    std::vector<std::string> number_texts_;  ///< digits of each operation that builds a number; empty for all others
     std::map<Triple, std::string> vectors_;
     mutable std::vector<std::string> expressions_;  ///< filled on demand: in a march, each step recurs in the next
     std::vector<NodeId> part_of_dot_;               ///< the dot product that a partial sum or product belongs to

@@ -62,7 +62,7 @@ OperationView::OperationView(const Explanation& x)
       ulp_(x.ulp_of_subject()),
       on_way_(nodes_on_way(x)) {
     for (NodeId i = 0; i < x.tape.size(); ++i) {
-        if (is_given(x.tape[i].op)) continue;
+        if (is_given(x.tape[i].op) || (text_.is_number(i) && x.tape[i].label.empty())) continue;
         const std::string& name = text_.name(i);
         nodes_by_name_[name].push_back(i);
         if (const auto length = name.size(); length > 2 && name[length - 2] == '.')
@@ -82,6 +82,7 @@ std::string OperationView::cancellation(NodeId i) const {
 
 bool OperationView::is_shown(NodeId i, bool show_all) const {
     const TapeNode& n = x_.tape[i];
+    if (text_.is_number(i) && n.label.empty() && of(i).rounding == 0) return false;
     if (show_all) return is_operation(n.op);
     if (!is_operation(n.op) || !of(i).live) return false;
     return !n.label.empty() || of(i).rounding != 0 || of(i).cancelled > 1 || i == x_.attribution.culprit;
