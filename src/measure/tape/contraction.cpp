@@ -52,6 +52,12 @@ public:
         return std::move(result_);
     }
 
+    /// The node of the given tape from which node `made` of the contracted tape was made.
+    [[nodiscard]] NodeId source_of(NodeId made) const {
+        const auto found = std::ranges::find(new_nodes_, made);
+        return found == new_nodes_.end() ? no_node : static_cast<NodeId>(found - new_nodes_.begin());
+    }
+
 private:
     /// A sum that has a product as one operand, with the signs of the product and of the other operand.
     struct FusedSum {
@@ -262,5 +268,20 @@ const Intersector& contracted_row(const Intersector& form) {
 }
 
 bool is_contracted(const Intersector& catalogue_row) { return std::get<0>(rows().parts_of(catalogue_row)) != nullptr; }
+
+FormOperation operation_before_contraction(const Intersector& row, const Format& format, NodeId node) {
+    const Intersector& form = *std::get<0>(rows().parts_of(row));
+    const Format &narrow = *find_format("f32"), &wide = *find_format("f64");
+    const bool is_wide = !form.exists_in(narrow) || (format.engine == Format::Engine::native64 && form.exists_in(wide));
+    const Format& own_format = is_wide ? wide : narrow;
+    const Tape tape = tape_of(form, own_format);
+    Contraction contraction(tape);
+    const auto list = std::make_shared<const WrittenFormula>(
+        intersect::table::written(contraction.contract(), form.shape, std::string(row.info->name)));
+    const std::vector<NodeId> nodes = WrittenForm(list, nullptr).nodes_on_tape(format);
+    const auto found = std::ranges::find(nodes, node);
+    const bool is_found = node != no_node && found != nodes.end();
+    return {&form, &own_format, is_found ? contraction.source_of(static_cast<NodeId>(found - nodes.begin())) : no_node};
+}
 
 }  // namespace lostbits::measure::tape

@@ -23,4 +23,15 @@ const intersect::table::Intersector& contracted_row(const intersect::table::Inte
 /// True for a row that `contracted_row` created.
 bool is_contracted(const intersect::table::Intersector& catalogue_row);
 
+/// An operation of a form: its node on the form's tape in `format`.
+struct FormOperation {
+    const intersect::table::Intersector* form;
+    const Format* format;
+    NodeId node;
+};
+
+/// Finds the operation of FORM from which an operation of `FORM+fma` was made: for a fused sum, the sum. `node` is its
+/// index on a tape of `row` in `format`. The node that is returned is `no_node` for an operation that FORM lacks.
+FormOperation operation_before_contraction(const intersect::table::Intersector& row, const Format& format, NodeId node);
+
 }  // namespace lostbits::measure::tape

@@ -8,6 +8,8 @@
 #include <optional>
 
 #include "intersect/function/function.hpp"
+#include "measure/attribution/operation_error.hpp"
+#include "measure/tape/contraction.hpp"
 #include "output/file/number_text.hpp"
 #include "scene/toml/counted.hpp"
 
@@ -112,11 +114,61 @@ void add_deciding(const Explanation& x, const OperationView& view, NodeId i, std
 std::string comparison_text(const Explanation& x, const OperationView& view, NodeId i) {
     std::vector<std::string> sides;
     for (const NodeId side : x.tape[i].operands) {
-        if (side != no_node && x.tape[side].op != TapeOp::constant)
+        if (side != no_node && x.tape[side].op != TapeOp::constant && !view.text().is_number(side))
             sides.push_back(fmt::format("{} is {}", view.text().operand(side), number_phrase(view.of(side).exact)));
     }
     return fmt::format("{} {}, where {}", view.text().expression(i), view.of(i).exact != 0 ? "holds" : "does not hold",
                        fmt::join(sides, " and "));
+}
+
+/// The line of the user's file that contains an operation of a function, also of `FUNCTION+fma`; empty for other forms.
+std::string source_line(const Explanation& x, NodeId node) {
+    if (node == no_node) return "";
+    if (!measure::tape::is_contracted(*x.form)) return intersect::function::quoted_line(*x.form->info, x.format, node);
+    const measure::tape::FormOperation before = measure::tape::operation_before_contraction(*x.form, x.format, node);
+    return intersect::function::quoted_line(*before.form->info, *before.format, before.node);
+}
+
+/// The operation where a value that is not finite begins: a NaN from operands that are not NaN, or an infinity from
+/// finite operands. `no_node` if it is an input.
+NodeId begin_of_not_finite(const Explanation& x, const OperationView& view, NodeId i) {
+    const auto exact = [&view](NodeId k) { return view.of(k).exact; };
+    const bool is_nan = std::isnan(exact(i));
+    const auto is_alike = [&](NodeId k) {
+        return k != no_node && !is_decision(x.tape[k].op) && (is_nan ? std::isnan(exact(k)) : std::isinf(exact(k)));
+    };
+    for (;;) {
+        if (is_given(x.tape[i].op)) return no_node;
+        const NodeId side = measure::attribution::side_taken(x.tape, i);
+        const auto& operands = x.tape[i].operands;
+        const NodeId* const next = std::ranges::find_if(operands, is_alike);
+        if (is_alike(side)) i = side;
+        else if (next != operands.end()) i = *next;
+        else return i;
+    }
+}
+
+/// Sentences on the compared values that are not finite, each with the operation where the value begins.
+std::string not_finite_text(const Explanation& x, const OperationView& view, const std::vector<NodeId>& comparisons) {
+    std::string text;
+    std::vector<NodeId> named;
+    for (const NodeId comparison : comparisons) {
+        for (const NodeId side : x.tape[comparison].operands) {
+            if (side == no_node || std::isfinite(view.of(side).exact)) continue;
+            const NodeId begin = begin_of_not_finite(x, view, side);
+            if (begin == no_node || std::ranges::find(named, begin) != named.end()) continue;
+            named.push_back(begin);
+            std::vector<std::string> values;
+            for (const NodeId k : x.tape[begin].operands)
+                if (k != no_node && x.tape[k].op != TapeOp::constant)
+                    values.push_back(fmt::format("{} is {}", view.text().operand(k), number_phrase(view.of(k).exact)));
+            text += fmt::format("{} is {} because of {}{}{}.\n", view.text().operand(side),
+                                number_phrase(view.of(side).exact), view.text().expression(begin),
+                                values.empty() ? "" : ", where ", fmt::join(values, " and "));
+            text += source_line(x, begin);
+        }
+    }
+    return text;
 }
 
 std::string model_sentence(const Explanation& x, const OperationView& view) {
@@ -134,8 +186,17 @@ std::string model_sentence(const Explanation& x, const OperationView& view) {
     if (x.tape.outputs.hit != no_node) add_deciding(x, view, x.tape.outputs.hit, deciding);
     std::vector<std::string> comparison_texts;
     for (const NodeId i : deciding) comparison_texts.push_back(comparison_text(x, view, i));
-    if (!comparison_texts.empty()) text += fmt::format("Without rounding {}.\n", fmt::join(comparison_texts, "; "));
-    return text;
+    if (comparison_texts.empty()) return text;
+    text += fmt::format("Without rounding {}.\n", fmt::join(comparison_texts, "; "));
+    const std::string not_finite = not_finite_text(x, view, deciding);
+    if (!not_finite.empty()) return text + not_finite;
+    // The lines of a function's source, each once.
+    std::vector<std::string> lines;
+    for (const NodeId i : deciding) {
+        const std::string line = source_line(x, i);
+        if (!line.empty() && std::ranges::find(lines, line) == lines.end()) lines.push_back(line);
+    }
+    return text + fmt::format("{}", fmt::join(lines, ""));
 }
 
 std::string sums_sentence(const Explanation& x, const OperationView& view) {
@@ -266,8 +327,7 @@ std::string explain_text(const Explanation& x, bool show_all, const std::optiona
     // finite: the errors after it follow from there.
     NodeId culprit = x.has_tape() ? x.attribution.culprit : no_node;
     if (culprit != no_node && std::isfinite(x.tape[culprit].value)) culprit = culprit_operation(x);
-    if (const std::string line = intersect::function::quoted_line(*x.form->info, x.format, culprit); !line.empty())
-        text += line + "\n";
+    if (const std::string line = source_line(x, culprit); !line.empty()) text += line + "\n";
     if (x.primitives > 1 && is_primitive(x.form->shape))
         text +=
             fmt::format("The scene has the primitives 0 to {}; this is primitive {}.\n", x.primitives - 1, x.primitive);
