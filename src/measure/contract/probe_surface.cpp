@@ -1,6 +1,7 @@
 // Probes the answers of a form from inside, where a ray touches, and from the surface itself, and the state in which it
 // leaves the processor.
 #include "intersect/external/guard.hpp"
+#include "measure/contract/random_questions.hpp"
 #include "measure/contract/trial.hpp"
 
 namespace lostbits::measure::contract {
@@ -58,6 +59,19 @@ struct RaysFromInside {
     }
     [[nodiscard]] std::string roots() const { return up.roots() + ", and " + down.roots(); }
 };
+
+/// Text on a wrong answer to a ray that starts inside, exactly beside the centre: of all points of the line, the origin
+/// is the closest to the centre. Empty if the answer is right, and for shapes that are flat or have an axis.
+std::string mistake_beside_centre(const Trial& trial) {
+    if (is_flat(trial.shape) || has_axis(trial.shape) || !has_inside(trial.shape)) return "";
+    Question q = question_along_z(trial.shape, 0, 1);
+    q.ray[0] = 1;
+    const HitOrMiss right = trial.truth(q), answer = read_reply(trial.contract, trial.ask(q), q);
+    if (answer.hit == right.hit && (!right.hit || is_answer(answer.t, right.t))) return "";
+    return "a ray from inside that starts exactly beside the centre, from (1, 0, 0) along (0, 0, 1), is answered "
+           "with " +
+           answer_text(trial, answer) + "; " + answer_text(trial, right) + " is right";
+}
 
 void try_interval(Trial& trial, const RaysFromInside& inside) {
     const RightAnswer answer = inside.answer();
@@ -142,7 +156,10 @@ void try_inside(Trial& trial) {
     const bool are_both_misses = c.roots == Roots::near_only &&
                                  (answer == RightAnswer::near || answer == RightAnswer::miss) &&
                                  (promised_answer == RightAnswer::near || promised_answer == RightAnswer::miss);
-    if (answer == promised_answer || are_both_misses) return trial.report_kept(text);
+    if (answer == promised_answer || are_both_misses) {
+        const std::string mistake = mistake_beside_centre(trial);
+        return mistake.empty() ? trial.report_kept(text) : trial.report_broken(mistake);
+    }
     const std::string property = property_for_answer(answer, c.roots);
     trial.report_broken(text + (property.empty() ? ": " + inside.text(false) + "; the roots are " + inside.roots()
                                                  : "; say " + property));
