@@ -159,11 +159,12 @@ void save_files(const Scratch& scratch, const std::string& page) {
     }
 }
 
-/// Saves those files and those of the tutorial, and links the data of the project and what a library of forms is
-/// compiled with.
+/// Saves those files and those of the tutorial, and links the data of the project, its functions under test and what a
+/// library of forms is compiled with.
 void lay_out(const Scratch& scratch, const std::string& page) {
     fs::create_directory_symlink(LOSTBITS_DATA_DIR, scratch / "data");
-    for (const char* folder : {"plugins", "examples"})
+    fs::create_directories(scratch.path() / "tests/external");
+    for (const char* folder : {"plugins", "examples", "tests/external/functions"})
         fs::create_directory_symlink(root / folder, scratch.path() / folder);
     fs::create_directory_symlink(fs::path(LOSTBITS_PROGRAM).parent_path(), scratch / "build");
     for (const std::string& from : {std::string("docs/first-hour.md"), page}) save_files(scratch, from);
