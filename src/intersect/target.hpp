@@ -25,6 +25,15 @@ struct Target {
         : primitives(all_primitives), march(&constants) {}
 };
 
+/// Converts a number to T.
+template <class T>
+struct ConvertTo {
+    template <class S>
+    T operator()(S x) const {
+        return T(x);
+    }
+};
+
 /// A target in another arithmetic: `lift` converts each number.
 template <class T>
 class LiftedTarget {

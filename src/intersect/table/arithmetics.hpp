@@ -20,7 +20,8 @@ void rounded_batch(const FloatFormat& format, const RayBatch<double>& rays, cons
                    const HitBatch<double>& hits) {
     const CurrentFormat::Scope scope(format);
     constexpr EvaluateTarget<RoundedAny, Tally<RoundedAny>> evaluate = intersect_target<Form>;
-    intersect_batch<RoundedAny>(evaluate, marches<Form>, rays, target, hits);
+    const LiftedTarget<RoundedAny> lifted(target, ConvertTo<RoundedAny>());
+    intersect_batch(evaluate, marches<Form>, rays, lifted.get(), hits);
 }
 
 /// The end of a ray without an end, for enclosures, whose arithmetic has no infinity. It lies beyond every t of a ray
@@ -48,14 +49,9 @@ struct LiftedInputs {
 
     template <class S>
     LiftedInputs(const Ray<S>& r, const Target<S>& source, S end)
-        : ray{{lift(r.origin.x), lift(r.origin.y), lift(r.origin.z)},
-              {lift(r.direction.x), lift(r.direction.y), lift(r.direction.z)}},
-          target(source, [](S x) { return lift(x); }),
-          tmax(lift(end)) {}
-    template <class S>
-    static T lift(S x) {
-        return T(x);
-    }
+        : ray{{T(r.origin.x), T(r.origin.y), T(r.origin.z)}, {T(r.direction.x), T(r.direction.y), T(r.direction.z)}},
+          target(source, ConvertTo<T>()),
+          tmax(T(end)) {}
 };
 
 template <class Form, class T>

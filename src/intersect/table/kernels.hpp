@@ -33,29 +33,27 @@ Hit<T> intersect_target(const Ray<T>& ray, const Target<T>& target, const T& tma
 template <class T, class Watch>
 using EvaluateTarget = Hit<T> (*)(const Ray<T>&, const Target<T>&, const T&, Watch&, std::size_t);
 
-/// Runs a form over a batch in T, which holds the stored numbers exactly or rounded once to a narrower format.
+/// Runs a form over a batch in T, which holds the stored numbers of type S exactly or rounded once to a narrower format.
 /// `evaluate` is the `intersect_target` of the form; `marches` is true if the form marches.
 template <class T, class S, class Evaluate, class Marches>
-void intersect_batch(const Evaluate& evaluate, Marches marches, const RayBatch<S>& rays, const Target<S>& target,
+void intersect_batch(const Evaluate& evaluate, Marches marches, const RayBatch<S>& rays, const Target<T>& target,
                      const HitBatch<S>& hits) {
     const auto to_stored = [](const T& x) {
         if constexpr (std::same_as<T, S>) return x;
         else return as_double(x);
     };
     const auto vec = [](S x, S y, S z) { return Vec<T>(T(x), T(y), T(z)); };
-    const LiftedTarget<T> lifted(target, [](S x) { return T(x); });
-    const Target<T> converted = lifted.get();
-    const std::size_t stride = converted.primitives.size() == 1 ? 0 : 1;
+    const std::size_t stride = target.primitives.size() == 1 ? 0 : 1;
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray<T> ray{vec(rays.ox[i], rays.oy[i], rays.oz[i]), vec(rays.dx[i], rays.dy[i], rays.dz[i])};
         const T tmax(rays.tmax.empty() ? std::numeric_limits<S>::infinity() : rays.tmax[i]);
         Tally<T> tally;
-        const Hit<T> hit = evaluate(ray, converted, tmax, tally, i * stride);
+        const Hit<T> hit = evaluate(ray, target, tmax, tally, i * stride);
         hits.hit[i] = hit.hit;
         hits.t[i] = to_stored(hit.t);
         hits.near[i] = to_stored(hit.near);
         hits.far[i] = to_stored(hit.far);
-        if (marches && !hits.march.empty()) hits.march[i] = tally.record(hit, *converted.march, to_stored);
+        if (marches && !hits.march.empty()) hits.march[i] = tally.record(hit, *target.march, to_stored);
     }
 }
 
@@ -65,7 +63,7 @@ void native_batch(const RayBatch<T>& rays, const Target<T>& target, const HitBat
                              std::size_t primitive_index) {
         return intersect_target<Form>(ray, single_target, tmax, tally, primitive_index);
     };
-    intersect_batch<T>(evaluate, std::bool_constant<marches<Form>>(), rays, target, hits);
+    intersect_batch(evaluate, std::bool_constant<marches<Form>>(), rays, target, hits);
 }
 
 }  // namespace lostbits::intersect::table
