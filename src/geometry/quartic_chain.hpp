@@ -37,15 +37,16 @@ private:
           last(T(2) * p * ((v / u + alpha) * (v / u) + beta)) {}
 };
 
-/// Number of sign changes along a chain. The number of roots between two points is the number of changes at the first
-/// point less the number at the second.
+/// Number of sign changes along a chain, zeros left out: +, 0, − is one change. The number of roots between two points
+/// is the number of changes at the first point less the number at the second. A ray along an axis of symmetry of a
+/// torus has zeros: half of the chain of n x⁴ + p x² + r is 0 at x = 0.
 template <class T>
 T sign_changes(const std::array<T, 5>& chain) {
-    T count(0);
+    T count(0), sign = chain[0];
     for (std::size_t i = 1; i < chain.size(); ++i) {
-        const auto is_falling = chain[i - 1] > T(0) && chain[i] < T(0),
-                   is_rising = chain[i - 1] < T(0) && chain[i] > T(0);
-        count = count + select(is_falling || is_rising, T(1), T(0));
+        const auto is_positive = chain[i] > T(0), is_negative = chain[i] < T(0);
+        count = count + select((sign > T(0) && is_negative) || (sign < T(0) && is_positive), T(1), T(0));
+        sign = select(is_positive || is_negative, chain[i], sign);
     }
     return count;
 }

@@ -63,6 +63,29 @@ TEST_CASE("a Sturm chain hits a torus that is not there, however wide its number
     CHECK_FALSE(unrounded<intersect::torus::FilteredTorus>(ray, torus).hit);
 }
 
+TEST_CASE("Sturm chains find the wall of a torus from its planes of symmetry", "[intersect][torus]") {
+    // The quartic is n x⁴ + p x² + r, so that numbers of the chain are 0 where the ray begins.
+    const Torus<double> torus{{0, 0, 0}, {0, 0, 1}, 1.25, 0.75};
+    int asked = 0;
+    for (const double x : {0.625, 0.75, 1.0, 1.25, 1.5, 1.875}) {
+        for (const Vec<double>& d : {Vec<double>(0, 0, 1), Vec<double>(0, 0, -1), Vec<double>(0, 1, 0)}) {
+            const Ray<double> ray{{x, 0, 0}, d};
+            const Truth truth = find_truth(ray, Primitive<double>(torus));
+            REQUIRE(truth.is_hit());
+            const double t = std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent));
+            CAPTURE(x, d.y, d.z, t);
+            const auto check = [t](const Hit<Real>& h) {
+                CHECK(h.hit);
+                CHECK(std::fabs(h.t.convert_to<double>() - t) < 1e-12 * t);
+            };
+            check(unrounded<intersect::torus::SturmTorus>(ray, torus));
+            check(unrounded<intersect::torus::Bracketed>(ray, torus));
+            ++asked;
+        }
+    }
+    REQUIRE(asked == 18);
+}
+
 TEST_CASE("an absolute threshold makes Quilez's torus wrong without rounding", "[intersect][torus][formula]") {
     // Through the tiny hole of a torus: where |d1| < 1e-4 the root of d1 is treated as 0.
     test::Seeded rng(0x7051);
