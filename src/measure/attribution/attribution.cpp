@@ -1,7 +1,9 @@
 #include "measure/attribution/attribution.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "measure/attribution/exact_arithmetic.hpp"
 #include "measure/attribution/operation_error.hpp"
@@ -125,16 +127,21 @@ private:
         if (n.op == TapeOp::any && exact_holds && !computed_holds) attribution_.cut_short = true;
     }
 
-    /// Finds the exact value of a choice: that of the side that exact values choose. If another side was taken, the
-    /// choice's own error is the difference between the two sides.
+    /// Finds the exact value of a choice: that of the side that exact values choose. If another side was taken, and has
+    /// another computed value, the choice's own error is the difference between the two sides.
     void evaluate_choice(NodeId i) {
         const TapeNode& n = tape_[i];
         const NodeId taken_side = side_taken(tape_, i), exact_side = side_taken(n, ExactJudge{*this, n});
         exact(i) = exact(exact_side);
-        error_of(i).turned = exact_side != taken_side;
-        if (exact_side == taken_side) return;
+        error_of(i).turned = exact_side != taken_side && !have_same_bits(computed(exact_side), computed(taken_side));
+        error_of(i).side = error_of(i).turned ? taken_side : exact_side;
+        if (!error_of(i).turned) return;
         error_of(i).rounding = lacks_exact_value(taken_side) ? Exact::difference(n.value, exact(exact_side))
                                                              : Exact::nearest(exact(taken_side) - exact(exact_side));
+    }
+
+    static bool have_same_bits(double a, double b) {
+        return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
     }
 
     /// True if a side that was taken by mistake has no exact value (such as the root of a number that is negative
@@ -202,7 +209,7 @@ private:
         if (!e.live || is_given(n.op)) return;
         if (n.op == TapeOp::call) return pass_through_call(i);
         has_failed_ |= !is_decision(n.op) && !Exact::is_good(exact(i), n.value);
-        const NodeId taken_side = side_taken(tape_, i);
+        const NodeId taken_side = e.side;
         if (e.turned && taken_side != no_node && lacks_exact_value(taken_side)) return;
         std::array<Step, 3> differences{}, points{};
         for (std::size_t k = 0; k < row_of(n.op).operands; ++k) {
@@ -290,7 +297,7 @@ private:
         for (;;) {
             const TapeNode& n = tape_[i];
             if (is_given(n.op)) return no_node;
-            const NodeId taken_side = side_taken(tape_, i);
+            const NodeId taken_side = error_of(i).side;
             NodeId next = no_node;
             for (const NodeId operand : n.operands) {
                 const bool follows = taken_side == no_node || operand == taken_side;

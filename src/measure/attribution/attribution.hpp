@@ -31,6 +31,8 @@ struct OperationError {
                               ///< `AttributionDepth::full`
     int cancelled = 0;  ///< for a sum (or the sum in an fma), max(exponent of operands) − exponent of result; the whole
                         ///< significand if the result is 0
+    NodeId side = no_node;  ///< of a choice, the operand that the result comes from. If both have the same computed
+                            ///< value, it is the one that exact values choose, and the choice makes no error
     bool carried = false;  ///< an operand carries error, so a cancellation here is catastrophic; otherwise it is benign
     bool live = false;     ///< the subject is computed from it, on the chosen side of each select
     bool turned = false;   ///< a decision, or the choice of a min, max, select or sign, that differs from the exact one

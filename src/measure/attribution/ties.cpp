@@ -12,11 +12,11 @@ namespace {
 
 /// Calls f(operand) for each operand whose error goes through node i, in the order of the formula.
 template <class F>
-void for_each_source(const Tape& tape, NodeId i, const F& f) {
+void for_each_source(const Tape& tape, const Attribution& attribution, NodeId i, const F& f) {
     const TapeNode& n = tape[i];
     if (is_given(n.op)) return;
     if (n.op == TapeOp::call) return static_cast<void>(std::ranges::for_each(tape.operands_of(i), f));
-    const Quotients quotients = quotients_of(n, {}, side_taken(tape, i));
+    const Quotients quotients = quotients_of(n, {}, attribution[i].side);
     for (std::size_t k = 0; k < quotients.size(); ++k) {
         if (quotients[k]) f(n.operands[k]);
     }
@@ -26,10 +26,13 @@ void for_each_source(const Tape& tape, NodeId i, const F& f) {
 class NodePositions {
 public:
     NodePositions(const Tape& tape, const Attribution& attribution)
-        : tape_(tape), distances_(tape.nodes.size()), positions_(tape.nodes.size(), unnumbered) {
+        : tape_(tape),
+          attribution_(attribution),
+          distances_(tape.nodes.size()),
+          positions_(tape.nodes.size(), unnumbered) {
         for (NodeId i = attribution.subject; i >= 0; --i) {
             if (!attribution[i].live) continue;
-            for_each_source(tape, i, [&](NodeId source) {
+            for_each_source(tape, attribution, i, [&](NodeId source) {
                 element(distances_, source) = std::max(element(distances_, source), element(distances_, i) + 1);
             });
         }
@@ -53,12 +56,13 @@ private:
             if (element(positions_, i) != unnumbered) continue;
             element(positions_, i) = next_position++;
             const auto old_size = static_cast<std::ptrdiff_t>(pending.size());
-            for_each_source(tape_, i, [&](NodeId source) { pending.push_back(source); });
+            for_each_source(tape_, attribution_, i, [&](NodeId source) { pending.push_back(source); });
             std::reverse(pending.begin() + old_size, pending.end());
         }
     }
 
     const Tape& tape_;
+    const Attribution& attribution_;
     std::vector<int> distances_;  ///< number of operations up to the subject, on the longest path
     std::vector<int> positions_;  ///< position in reading order
 };
@@ -119,7 +123,7 @@ bool is_computed_from(const Tape& tape, const Attribution& attribution, NodeId i
     const auto mark = [&](NodeId k) { is_reached[static_cast<std::size_t>(k)] = true; };
     mark(i);
     for (; i > from; --i) {
-        if (is_reached[static_cast<std::size_t>(i)] && attribution[i].live) for_each_source(tape, i, mark);
+        if (is_reached[static_cast<std::size_t>(i)] && attribution[i].live) for_each_source(tape, attribution, i, mark);
     }
     return is_reached[static_cast<std::size_t>(from)];
 }

@@ -187,6 +187,21 @@ TEST_CASE("ties: wrong choices that undo each other are the culprit only where n
     CHECK(one.culprit == a.node());
 }
 
+TEST_CASE("ties: a choice between two numbers that have the same computed value makes no error", "[ties]") {
+    using T = ByHand::T;
+    for (const bool sum_first : {true, false}) {
+        const ByHand hand;
+        const auto sum = hand.down(), number = T(0x1p53);  // 2^53 + 1 without rounding, and 2^53: the larger is the sum
+        const auto t = sum_first ? max(sum, number) : max(number, sum);
+        const Attribution a = attribution_of(hand, t);
+        CHECK(a.culprit == sum.node());
+        CHECK(a.equals.empty());
+        CHECK(a.error == -1);
+        CHECK_FALSE(a[t.node()].turned);
+        CHECK(a[t.node()].side == sum.node());
+    }
+}
+
 TEST_CASE("ties: contributions are equal if they agree to 2^-20", "[ties]") {
     for (const auto& [more, equal] : {std::pair{0x1p-21, true}, std::pair{0x1p-19, false}}) {
         const ByHand hand;
