@@ -97,7 +97,7 @@ struct ConsistencyAdapter {
 
 private:
     /// `12 of 3072 (0.39%)`
-    static std::string share_text(std::uint64_t part, std::uint64_t whole) {
+    static std::string part_text(std::uint64_t part, std::uint64_t whole) {
         return fmt::format("{} of {} ({:.3g}%)", part, whole, 100 * measure::truth::fraction(part, whole));
     }
 
@@ -109,16 +109,16 @@ private:
         if (check.name == "end") {
             const auto yes = s.of(measure::consistency::CheckResult::second_alone);
             if (s.asked() > 0 && yes > 0 && yes < s.asked())
-                add("a hit exactly at the end of the ray counts for " + share_text(yes, s.asked()));
+                add("a hit exactly at the end of the ray counts for " + part_text(yes, s.asked()));
             return text;
         }
-        if (s.decisions() > 0) add("decisions differ for " + share_text(s.decisions(), s.asked()));
+        if (s.decisions() > 0) add("decisions differ for " + part_text(s.decisions(), s.asked()));
         const double excess_ulps = s.excess.quantile(1);  // NaN if no numbers are compared
         if (s.of(measure::consistency::CheckResult::other_number) > 0 && !(excess_ulps > 0))
-            add("numbers differ for " + share_text(s.of(measure::consistency::CheckResult::other_number), s.asked()));
+            add("numbers differ for " + part_text(s.of(measure::consistency::CheckResult::other_number), s.asked()));
         if (s.of(measure::consistency::CheckResult::by_inputs) > 0 && !check.numbers)
             add("decisions differ because of rounded inputs, not the form, for " +
-                share_text(s.of(measure::consistency::CheckResult::by_inputs), s.asked()));
+                part_text(s.of(measure::consistency::CheckResult::by_inputs), s.asked()));
         if (excess_ulps > 0)
             add(fmt::format("{} are up to {:.3g} ulps further apart than the exact ones",
                             check.name == "placed" ? "both t" : "both ends", excess_ulps));

@@ -23,4 +23,11 @@ struct Hit {
     T far;
 };
 
+/// The answer of a form that finds one intersection: near = far = t. It takes its arguments by value: with references,
+/// GCC 12 writes three unused registers to the stack for each pack, which costs up to a tenth of the time at 512 bits.
+template <class T>
+Hit<T> single_hit(mask_t<T> hit, T t) {
+    return {hit, t, t, t};
+}
+
 }  // namespace lostbits

@@ -86,7 +86,8 @@ TEST_CASE("explain: the far side of a sphere instead of the near one is reported
                           "--ray=0x1.9c864cp-11,0x1.9c864cp-12,-0x1.f2779cp-12,-0x1.a1130ep-1,-0x1.50003ep-2,"
                           "0x1.e9c538p-2 -i sphere.unified -f f32")
                           .out;
-    CHECK(has(text, "A wrong root: the line also crosses the same primitive there."));
+    CHECK(
+        has(text, "Perhaps the wrong root: another crossing of the same primitive is nearer to t than the true one."));
     CHECK(has(text, "The culprit is t = select("));
     CHECK(has(text, "its wrong choice"));
 }

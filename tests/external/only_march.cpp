@@ -13,7 +13,7 @@ struct HalfSteps {  // steps of half the field
                             Watch& watch) {
         const auto half = [&](const Vec<T>& p) { return field(p) / T(2); };
         const auto m = intersect::sdf::march(ray, half, c, watch, [&](const T& d, const T&) { return d < c.hit_eps; });
-        return intersect::sdf::single_hit(m.hit, m.t);
+        return single_hit(m.hit, m.t);
     }
 };
 

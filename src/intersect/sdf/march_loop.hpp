@@ -65,10 +65,4 @@ MarchSamples<T> march(const Ray<T>& ray, const Field& field, const MarchConstant
     return m;
 }
 
-/// The answer of a form that yields one intersection: near = far = t.
-template <class T>
-Hit<T> single_hit(const mask_t<T>& hit, const T& t) {
-    return {hit, t, t, t};
-}
-
 }  // namespace lostbits::intersect::sdf

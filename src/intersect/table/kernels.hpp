@@ -33,8 +33,8 @@ Hit<T> intersect_target(const Ray<T>& ray, const Target<T>& target, const T& tma
 template <class T, class Watch>
 using EvaluateTarget = Hit<T> (*)(const Ray<T>&, const Target<T>&, const T&, Watch&, std::size_t);
 
-/// Runs a form over a batch in T, which holds the stored numbers of type S exactly or rounded once to a narrower format.
-/// `evaluate` is the `intersect_target` of the form; `marches` is true if the form marches.
+/// Runs a form over a batch in T, which holds the stored numbers, of type S, exactly or rounded once to a narrower
+/// format. `evaluate` is the `intersect_target` of the form; `marches` is true if the form marches.
 template <class T, class S, class Evaluate, class Marches>
 void intersect_batch(const Evaluate& evaluate, Marches marches, const RayBatch<S>& rays, const Target<T>& target,
                      const HitBatch<S>& hits) {

@@ -45,9 +45,12 @@ std::string outcome_sentence(const Explanation& x) {
     if (!std::isfinite(x.result.ulps))
         return fmt::format("t is {}, the true t is {}: all {} bits lost.", number_phrase(t), number_phrase(true_t),
                            x.format.parameters.precision);
-    return fmt::format("t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.{}", file::decimal(t),
-                       file::hex(t), file::decimal(true_t), x.result.ulps, x.result.lost, x.format.parameters.precision,
-                       is_wrong_root(x) ? " A wrong root: the line also crosses the same primitive there." : "");
+    return fmt::format(
+        "t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.{}", file::decimal(t), file::hex(t),
+        file::decimal(true_t), x.result.ulps, x.result.lost, x.format.parameters.precision,
+        is_wrong_root(x)
+            ? " Perhaps the wrong root: another crossing of the same primitive is nearer to t than the true one."
+            : "");
 }
 
 /// `beyond tmax = 3.9`, `before tmin = 5`; for a hit at the end itself, `at tmax = 4` with the reason why it is

@@ -8,13 +8,6 @@
 
 namespace lostbits::intersect::triangle {
 
-/// Returns the answer of a form that finds one t. It takes its arguments by value: with references, GCC 12 writes three
-/// unused registers to the stack for each pack, which costs up to a tenth of the time at 512 bits.
-template <Number T>
-Hit<T> single_hit(mask_t<T> hit, T t) {
-    return {hit, t, t, t};
-}
-
 /// Returns a·b, summed from the last component as in Embree.
 template <Number T>
 T dot_from_z(const Vec<T>& a, const Vec<T>& b) {
