@@ -63,7 +63,7 @@ def include_directions(path, text, rooms):
     (those of the program, in analysis/, by their bare names)."""
     own = room_of(path)
     if own not in rooms:
-        return [f"{path}: is in no room that src/README.md lists"]
+        return [f"{path}: is in no folder that src/README.md lists"]
     offences = []
     for line, bracket, name in includes_of(text):
         room = name.rpartition("/")[0]
@@ -73,7 +73,7 @@ def include_directions(path, text, rooms):
             if bracket == '"' and not (own == PROGRAM and not room):
                 offences.append(f"{path}:{line}: includes {name}, which must be named from src/")
         elif rooms.index(room) > rooms.index(own) and not lists:
-            offences.append(f"{path}:{line}: {own} includes {name}, whose room comes later in src/README.md")
+            offences.append(f"{path}:{line}: {own} includes {name}, whose folder comes later in src/README.md")
     return offences
 
 
@@ -81,7 +81,7 @@ def room_namespace(path, text):
     """A file opens the namespace of its room, and no other namespace of lostbits that is not inside it."""
     own, code = namespace_of(room_of(path)), "\n" + code_of(text)
     names = re.findall(r"\n(?:inline )?namespace ([\w:]+) \{", code)
-    offences = [f"{path}: opens {name}, but its room has {own}" for name in names
+    offences = [f"{path}: opens {name}, but its folder has {own}" for name in names
                 if name.startswith("lostbits") and not (name + "::").startswith(own + "::")]
     return offences + [f"{path}: does not open {own}"] * ("\nnamespace " in code and own not in names)
 

@@ -18,7 +18,7 @@ struct TransformMethodInfo {
     bool normalises = false;  ///< the form receives directions of length one
 };
 
-/// The steps of a transform method, in this order. `measure::blame` distinguishes the rounding errors of the steps.
+/// The steps of a transform method, in this order. `measure::answer` distinguishes the rounding errors of the steps.
 enum class TransformStep {
     inverse,    ///< computes the other matrix from the stored one
     origin,     ///< converts the origin of the ray to the space of the primitive
