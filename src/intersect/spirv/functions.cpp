@@ -127,7 +127,8 @@ TypedText Translator::emit(const SpirvType& type, const std::string& text) {
     return {&type, name, {}};
 }
 
-/// Calls the function whose name states what cannot be followed.
+/// Emits a call of a function that does not exist. Its name contains the sentence about what cannot be followed, which
+/// becomes the message if the walk reaches the call.
 TypedText Translator::refuse(const SpirvType& type, const std::string& sentence) {
     const std::string name = "@" + quoted_name(refusal + sentence) + "()";
     declarations_.insert("declare extern_weak void " + name);

@@ -16,7 +16,7 @@ struct MitsubaTransform : SameTMethod {
     static Affine<T> inverse(const Affine<T>& m) {
         return adjugate_times_reciprocal(m);
     }
-    /// fma(a.z, o.z, fma(a.y, o.y, fma(a.x, o.x, τ))).
+    /// fma(a.z, o.z, fma(a.y, o.y, fma(a.x, o.x, τ))) for each row; τ is `shift`.
     template <Number T>
     static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
         const auto row_product = [&](std::size_t i) {

@@ -31,7 +31,8 @@ using truth::missing;
 
 namespace {
 
-/// Draws −1, 0 or 1, the same in every run, with Knuth's generator (MMIX), whose high bits are good.
+/// Draws −1, 0 or 1 from the high bits of Knuth's MMIX generator; they are more random than its low bits. Every run
+/// draws the same sequence.
 class RandomMoves {
 public:
     int next() {
@@ -97,8 +98,8 @@ std::vector<Primitive<double>> primitives_around(const Explanation& x, const One
     return primitives;
 }
 
-/// True if two forms, each on its ray, have different truths. If only one of them normalises the direction, their t
-/// have different units, and only the decision counts.
+/// True if the true answers of two forms, each for its own ray, differ. If only one of the forms takes unit directions,
+/// their t have different units, so only hit or miss is compared.
 bool have_different_truths(const Intersector& a, const OneRay& ray_a, const Intersector& b, const OneRay& ray_b) {
     const truth::Truth truth_a = ray_a.truth(*a.info), truth_b = ray_b.truth(*b.info);
     if (truth_a.decision != truth_b.decision) return true;

@@ -18,16 +18,18 @@ struct Rerun {
     [[nodiscard]] double operator[](NodeId i) const { return values[static_cast<std::size_t>(i)]; }
 };
 
-/// Answer if one operation is treated unlike all others. An attribution divides an error along the path from exact to
-/// computed values. A counterfactual is a separate run and need not agree with an attribution.
+/// Answer of a run in which one operation is treated differently from all others. An attribution divides the error of
+/// one run among its operations; a counterfactual is another run, so the two need not agree.
 struct Counterfactual {
     bool hit = false;  ///< the form's decision
-    double error = 0;  ///< on a hit: t − t without any rounding
+    double error = 0;  ///< for a hit: the t of this run minus the t of the run without any rounding
 };
 
 struct Counterfactuals {
-    Counterfactual only_exact;    ///< only this operation is exact; a choice: only it chooses by exact values
-    Counterfactual only_rounded;  ///< only this operation is rounded; a choice: only it chooses as the format did
+    /// Only this operation is exact. If it is a choice, it alone chooses by the exact values.
+    Counterfactual only_exact;
+    /// Only this operation is rounded. If it is a choice, it alone chooses as the format did.
+    Counterfactual only_rounded;
 };
 
 Counterfactuals counterfactuals(const Tape& tape, NodeId operation);

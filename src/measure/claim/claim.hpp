@@ -30,8 +30,8 @@ struct ClaimResult {
     std::uint64_t floats = 0;
     std::uint64_t evaluations = 0;     ///< number of rays that a search tested; 0: the claim is not about a search
     std::vector<double> further = {};  ///< values on further draws, one for each seed; NaN where there is none
-    /// For a 99th percentile of random rays, each one view: interval of the percentile of all such rays, at 95 %
-    /// confidence.
+    /// For a claim about the 99th percentile of independent random rays (one ray per view): an interval that contains
+    /// the 99th percentile of the whole ray distribution with 95 % confidence.
     std::optional<metric::Bounds> bounds = {};
     double seconds = 0;  ///< time of the measurement; claims that share a map or a sweep divide its time equally
 
@@ -39,11 +39,16 @@ struct ClaimResult {
     [[nodiscard]] metric::Spread spread() const { return metric::spread_of(measured, further); }
 };
 
-/// Expected interval of a claim from its draws: their range, widened on either side by half its width. For an onset, or
-/// a fraction that is never 0, the width is measured in powers of two: the ends move by the factor √(high/low), for an
-/// onset by at least 1 + 2^-9. The interval is cut at 0 and, for a fraction, at 1. A further draw leaves the range of N
-/// draws with probability 2/(N + 1), and the wider interval far more rarely. If all draws are equal, the interval is
-/// that number (for an onset, widened by the factor 1 + 2^-9).
+/// Expected interval of a claim from its draws. If they lie in [low, high], the interval is
+///
+///     [low − (high − low)/2, high + (high − low)/2],   its lower end cut at 0 if low ≥ 0,
+///
+/// or, for an onset and for a fraction with low > 0,
+///
+///     [low/f, f·high],   f = √(high/low); for an onset, f is at least 1 + 2^-9.
+///
+/// The upper end of a fraction is cut at 1. A further draw leaves the range of N draws with probability 2/(N + 1), and
+/// the wider interval far more rarely.
 metric::Spread interval_of(const scene::claim::Claim& claim, const ClaimResult& result);
 
 /// Form and format of a claim. Throws InputError, with the claim's position, for names that do not exist.

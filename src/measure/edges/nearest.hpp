@@ -59,12 +59,14 @@ inline constexpr std::size_t edge_units = 1 + searched_outcomes.size();
 /// Runs the census of each row of the share, and searches separately for each of its outcomes. The result has one
 /// element for each row of the share. It depends only on the file and its scene, not on the number of threads.
 ///
-/// A batch has 512 rays from 16 eyes. Each eye aims 32 rays at one point of an edge; one point in four is an end of the
-/// edge. The first ray of an eye has the direction to the point. In the other rays, each component of this direction is
-/// moved by up to `ulps` numbers of the format. The distances of the eyes go up to that of the nearest ray found so
-/// far, and every octave is equally likely. Once there is a nearest ray, half of the eyes are drawn close to its eye,
-/// at distances from a sixteenth of its distance up to the whole. The census draws each eye independently from the
-/// whole range, the same eyes for each row.
+/// A batch has 16 eyes with 32 rays each. An eye aims at one point of an edge; one point in four is an end of the edge.
+/// Its first ray has the direction to that point. In its other rays, each component of that direction is moved by up to
+/// `ulps` numbers of the format.
+///
+/// The search draws the distance of an eye from the smallest distance of the file up to the distance of the nearest ray
+/// found so far; every octave is equally likely. Once it has found a ray, it draws half of the eyes close to that ray's
+/// eye, at 1/16 to 1 times its distance. The census draws each eye independently and over all distances of the file;
+/// every row gets the same eyes.
 ///
 /// A ray counts if the first face that it truly meets contains the edge or vertex that it is aimed at. It is not a
 /// double hit if another face that the form claims is truly at the same t, because rounding has no part in such a tie.

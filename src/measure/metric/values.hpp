@@ -1,4 +1,4 @@
-// Functions of a sample that the rows of the table measure, and the lists of rows that belong together.
+// The functions that compute metrics from a sample, and the lists of metrics that other files add to the table.
 #pragma once
 
 #include <cmath>
@@ -19,8 +19,8 @@ double correct_bits(const Sample& s);
 double herbie(const Sample& s);
 double absolute_error(const Sample& s);
 double relative_error(const Sample& s);
-/// |t − t*| |d|, to a relative error of 2^-50. If the form requires directions of length one, d is the direction that
-/// the form received, whose length is one up to the rounding of the format.
+/// |t − t*| |d|, computed with a relative error of at most 2^-50. For a form that takes unit directions, d is the
+/// normalised direction that it received; its length differs from 1 only by rounding to the format.
 double distance_error(const Sample& s);
 double input_error(const Sample& s);
 double model_error(const Sample& s);
@@ -35,8 +35,9 @@ double normal_error(const Sample& s);
 double point_error(const Sample& s);
 /// Largest relative error of a component of the hit point after projection onto its sphere, in u; missing for boxes.
 double projected_error(const Sample& s);
-/// Number of u by which a far plane's t must grow so that the slabs of a box that is truly hit overlap; missing for
-/// other primitives. For a form behind a box, it is the padding of the bounding box, whatever the primitive.
+/// Smallest padding of tmax, in u, with which the slab test finds a box that is truly hit: (tmin − tmax)/(tmax u), or 0
+/// if the test finds it without padding. Missing for other primitives. For a form behind a bounding box, the padding of
+/// that box, whatever the primitive.
 double padding(const Sample& s);
 /// Same padding for the slabs of one box, in binary32, whether or not the ray hits it.
 double padding(const Ray<float>& ray, const BoundingBox<float>& box);
