@@ -90,8 +90,8 @@ constexpr const char* help_footer =
     "a shader that crashes, ends the program or does not answer\n  4    nothing was selected\n  70   something could "
     "not be proved\n  130  interrupted; finished files stay\nEnvironment:\n  CI                    set to anything: "
     "libraries run in processes of their own, see --isolate\n  LOSTBITS_DATA         the folder with scenes/, sweeps/ "
-    "and claims/\n  LOSTBITS_DEVICE_MODULES  a folder to look for the modules of --shader in first\n  "
-    "LOSTBITS_PLUGIN_PATH  folders to look for a --plugin in, with colons between them\n  NO_COLOR              set "
+    "and claims/\n  LOSTBITS_DEVICE_MODULES  the folder in which the driver modules of --shader are looked for first\n"
+    "  LOSTBITS_PLUGIN_PATH  folders to look for a --plugin in, with colons between them\n  NO_COLOR              set "
     "to anything: no colours\n  TMPDIR                where `-o -` keeps the files that it does not print\nSee "
     "also:\n  `lostbits COMMAND --help`, `lostbits completion bash`, `lostbits manual | man -l -`\n";
 

@@ -30,8 +30,8 @@ std::optional<MissRule> parse_miss_rule(const std::string& text) {
     const auto parsed = scene::dump::NumberParser(*find_format("f64")).read(text);
     if (parsed.kind != scene::dump::NumberParser::Kind::number || !std::isfinite(parsed.value))
         throw InputError(
-            fmt::format("--miss {} is neither a finite number, negative nor never (NaN, infinities and empty "
-                        "cells are misses in any case)",
+            fmt::format("--miss {}: must be a finite number, `negative` or `never` (NaN, infinities and empty cells "
+                        "are misses in any case)",
                         text));
     return MissRule{MissRule::Kind::number, parsed.value};
 }
@@ -43,9 +43,9 @@ std::vector<std::string> to_strings(std::span<const std::string_view> names) { r
 const std::vector<RayFileOption>& ray_file_options() {
     using Options = RayFileOptions;
     static const std::vector<RayFileOption> options{
-        {"--scene", &Options::scene, "The scene whose primitives the rays are tested with"},
+        {"--scene", &Options::scene, "Test the rays with the primitives of this scene"},
         {"--miss", &Options::miss,
-         "The t that means a miss, or negative or never, for a file without a column hit (docs/judge.md)"},
+         "The t that means a miss: a number, `negative` or `never`; for a file without a column hit (docs/judge.md)"},
         {"--direction",
          &Options::direction,
          "unit: t is a distance; any: t is the parameter along the direction (default)",

@@ -222,7 +222,7 @@ void note_without_formula(const std::vector<const Metric*>& metrics, const std::
     for (const Metric* m : metrics) {
         if (!(m->needs & (measure::metric::needs_unrounded | measure::metric::needs_attribution))) continue;
         const std::string why =
-            fmt::format("--metric {}: leaves out {}, whose operations are not known", m->name, forms);
+            fmt::format("--metric {}: cannot be measured for {}, whose operations are not known", m->name, forms);
         if (all) throw InputError(why + "; a form over any number shows its operations (docs/your-own-form.md)");
         if (!quiet) fmt::print(stderr, "lostbits: {}\n", why);
     }

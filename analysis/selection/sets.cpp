@@ -329,7 +329,11 @@ std::string globs_of(const ShapePredicate& meets) {
 
 std::string fitting_forms_advice(const std::vector<TestedForm>& rows, const ShapePredicate& meets) {
     if (const auto several = several_shapes(meets)) return ": " + missing_shapes_text(rows, *several);
-    return "; try -i '" + globs_of(meets) + "'";
+    std::vector<Shape> primitives;
+    for (const Shape shape : all_shapes)
+        if (is_primitive(shape) && (meets(shape) || meets(Shapes(shape).placed()))) primitives.push_back(shape);
+    const std::string reason = primitives.size() == 1 ? ": it has " + joined_plurals(primitives) : "";
+    return reason + "; try -i '" + globs_of(meets) + "'";
 }
 
 }  // namespace lostbits::analysis::selection

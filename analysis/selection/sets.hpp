@@ -74,8 +74,8 @@ const intersect::table::Intersector& plain_set(Shapes shapes);
 /// shapes.
 std::string globs_of(const ShapePredicate& meets);
 
-/// Advice for the end of a message that no selected form can test something: "; try -i 'sphere.*'", or ": it has
-/// spheres and boxes, and no selected form is for boxes; try -i sphere.press+box.inclusive".
+/// Reason and advice for the end of a message that no selected form can test something: ": it has spheres; try -i
+/// 'sphere.*'", or ": it has spheres and boxes, and no selected form is for boxes; try -i sphere.press+box.inclusive".
 std::string fitting_forms_advice(const std::vector<measure::evaluate::TestedForm>& rows, const ShapePredicate& meets);
 
 }  // namespace lostbits::analysis::selection

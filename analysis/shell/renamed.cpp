@@ -55,12 +55,13 @@ UpdatedArguments with_new_names(const Command& program, const std::vector<std::s
         });
         if (row == std::end(renamed)) continue;
         const bool is_value = row->old_name[0] != '-', is_argument = !is_value && row->new_name[0] != '-';
-        std::string sentence =
-            is_value ? fmt::format("{} {}: the list is called {} now", arguments[command], row->old_name, row->new_name)
-            : is_argument
-                ? fmt::format("{} {}: the option is not needed any more; write {} without it", arguments[command],
-                              row->old_name, row->new_name)
-                : fmt::format("{} {}: the option is called {} now", arguments[command], row->old_name, row->new_name);
+        std::string sentence = is_value ? fmt::format("{} {}: the list has been renamed to {}", arguments[command],
+                                                      row->old_name, row->new_name)
+                               : is_argument
+                                   ? fmt::format("{} {}: the option is not needed any more; write {} without it",
+                                                 arguments[command], row->old_name, row->new_name)
+                                   : fmt::format("{} {}: the option has been renamed to {}", arguments[command],
+                                                 row->old_name, row->new_name);
         if (std::ranges::find(result.advice, sentence) == result.advice.end())
             result.advice.push_back(std::move(sentence));
         if (!is_argument) argument.replace(0, end, row->new_name);

@@ -160,17 +160,17 @@ TEST_CASE("old names of options are read, with one line that gives the new name"
         const auto new_run = must("-j 1 " + line + " " + names.second, scratch.path());
         const bool is_option = before.front() == '-';
         const std::string advice =
-            "lostbits: " + command + " " + before + (is_option ? ": the option is " : ": the list is ");
+            "lostbits: " + command + " " + before + (is_option ? ": the option " : ": the list ");
         CHECK(has(old_run.err, advice));
         CHECK(old_run.err.find(advice) == old_run.err.rfind(advice));
         CHECK(has(old_run.err,
-                  !is_option || now.front() == '-' ? "called " + now + " now\n" : "write SCENE without it\n"));
-        CHECK_FALSE(has(new_run.err, "the option is"));
+                  !is_option || now.front() == '-' ? "has been renamed to " + now + "\n" : "write SCENE without it\n"));
+        CHECK_FALSE(has(new_run.err, ": the option "));
         if (command != "trade" && command != "choose") CHECK(old_run.out == new_run.out);  // the others print times
         CHECK_FALSE(has(must("-q " + line + " " + names.first, scratch.path()).err, advice));
     }
     // Words that look like options but are not: a value, and words behind `--`.
-    CHECK_FALSE(has(run("diff a.csv -- --pictures", scratch.path()).err, "the option is"));
+    CHECK_FALSE(has(run("diff a.csv -- --pictures", scratch.path()).err, ": the option "));
     CHECK(has(run("-j 1 --progress none judge rays.csv --format=f23", scratch.path()).err,
               "--answer-format f23: unknown"));
 }

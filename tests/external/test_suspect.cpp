@@ -340,7 +340,7 @@ TEST_CASE("suspicion: commands that need operations report the rows that they le
     const Scratch folder;
     const std::string map = "map near-benign --size 48x32 -f f32 -o out --metric culprit -i odd.right";
     const Outcome both = must(map + " -i sphere.unified" + odd, folder.path());
-    CHECK(has(both.err, "--metric culprit: leaves out odd.right"));
+    CHECK(has(both.err, "--metric culprit: cannot be measured for odd.right"));
     const Outcome alone = run(map + odd, folder.path());
     CHECK(alone.code == 2);
     CHECK(has(alone.err, "docs/your-own-form.md"));

@@ -368,15 +368,18 @@ void guess(UserSignature& s, const StatedSignature& stated, const std::string& s
     const auto has = [&](const std::string& role) {
         return std::ranges::find(parts.all, role, &Part::role) != parts.all.end();
     };
-    if (!has("o")) missing_roles += " origin";
-    if (!has("d") && !has("1/d")) missing_roles += " direction";
+    const auto add_missing = [&missing_roles](const std::string& role) {
+        missing_roles += (missing_roles.empty() ? "" : ", ") + role;
+    };
+    if (!has("o")) add_missing("the origin of the ray");
+    if (!has("d") && !has("1/d")) add_missing("the direction of the ray");
     for (std::size_t k = 0; k < keys.size(); ++k)
-        if (!has("k" + std::to_string(k)) && !keys[k].optional) missing_roles += " " + std::string(keys[k].name);
+        if (!has("k" + std::to_string(k)) && !keys[k].optional)
+            add_missing("`" + std::string(keys[k].name) + "` of the " + std::string(name_of(shape)));
     if (!missing_roles.empty()) {
         std::string example = std::string(name_of(shape)) + "(o, d";
         for (const Key& key : keys) example += ", " + std::string(key.name);
-        throw InputError(subject + ": no argument seems to be the" + missing_roles + " of a ray and " +
-                         with_article(shape) +
+        throw InputError(subject + ": no argument was found for " + missing_roles +
                          "; name the arguments in a comment of the file, such as // lostbits: " + example + ")");
     }
     for (const Part& p : parts.all) {

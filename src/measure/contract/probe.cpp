@@ -200,7 +200,7 @@ void try_t(Trial& trial) {
                  last = last_root(trial.shape);
     const auto is_far = [&](double t) { return is_answer(t, far) || is_answer(t, last); };
     if (is_answer(plain.near, right))
-        return trial.report_kept("the plainest ray gets t = " + text_of(right) + ", which is right");
+        return trial.report_kept("the simplest ray gets t = " + text_of(right) + ", which is right");
     const auto where = " (" + plainest_ray_text(trial.shape, ", ") + ": " + text_of(right) + " is right, it answers " +
                        text_of(plain.near) + ")";
     if (const auto length_mistake = find_length_mistake(trial))
@@ -408,7 +408,7 @@ std::vector<Observation> try_all(const ForeignForm& form) {
     trial.probe("hit", [&hits](Trial& t) {
         hits = t.ask(plainest_question(t.shape)).hit == 1;
         if (!hits && !try_other_side(t))
-            t.report_broken("misses the plainest ray: " + plainest_ray_text(t.shape, ", against "));
+            t.report_broken("misses the simplest ray: " + plainest_ray_text(t.shape, ", against "));
     });
     if (!hits) return std::move(trial.findings);
     if (trial.tells_t) trial.probe("t", try_t);

@@ -59,20 +59,24 @@ std::string name_and_formula(const char* mark, const OperationRow& operation_row
     return padded(std::move(text), widest_expression) + " ";
 }
 
+/// Width of the columns of values, whose widest header is "without rounding".
+int number_width(const Explanation& x) { return std::max(digits_of(x.format.parameters) + 6, 16); }
+
 std::string table_line(const Explanation& x, const OperationRow& operation_row) {
     const bool is_decision_row = operation_row.digits == 0;
     const char* const mark = operation_row.culprit ? "* " : operation_row.off_path ? "- " : "  ";
-    const int width = digits_of(x.format.parameters) + 6;
+    const int width = number_width(x);
     const auto number = [&](double v) {
         if (is_decision_row) return fmt::format("{:>{}}", v != 0 ? "true" : "false", width);
         return fmt::format("{:>{}.{}g}", std::isnan(v) ? std::fabs(v) : v, std::max(width, operation_row.digits + 6),
                            operation_row.digits);
     };
     std::string line =
-        name_and_formula(mark, operation_row) + number(operation_row.computed) + " " + number(operation_row.exact);
+        name_and_formula(mark, operation_row) + number(operation_row.computed) + "  " + number(operation_row.exact);
     if (operation_row.has_errors && !is_decision_row)
-        line += fmt::format(" {:>10} {:<16} {:>6} {:>14} {:>15}", operation_row.error_ulps, operation_row.cancelled,
-                            operation_row.local, operation_row.rounding_ulps, operation_row.contribution_ulps);
+        line +=
+            fmt::format("  {:>10}  {:<16}  {:>6}  {:>14}  {:>15}", operation_row.error_ulps, operation_row.cancelled,
+                        operation_row.local, operation_row.rounding_ulps, operation_row.contribution_ulps);
     while (line.back() == ' ') line.pop_back();
     return line +
            (operation_row.branch_flipped ? "  rounding chose the other side"
@@ -82,9 +86,9 @@ std::string table_line(const Explanation& x, const OperationRow& operation_row) 
 }
 
 std::string table(const Explanation& x, const OperationView& view, bool show_all) {
-    const int width = digits_of(x.format.parameters) + 6;
+    const int width = number_width(x);
     std::string text = padded("  operation", widest_expression) +
-                       fmt::format(" {:>{}} {:>{}} {:>10} {:<16} {:>6} {:>14} {:>15}\n", "computed", width,
+                       fmt::format(" {:>{}}  {:>{}}  {:>10}  {:<16}  {:>6}  {:>14}  {:>15}\n", "computed", width,
                                    "without rounding", width, "error, ulp", "bits cancelled", "local", "own error, ulp",
                                    fmt::format("share of {}, ulp", view.subject()));
     const OperationTable operations = operation_table(x, view, show_all);
@@ -357,7 +361,7 @@ std::string explain_text(const Explanation& x, bool show_all, const std::optiona
     text += table(x, view, show_all) +
             fmt::format(
                 "\n{}- marks operations that do not lead to the answer. Operations that only choose a branch have no "
-                "share. local: "
+                "share. catastrophic: an operand of the subtraction was already wrong; benign: both were exact. local: "
                 "bits that the operation alone loses on exact operands, "
                 "each rounded once. own: its rounding, in ulps of its own result. The last column assigns the error to "
                 "operations: own times the difference quotient from there to the answer.\n",
