@@ -83,12 +83,12 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
         return;
     }
     const char* label = r.state != State::skipped && claim.severity == Claim::Severity::warn && !o.strict ? "warning"
-                        : r.state == State::broken                                                        ? "broken"
+                        : r.state == State::unmeasurable                                                  ? "broken"
                         : r.state == State::skipped                                                       ? "skipped"
                                                                                                           : "FAILED";
-    const std::string problem = r.state == State::skipped  ? "cannot be measured on this machine"
-                                : r.state == State::broken ? "could not be measured"
-                                                           : output::claim::changed_text(claim, r);
+    const std::string problem = r.state == State::skipped        ? "cannot be measured on this machine"
+                                : r.state == State::unmeasurable ? "could not be measured"
+                                                                 : output::claim::changed_text(claim, r);
     fmt::print("{}: {}: {} ({})\n", label, problem, terminal_line(claim.id), terminal_line(claim.statement));
     fmt::print("         {}: {}\n", terminal_line(claim.where.text()), terminal_line(output::claim::explain(claim, r)));
     if (r.witness.x >= 0) {
@@ -123,12 +123,12 @@ std::string draws_text(const Claim& claim, const ClaimResult& r) {
 
 /// Prints a table of the values that claims about random rays measure in several draws.
 void print_spreads(const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
-    if (std::ranges::none_of(results, &ClaimResult::is_drawn)) return;
+    if (std::ranges::none_of(results, &ClaimResult::is_random)) return;
     constexpr const char* line_format = "{:<44} {:>12} {:>12} {:>12} {:>12}  {:<26} {}\n";
     fmt::print(line_format, "claims about random rays", "own draw", "lowest", "median", "highest", "interval",
                "samples");
     for (std::size_t i = 0; i < claims.size(); ++i) {
-        if (!results[i].is_drawn()) continue;
+        if (!results[i].is_random()) continue;
         const auto s = results[i].spread();
         const auto text = [](double x) { return fmt::format("{:.6g}", x); };
         fmt::print(line_format, terminal_line(claims[i].id), text(results[i].measured), text(s.low), text(s.median),
@@ -149,7 +149,7 @@ Exit report_times(const std::vector<Claim>& claims, const std::vector<ClaimResul
                                                                  : "broken";
         fmt::print("{:<8} {:<9} {:>5} in [{}, {}]  {}: {}\n", label, name_of(c.verdict),
                    is_measured ? fmt::format("{:.2f}", results[i].measured) : "-", c.low, c.high, terminal_line(c.id),
-                   terminal_line(is_measured ? c.statement : results[i].trouble));
+                   terminal_line(is_measured ? c.statement : results[i].reason));
     }
     return Exit::done;
 }
@@ -259,7 +259,7 @@ Exit run(const CheckOptions& o, const Common& common) {
     }
     if (skipped > 0 && skipped == claims.size()) {
         fmt::print(stderr, "lostbits: every claim was skipped, so nothing was checked; the reason of the first: {}\n",
-                   terminal_line(results.front().trouble));
+                   terminal_line(results.front().reason));
         return Exit::nothing_selected;
     }
     return failed == 0 ? Exit::done : Exit::answer_is_no;

@@ -94,7 +94,7 @@ set(metrics ${WORK}/src/measure/metric/metrics.cpp)
 file(READ ${metrics} text)
 string(REPLACE "#include \"measure/metric/values.hpp\"\n"
     "#include \"measure/metric/lateness.hpp\"\n#include \"measure/metric/values.hpp\"\n" text "${text}")
-string(REPLACE "metrics_of_weights()});" "metrics_of_weights(), metrics_of_lateness});" text "${text}")
+string(REPLACE "metrics_of_barycentrics()});" "metrics_of_barycentrics(), metrics_of_lateness});" text "${text}")
 file(WRITE ${metrics} "${text}")
 execute_process(COMMAND ${CMAKE_COMMAND} -S ${WORK} -B ${WORK}/build -G Ninja -DCMAKE_BUILD_TYPE=Debug
     -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_FLAGS_DEBUG=-O0 -g0" -DLOSTBITS_BUILD_TESTS=OFF -DLOSTBITS_BUILD_BENCH=OFF

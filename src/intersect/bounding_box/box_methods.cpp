@@ -52,7 +52,7 @@ BoundingBox<double> in_format(const Format& format, const Primitive<double>& sto
             auto bounding_box = world_box<Method>(primitive);
             BoundingBox<double> box;
             for (int i = 0; i < 3; ++i) {
-                for (int move = 0; move < Method::info.steps; ++move) {
+                for (int move = 0; move < Method::info.outward_steps; ++move) {
                     bounding_box.lo[i] = next_down(bounding_box.lo[i]);
                     bounding_box.hi[i] = next_up(bounding_box.hi[i]);
                 }

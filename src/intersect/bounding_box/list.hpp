@@ -11,9 +11,9 @@ struct BoxMethodInfo {
     std::string_view name;  ///< such as `nearest` in `sphere.unified^box.signs~nearest`, unique
     std::string_view title;
     std::string_view source;
-    bool outward = false;  ///< true for the exact box with its numbers rounded outward; otherwise the box is computed
-                           ///< in the format
-    int steps = 0;         ///< number of neighbours in the format by which each number is then moved outward
+    bool outward = false;   ///< true for the exact box with its numbers rounded outward; otherwise the box is computed
+                            ///< in the format
+    int outward_steps = 0;  ///< number of neighbours in the format by which each number is then moved outward
 };
 
 /// Base of methods that compute a corner of a box under a matrix by rows: ((a p.x + b p.y) + c p.z) + d.
@@ -47,7 +47,7 @@ struct NextBox : PointByRows {
         .name = "next",
         .title = "as nearest, and each number then moved to the next one outward",
         .source = "-",
-        .steps = 1,
+        .outward_steps = 1,
     };
 };
 

@@ -11,9 +11,9 @@ namespace {
 
 std::string label(const std::string& id) { return "%b." + id; }
 
-std::string symbol(const std::string& id) { return "@f." + id; }
+std::string function_symbol(const std::string& id) { return "@f." + id; }
 
-bool is_chain(const SpirvInstruction& instruction) {
+bool is_access_chain(const SpirvInstruction& instruction) {
     return instruction.op == "OpAccessChain" || instruction.op == "OpInBoundsAccessChain";
 }
 
@@ -32,7 +32,7 @@ bool Translator::is_written_first(std::size_t first, std::size_t end, const std:
     for (std::size_t k = first; k < end; ++k) {
         const SpirvInstruction& instruction = instructions_[k];
         if (is_debug_info(instruction)) continue;
-        if (is_chain(instruction) && parts.contains(instruction.at(1))) parts.insert(instruction.result);
+        if (is_access_chain(instruction) && parts.contains(instruction.at(1))) parts.insert(instruction.result);
         else if (instruction.op == "OpStore" && parts.contains(instruction.at(0))) return true;
         else if (std::ranges::any_of(instruction.operands, [&](const std::string& o) { return parts.contains(o); }))
             return false;
@@ -89,8 +89,8 @@ void Translator::translate_function(std::size_t first, std::size_t end) {
         "distinct !DISubprogram(name: " + quoted_name(name.empty() ? function_instruction.result : name) +
         ", scope: " + file_ + ", file: " + file_ + ", line: " + std::to_string(std::max(line, 0)) + ", type: " + types +
         ", unit: " + unit_ + ", spFlags: DISPFlagDefinition)";
-    body_.push_back("define internal " + returned_type.text + " " + symbol(function_instruction.result) + "(" + list +
-                    ") !dbg " + scope_ + " {");
+    body_.push_back("define internal " + returned_type.text + " " + function_symbol(function_instruction.result) + "(" +
+                    list + ") !dbg " + scope_ + " {");
     places_.begin_function();
     known_places_.clear();
     for (std::size_t k = first + 1; k < end; ++k)
@@ -143,6 +143,7 @@ void Translator::translate_instruction(const SpirvInstruction& instruction) {
     };
     if (instruction.op == "OpLine") return declare(instruction);
     if (is_debug_info(instruction)) {
+        // Its operands from 3 on: source, first line, last line, first column, last column.
         if (instruction.at(2) == "DebugLine") places_.visit(number(4), number(6));
         return;
     }
@@ -156,8 +157,9 @@ void Translator::translate_instruction(const SpirvInstruction& instruction) {
     if (translate_control(instruction)) return;
     for (const std::string& operand : instruction.operands) {
         const auto operand_value = values_.find(operand);
-        const bool uses_refused_address =
-            operand_value != values_.end() && !operand_value->second.refusal_reason.empty() && !is_chain(instruction);
+        const bool uses_refused_address = operand_value != values_.end() &&
+                                          !operand_value->second.refusal_reason.empty() &&
+                                          !is_access_chain(instruction);
         if (!uses_refused_address) continue;
         const std::string reason = operand_value->second.refusal_reason;
         const SpirvType& type =
@@ -242,7 +244,7 @@ TypedText Translator::translate_call(const SpirvInstruction& instruction) {
     std::string list;
     for (std::size_t k = 2; k < instruction.operands.size(); ++k)
         list += (k == 2 ? "" : ", ") + value(instruction.at(k), instruction).typed();
-    const std::string text = "call " + type.text + " " + symbol(instruction.at(1)) + "(" + list + ")";
+    const std::string text = "call " + type.text + " " + function_symbol(instruction.at(1)) + "(" + list + ")";
     if (type.kind != Kind::void_type) return emit(type, text);
     emit_line(text);
     return {&type, "undef", {}};
@@ -250,7 +252,7 @@ TypedText Translator::translate_call(const SpirvInstruction& instruction) {
 
 bool Translator::translate_memory(const SpirvInstruction& instruction) {
     if (instruction.op == "OpVariable") translate_variable(instruction);
-    else if (is_chain(instruction)) values_[instruction.result] = element_address(instruction);
+    else if (is_access_chain(instruction)) values_[instruction.result] = element_address(instruction);
     else if (instruction.op == "OpFunctionCall") values_[instruction.result] = translate_call(instruction);
     else if (instruction.op == "OpLoad") {
         const SpirvType& type = type_of(instruction.at(0), instruction);
@@ -309,7 +311,9 @@ TypedText Translator::construct(const SpirvType& type, const Values& parts) {
 bool Translator::translate_composite(const SpirvInstruction& instruction) {
     const auto type = [&]() -> const SpirvType& { return type_of(instruction.at(0), instruction); };
     const auto index = [&](const SpirvType& composite, std::size_t k) {
-        const std::size_t n = instruction.at(k).size() > 4
+        // An index of more digits is outside of every type.
+        constexpr std::size_t most_digits = 4;
+        const std::size_t n = instruction.at(k).size() > most_digits
                                   ? ~std::size_t{0}
                                   : static_cast<std::size_t>(std::atoi(instruction.at(k).c_str()));
         if (composite.part(n) == nullptr) instruction.fail("an index is outside of its type");
@@ -338,7 +342,9 @@ bool Translator::translate_composite(const SpirvInstruction& instruction) {
         const TypedText a = value(instruction.at(1), instruction), b = value(instruction.at(2), instruction);
         Values lanes;
         for (std::size_t k = 3; k < instruction.operands.size(); ++k) {
-            const std::size_t n = instruction.at(k).size() > 2
+            // Lanes have indices of one or two digits; 4294967295 stands for a lane without a value.
+            constexpr std::size_t most_digits = 2;
+            const std::size_t n = instruction.at(k).size() > most_digits
                                       ? ~std::size_t{0}
                                       : static_cast<std::size_t>(std::atoi(instruction.at(k).c_str()));
             const bool first = n < a.type->count;

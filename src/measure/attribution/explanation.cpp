@@ -50,12 +50,12 @@ double moved_by_ulps(double x, int ulps, const FloatFormat& format) {
 
 /// Result of a form with this answer. For a form that answers no t, only the decision counts.
 FormResult result_of_answer(const Intersector& form, const Format& format, const OneRay& ray, bool hit, double t) {
-    const bool tells_t = form.info->roots != intersect::Roots::none;
-    FormResult s{&form, answer::classify(ray.truth(*form.info).decision, hit, tells_t ? t : 0), t};
-    if (s.outcome != Outcome::agree_hit || !tells_t) return s;
-    s.ulps = truth::ulp_error(t, ray.true_t(*form.info), format.parameters);
-    s.lost = truth::lost_bits(s.ulps, format.parameters.precision);
-    return s;
+    const bool returns_t = form.info->roots != intersect::Roots::none;
+    FormResult result{&form, answer::classify(ray.truth(*form.info).decision, hit, returns_t ? t : 0), t};
+    if (result.outcome != Outcome::agree_hit || !returns_t) return result;
+    result.ulps = truth::ulp_error(t, ray.true_t(*form.info), format.parameters);
+    result.lost = truth::lost_bits(result.ulps, format.parameters.precision);
+    return result;
 }
 
 /// Result of the form's nearest answer over the primitives of the scene, as in a picture.
@@ -77,10 +77,13 @@ double mean_lost_bits(const Intersector& form, const Format& format, const Surro
     double sum = 0;
     int counted = 0;
     for (const OneRay& ray : surroundings.rays) {
-        const FormResult s = result_of_form(form, format, ray);
-        if (s.outcome == Outcome::unresolved || (surroundings.skips_misses && s.outcome == Outcome::agree_miss))
+        const FormResult result = result_of_form(form, format, ray);
+        if (result.outcome == Outcome::unresolved ||
+            (surroundings.skips_misses && result.outcome == Outcome::agree_miss))
             continue;
-        sum += !s.is_right() ? format.parameters.precision : !counts_t || std::isnan(s.lost) ? 0 : s.lost;
+        sum += !result.is_right()                     ? format.parameters.precision
+               : !counts_t || std::isnan(result.lost) ? 0
+                                                      : result.lost;
         ++counted;
     }
     return counted == 0 ? missing : sum / counted;
@@ -128,28 +131,28 @@ const Intersector* with_generator_of(const Intersector& explained, const Interse
 /// Result of another form on a ray and, if it is right there, on the rays around it.
 FormResult result_of_other_form(const Explanation& x, const OneRay& ray, const Intersector& form,
                                 const OneRay& form_ray, const Surroundings& surroundings) {
-    FormResult s = result_of_form(form, x.format, form_ray);
-    s.other_question = have_different_truths(*x.form, ray, form, form_ray);
-    const bool lost_all = s.outcome == Outcome::agree_hit && !(s.lost < x.format.parameters.precision);
+    FormResult result = result_of_form(form, x.format, form_ray);
+    result.other_question = have_different_truths(*x.form, ray, form, form_ray);
+    const bool lost_all = result.outcome == Outcome::agree_hit && !(result.lost < x.format.parameters.precision);
     // A form that answers no t loses no bits of it, but is not better than a form that is right.
-    const bool answers_no_t = std::isnan(s.lost) && !std::isnan(x.result.lost);
-    if (s.is_right() && !lost_all && !answers_no_t && !s.other_question)
-        s.lost_nearby = mean_lost_bits(form, x.format, surroundings, x.tells_t());
-    return s;
+    const bool answers_no_t = std::isnan(result.lost) && !std::isnan(x.result.lost);
+    if (result.is_right() && !lost_all && !answers_no_t && !result.other_question)
+        result.lost_nearby = mean_lost_bits(form, x.format, surroundings, x.returns_t());
+    return result;
 }
 
-void add_if_better(Explanation& x, const FormResult& s) {
-    if (s.lost_nearby < x.result.lost_nearby) x.better.push_back(s);
+void add_if_better(Explanation& x, const FormResult& result) {
+    if (result.lost_nearby < x.result.lost_nearby) x.better.push_back(result);
 }
 
-void find_better(Explanation& x, const OneRay& ray, const Surroundings& surroundings,
-                 std::span<const Intersector* const> named_forms) {
-    x.result.lost_nearby = mean_lost_bits(*x.form, x.format, surroundings, x.tells_t());
+void compare_with_other_forms(Explanation& x, const OneRay& ray, const Surroundings& surroundings,
+                              std::span<const Intersector* const> named_forms) {
+    x.result.lost_nearby = mean_lost_bits(*x.form, x.format, surroundings, x.returns_t());
     std::vector<const Intersector*> candidates;
     for (const Intersector& other : intersect::table::intersectors()) candidates.push_back(&other);
     if (const auto parts = intersect::transform::transformed_parts_of(*x.form); parts.method != nullptr)
-        for (const auto& space : intersect::transform::transform_methods())
-            candidates.push_back(&intersect::transform::through(space, *parts.form));
+        for (const auto& method : intersect::transform::transform_methods())
+            candidates.push_back(&intersect::transform::through(method, *parts.form));
     if (const auto parts = intersect::bounding_box::boxed_parts_of(*x.form); parts.form != nullptr)
         for (const Intersector& box : intersect::table::intersectors(parts.box->shape))
             if (intersect::external::is_safe_to_run(box))
@@ -165,9 +168,9 @@ void find_better(Explanation& x, const OneRay& ray, const Surroundings& surround
         }
         if (!intersect::external::is_safe_to_run(innermost(*other)) && !is_named) continue;
         try {
-            const FormResult s = result_of_other_form(x, ray, *candidate, ray, surroundings);
-            add_if_better(x, s);
-            if (is_named) x.compared.push_back(s);
+            const FormResult result = result_of_other_form(x, ray, *candidate, ray, surroundings);
+            add_if_better(x, result);
+            if (is_named) x.compared.push_back(result);
         } catch (const EnvironmentError& error) {
             x.failures.emplace_back(error.what());
         }
@@ -197,9 +200,9 @@ void find_better_generators(Explanation& x, const OneRay& ray, const ScenePixel&
         try {
             const scene::file::Scene scene = with_rays(*pixel.scene, generator);
             const auto rays = pixels_around(pixel, scene, ray.touching());
-            const FormResult s = result_of_other_form(x, ray, scene::rays::with_generator(generator, form),
-                                                      rays.front(), around_pixel(x, rays));
-            add_if_better(x, s);
+            const FormResult result = result_of_other_form(x, ray, scene::rays::with_generator(generator, form),
+                                                           rays.front(), around_pixel(x, rays));
+            add_if_better(x, result);
         } catch (const InputError&) {}
     }
 }
@@ -208,10 +211,11 @@ void find_better_generators(Explanation& x, const OneRay& ray, const ScenePixel&
 std::optional<TruePrimitive> missed_primitive(const Intersector& form, const Format& format, const OneRay::Inputs& in,
                                               const std::optional<scene::rays::RecordedRay>& recorded_ray,
                                               int true_primitive) {
-    TruePrimitive result{.primitive = true_primitive, .alone = scene::rays::group_of(in.all.rays[in.index])};
+    TruePrimitive result{.primitive = true_primitive,
+                         .ray_and_primitive = scene::rays::group_of(in.all.rays[in.index])};
     const auto index = static_cast<std::size_t>(true_primitive);
-    result.alone.primitives = {in.all.primitives[index]};
-    result.alone.rays.push_range(in.all.rays, in.index);
+    result.ray_and_primitive.primitives = {in.all.primitives[index]};
+    result.ray_and_primitive.rays.push_range(in.all.rays, in.index);
     const Range<double> range = in.all.rays_for(*form.info).range(in.index);
     const FormatInputs::AimedAt aim = in.all.target_for(form, index);
     const intersect::Target<double> target = aim;
@@ -331,7 +335,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
     if (!is_same_number(given_direction.x, received_direction.x) ||
         !is_same_number(given_direction.y, received_direction.y) ||
         !is_same_number(given_direction.z, received_direction.z))
-        x.given = given_direction;
+        x.given_direction = given_direction;
     x.primitives = static_cast<int>(in.all.primitives.size());
     const std::size_t primitive = answer::measured_primitive(
         in.all, in.index, answers.hit[in.index] != 0 ? answers.object[in.index] : truth.object);
@@ -373,7 +377,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
     }
     if (truth.decision == truth::Truth::Decision::miss) find_hits_out_of_range(x, ray, in);
     const int hit_primitive = answers.object[in.index];
-    const bool hits_wrong_primitive = x.tells_t() && is_primitive(form.shape) && x.hit && truth.is_hit() &&
+    const bool hits_wrong_primitive = x.returns_t() && is_primitive(form.shape) && x.hit && truth.is_hit() &&
                                       !ray.meets_first(hit_primitive, *form.info);
     if (hits_wrong_primitive && x.has_tape())
         x.missed = missed_primitive(form, format, in, ray.recorded_ray(format), truth.object);
@@ -381,12 +385,12 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
         x.result.outcome = answer::Outcome::wrong_primitive;
         x.result.ulps = x.result.lost = missing;
     }
-    if (is_primitive(form.shape) && x.tells_t()) {
+    if (is_primitive(form.shape) && x.returns_t()) {
         const Outcome outcome = ray.outcome(in, answers, *form.info, x.result.outcome);
-        if (outcome != x.result.outcome) x.in_mesh = outcome;
+        if (outcome != x.result.outcome) x.mesh_outcome = outcome;
     }
     if (x.result.outcome == Outcome::agree_hit)
-        x.beyond = truth::excess_bits(x.result.t, ray.true_t(*form.info), format.parameters, reach);
+        x.excess_bits = truth::excess_bits(x.result.t, ray.true_t(*form.info), format.parameters, reach);
     return x;
 }
 
@@ -397,12 +401,12 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
         const OneRay::Inputs in = ray.inputs(form, format);
         const auto primitives = primitives_around(x, in, ray.truth(*form.info).object);
         const auto neighbour_rays = neighbours_of(ray, in, format.parameters, primitives);
-        find_better(x, ray, {neighbour_rays}, named_forms);
+        compare_with_other_forms(x, ray, {neighbour_rays}, named_forms);
     } else {
         const auto pixels = pixels_around(*pixel, *pixel->scene, ray.touching());
         const Surroundings surroundings = around_pixel(x, pixels);
         x.pixels_around = static_cast<int>(surroundings.rays.size());
-        find_better(x, ray, surroundings, named_forms);
+        compare_with_other_forms(x, ray, surroundings, named_forms);
         find_better_generators(x, ray, *pixel);
     }
     std::ranges::stable_sort(x.better, {}, &FormResult::lost_nearby);

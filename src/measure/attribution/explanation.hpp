@@ -34,10 +34,10 @@ struct FormResult {
 struct TruePrimitive {
     int primitive = 0;  ///< index, from 0
     bool hit = false;
-    double t = 0;                      ///< the form's answer; meaningless for a miss
-    bool exact_hit = false;            ///< the form's decision without rounding
-    double exact_t = 0;                ///< the form's t without rounding
-    scene::rays::RayGroup alone = {};  ///< the ray, as the format holds it, with that primitive
+    double t = 0;                                  ///< the form's answer; meaningless for a miss
+    bool exact_hit = false;                        ///< the form's decision without rounding
+    double exact_t = 0;                            ///< the form's t without rounding
+    scene::rays::RayGroup ray_and_primitive = {};  ///< the ray, as the format holds it, with that primitive
 };
 
 struct Explanation {
@@ -48,7 +48,7 @@ struct Explanation {
     Range<double> range = {};             ///< range of the ray, in the format and in the unit of the form's t
     bool is_generated_ray = false;        ///< a camera makes the ray: the true ray is ideal, the form's is computed
     /// Direction of the ray, if the form received it normalised and rounded
-    std::optional<Vec<double>> given = {};
+    std::optional<Vec<double>> given_direction = {};
     bool rounded_inputs = false;                       ///< the format cannot represent the ray or a primitive as given
     std::optional<intersect::Touching> touching = {};  ///< touching convention of all forms; absent: each form's own
     int primitive = 0, primitives = 1;  ///< index of the primitive that is explained, from 0, and the number of all;
@@ -64,13 +64,13 @@ struct Explanation {
     /// For a ray that truly misses: the t of its hit if its range had no end, and if its range began at 0, in the unit
     /// of the form's t.
     std::optional<double> beyond_end = {}, before_begin = {};
-    double condition = 0;  ///< κ; NaN for a miss
-    double inherent = 0;   ///< bits of the envelope; NaN for a miss
-    double beyond = 0;     ///< lost bits beyond the envelope, see `truth::excess_bits`
+    double condition = 0;    ///< κ; NaN for a miss
+    double inherent = 0;     ///< bits of the envelope; NaN for a miss
+    double excess_bits = 0;  ///< lost bits beyond the envelope, see `truth::excess_bits`
     /// Set if the form hits another primitive than the ray truly meets; never for a march.
     std::optional<TruePrimitive> missed = {};
     /// Outcome at a mesh: a crack, a double hit, a wrong neighbour or out of order; absent for other rays.
-    std::optional<answer::Outcome> in_mesh = {};
+    std::optional<answer::Outcome> mesh_outcome = {};
     /// Forms of the same shape in the same format that are right on the ray and lose fewer bits around it, best first.
     std::vector<FormResult> better = {};
     std::vector<FormResult> compared = {};  ///< results of the forms that were named for comparison
@@ -80,10 +80,8 @@ struct Explanation {
     /// Errors of external intersectors that were tried in the comparison and did not answer.
     std::vector<std::string> failures = {};
 
-    /// Lost bits beyond the envelope.
-    [[nodiscard]] double excess() const { return beyond; }
     /// True if the form answers t, and not only hit or miss.
-    [[nodiscard]] bool tells_t() const { return form->info->roots != intersect::Roots::none; }
+    [[nodiscard]] bool returns_t() const { return form->info->roots != intersect::Roots::none; }
     /// True if the operations are known; those of a compiled external function are not.
     [[nodiscard]] bool has_tape() const { return tape.size() > 0; }
     /// The ulp of the format at the subject's exact value (for a comparison, at the larger side).

@@ -14,11 +14,11 @@ using Number = DeepExact::Number;
 
 class Run {
 public:
-    Run(const Tape& tape, std::function<bool(NodeId)> rounds) : tape_(tape), rounds_(std::move(rounds)) {
+    Run(const Tape& tape, std::function<bool(NodeId)> is_rounded) : tape_(tape), is_rounded_(std::move(is_rounded)) {
         for (NodeId i = 0; i < tape.size(); ++i) values_.push_back(result(i, *this));
     }
     /// Takes the run that the tape recorded.
-    explicit Run(const Tape& tape) : tape_(tape), rounds_([](NodeId) { return true; }) {
+    explicit Run(const Tape& tape) : tape_(tape), is_rounded_([](NodeId) { return true; }) {
         for (const TapeNode& n : tape.nodes) values_.emplace_back(n.value);
     }
     /// Runs as `base`, except that `operation` rounds, or chooses, as in `other`. Recomputes only what depends on
@@ -55,11 +55,11 @@ private:
             case OperationKind::given:
             case OperationKind::rounded: {
                 const Number exact = without_rounding(n);
-                return mode.rounds_(i) ? Number(DeepExact::round_to(exact, tape_.format_of(i))) : exact;
+                return mode.is_rounded_(i) ? Number(DeepExact::round_to(exact, tape_.format_of(i))) : exact;
             }
             case OperationKind::called: return call_result(i, mode);
             case OperationKind::exact: return without_rounding(n);
-            case OperationKind::moved: return mode.rounds_(i) ? moved_number(i) : value(n.operands[0]);
+            case OperationKind::moved: return mode.is_rounded_(i) ? moved_number(i) : value(n.operands[0]);
             case OperationKind::sign: {
                 const Number size = abs(value(n.operands[0]));
                 return signbit(mode.value(n.operands[1])) != 0 ? Number(-size) : size;
@@ -79,10 +79,10 @@ private:
     [[nodiscard]] Number call_result(NodeId i, const Run& mode) const {
         const bool has_tape_arguments =
             std::ranges::all_of(tape_.operands_of(i), [&](NodeId k) { return value(k) == Number(tape_[k].value); });
-        if (has_tape_arguments && mode.rounds_(i)) return Number(tape_[i].value);
+        if (has_tape_arguments && mode.is_rounded_(i)) return Number(tape_[i].value);
         const auto exact = attribution::result_of_call<DeepExact>(tape_, i, [&](NodeId k) { return value(k); });
         if (!exact) return Number(tape_[i].value);
-        return mode.rounds_(i) ? Number(DeepExact::round_to(*exact, tape_.format_of(i))) : *exact;
+        return mode.is_rounded_(i) ? Number(DeepExact::round_to(*exact, tape_.format_of(i))) : *exact;
     }
     /// Moves to the next number or to another format. Operands that are not numbers of their format are rounded to it
     /// first.
@@ -94,7 +94,7 @@ private:
     }
 
     const Tape& tape_;
-    std::function<bool(NodeId)> rounds_;
+    std::function<bool(NodeId)> is_rounded_;
     std::vector<Number> values_;
 };
 
@@ -105,8 +105,8 @@ Counterfactual difference(const Tape& tape, const Run& run, const Run& exact) {
 
 }  // namespace
 
-Rerun::Rerun(const Tape& tape, const std::function<bool(NodeId)>& rounds) {
-    const Run run(tape, rounds);
+Rerun::Rerun(const Tape& tape, const std::function<bool(NodeId)>& is_rounded) {
+    const Run run(tape, is_rounded);
     for (NodeId i = 0; i < tape.size(); ++i) values.push_back(DeepExact::nearest(run.value(i)));
 }
 

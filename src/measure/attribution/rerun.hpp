@@ -8,13 +8,13 @@
 
 namespace lostbits::measure::attribution {
 
-/// Reruns a tape in numbers of 2048 bits. The results for which `rounds` is true are rounded to their format, and
+/// Reruns a tape in numbers of 2048 bits. The results for which `is_rounded` is true are rounded to their format, and
 /// decisions are taken by the values of this run. If all results are rounded, `values` are the values of the tape; if
 /// none is, they are the exact values.
 struct Rerun {
     std::vector<double> values;  ///< one for each node, to the nearest double; decisions are 1 or 0
 
-    Rerun(const Tape& tape, const std::function<bool(NodeId)>& rounds);
+    Rerun(const Tape& tape, const std::function<bool(NodeId)>& is_rounded);
     [[nodiscard]] double operator[](NodeId i) const { return values[static_cast<std::size_t>(i)]; }
 };
 

@@ -80,10 +80,10 @@ ClaimResult judge(const Claim& claim, double measured, const evaluate::FormSumma
         if (claim.metric == "wrong_fraction" && summary->fault() != nullptr) result.witness = *summary->fault();
     }
     if (summary && summary->count(answer::Outcome::unresolved) > 0) {
-        result.trouble = scene::toml::count_with_noun(summary->count(answer::Outcome::unresolved),
-                                                      "ray has no proved truth", "rays have no proved truth");
+        result.reason = scene::toml::count_with_noun(summary->count(answer::Outcome::unresolved),
+                                                     "ray has no proved truth", "rays have no proved truth");
     } else if (std::isnan(measured)) {
-        result.trouble = "no ray to measure it on";
+        result.reason = "no ray to measure it on";
     } else {
         result.state = measured >= claim.low && measured <= claim.high ? ClaimResult::State::agrees
                                                                        : ClaimResult::State::disagrees;
@@ -161,15 +161,15 @@ TestedForm claim_row(const Claim& claim) {
 
 void require_proof(ClaimResult& result, std::uint64_t unproved, const char* one, const char* several) {
     if (unproved == 0) return;
-    result.state = ClaimResult::State::broken;
-    result.trouble = scene::toml::count_with_noun(unproved, one, several);
+    result.state = ClaimResult::State::unmeasurable;
+    result.reason = scene::toml::count_with_noun(unproved, one, several);
 }
 
 void add_draw(ClaimResult& result, const ClaimResult& draw) {
-    result.further.push_back(draw.state == ClaimResult::State::broken ? truth::missing : draw.measured);
+    result.further.push_back(draw.state == ClaimResult::State::unmeasurable ? truth::missing : draw.measured);
     if (result.state != ClaimResult::State::agrees || draw.state == ClaimResult::State::agrees) return;
     result.state = draw.state;
-    result.trouble = draw.trouble;
+    result.reason = draw.reason;
     result.witness = draw.witness;
 }
 
@@ -215,8 +215,8 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
     std::map<std::tuple<std::size_t, std::string, std::string>, std::vector<std::size_t>> groups;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];
-        results[i].trouble = unmet_requirement(c);
-        if (results[i].trouble.empty()) groups[{c.subject.index(), c.subject_name(), slow_work(c)}].push_back(i);
+        results[i].reason = unmet_requirement(c);
+        if (results[i].reason.empty()) groups[{c.subject.index(), c.subject_name(), slow_work(c)}].push_back(i);
         else results[i].state = ClaimResult::State::skipped;
     }
     for (const auto& [subject, indices] : groups) {
@@ -233,7 +233,7 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
         for (const std::size_t i : indices) results[i].seconds = elapsed.count() / static_cast<double>(indices.size());
     }
     for (std::size_t i = 0; i < claims.size(); ++i) {
-        if (claims[i].draws > 0 && results[i].state != ClaimResult::State::skipped && !results[i].is_drawn())
+        if (claims[i].draws > 0 && results[i].state != ClaimResult::State::skipped && !results[i].is_random())
             scene::toml::fail(claims[i].where,
                               "`draws` belongs to claims about random rays, and this claim draws none; leave it out");
     }

@@ -14,13 +14,13 @@ namespace lostbits::measure::claim {
 
 /// Result of a claim.
 struct ClaimResult {
-    /// `disagrees`: the measurement lies outside the expectation. `broken`: there was nothing to measure (no sample, no
-    /// onset, a truth that was not proved); it never counts as agreeing. `skipped`: this machine does not meet a
-    /// requirement of the claim.
-    enum class State { agrees, disagrees, broken, skipped };
-    State state = State::broken;
+    /// `disagrees`: the measurement lies outside the expectation. `unmeasurable`: there was nothing to measure (no
+    /// sample, no onset, a truth that was not proved); it never counts as agreeing. `skipped`: this machine does not
+    /// meet a requirement of the claim.
+    enum class State { agrees, disagrees, unmeasurable, skipped };
+    State state = State::unmeasurable;
     double measured = 0;
-    std::string trouble;  ///< reason if it is broken or skipped
+    std::string reason;  ///< why it is unmeasurable or skipped
     /// The worst ray of the measurement, if there is one. For a claim about a kind of wrong decision, the first ray
     /// with it; for a claim about all kinds together, the first ray of the most frequent kind.
     evaluate::WorstRay witness;
@@ -35,7 +35,7 @@ struct ClaimResult {
     std::optional<metric::Bounds> bounds = {};
     double seconds = 0;  ///< time of the measurement; claims that share a map or a sweep divide its time equally
 
-    [[nodiscard]] bool is_drawn() const { return samples > 0; }
+    [[nodiscard]] bool is_random() const { return samples > 0; }
     [[nodiscard]] metric::Spread spread() const { return metric::spread_of(measured, further); }
 };
 

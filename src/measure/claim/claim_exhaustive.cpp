@@ -145,7 +145,7 @@ ClaimResult judge_tally(const Claim& claim, std::size_t row_index, const Exhaust
                                                 : truth::missing;
     ClaimResult result = judge(claim, measured, nullptr);
     result.floats = tally.floats();
-    if (!claim.onset.empty() && !onset) result.trouble = "it does not happen at any of the floats";
+    if (!claim.onset.empty() && !onset) result.reason = "it does not happen at any of the floats";
     require_proof(result, tally.count(Outcome::unresolved), "float has no proved truth", "floats have no proved truth");
     // A command names a ray and its primitives by their numbers, and a mesh has too many numbers for that.
     if (const auto float_index = witness_float(claim, tally); float_index && !request.sweep.mesh)

@@ -66,7 +66,7 @@ template <class Kind, class Measure>
 void measure_draws(const SubjectClaims<Kind>& claims, const ClaimRequest& run, const Measure& measure_draw) {
     measure_draw(claims, 0);
     const bool any_is_drawn =
-        std::ranges::any_of(claims, [](const SubjectClaim<Kind>& c) { return c.result.is_drawn(); });
+        std::ranges::any_of(claims, [](const SubjectClaim<Kind>& c) { return c.result.is_random(); });
     const auto further_draw_count = static_cast<std::size_t>(any_is_drawn ? run.further_draws : 0);
     std::vector<std::vector<ClaimResult>> draws(further_draw_count, std::vector<ClaimResult>(claims.size()));
     intersect::process::in_parallel(std::size_t{0}, further_draw_count, [&](std::size_t d) {
@@ -77,7 +77,7 @@ void measure_draws(const SubjectClaims<Kind>& claims, const ClaimRequest& run, c
     });
     for (const auto& draw : draws) {
         for (std::size_t i = 0; i < claims.size(); ++i) {
-            if (claims[i].result.is_drawn()) add_draw(claims[i].result, draw[i]);
+            if (claims[i].result.is_random()) add_draw(claims[i].result, draw[i]);
         }
     }
 }

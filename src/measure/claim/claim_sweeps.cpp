@@ -118,7 +118,7 @@ void measure_onsets(const AxesClaims& axes_claims, sweep::SweepRequest request) 
         }
         result = judge(claim, found->found ? found->first_bad : missing, nullptr);
         if (request.sweep.has_random_rays()) result.samples = found->views;
-        if (!found->found) result.trouble = "it does not happen within the sweep";
+        if (!found->found) result.reason = "it does not happen within the sweep";
     }
 }
 
@@ -218,7 +218,7 @@ void measure_census(const SubjectClaims<SearchSubject>& claims, const std::files
     edges::EdgeRequest request{.search = scene::sweep::EdgeSearchFile(path, run.data_dir, {}, run.stop),
                                .rows = {},
                                .limit = {.stop = run.stop},
-                               .census_alone = true};
+                               .census_only = true};
     std::vector<std::size_t> rows;
     for (const auto& [claim, subject, result] : claims) {
         census_metric(claim);
@@ -227,7 +227,7 @@ void measure_census(const SubjectClaims<SearchSubject>& claims, const std::files
             scene::toml::fail(claim.where, claim.form + " does not take triangles; name a form that does");
         rows.push_back(index_or_added(request.rows, form_row));
     }
-    const auto findings = edges::find_nearest(request);
+    const auto findings = edges::search_edges(request);
     for (std::size_t k = 0; k < claims.size(); ++k) {
         const auto& [claim, subject, result] = claims[k];
         result = judge(claim, static_cast<double>(count_of(findings[rows[k]], census_metric(claim))), nullptr);
@@ -272,7 +272,7 @@ void measure(const SubjectClaims<SearchSubject>& claims, const ClaimRequest& run
         const auto& [claim, subject, result] = claims[k];
         const auto& worst = results[rows[k]];
         if (!worst) {
-            result.trouble = "no ray of the search's ranges hits";
+            result.reason = "no ray of the search's ranges hits";
             continue;
         }
         const bool is_right = worst->outcome == answer::Outcome::agree_hit;

@@ -21,9 +21,10 @@ bool has_same_bits(double a, double b) {
 CheckResult compare_answers(const intersect::Info& info, const AllAnswers& a, const AllAnswers& b, std::size_t i) {
     if (a.hit[i] != b.hit[i]) return a.hit[i] != 0 ? CheckResult::first_alone : CheckResult::second_alone;
     if (a.hit[i] == 0 || !tells_t(info)) return CheckResult::agree;
-    const bool both = info.roots == intersect::Roots::both;
-    const bool is_same_answer = has_same_bits(a.t[i], b.t[i]) &&
-                                (!both || (has_same_bits(a.near[i], b.near[i]) && has_same_bits(a.far[i], b.far[i])));
+    const bool has_both_roots = info.roots == intersect::Roots::both;
+    const bool is_same_answer =
+        has_same_bits(a.t[i], b.t[i]) &&
+        (!has_both_roots || (has_same_bits(a.near[i], b.near[i]) && has_same_bits(a.far[i], b.far[i])));
     return is_same_answer ? CheckResult::agree : CheckResult::other_number;
 }
 
@@ -65,25 +66,25 @@ AllAnswers answers_of(const FormKernels& kernels, const RayBlock& rays, std::spa
 
 bool tells_t(const intersect::Info& info) { return info.roots != intersect::Roots::none; }
 
-std::vector<std::uint8_t> meets_before_end(const FormKernels& kernels, const RayBlock& rays,
+std::vector<std::uint8_t> hits_before_tmax(const FormKernels& kernels, const RayBlock& rays,
                                            const Primitive<double>& primitive) {
     std::vector<std::uint8_t> meets;
-    const bool decides_end = takes_tmax(primitive.shape);
-    const bool both = kernels.form.of(primitive.shape).info->roots == intersect::Roots::both;
+    const bool form_checks_tmax = takes_tmax(primitive.shape);
+    const bool has_both_roots = kernels.form.of(primitive.shape).info->roots == intersect::Roots::both;
     const AllAnswers a = answers_of(kernels, rays, std::span(&primitive, 1));
     for (std::size_t i = 0; i < a.size(); ++i) {
         const auto is_ahead = [end = rays.tmax[i]](double t) { return t > 0 && t < end; };
-        const bool any_ahead = decides_end || is_ahead(a.t[i]) || (both && is_ahead(a.far[i]));
+        const bool any_ahead = form_checks_tmax || is_ahead(a.t[i]) || (has_both_roots && is_ahead(a.far[i]));
         meets.push_back(static_cast<std::uint8_t>(a.hit[i] != 0 && any_ahead));
     }
     return meets;
 }
 
-std::vector<std::uint8_t> meets_before_end(const FormOnBand& band_form, const RayBlock& all_rays) {
+std::vector<std::uint8_t> hits_before_tmax(const FormOnBand& band_form, const RayBlock& all_rays) {
     std::vector<std::uint8_t> meets(all_rays.size());
     band_form.by_primitive(
         all_rays, [&](const Primitive<double>& primitive, const RayBlock& rays, const auto& ray_indices) {
-            const std::vector<std::uint8_t> primitive_meets = meets_before_end(band_form.form, rays, primitive);
+            const std::vector<std::uint8_t> primitive_meets = hits_before_tmax(band_form.form, rays, primitive);
             for (std::size_t k = 0; k < ray_indices.size(); ++k) meets[ray_indices[k]] |= primitive_meets[k];
         });
     return meets;
@@ -91,18 +92,18 @@ std::vector<std::uint8_t> meets_before_end(const FormOnBand& band_form, const Ra
 
 void check_packs(const FormOnBand& band_form, PixelCheckResults& out) {
     const intersect::Info& info = *band_form.row.form->info;
-    std::vector<FormKernels> widths;
+    std::vector<FormKernels> kernels_by_width;
     const bool is_software =
         band_form.row.format.engine == Format::Engine::rounded;  // software formats have no registers
     for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
         if (!is_software || isa == intersect::simd::Isa::scalar)
-            widths.emplace_back(*band_form.row.form, band_form.row.format, band_form.form.stop, isa);
+            kernels_by_width.emplace_back(*band_form.row.form, band_form.row.format, band_form.form.stop, isa);
     }
     band_form.by_primitive(
         band_form.rays(), [&](const Primitive<double>& primitive, const RayBlock& rays, const auto& ray_indices) {
             const std::span<const Primitive<double>> target(&primitive, 1);
             const AllAnswers single_answers = answers_of(band_form.form, rays, target, Calls::one_by_one);
-            for (const FormKernels& width : widths) {
+            for (const FormKernels& width : kernels_by_width) {
                 const AllAnswers batch_answers = answers_of(width, rays, target);
                 for (std::size_t k = 0; k < ray_indices.size(); ++k) {
                     const std::size_t i = ray_indices[k];

@@ -187,9 +187,9 @@ private:
 /// (boxes) decide by themselves. For other forms, a primitive counts if it is hit and its t, or its far side if the
 /// form answers that, lies in 0 < t < tmax. A near side that differs from t does not count, because the form itself has
 /// rejected it.
-std::vector<std::uint8_t> meets_before_end(const FormKernels& kernels, const scene::rays::RayBlock& rays,
+std::vector<std::uint8_t> hits_before_tmax(const FormKernels& kernels, const scene::rays::RayBlock& rays,
                                            const Primitive<double>& primitive);
-std::vector<std::uint8_t> meets_before_end(const FormOnBand& band_form, const scene::rays::RayBlock& rays);
+std::vector<std::uint8_t> hits_before_tmax(const FormOnBand& band_form, const scene::rays::RayBlock& rays);
 
 struct Check {
     std::string_view name;    ///< `reverse`

@@ -92,7 +92,7 @@ void compare_segments(const FormOnBand& band_form, const StartOf& start_of, EndO
         second.push(s.by_unit);
         second.tmax.push_back(s.unit_end);
     }
-    const auto first_meets = meets_before_end(band_form, first), second_meets = meets_before_end(band_form, second);
+    const auto first_meets = hits_before_tmax(band_form, first), second_meets = hits_before_tmax(band_form, second);
     for (std::size_t k = 0; k < pixels.size(); ++k) {
         const SegmentRays& s = segments[k];
         out.set(pixels[k], check_result_of_segment(band_form, s, first_meets[k] != 0, second_meets[k] != 0), [&] {
@@ -112,7 +112,7 @@ void compare_with_shadow_tests(const FormOnBand& band_form, const EndOf& end_of,
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (band_form.closest.hit[i] != 0) rays.tmax[i] = end_of(band_form.closest.t[i]);
     }
-    const auto meets = meets_before_end(band_form, rays);
+    const auto meets = hits_before_tmax(band_form, rays);
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (band_form.closest.hit[i] == 0 || std::isnan(rays.tmax[i])) continue;
         const CheckResult result = (meets[i] != 0) == expected ? CheckResult::agree

@@ -120,8 +120,8 @@ public:
                        .ray = batch_[i].ray,
                        .faces = edge->faces,
                        .t = result.answers->hit[i] != 0 ? result.answers->t[i] : truth::missing,
-                       .truth = result.band->rounded_truth(i, binary64, tested_form_.form->info->direction,
-                                                           result.convention)};
+                       .true_t = result.band->rounded_truth(i, binary64, tested_form_.form->info->direction,
+                                                            result.convention)};
             nearest_index = i;
         }
     }
@@ -348,15 +348,15 @@ private:
 
 }  // namespace
 
-std::vector<EdgeFinding> find_nearest(const EdgeRequest& request) {
+std::vector<EdgeFinding> search_edges(const EdgeRequest& request) {
     const SearchedMesh mesh(request.search.scene);
     const auto units = request.share.of_units(request.rows.size());
     std::vector<EdgeFinding> found(units.size());
-    intersect::process::in_parallel(std::size_t{0}, found.size() * edge_units, [&](std::size_t k) {
-        const std::size_t form_index = k / edge_units, unit = k % edge_units;
+    intersect::process::in_parallel(std::size_t{0}, found.size() * progress_units_per_row, [&](std::size_t k) {
+        const std::size_t form_index = k / progress_units_per_row, unit = k % progress_units_per_row;
         Search search(request, mesh, request.rows[units.first + form_index]);
         if (unit == searched_outcomes.size()) search.run_census(found[form_index]);
-        else if (!request.census_alone) search.find_outcome(found[form_index], unit);
+        else if (!request.census_only) search.find_outcome(found[form_index], unit);
         request.progress(1);
     });
     return found;

@@ -23,7 +23,7 @@ struct NearestRay {
     Ray<double> ray{};                     ///< in numbers of binary32, or of the format if that is narrower
     std::array<std::uint32_t, 2> faces{};  ///< faces that share the edge aimed at, or an edge of the vertex aimed at
     double t = 0;                          ///< the form's answer; NaN for a miss
-    double truth = 0;                      ///< t*, correctly rounded to binary64
+    double true_t = 0;                     ///< t*, correctly rounded to binary64
 };
 
 /// Targets of the rays of a census.
@@ -48,13 +48,13 @@ struct EdgeRequest {
     scene::sweep::EdgeSearchFile search;
     std::vector<evaluate::TestedForm> rows;  ///< with forms for triangles
     truth::TruthLimit limit{};
-    shard::Share share = {};    ///< share of the rows
-    bool census_alone = false;  ///< runs the census, but does not search for the nearest ray
+    shard::Share share = {};   ///< share of the rows
+    bool census_only = false;  ///< runs the census, but does not search for the nearest ray
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
 
 /// Units of progress of one row: one for the census, and one for the search for each outcome.
-inline constexpr std::size_t edge_units = 1 + searched_outcomes.size();
+inline constexpr std::size_t progress_units_per_row = 1 + searched_outcomes.size();
 
 /// Runs the census of each row of the share, and searches separately for each of its outcomes. The result has one
 /// element for each row of the share. It depends only on the file and its scene, not on the number of threads.
@@ -71,6 +71,6 @@ inline constexpr std::size_t edge_units = 1 + searched_outcomes.size();
 /// A ray counts if the first face that it truly meets contains the edge or vertex that it is aimed at. It is not a
 /// double hit if another face that the form claims is truly at the same t, because rounding has no part in such a tie.
 /// A ray is tested again by itself before the search accepts it.
-std::vector<EdgeFinding> find_nearest(const EdgeRequest& request);
+std::vector<EdgeFinding> search_edges(const EdgeRequest& request);
 
 }  // namespace lostbits::measure::edges

@@ -243,6 +243,6 @@ double padding(const Sample& s) {
 
 double padding(const Ray<float>& ray, const BoundingBox<float>& box) { return padding_in(ray, box); }
 
-std::span<const Metric> metrics_of_weights() { return rows_of_weights; }
+std::span<const Metric> metrics_of_barycentrics() { return rows_of_weights; }
 
 }  // namespace lostbits::measure::metric

@@ -245,8 +245,8 @@ std::vector<Metric> joined(std::initializer_list<std::span<const Metric>> lists)
 }  // namespace
 
 std::span<const Metric> metrics() {
-    static const std::vector<Metric> all = joined(
-        {table, metrics_of_t(), metrics_of_stability(), metrics_of_marches, metrics_of_rays(), metrics_of_weights()});
+    static const std::vector<Metric> all = joined({table, metrics_of_t(), metrics_of_stability(), metrics_of_marches,
+                                                   metrics_of_rays(), metrics_of_barycentrics()});
     return all;
 }
 

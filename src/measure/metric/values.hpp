@@ -45,6 +45,6 @@ double padding(const Ray<float>& ray, const BoundingBox<float>& box);
 std::span<const Metric> metrics_of_t();
 std::span<const Metric> metrics_of_stability();
 std::span<const Metric> metrics_of_rays();
-std::span<const Metric> metrics_of_weights();
+std::span<const Metric> metrics_of_barycentrics();
 
 }  // namespace lostbits::measure::metric

@@ -74,13 +74,16 @@ std::string explain_json(const Explanation& x, const std::optional<MarchEnd>& ma
     for (std::size_t i = 0; i < x.inputs.size(); ++i) j["inputs"][x.names[i]] = exact_number(x.inputs[i]);
     j["open_ends"] = std::string(name_of(x.range.open));
     j["inputs_rounded"] = x.rounded_inputs;
-    j["given_direction"] =
-        x.given ? Json({json_number(x.given->x), json_number(x.given->y), json_number(x.given->z)}) : Json(nullptr);
+    j["given_direction"] = x.given_direction
+                               ? Json({json_number(x.given_direction->x), json_number(x.given_direction->y),
+                                       json_number(x.given_direction->z)})
+                               : Json(nullptr);
     j["hit"] = x.hit;
     j["t"] = exact_number(x.result.t);
     j["truth"] = x.true_t ? Json(exact_number(*x.true_t)) : Json(nullptr);
     j["outcome"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(x.result.outcome)]);
-    if (x.in_mesh) j["in_mesh"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(*x.in_mesh)]);
+    if (x.mesh_outcome)
+        j["in_mesh"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(*x.mesh_outcome)]);
     j["ulp_error"] = number_or_null(x.result.ulps);
     j["lost_bits"] = number_or_null(x.result.lost);
     j["wrong_root"] = is_wrong_root(x);

@@ -314,14 +314,14 @@ std::string envelope_sentence(const Explanation& x) {
         return fmt::format("{}{}: {} costs {:.1f} bits.", where, condition_phrase(x.condition), perturbation_phrase(x),
                            x.inherent);
     }
-    if (!x.tells_t()) return "The form returns no t, so it has no bits to lose.";
+    if (!x.returns_t()) return "The form returns no t, so it has no bits to lose.";
     const std::string envelope =
         fmt::format("{}: {} would cost {:.1f} bits", condition_phrase(x.condition), perturbation_phrase(x), x.inherent);
     if (x.result.lost < 1) return envelope + ". Less than one bit is lost.";
-    if (x.excess() < 1) return envelope + within_envelope(x);
+    if (x.excess_bits < 1) return envelope + within_envelope(x);
     if (x.inherent >= x.format.parameters.precision)
-        return envelope + fmt::format(", but cannot move t that far; the formula loses {:.1f} bits.", x.excess());
-    return envelope + fmt::format("; the formula loses the other {:.1f} bits.", x.excess());
+        return envelope + fmt::format(", but cannot move t that far; the formula loses {:.1f} bits.", x.excess_bits);
+    return envelope + fmt::format("; the formula loses the other {:.1f} bits.", x.excess_bits);
 }
 
 std::string explain_text(const Explanation& x, bool show_all, const std::optional<MarchEnd>& march) {
@@ -348,11 +348,12 @@ std::string explain_text(const Explanation& x, bool show_all, const std::optiona
             "numbers as given, so the error includes the rounding of the inputs (input error).\n",
             x.format.name);
     }
-    if (x.given) {
+    if (x.given_direction) {
         text += fmt::format(
             "The direction ({}, {}, {}) is normalised and rounded: the form takes unit directions, and its t is a "
             "distance.\n",
-            number_phrase(x.given->x), number_phrase(x.given->y), number_phrase(x.given->z));
+            number_phrase(x.given_direction->x), number_phrase(x.given_direction->y),
+            number_phrase(x.given_direction->z));
     }
     text += inputs_block(x) + "\n";
     if (!x.has_tape()) return text;

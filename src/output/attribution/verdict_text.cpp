@@ -36,7 +36,7 @@ std::string decision_sentence(const Explanation& x) {
 std::string outcome_sentence(const Explanation& x) {
     const std::string form(x.form->info->name);
     const double t = x.result.t, true_t = x.true_t.value_or(0);
-    if (!x.tells_t()) return decision_sentence(x);
+    if (!x.returns_t()) return decision_sentence(x);
     if (x.result.outcome == Outcome::wrong_primitive)
         return fmt::format("{} reports a hit at {}, on another primitive than the one that the ray meets first, at {}.",
                            form, number_phrase(t), number_phrase(true_t));
@@ -84,7 +84,7 @@ std::string wrong_primitive_sentence(const Explanation& x) {
     const std::string reported = missed.hit ? fmt::format("a hit at {}, {}", number_phrase(missed.t),
                                                           missed.t > x.result.t ? "behind" : "which is not before")
                                             : "a miss";
-    const Shape missed_shape = missed.alone.primitives.front().shape;
+    const Shape missed_shape = missed.ray_and_primitive.primitives.front().shape;
     const auto label_of = [&x](int primitive, Shape shape) {
         return x.form->is_set() ? fmt::format("{}, {}", primitive, with_article(shape)) : std::to_string(primitive);
     };
@@ -93,7 +93,8 @@ std::string wrong_primitive_sentence(const Explanation& x) {
         "that primitive "
         "alone it reports {}. The text below is about primitive {}; the command for the other one is: {}\n",
         label_of(x.primitive, x.shape), label_of(missed.primitive, missed_shape), reported, x.primitive,
-        explain_command(explain_ray_arguments(&missed.alone), {&x.form->of(missed_shape), x.format, x.touching}));
+        explain_command(explain_ray_arguments(&missed.ray_and_primitive),
+                        {&x.form->of(missed_shape), x.format, x.touching}));
 }
 
 /// Part of the error that is due to rounding, in ulps; NaN unless form and truth agree on a hit and the tape explains
@@ -147,7 +148,7 @@ std::string march_sentence(const Explanation& x, const MarchEnd& march) {
 /// The cause of the loss. `envelope_sentence` weighs the problem against the formula; for a march it may be neither.
 std::string cause_sentence(const Explanation& x, const std::optional<MarchEnd>& march) {
     const bool stopped_short =
-        x.result.outcome == Outcome::agree_hit && is_mostly_not_rounding(x) && x.excess() >= worth_saying;
+        x.result.outcome == Outcome::agree_hit && is_mostly_not_rounding(x) && x.excess_bits >= worth_saying;
     if (march && (stopped_short || x.result.outcome == Outcome::false_miss)) {
         const std::string sentence = march_sentence(x, *march);
         if (!sentence.empty()) return sentence;
@@ -180,7 +181,7 @@ std::string no_blame_sentence(const Explanation& x, bool is_march) {
     if (is_right && decision_changed)
         return fmt::format("No operation is to blame: the decision is right. Without rounding the form would {}.",
                            a.exact_hit ? "hit" : "miss");
-    if (!x.tells_t() && is_right) return "No operation is to blame: the decision is right.";
+    if (!x.returns_t() && is_right) return "No operation is to blame: the decision is right.";
     if (a.subject == no_node || a.culprit == no_node) return culprit_sentence(x);
     if (x.result.outcome == Outcome::not_a_number && std::isnan(x.tape[a.culprit].value)) return culprit_sentence(x);
     if (x.hit != a.exact_hit && a.cut_short)
@@ -190,7 +191,7 @@ std::string no_blame_sentence(const Explanation& x, bool is_march) {
     if (!std::isfinite(x.tape[a.culprit].value)) return culprit_sentence(x);
     if (x.result.lost < worth_saying) return "No operation is to blame: less than a bit is lost.";
     if (!rounding_costs_little(x)) return "No operation is to blame: none of the roundings reaches t.";
-    const bool has_lossy_inputs = x.rounded_inputs && !(x.excess() >= worth_saying);
+    const bool has_lossy_inputs = x.rounded_inputs && !(x.excess_bits >= worth_saying);
     const char* const other_cause = x.missed           ? "the answer is for another primitive"
                                     : has_lossy_inputs ? "the rest comes from inputs that the format cannot hold"
                                     : is_march         ? "the rest comes from where the march ended"
@@ -331,7 +332,7 @@ bool rounding_explains(const Explanation& x) { return std::fabs(x.result.ulps - 
 
 /// Outcome for all triangles of a mesh together, as in a map: docs/meshes.md.
 std::string mesh_sentence(const Explanation& x) {
-    switch (x.in_mesh.value_or(Outcome::agree_hit)) {
+    switch (x.mesh_outcome.value_or(Outcome::agree_hit)) {
         case Outcome::crack:
             return "In the mesh this is a crack: the form claims neither the triangle that the ray meets first nor a "
                    "neighbour of it, and the number of crossings is wrong by an odd number.\n";
@@ -346,7 +347,8 @@ std::string mesh_sentence(const Explanation& x) {
             return "In the mesh this is out of order: the form claims a triangle that the ray truly meets before this "
                    "one, but its t there is not the smaller one.\n";
         case Outcome::agree_hit:
-            return x.in_mesh ? "In the mesh this is a correct hit: the ray meets both triangles at the same t.\n" : "";
+            return x.mesh_outcome ? "In the mesh this is a correct hit: the ray meets both triangles at the same t.\n"
+                                  : "";
         default: return "";
     }
 }

@@ -34,7 +34,7 @@ table::Table<ClaimRow> claim_table() {
     };
     const auto of_draws = [](const auto& value) {
         return [value](const R& r) {
-            return when(r.result.is_drawn() && r.spread.draws > 0, std::invoke(value, r.spread));
+            return when(r.result.is_random() && r.spread.draws > 0, std::invoke(value, r.spread));
         };
     };
     using S = measure::metric::Spread;
@@ -167,7 +167,7 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
         if (results[i].state == State::agrees) continue;
         if (results[i].state == State::skipped) {
             ++skips;
-            test.append_child("skipped").append_attribute("message") = file::xml_text(results[i].trouble).c_str();
+            test.append_child("skipped").append_attribute("message") = file::xml_text(results[i].reason).c_str();
             continue;
         }
         const std::string explanation = file::xml_text(explain(c, results[i]));

@@ -65,7 +65,7 @@ std::string bounds_text(const ClaimResult& r) {
 /// Sentence on the number of random samples behind the claims of a subject; empty if nothing is random.
 std::string samples_text(const ClaimSubject& subject, const std::vector<ClaimResult>& results) {
     for (const std::size_t i : subject.claims) {
-        if (results[i].is_drawn())
+        if (results[i].is_random())
             return fmt::format("*The rays or numbers are random. Each draw has {} independent samples.*\n\n",
                                results[i].samples);
     }

@@ -102,10 +102,11 @@ namespace {
 std::string expected_and_measured(const Claim& c, const ClaimResult& r) {
     const std::string expected =
         fmt::format("expected {} in [{}, {}]", quantity(c), file::decimal(c.low), file::decimal(c.high));
-    if (r.state == State::broken && !r.further.empty())
-        return fmt::format("{}, but {} (it exists in {} of {} draws)", expected, r.trouble, r.spread().draws,
+    if (r.state == State::unmeasurable && !r.further.empty())
+        return fmt::format("{}, but {} (it exists in {} of {} draws)", expected, r.reason, r.spread().draws,
                            1 + r.further.size());
-    if (r.state == State::broken || r.state == State::skipped) return fmt::format("{}, but {}", expected, r.trouble);
+    if (r.state == State::unmeasurable || r.state == State::skipped)
+        return fmt::format("{}, but {}", expected, r.reason);
     if (r.evaluations > 0)
         return fmt::format("{}, measured {} as the worst of {} evaluations", expected, file::decimal(r.measured),
                            r.evaluations);
@@ -133,7 +134,7 @@ void VerdictCounts::add(const Claim& claim, const ClaimResult& result) {
     switch (result.state) {
         case ClaimResult::State::agrees: break;
         case ClaimResult::State::disagrees: ++differing; return;
-        case ClaimResult::State::broken: ++broken; return;
+        case ClaimResult::State::unmeasurable: ++broken; return;
         case ClaimResult::State::skipped: ++skipped; return;
     }
     with_criterion += claim.criterion.has_value();

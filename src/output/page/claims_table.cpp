@@ -123,7 +123,7 @@ VerdictLabel verdict_label(const Claim& c, const ClaimResult& r) {
     switch (r.state) {
         case State::agrees: return {std::string(name_of(c.verdict)), name_of(c.verdict)};
         case State::disagrees: return {claim::changed_text(c, r), "differs"};
-        case State::broken: return {"could not be measured", "differs"};
+        case State::unmeasurable: return {"could not be measured", "differs"};
         case State::skipped: break;
     }
     return {"skipped", "skipped"};
@@ -138,8 +138,8 @@ std::string with_line_breaks(std::string text) {
 
 /// Measured number, and its range over the draws.
 std::string measured_cell(const ClaimResult& r) {
-    if (r.state != State::agrees && r.state != State::disagrees) return html(r.trouble);
-    if (!r.is_drawn()) return shown(r.measured);
+    if (r.state != State::agrees && r.state != State::disagrees) return html(r.reason);
+    if (!r.is_random()) return shown(r.measured);
     const auto spread = r.spread();
     const std::string draws = r.further.empty()           ? ""
                               : spread.low == spread.high ? fmt::format("in each of {} draws ", spread.draws)

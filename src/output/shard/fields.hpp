@@ -60,7 +60,7 @@ LOSTBITS_FIELDS(measure::sweep::FloatTally::Padding, place, u)
 LOSTBITS_FIELDS(measure::sweep::FloatTally, outcomes, worst, at_most, first_wrong, last_wrong, first, padding)
 LOSTBITS_FIELDS(measure::sweep::ExhaustiveState, tried, tallies, stages)
 LOSTBITS_FIELDS(measure::sweep::WorstResult, outcome, value, ray, primitive, t, truth, distance, evaluations)
-LOSTBITS_FIELDS(measure::edges::NearestRay, distance, numbers, faces, t, truth)
+LOSTBITS_FIELDS(measure::edges::NearestRay, distance, numbers, faces, t, true_t)
 LOSTBITS_FIELDS(measure::edges::EdgeCount, rays, with)
 LOSTBITS_FIELDS(measure::edges::EdgeFinding, census, nearest, rays)
 LOSTBITS_FIELDS(measure::contract::AnswerSample, ray, primitive, truly_hits, unit, true_t, other_measure, hit, t)
@@ -68,7 +68,7 @@ LOSTBITS_FIELDS(measure::judge::ReportedRay, place, outcome, ulps, given)
 LOSTBITS_FIELDS(measure::evaluate::Group, value, summaries)
 LOSTBITS_FIELDS(measure::judge::JudgeResult, summaries, rays, rounded, answers, floats, digits, decimals, first, groups)
 LOSTBITS_FIELDS(measure::metric::Bounds, low, high)
-LOSTBITS_FIELDS(measure::claim::ClaimResult, state, measured, trouble, witness, samples, floats, evaluations, further,
+LOSTBITS_FIELDS(measure::claim::ClaimResult, state, measured, reason, witness, samples, floats, evaluations, further,
                 bounds, seconds)
 
 /// Returns values as bits.

@@ -185,7 +185,7 @@ table::Table<NearestRow> nearest_table() {
                    [](const N& n) { return n.faces[0]; }},
                   {"face_b", "index of the other triangle", [](const N& n) { return n.faces[1]; }},
                   {"t", "t", "the form's answer, in its own unit; missing if it misses", or_missing(&N::t)},
-                  {"truth", "t", "t*, correctly rounded to binary64, in the same unit", &N::truth}},
+                  {"truth", "t", "t*, correctly rounded to binary64, in the same unit", &N::true_t}},
                  nearest);
     table.add(table::ray_columns("of the nearest ray"),
               [](const R& r) { return r.nearest ? &r.nearest->ray : nullptr; });

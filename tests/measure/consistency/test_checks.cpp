@@ -27,7 +27,7 @@ bool meets(std::string_view form, std::string_view format, const Ray<double>& ra
     auto rays = scene::rays::group_of(ray).rays;
     rays.tmax = {end};
     return std::ranges::any_of(primitives, [&](const Primitive<double>& primitive) {
-        return meets_before_end(kernels, rays, primitive).front() != 0;
+        return hits_before_tmax(kernels, rays, primitive).front() != 0;
     });
 }
 

@@ -31,14 +31,15 @@ EdgeSearchFile search_of(const Scratch& folder, const std::string& more) {
 
 std::vector<EdgeFinding> found_by(const EdgeSearchFile& search,
                                   const std::vector<measure::evaluate::TestedForm>& rows) {
-    return measure::edges::find_nearest({.search = search, .rows = rows});
+    return measure::edges::search_edges({.search = search, .rows = rows});
 }
 
 bool equal(const std::vector<EdgeFinding>& a, const std::vector<EdgeFinding>& b) {
     const auto same_ray = [](const std::optional<NearestRay>& x, const std::optional<NearestRay>& y) {
         if (!x || !y) return x.has_value() == y.has_value();
         return x->distance == y->distance && x->ray.origin == y->ray.origin && x->ray.direction == y->ray.direction &&
-               x->faces == y->faces && x->truth == y->truth && (x->t == y->t || (std::isnan(x->t) && std::isnan(y->t)));
+               x->faces == y->faces && x->true_t == y->true_t &&
+               (x->t == y->t || (std::isnan(x->t) && std::isnan(y->t)));
     };
     const auto same_count = [](const EdgeCount& x, const EdgeCount& y) {
         return x.rays == y.rays && x.outcomes == y.outcomes;
@@ -115,7 +116,7 @@ TEST_CASE("a census counts the cracks that contraction opens, at edges and not a
                            {&measure::tape::contracted_row(*plain.form), plain.format},
                            row("triangle.filtered", "f32"),
                            row("triangle.undivided", "f32")};
-    const auto found = measure::edges::find_nearest({.search = search, .rows = rows, .census_alone = true});
+    const auto found = measure::edges::search_edges({.search = search, .rows = rows, .census_only = true});
     for (const EdgeFinding& one : found) {
         CHECK(one.census[0].rays + one.census[1].rays == 8000);
         CHECK(one.census[0].rays > 4 * one.census[1].rays / 2);
@@ -138,7 +139,7 @@ TEST_CASE("an edge search does not depend on other rows, shards or repetition", 
     const auto all = found_by(search, rows), again = found_by(search, rows);
     CHECK(equal(all, again));
     CHECK(equal(found_by(search, {rows[1]}), {all[1]}));
-    const auto second = measure::edges::find_nearest({.search = search, .rows = rows, .share = {2, 2}});
+    const auto second = measure::edges::search_edges({.search = search, .rows = rows, .share = {2, 2}});
     CHECK(equal(second, {all[1]}));
     const auto other = search_of(folder, "scene = \"mesh-icosphere-near\"\nrays = 4096\nseed = 6\n");
     CHECK_FALSE(equal(found_by(other, rows), all));
