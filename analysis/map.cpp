@@ -325,7 +325,7 @@ void add_map(const shell::Command& program, const Common& common) {
     command.add(
         "--bits", o->bits_needed,
         "Also draw, for every pixel, how narrow the significand may be if the form is to keep this many correct "
-        "bits (1 to 52)",
+        "bits",
         shell::whole_from(1, 52));
     command.add("--exr", o->exr,
                 "Also write SCENE.exr, with the answers, outcomes and metrics of every pixel (docs/files.md)");
