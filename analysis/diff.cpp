@@ -232,8 +232,9 @@ void add_diff(const shell::Command& program, const Common& common) {
     const auto o = std::make_shared<DiffOptions>();
     command.add("A", o->a, "A file or a folder").required();
     command.add("B", o->b, "The file or folder to compare A with; not with -i");
-    command.add("--allow", o->tolerances,
-                "COLUMN=ABS[,REL]: numbers of a column may differ by ABS, or by REL of the larger one (docs/diff.md)");
+    command.add(
+        "--allow", o->tolerances,
+        "COLUMN=ABS[,REL]: numbers of a column may differ by ABS, or by REL times the larger one (docs/diff.md)");
     command.add("--ignore", o->ignored, "Do not compare these columns and channels, by name or glob");
     command.add("--strict", o->strict, "Compare every file to the last bit, pictures included");
     command.add("--compare-pictures", o->pictures, "Also compare pictures");

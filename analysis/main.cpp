@@ -44,17 +44,16 @@ void add_common(const shell::Command& program, Common& common) {
         common.progress = static_cast<output::file::Progress::Mode>(mode);
     };
     program.add_named("--progress", {"auto", "bar", "none"}, set_progress,
-                      "Progress on stderr (default: auto, on a terminal)");
+                      "Progress on stderr (default: auto, which shows it only on a terminal)");
     program.add("--force", common.force, "Also write into a folder that has other files; these files are kept");
-    program.add_list("--figure", common.figures,
-                     "Kinds of pictures (default: png); svg and pdf keep text as text and lines as lines",
+    program.add_list("--figure", common.figures, "Kinds of pictures (default: png); svg and pdf are vector graphics",
                      shell::one_of({"png", "svg", "pdf"}));
     program.add("-q,--quiet", common.quiet, "Print errors only");
     program.add("-v,--verbose", common.verbose, "Print more detail");
-    program.add("-j,--threads", common.threads, "Threads (default: one per core); results do not depend on it",
-                shell::whole_from(1, 1024));
+    program.add("-j,--threads", common.threads,
+                "Number of threads (default: one per core); results do not depend on it", shell::whole_from(1, 1024));
     program.add("--isa", common.isa,
-                "Width of the registers (default: the widest of this processor); results do not depend on it",
+                "SIMD register width in bits (default: the widest of this processor); results do not depend on it",
                 shell::one_of({intersect::simd::isa_names.begin(), intersect::simd::isa_names.end()}));
 }
 
@@ -71,12 +70,13 @@ void add_external_options(const shell::Command& program, selection::ExternalOpti
         "Also measure a C, C++, Rust, GLSL or HLSL function as it stands (docs/your-function.md); may be repeated");
     program.add_list("--device", external.devices,
                      "Driver for --shader: opengl, vulkan, or all (default: the first that works)");
-    const auto isolate = program.add("--isolate", external.isolate,
-                                     "Run each library in a process of its own, so that a crash cannot end the program "
-                                     "(docs/plugin-check.md)");
+    const auto isolate =
+        program.add("--isolate", external.isolate,
+                    "Run each library in a process of its own, away from the program; a crash ends the "
+                    "run with exit status 3 (docs/plugin-check.md)");
     program
         .add("--in-process", external.in_process,
-             "Run libraries in the program itself: faster, but a crash of a library ends the program with 3")
+             "Run libraries in the program itself, which is faster; a crash ends the run with exit status 3")
         .excludes(isolate);
     program.add("--time-limit", external.seconds,
                 "Seconds that a library, command, shader or compiler may take for one task (default: 30)",
@@ -84,16 +84,24 @@ void add_external_options(const shell::Command& program, selection::ExternalOpti
 }
 
 constexpr const char* help_footer =
-    "Exit status:\n  0    done, and every selected claim holds\n  1    done, and the answer is no: a claim fails, a "
-    "difference is found, a promise is broken\n  2    bad input: the command line, or a file\n  3    the machine: a "
-    "file that cannot be written, no memory, a processor that lacks what --isa names;\n       or a library, a pipe or "
-    "a shader that crashes, ends the program or does not answer\n  4    nothing was selected\n  70   something could "
-    "not be proved\n  130  interrupted; finished files stay\nEnvironment:\n  CI                    set to anything: "
-    "libraries run in processes of their own, see --isolate\n  LOSTBITS_DATA         the folder with scenes/, sweeps/ "
-    "and claims/\n  LOSTBITS_DEVICE_MODULES  the folder in which the driver modules of --shader are looked for first\n"
-    "  LOSTBITS_PLUGIN_PATH  folders to look for a --plugin in, with colons between them\n  NO_COLOR              set "
-    "to anything: no colours\n  TMPDIR                where `-o -` keeps the files that it does not print\nSee "
-    "also:\n  `lostbits COMMAND --help`, `lostbits completion bash`, `lostbits manual | man -l -`\n";
+    "Exit status:\n"
+    "  0    done, and every selected claim holds\n"
+    "  1    done, and the answer is no: a claim fails, a difference is found, a promise is broken\n"
+    "  2    bad input: the command line, or a file\n"
+    "  3    the machine: a file that cannot be written, no memory, a processor that lacks what --isa names;\n"
+    "       or a library, a pipe or a shader that crashes, ends the program or does not answer\n"
+    "  4    nothing was selected\n"
+    "  70   the truth could not be proved, or a fault of lostbits\n"
+    "  130  interrupted; finished files stay\n"
+    "Environment:\n"
+    "  CI                       set to anything: libraries run in processes of their own, see --isolate\n"
+    "  LOSTBITS_DATA            the folder with scenes/, sweeps/ and claims/\n"
+    "  LOSTBITS_DEVICE_MODULES  the folder in which the driver modules of --shader are looked for first\n"
+    "  LOSTBITS_PLUGIN_PATH     folders to look for a --plugin in, with colons between them\n"
+    "  NO_COLOR                 set to anything: no colours\n"
+    "  TMPDIR                   the folder for temporary files, such as those of `-o -`\n"
+    "See also:\n"
+    "  `lostbits COMMAND --help`, `lostbits completion bash`, `lostbits manual | man -l -`\n";
 
 /// Adds the commands that print completion scripts and the manual page.
 void add_shell(const shell::Command& program) {
@@ -110,7 +118,7 @@ void add_shell(const shell::Command& program) {
                 [&program] { return shell::zsh_completion(program); });
     add_printer(completion.add_command("fish", "For fish: `lostbits completion fish | source`"),
                 [&program] { return shell::fish_completion(program); });
-    add_printer(program.add_command("manual", "The manual page: `lostbits manual | man -l -`"),
+    add_printer(program.add_command("manual", "Write the manual page: `lostbits manual | man -l -`"),
                 [&program] { return shell::manual_page(program, LOSTBITS_VERSION, help_footer); });
 }
 

@@ -324,8 +324,7 @@ void add_map(const shell::Command& program, const Common& common) {
     selection::add_pictures(command, o->pictures);
     command.add(
         "--bits", o->bits_needed,
-        "Also draw, for every pixel, the narrowest significand with which the form keeps this many correct bits "
-        "(1 to 52)",
+        "Also draw, for every pixel, the narrowest significand with which the form keeps this many correct bits",
         shell::whole_from(1, 52));
     command.add("--exr", o->exr,
                 "Also write SCENE.exr, with the answers, outcomes and metrics of every pixel (docs/files.md)");

@@ -107,7 +107,7 @@ int take_standard_output(const std::string& command) {
 }
 
 void add_plugin(const shell::Command& program, const Common& common) {
-    auto command = program.add_command("plugin", "Check a library of intersectors against its stated contract");
+    auto command = program.add_command("plugin", "Test whether your function keeps its promises");
     const auto library = std::make_shared<std::string>();
     auto check_command =
         command.add_command("check",

@@ -42,7 +42,7 @@ void warn_of_loops(const ShaderSource& shader, const Arithmetic& arithmetic) {
                    "lostbits: {}:{}: this loop {}, but this driver silently ends loops after {} iterations{}, so "
                    "answers that need more are wrong\n",
                    shader.path, loop.line, limit_text, arithmetic.loop_limit,
-                   arithmetic.loops_together ? ", with those of the loops around them," : "");
+                   arithmetic.loops_together ? ", counting the iterations of enclosing loops" : "");
     }
 }
 

@@ -1,6 +1,7 @@
 #include "analysis/diff/diff_files.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -152,6 +153,9 @@ void print(const MapDifference& d, const MapSides& sides, bool verbose) {
     print_lines(fmt::format("largest changes, of {} that {}:", count_with_noun(d.rows.cells.size(), "number"),
                             d.rows.cells.size() == 1 ? "differs" : "differ"),
                 lines, verbose);
+    if (lines.empty() && d.rows.outcomes.empty() && !d.rows.reference_columns.empty())
+        fmt::print("the numbers are the same; the rows differ in columns that name a ray or a command: {}\n",
+                   fmt::join(d.rows.reference_columns, ", "));
     print_lines("columns:", d.rows.columns, verbose);
     for (const Result& r : d.others) {
         if (verbose || !r.only_folder.empty()) {

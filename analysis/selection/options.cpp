@@ -87,7 +87,8 @@ void add_pictures(const shell::Command& command, std::string& pictures) {
 
 void add_out(const shell::Command& command, std::string& out, const std::string& contents) {
     out = "out/" + command.name();
-    command.add("-o,--out", out, "Folder for " + contents + " (default: " + out + ")");
+    const std::string table = command.name() == "report" ? "" : "; -: print only its table, on standard output";
+    command.add("-o,--out", out, "Folder for " + contents + " (default: " + out + ")" + table);
 }
 
 void add_changes(const shell::Command& command, SceneChoice& scenes, const std::string& example) {

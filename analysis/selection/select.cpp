@@ -29,10 +29,14 @@ constexpr std::pair<std::string_view, const char*> formats_elsewhere[] = {
     {"float16", "fp16"}, {"binary16", "fp16"}, {"bfloat16", "bf16"}};
 
 [[noreturn]] void unknown_format(const std::string& name, const char* option) {
+    if (name.size() > 1 && name.front() == 'p' && name.find_first_not_of("0123456789", 1) == std::string::npos)
+        throw InputError(fmt::format("{} {}: unknown format; in pN, N is the number of significand bits, from 2 to 53",
+                                     option, name));
     std::vector<std::string> names{"f32", "f64", "fp16", "bf16", "tf32"};
     const auto elsewhere = std::ranges::find(formats_elsewhere, name, &std::pair<std::string_view, const char*>::first);
-    std::string hint = elsewhere != std::end(formats_elsewhere) ? fmt::format("here it is \"{}\"", elsewhere->second)
-                                                                : scene::toml::did_you_mean(name, names);
+    std::string hint = elsewhere != std::end(formats_elsewhere)
+                           ? fmt::format("here it is called \"{}\"", elsewhere->second)
+                           : scene::toml::did_you_mean(name, names);
     throw InputError(
         fmt::format("{} {}: unknown format; {} (or pN with 2 <= N <= 53, or a range p5..p12)", option, name, hint));
 }

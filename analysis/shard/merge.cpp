@@ -33,9 +33,8 @@ std::vector<std::string> arguments_of_run(const std::string& command, const Merg
 }  // namespace
 
 void add_merge(const shell::Command& program, const std::string& version, const RunOfShards& run_again) {
-    auto command = program.add_command("merge",
-                                       "Join the shards of a run into the same files as the whole run "
-                                       "writes");
+    auto command =
+        program.add_command("merge", "Join the shards of a run into the files that an unsharded run would write");
     const auto o = std::make_shared<MergeOptions>();
     command.add("DIR", o->folders, "Folders of shards, or folders that contain them, in any order").required();
     selection::add_out(command, o->out);

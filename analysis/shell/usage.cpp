@@ -74,8 +74,9 @@ std::string leftover_text(const CommandLine& program, const std::string& fallbac
     if (is_program) return fmt::format("\"{}\" is not a command; {}", word, scene::toml::did_you_mean(word, inner));
     const auto suggestion = scene::toml::closest(word, inner);
     if (!inner.empty())
-        return fmt::format("{} {} is not one of {}{}", command.name(), word, fmt::join(inner, ", "),
-                           suggestion ? "; did you mean " + *suggestion + "?" : "");
+        return fmt::format(
+            "`{} {}`: unknown command; {}", command.name(), word,
+            suggestion ? "did you mean `" + *suggestion + "`?" : fmt::format("known here: {}", fmt::join(inner, ", ")));
     return fmt::format(
         "{}: `{}` does not take this argument; an option takes one value at a time: repeat the option, or write "
         "commas (-i A,B)",

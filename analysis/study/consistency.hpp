@@ -25,7 +25,7 @@ struct ConsistencyAdapter {
     static constexpr const char* no_form_message =
         "consistency needs forms for spheres or boxes, and none is selected; try -i 'sphere.*'";
     static constexpr const char* title =
-        "Check if a form gives the same answer to a question asked in two ways: closest and any hit, one ray and "
+        "Check whether a form gives the same answer to a question asked in two ways: closest and any hit, one ray and "
         "packs, a segment from either end";
     static constexpr const char* kinds = "; spheres or boxes";
     static constexpr const char* form_help = "Forms, by name or glob (default: all that fit)";

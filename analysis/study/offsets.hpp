@@ -27,14 +27,15 @@ struct OffsetsAdapter {
         "Measure how far the origin of the next ray must move, point by point, and what published strategies do";
     static constexpr const char* kinds = "; primitives of any kind";
     static constexpr const char* form_help =
-        "Forms that find the points and are asked for self-hits (default: sphere.half_b, box.ieee_minmax, one of each "
-        "other shape, and those of --plugin, --pipe and --shader)";
+        "Forms that compute the hit points and are then tested for self-intersection (default: sphere.half_b, "
+        "box.ieee_minmax, one form for each other shape, and those of --plugin, --pipe and --shader)";
     static constexpr const char* example = "sphere[0].radius=10";
 
     static std::vector<StudyOption> options() {
         return {{"strategy", "Strategies, by name or glob (default: all); `lostbits list strategies`", {"*"}},
                 {"points",
-                 "Points as computed, put back onto the surface, or both (default)",
+                 "Points to use: computed (as the form computes them), projected (put back onto the surface), or both "
+                 "(default)",
                  {"both"},
                  {"computed", "projected", "both"}}};
     }

@@ -71,6 +71,18 @@ TEST_CASE("diff: folders of maps show rows, outcomes and the largest changes, an
     CHECK(has(nothing.err, "nothing but pictures"));
 }
 
+TEST_CASE("diff: rows with equal numbers name the columns that differ") {
+    const Scratch scratch;
+    const std::string row = "form,format,agree_hit,false_miss,lost_bits_p99,worst_explain\nsphere.press,f32,10,0,2,";
+    for (const char* folder : {"one/map", "two/map"}) fs::create_directories(scratch.path() / folder);
+    scratch.write("one/map/summary.csv", row + "a\n");
+    scratch.write("two/map/summary.csv", row + "b\n");
+    CHECK(run("diff one two", scratch.path()).out ==
+          "one to two: 1 row compared, 1 differs (in 1 table)\n"
+          "the numbers are the same; the rows differ in columns that name a ray or a command: worst_explain\n"
+          "two is better in 0 rows, worse in 0, the same in 1: by wrong decisions, then by lost_bits_p99\n");
+}
+
 TEST_CASE("diff: pictures of different sizes are compared by shares, and only for the same scene") {
     const Scratch scratch;
     const std::string head = "form,format,rays,agree_hit,agree_miss,false_hit,false_miss,lost_bits_p99\n";

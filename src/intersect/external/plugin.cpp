@@ -135,7 +135,7 @@ Library load_library(const fs::path& library) {
     const std::string path = library.string();
     const char* const lasting_path = lasting_text(path);
     if (first_bytes(library, 4) != "\177ELF")
-        throw InputError(path + ": is not a library; " +
+        throw InputError(path + " is not a library; " +
                          (is_source(library) ? "compile it first: " + compile_command(library)
                                              : "give one that a compiler made (c++ -O2 -shared -fPIC mine.cpp -o "
                                                "mine.so), or a program with --pipe"));

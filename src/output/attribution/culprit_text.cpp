@@ -218,8 +218,18 @@ std::string counterfactual_sentence(const Explanation& x) {
         return std::isfinite(c.error) ? fmt::format("{} puts t {:.4g} ulp off", cause, std::fabs(c.error / view.ulp()))
                                       : "t is not finite";
     };
-    return fmt::format("{} {}{}, {}; with {}{}, {}.", preposition, culprit_name, exact_suffix,
-                       effect_of("rounding", only_exact), culprit_name, rounded_suffix, effect_of("it", only_rounded));
+    // A reader of the first half would conclude that the repair of this operation is enough.
+    const bool hardly_helps = !is_step && only_exact.hit && std::isfinite(only_exact.error) &&
+                              std::fabs(only_exact.error) > std::fabs(x.attribution.error) / 2;
+    const std::string advice =
+        hardly_helps
+            ? fmt::format(
+                  " So repairing {} alone does not help much: the other roundings by themselves put t that far off.",
+                  culprit_name)
+            : "";
+    return fmt::format("{} {}{}, {}; with {}{}, {}.{}", preposition, culprit_name, exact_suffix,
+                       effect_of("rounding", only_exact), culprit_name, rounded_suffix, effect_of("it", only_rounded),
+                       advice);
 }
 
 }  // namespace lostbits::output::attribution

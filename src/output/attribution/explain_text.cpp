@@ -215,9 +215,10 @@ std::string sums_sentence(const Explanation& x, const OperationView& view) {
             : fmt::format("; {} ulp belong to no operation", short_number(unassigned / ulp)));
     if (!(std::fabs(a.first_order - a.error) <= 0.1 * std::fabs(a.error))) {
         // Infinite terms of both signs have no sum.
-        text += fmt::format(
-            " A first-order estimate {} and is wrong here, so difference quotients are shown instead.",
-            std::isfinite(a.first_order) ? "gives " + short_number(a.first_order / ulp) : "has infinite terms");
+        text += std::isfinite(a.first_order)
+                    ? fmt::format(" The last column uses difference quotients, because derivatives would give {} ulp.",
+                                  short_number(a.first_order / ulp))
+                    : " The last column uses difference quotients, because derivatives are infinite on this ray.";
     }
     return text + "\n";
 }

@@ -46,8 +46,8 @@ Comparison compare_bytes(std::string_view a, std::string_view b) {
     const auto offset = std::ranges::mismatch(a, b).in1 - a.begin();
     const auto line = static_cast<std::size_t>(std::count(a.begin(), a.begin() + offset, '\n')) + 1;
     result.count = 1;
-    result.differences.push_back(
-        {line, fmt::format("bytes differ from byte {} on; {} != {} bytes in total", offset, a.size(), b.size())});
+    const std::string sizes = a.size() == b.size() ? "" : fmt::format("; {} != {} bytes in total", a.size(), b.size());
+    result.differences.push_back({line, fmt::format("bytes differ from byte {} on{}", offset, sizes)});
     return result;
 }
 

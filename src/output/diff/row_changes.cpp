@@ -195,6 +195,7 @@ void RowChanges::add(RowChanges other) {
     append(cells, other.cells);
     append(columns, other.columns);
     append(names, other.names);
+    reference_columns.merge(other.reference_columns);
 }
 
 void RowChanges::sort() {
@@ -258,6 +259,8 @@ RowChanges compare_rows(const CsvTable& a, const CsvTable& b, const std::string&
                 const bool is_bits = x->name.find("bits") != std::string::npos;
                 const double size = !v.measured ? HUGE_VAL : is_bits ? v.absolute : v.relative;
                 changes.cells.push_back({subject + key, x->name, shown_cell(before), shown_cell(after), is_bits, size});
+            } else {
+                changes.reference_columns.insert(x->name);
             }
         }
         changes.changed += differs;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -56,7 +57,9 @@ struct RowChanges {
         cells;  ///< changed values other than outcomes and positions: bits first, then the largest change first
     std::uint64_t count = 0;           ///< number of cells that differ, in all kinds of columns
     std::vector<std::string> columns;  ///< columns that only one table has
-    std::vector<std::string> names;    ///< every column of either side
+    /// Columns that name a ray or a command and differ in some row. Their cells are in neither list above.
+    std::set<std::string> reference_columns;
+    std::vector<std::string> names;  ///< every column of either side
     RowVerdict verdict;
 
     [[nodiscard]] bool same() const { return count == 0 && only_a.empty() && only_b.empty() && columns.empty(); }

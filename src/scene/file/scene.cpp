@@ -345,7 +345,7 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
         throw InputError(name_or_path + ": is not a scene: a scene is a .toml file");
     const std::string hint = toml::did_you_mean(stem, ids);
     if (is_file)
-        throw InputError(no_file + ", nor a scene \"" + name + "\" in " + (data_dir / "scenes").string() +
+        throw InputError(no_file + ", and no scene \"" + name + "\" in " + (data_dir / "scenes").string() +
                          (hint.empty() ? "" : "; " + hint));
     throw InputError("no scene \"" + name_or_path + "\" in " + (data_dir / "scenes").string() +
                      (hint.empty() ? "" : "; " + hint) + " (a path to a .toml file works too)");

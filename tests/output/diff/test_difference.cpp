@@ -346,6 +346,7 @@ TEST_CASE("diff: PNG files are compared by pixels and other files by bytes", "[d
     REQUIRE(bytes.count == 1);
     CHECK(bytes.differences[0].line == 2);
     CHECK(bytes.differences[0].what == "bytes differ from byte 3 on; 4 != 5 bytes in total");
+    CHECK(compare_bytes("ab", "ac").differences[0].what == "bytes differ from byte 1 on");
     CHECK(compare_bytes("abc", "ab").count == 1);
     CHECK(compare_bytes("", "a").count == 1);
 }
