@@ -24,7 +24,7 @@ using measure::picture::RenderSummary;
 /// NaN.
 [[nodiscard]] std::vector<pixel::Category> shadow_categories();
 
-/// The note under a thumbnail: the shares of wrong pixels.
+/// The note under a thumbnail: how much of the picture is wrong.
 [[nodiscard]] std::string thumbnail_note(const RenderSummary& s);
 
 struct StageRow {
