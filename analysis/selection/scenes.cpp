@@ -193,9 +193,9 @@ OpenedRays open_rays(const RayFileOptions& o, const std::vector<std::string>& fi
                     .primitives = primitives_given(o, target_scene, result.dump->format()),
                     .contract = contract_of(o, *result.dump)};
     if (target_scene) result.terms.mesh = scene::rays::stored_mesh(*target_scene, result.dump->format().parameters);
-    const std::vector<Primitive<double>> examples = result.terms.examples();
-    put_under_matrices(*result.dump, examples);
-    result.shapes = shapes_of_rays(result.dump->layout(), examples);
+    const std::vector<Primitive<double>> representatives = result.terms.representatives();
+    put_under_matrices(*result.dump, representatives);
+    result.shapes = shapes_of_rays(result.dump->layout(), representatives);
     return result;
 }
 
