@@ -142,7 +142,7 @@ void refuse_others(const RayFileOptions& o, const std::vector<std::string>& subj
                                                            {"--skip", o.skip != 0}};
     for (const RayFileOption& option : ray_file_options()) file_options.emplace_back(option.name, option.is_given(o));
     for (const ShapeRow& shape_row : shape_rows)
-        file_options.emplace_back(fmt::format("--{}", shape_row.name), !o.primitives.of(shape_row.shape).empty());
+        file_options.emplace_back(fmt::format("--{}", shape_row.name), !o.primitives.texts_of(shape_row.shape).empty());
     const auto refuse = [](const auto& options, const std::string& why, const std::string& remedy) {
         for (const auto& [name, given] : options) {
             if (given) throw InputError(fmt::format("{0} {1}; leave out {0}{2}", name, why, remedy));

@@ -61,7 +61,7 @@ std::string bash_cases(const std::vector<OptionRow>& options, const std::string&
 // zsh ------------------------------------------------------------------------------------------------------------
 
 std::string zsh_action(const OptionRow& option) {
-    const std::string sequence_prefix = option.several && option.names.front().front() == '-' ? "_sequence " : "";
+    const std::string sequence_prefix = option.takes_several && option.names.front().front() == '-' ? "_sequence " : "";
     switch (option.values.kind) {
         case Kind::words: return fmt::format("({})", fmt::join(option.values.words, " "));
         case Kind::names:
@@ -200,8 +200,8 @@ std::string zsh_completion(const Command& program) {
         if (!command.commands.empty())
             text += fmt::format(" \\\n            '2:command:({})'", fmt::join(command.names_of_commands(), " "));
         for (const OptionRow& argument : command.arguments)
-            text += fmt::format(" \\\n            '{}:{}:{}'", argument.several ? "*" : "", argument.names.front(),
-                                zsh_action(argument));
+            text += fmt::format(" \\\n            '{}:{}:{}'", argument.takes_several ? "*" : "",
+                                argument.names.front(), zsh_action(argument));
         text += " ;;\n";
     }
     return text + "        *) _describe command commands ;;\n    esac\n}\n_lostbits \"$@\"\n";

@@ -371,7 +371,7 @@ void guess(UserSignature& s, const StatedSignature& stated, const std::string& s
     if (!has("o")) missing_roles += " origin";
     if (!has("d") && !has("1/d")) missing_roles += " direction";
     for (std::size_t k = 0; k < keys.size(); ++k)
-        if (!has("k" + std::to_string(k)) && !keys[k].optional) missing_roles += " " + std::string(keys[k].name);
+        if (!has("k" + std::to_string(k)) && !keys[k].is_optional) missing_roles += " " + std::string(keys[k].name);
     if (!missing_roles.empty()) {
         std::string example = std::string(name_of(shape)) + "(o, d";
         for (const Key& key : keys) example += ", " + std::string(key.name);
