@@ -41,7 +41,7 @@ std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn_me
                   [&request](const measure::evaluate::TestedForm& form_row) { return request.is_of_file(form_row); });
     if (tested_rows.empty()) return selection::measured(drawn_metrics, request.rows);
     scene::rays::RayGroup group;
-    group.primitives = scene::rays::examples_of(request.primitives, request.mesh.get());
+    group.primitives = scene::rays::representatives_of(request.primitives, request.mesh.get());
     if (group.primitives.empty()) {
         group.primitives.resize(1);
         group.primitives.front().shape = tested_rows.front().form->shape;
@@ -188,16 +188,17 @@ Exit run(const JudgeOptions& o, const Common& common) {
                          .limit = {.stop = common.stop}};
     if (scene) request.mesh = scene::rays::stored_mesh(*scene, dump->format().parameters);
     if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
-    const std::vector<Primitive<double>> examples = scene::rays::examples_of(request.primitives, request.mesh.get());
-    selection::put_under_matrices(*dump, examples);
-    const Shapes shapes = selection::shapes_of_rays(dump->layout(), examples);
+    const std::vector<Primitive<double>> representatives =
+        scene::rays::representatives_of(request.primitives, request.mesh.get());
+    selection::put_under_matrices(*dump, representatives);
+    const Shapes shapes = selection::shapes_of_rays(dump->layout(), representatives);
     const selection::ShapePredicate meets = [&](Shapes forms) {
         return forms == shapes || (forms == Shape::sdf && request.march.has_value());
     };
     const std::string stem = scene::toml::result_name(o.file);
     intersect::Info contract = selection::contract_of(o, *dump);
     if (dump->layout().decides_only()) contract.roots = intersect::Roots::none;
-    const Shape shape = dump->layout().primitive() ? *dump->layout().primitive() : examples.front().shape;
+    const Shape shape = dump->layout().primitive() ? *dump->layout().primitive() : representatives.front().shape;
     intersect::external::require_front(contract.facing, shape, o.file);
     if (!shapes.are_several()) intersect::require_origin(contract.at_origin, contract.inside, shape, o.file);
     const measure::judge::FileForm answers(stem, shape, contract);
@@ -213,7 +214,7 @@ Exit run(const JudgeOptions& o, const Common& common) {
             throw InputError(fmt::format("--against {}: {}{}", o.against, o.file,
                                          selection::fitting_forms_advice({{other.front(), dump->format()}}, meets)));
         selection::compare_against(request.rows, o.against, common.quiet);
-        if (request.file_form && !request.file_place())
+        if (request.file_form && !request.file_row_index())
             throw InputError(
                 fmt::format("--against {}: this form does not exist in {}, the format of {}; name a form that does, or "
                             "--answer-format",
@@ -290,7 +291,7 @@ Exit run(const JudgeOptions& o, const Common& common) {
         else fmt::print("{}\n", (folder / "summary.csv").string());
         if (wrote_worst_rays) fmt::print("{}\n", (folder / "worst.toml").string());
     }
-    if (const auto file_row = request.file_place())
+    if (const auto file_row = request.file_row_index())
         note_suspicions({request.rows[*file_row]}, common, [&](const measure::evaluate::TestedForm&) {
             const std::string suspicion_text =
                 measure::contract::suspicion(result.first, measure::contract::AnswerSource::file,

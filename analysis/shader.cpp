@@ -24,16 +24,16 @@ namespace {
 using namespace intersect::device;
 using namespace intersect::shader;
 
-std::shared_ptr<Device> device_named(const std::string& kind) {
+std::shared_ptr<Device> open_named_or_any(const std::string& kind) {
     setenv("EGL_LOG_LEVEL", "fatal", 0);  // lostbits itself reports what is missing, once
     return kind.empty() ? open_any_device() : open_device(kind);
 }
 
-/// Warns of loops that may run more often than the driver allows: some drivers end a loop after a fixed count.
-void warn_of_loops(const ShaderSource& shader, const Arithmetic& arithmetic) {
+/// Warns about loops that may run more often than the driver allows: some drivers end a loop after a fixed count.
+void warn_about_loops(const ShaderSource& shader, const Arithmetic& arithmetic) {
     std::size_t reported_line = 0;
     for (const CountedLoop& loop : shader.loops) {
-        const long long iterations = arithmetic.loops_together ? loop.together : loop.most;
+        const long long iterations = arithmetic.loops_share_limit ? loop.nested_iterations : loop.iterations;
         if (loop.line == reported_line || arithmetic.loop_limit == 0 || iterations <= arithmetic.loop_limit) continue;
         reported_line = loop.line;
         const std::string limit_text =
@@ -42,7 +42,7 @@ void warn_of_loops(const ShaderSource& shader, const Arithmetic& arithmetic) {
                    "lostbits: {}:{}: this loop {}, but this driver silently ends loops after {} iterations{}, so "
                    "answers that need more are wrong\n",
                    shader.path, loop.line, limit_text, arithmetic.loop_limit,
-                   arithmetic.loops_together ? ", counting the iterations of enclosing loops" : "");
+                   arithmetic.loops_share_limit ? ", counting the iterations of enclosing loops" : "");
     }
 }
 
@@ -50,14 +50,14 @@ void warn_of_loops(const ShaderSource& shader, const Arithmetic& arithmetic) {
 /// header.
 Exit serve_shader(const std::string& shader_name, const std::string& kind) {
     const int output = take_standard_output("shader serve");
-    // A driver that hangs would not notice that its input ends when the other program is killed.
+    // A process with a hung driver would outlive its parent: it would not notice that its input ends.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     std::vector<intersect::external::ForeignForm> forms;
     try {
         const ShaderSource shader = read_shader(shader_name);
-        const auto device = device_named(kind.empty() && shader.hlsl ? "vulkan" : kind);  // HLSL needs Vulkan
+        const auto device = open_named_or_any(kind.empty() && shader.hlsl ? "vulkan" : kind);  // HLSL needs Vulkan
         const Arithmetic arithmetic = probe(*device);
-        warn_of_loops(shader, arithmetic);
+        warn_about_loops(shader, arithmetic);
         if (shader.f32 && shader.f64 && !device->limits().doubles)
             fmt::print(stderr, "lostbits: {}: {} has no doubles in shaders; its form exists in f32 only\n", shader.path,
                        device->description().renderer);
@@ -77,7 +77,7 @@ Exit send_device_facts(const std::string& kind) {
     const int output = take_standard_output("shader probe");
     std::string text;
     try {
-        const auto device = device_named(kind);
+        const auto device = open_named_or_any(kind);
         const Arithmetic arithmetic = probe(*device);
         const DeviceDescription& description = device->description();
         text = fmt::format("device={}\nrenderer={}\nvendor={}\nversion={}\ndriver={}\ndigest={:016x}\n",

@@ -121,9 +121,9 @@ std::vector<FilePair> pairs_below(const fs::path& a, const fs::path& b) {
 }
 
 Result compare_pair(const FilePair& pair, const fs::path& a, const fs::path& b, const CompareOptions& options) {
-    const auto& [file, in_a, in_b] = pair;
-    const fs::path& folder = in_a ? a : b;
-    if (!in_a || !in_b) return {(folder / file).string(), {}, folder.string()};
+    const auto& [file, is_in_a, is_in_b] = pair;
+    const fs::path& folder = is_in_a ? a : b;
+    if (!is_in_a || !is_in_b) return {(folder / file).string(), {}, folder.string()};
     return {(a / file).string(), compare_files(a / file, b / file, kind_of(file), options), ""};
 }
 

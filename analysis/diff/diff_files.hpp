@@ -36,7 +36,7 @@ struct Result {
 /// A file below two folders, or below one of them.
 struct FilePair {
     std::filesystem::path file;  ///< relative to the folders
-    bool in_a = false, in_b = false;
+    bool is_in_a = false, is_in_b = false;
 };
 /// All files below either folder, in order. Throws NothingSelected if there are none.
 [[nodiscard]] std::vector<FilePair> pairs_below(const std::filesystem::path& a, const std::filesystem::path& b);

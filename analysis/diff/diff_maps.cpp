@@ -114,7 +114,7 @@ MapDifference compare_maps(const MapSides& sides, const CompareOptions& options,
             ++found.pictures;
             continue;
         }
-        if (pair.in_a && pair.in_b && kind == FileKind::csv) {
+        if (pair.is_in_a && pair.is_in_b && kind == FileKind::csv) {
             const auto a = output::file::read_csv(sides.a / file), b = output::file::read_csv(sides.b / file);
             if (output::diff::has_row_keys(a) && output::diff::has_row_keys(b)) {
                 ++found.tables;

@@ -103,10 +103,10 @@ ArrayDump::ArrayDump(const std::string& name, std::vector<ArrayColumn> columns, 
     settle(options, layout_, own_format(columns_));
 }
 
-bool ArrayDump::next(std::size_t most, Records& records) {
+bool ArrayDump::next(std::size_t max_records, Records& records) {
     stop_.check();
     records.first = read_;
-    records.count = std::min(most, count_ - read_);
+    records.count = std::min(max_records, count_ - read_);
     read_ += records.count;
     return records.count > 0;
 }

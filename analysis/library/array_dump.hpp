@@ -43,7 +43,7 @@ public:
     [[nodiscard]] const scene::dump::Layout& layout() const override { return layout_; }
     [[nodiscard]] std::optional<std::uint64_t> size() const override { return count_; }
     [[nodiscard]] std::uint64_t bytes() const override { return 0; }
-    bool next(std::size_t most, scene::dump::Records& records) override;
+    bool next(std::size_t max_records, scene::dump::Records& records) override;
     [[nodiscard]] scene::dump::Chunk decode(const scene::dump::Records& records) const override;
 
 private:

@@ -33,10 +33,10 @@ struct GivenRays {
     std::vector<Primitive<double>> primitives = {};
     /// The triangles of the mesh come after `primitives`; null: no mesh.
     std::shared_ptr<const scene::rays::MeshColumns> mesh = {};
-    std::shared_ptr<const StoredScene> stored = {};  ///< where the primitives come from; null: from arrays
+    std::shared_ptr<const StoredScene> stored = {};  ///< the scene with these primitives; null: they are from arrays
     Shape shape{};                                   ///< of the first primitive
-    [[nodiscard]] std::vector<Primitive<double>> examples() const {
-        return scene::rays::examples_of(primitives, mesh.get());
+    [[nodiscard]] std::vector<Primitive<double>> representatives() const {
+        return scene::rays::representatives_of(primitives, mesh.get());
     }
 };
 
@@ -76,7 +76,7 @@ GivenRays read_rays(const lostbits_rays& rays, const CallRun& running) {
     append_columns(columns, rays.tmax, std::array<std::string, 1>{"tmax"});
     append_columns(columns, rays.t, std::array<std::string, 1>{"t"});
     append_columns(columns, rays.hit, std::array<std::string, 1>{"hit"});
-    append_columns(columns, rays.by, std::array<std::string, 1>{"`by`"});  // cylinders have a column by
+    append_columns(columns, rays.by, std::array<std::string, 1>{"`by`"});  // quoted: cylinders have a column named by
     append_columns(columns, rays.matrix,
                    std::vector<std::string>(scene::dump::matrix_columns.begin(), scene::dump::matrix_columns.end()));
     scene::dump::DumpOptions options{.stop = running.stop()};
@@ -111,11 +111,11 @@ GivenRays read_rays(const lostbits_rays& rays, const CallRun& running) {
     } else if (rays.paired == 0) {
         result.primitives = shared_primitives_of(rays, result.shape, format);
     }
-    selection::put_under_matrices(*result.dump, result.examples());
+    selection::put_under_matrices(*result.dump, result.representatives());
     return result;
 }
 
-/// The contract that the arguments state, for primitives of that shape.
+/// The contract that the arguments of the call state, for primitives of a shape.
 intersect::Info contract_of_arrays(const lostbits_rays& rays, Shape shape) {
     lb_form form{};
     form.name = "own.arrays";
@@ -138,8 +138,9 @@ intersect::Info contract_of_arrays(const lostbits_rays& rays, Shape shape) {
     return info;
 }
 
-selection::ShapePredicate meets_of(const GivenRays& given) {
-    const Shapes shapes = selection::shapes_of_rays(given.dump->layout(), given.examples());
+/// Selects the forms whose shapes are exactly those of the rays' primitives.
+selection::ShapePredicate shape_filter_of(const GivenRays& given) {
+    const Shapes shapes = selection::shapes_of_rays(given.dump->layout(), given.representatives());
     return [shapes](Shapes forms) { return forms == shapes; };
 }
 
@@ -151,7 +152,7 @@ std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Sel
     intersect::Info contract = contract_of_arrays(rays, given.shape);
     if (given.dump->layout().decides_only()) contract.roots = intersect::Roots::none;
     const measure::judge::FileForm answers("arrays", given.shape, contract);
-    if (!chosen.rows.empty()) chosen.keep_rows_for(rays_name, meets_of(given));
+    if (!chosen.rows.empty()) chosen.keep_rows_for(rays_name, shape_filter_of(given));
     else if (!given.dump->layout().has_answers())
         throw NothingSelected("rays: there are neither answers (t or hit) nor forms; give one of them");
     if (given.dump->layout().has_answers()) {
@@ -164,7 +165,7 @@ std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Sel
     request.metrics = selection::measured(metrics, request.rows);
     if (!chosen.rows.empty()) {
         RayGroup group;
-        group.primitives = given.examples();
+        group.primitives = given.representatives();
         if (group.primitives.empty()) group.primitives.emplace_back(given.shape);
         if (given.dump->layout().has_matrix()) group.primitives.front().placed = selection::any_matrix();
         request.metrics = chosen.metric_set.for_forms(request.metrics, measure::evaluate::forms_of(chosen.rows),
@@ -175,12 +176,12 @@ std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Sel
 
     auto result = std::make_unique<lostbits_result>();
     std::vector<Shape> shapes;
-    const std::vector<Primitive<double>> examples = given.examples();
+    const std::vector<Primitive<double>> representatives = given.representatives();
     for (const ShapeRow& shape_row : shape_rows) {
         const auto has_shape = [&shape_row](const Primitive<double>& primitive) {
             return primitive.shape == shape_row.shape;
         };
-        if (examples.empty() ? shape_row.shape == given.shape : std::ranges::any_of(examples, has_shape))
+        if (representatives.empty() ? shape_row.shape == given.shape : std::ranges::any_of(representatives, has_shape))
             shapes.push_back(shape_row.shape);
     }
     const auto summary =
@@ -207,7 +208,7 @@ std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Sel
                                        }))
             summary.add_row(csv, row);
     }
-    if (const auto file_row = request.file_place())
+    if (const auto file_row = request.file_row_index())
         result->texts = selection::suspicions_of({request.rows[*file_row]}, [&](const TestedForm&) {
             const auto& summary_of_file = judgement.summaries[*file_row];
             const std::string suspicion_text = measure::contract::suspicion(
@@ -221,15 +222,15 @@ std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Sel
 
 /// Calls `act(first, group, culler)` in parallel for pieces of the rays. The group has the rays from `first` on and
 /// their primitives. The culler finds the primitives that a ray can meet; it is null unless there is a mesh or at least
-/// `least_primitives` primitives.
+/// `culling_threshold` primitives.
 template <class Act>
-void for_each_piece(GivenRays& given, CallRun& running, std::size_t count, std::size_t least_primitives,
+void for_each_piece(GivenRays& given, CallRun& running, std::size_t count, std::size_t culling_threshold,
                     const Act& act) {
     constexpr std::size_t piece = 8192;
     const auto advance = running.advance_callback(count);
     std::optional<measure::culling::Culler> own_culler;
     const measure::culling::Culler* shared_culler = nullptr;
-    if (given.mesh || given.primitives.size() >= least_primitives)
+    if (given.mesh || given.primitives.size() >= culling_threshold)
         shared_culler =
             given.stored ? &given.stored->culler() : &own_culler.emplace(primitive_list(given.primitives, given.mesh));
     intersect::process::in_parallel(std::size_t{0}, (count + piece - 1) / piece, [&](std::size_t p) {
@@ -251,7 +252,7 @@ void for_each_piece(GivenRays& given, CallRun& running, std::size_t count, std::
 
 std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Selection& chosen, CallRun& running) {
     GivenRays given = read_rays(rays, running);
-    chosen.keep_rows_for(rays_name, meets_of(given));
+    chosen.keep_rows_for(rays_name, shape_filter_of(given));
     auto result = std::make_unique<lostbits_result>();
     for (const TestedForm& form_row : chosen.rows) {
         ResultTable& table = result->tables.emplace_back(
@@ -313,7 +314,7 @@ std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, CallRu
 std::unique_ptr<lostbits_result> hits_of_rays(const lostbits_rays& rays, CallRun& running) {
     GivenRays given = read_rays(rays, running);
     const auto is_triangle = [](const auto& primitive) { return primitive.shape == scene::triangle::Mesh::shape; };
-    if (rays.paired != 0 || !std::ranges::all_of(given.examples(), is_triangle))
+    if (rays.paired != 0 || !std::ranges::all_of(given.representatives(), is_triangle))
         throw InputError("rays: crossings need triangles that all rays share; give a mesh, or an array of triangles");
     std::vector<measure::crossing::MeshCrossings> found(rays.count);
     for_each_piece(given, running, rays.count, measure::culling::least_primitives,

@@ -31,7 +31,7 @@ std::vector<std::string> parts_of(const std::string& text) {
 std::optional<Real> number_of(const std::string& text, const std::string& option) {
     const auto parsed = scene::toml::parse_number(text);
     const auto* const fault = std::get_if<scene::toml::NumberFault>(&parsed);
-    if (fault && !fault->too_large) throw InputError(fmt::format("{}: \"{}\" {}", option, text, fault->why));
+    if (fault && !fault->is_too_large) throw InputError(fmt::format("{}: \"{}\" {}", option, text, fault->why));
     if (fault) return {};
     return std::get<Real>(parsed);
 }
@@ -41,7 +41,7 @@ std::optional<Real> number_of(const std::string& text, const std::string& option
 std::vector<Shape> PrimitiveOptions::shapes() const {
     std::vector<Shape> given;
     for (const ShapeRow& shape_row : shape_rows)
-        if (!of(shape_row.shape).empty()) given.push_back(shape_row.shape);
+        if (!texts_of(shape_row.shape).empty()) given.push_back(shape_row.shape);
     return given;
 }
 
@@ -50,7 +50,7 @@ std::vector<std::pair<Shape, std::string>> PrimitiveOptions::given() const {
     std::array<std::size_t, shape_rows.size()> next_index{};
     for (const std::size_t index : order_()) {
         const Shape shape = shape_rows[index].shape;
-        primitives.emplace_back(shape, of(shape).at(next_index[index]++));
+        primitives.emplace_back(shape, texts_of(shape).at(next_index[index]++));
     }
     return primitives;
 }

@@ -26,8 +26,8 @@ struct WantedNumbers {
 /// The values of `--sphere`, `--box` and so on, one option per shape.
 class PrimitiveOptions {
 public:
-    [[nodiscard]] std::vector<std::string>& of(Shape shape) { return texts_[static_cast<std::size_t>(shape)]; }
-    [[nodiscard]] const std::vector<std::string>& of(Shape shape) const {
+    [[nodiscard]] std::vector<std::string>& texts_of(Shape shape) { return texts_[static_cast<std::size_t>(shape)]; }
+    [[nodiscard]] const std::vector<std::string>& texts_of(Shape shape) const {
         return texts_[static_cast<std::size_t>(shape)];
     }
     /// Declares the options, which the help shows below a heading.

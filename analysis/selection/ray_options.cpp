@@ -371,7 +371,7 @@ void PrimitiveOptions::add_to(const shell::Command& command, const std::string& 
     for (const ShapeRow& shape_row : shape_rows)
         options.push_back(
             command
-                .add(fmt::format("--{}", shape_row.name), of(shape_row.shape),
+                .add(fmt::format("--{}", shape_row.name), texts_of(shape_row.shape),
                      fmt::format("{}: {}", with_article(shape_row.shape), option_placeholder(shape_row.shape)))
                 .below(heading));
     order_ = command.order_of(options);

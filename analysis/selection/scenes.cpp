@@ -142,7 +142,7 @@ void refuse_others(const RayFileOptions& o, const std::vector<std::string>& subj
                                                            {"--skip", o.skip != 0}};
     for (const RayFileOption& option : ray_file_options()) file_options.emplace_back(option.name, option.is_given(o));
     for (const ShapeRow& shape_row : shape_rows)
-        file_options.emplace_back(fmt::format("--{}", shape_row.name), !o.primitives.of(shape_row.shape).empty());
+        file_options.emplace_back(fmt::format("--{}", shape_row.name), !o.primitives.texts_of(shape_row.shape).empty());
     const auto refuse = [](const auto& options, const std::string& why, const std::string& remedy) {
         for (const auto& [name, given] : options) {
             if (given) throw InputError(fmt::format("{0} {1}; leave out {0}{2}", name, why, remedy));
@@ -193,9 +193,9 @@ OpenedRays open_rays(const RayFileOptions& o, const std::vector<std::string>& fi
                     .primitives = primitives_given(o, target_scene, result.dump->format()),
                     .contract = contract_of(o, *result.dump)};
     if (target_scene) result.terms.mesh = scene::rays::stored_mesh(*target_scene, result.dump->format().parameters);
-    const std::vector<Primitive<double>> examples = result.terms.examples();
-    put_under_matrices(*result.dump, examples);
-    result.shapes = shapes_of_rays(result.dump->layout(), examples);
+    const std::vector<Primitive<double>> representatives = result.terms.representatives();
+    put_under_matrices(*result.dump, representatives);
+    result.shapes = shapes_of_rays(result.dump->layout(), representatives);
     return result;
 }
 

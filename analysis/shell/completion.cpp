@@ -29,9 +29,10 @@ std::vector<std::string> names_of(const std::vector<OptionRow>& options) {
     return names;
 }
 
-/// Prints the names that `lostbits list` gives, except names with special characters. A shell would run code in these:
+/// A filter for the output of `lostbits list` that prints the names, except names with special characters. A shell
+/// would run code in these:
 /// `compgen -W` expands its words, and a scene in a user's folder may be called `$(command).toml`.
-constexpr const char* plain_names = "awk 'NR > 1 && $1 ~ /^[A-Za-z0-9_.,:@\\/+-]+$/ { print $1 }'";
+constexpr const char* awk_plain_names_filter = "awk 'NR > 1 && $1 ~ /^[A-Za-z0-9_.,:@\\/+-]+$/ { print $1 }'";
 
 // bash -----------------------------------------------------------------------------------------------------------
 
@@ -60,10 +61,11 @@ std::string bash_cases(const std::vector<OptionRow>& options, const std::string&
 // zsh ------------------------------------------------------------------------------------------------------------
 
 std::string zsh_action(const OptionRow& option) {
-    const std::string comma = option.several && option.names.front().front() == '-' ? "_sequence " : "";
+    const std::string sequence_prefix = option.takes_several && option.names.front().front() == '-' ? "_sequence " : "";
     switch (option.values.kind) {
         case Kind::words: return fmt::format("({})", fmt::join(option.values.words, " "));
-        case Kind::names: return fmt::format("{}_lostbits_names {}", comma, fmt::join(option.values.words, " "));
+        case Kind::names:
+            return fmt::format("{}_lostbits_names {}", sequence_prefix, fmt::join(option.values.words, " "));
         case Kind::files: return "_files";
         case Kind::folders: return "_files -/";
         case Kind::anything: break;
@@ -121,7 +123,7 @@ std::string bash_completion(const Command& program) {
         "_lostbits_names() {\n"
         "    local what\n"
         "    for what; do \"${COMP_WORDS[0]/#\\~/$HOME}\" list \"$what\" 2>/dev/null | " +
-        std::string(plain_names) +
+        std::string(awk_plain_names_filter) +
         "; done\n"
         "}\n\n"
         "# Sets the words, or the kind of files, that can be typed at the cursor.\n"
@@ -131,13 +133,13 @@ std::string bash_completion(const Command& program) {
     for (const CommandRow& command : commands) {
         text += fmt::format("        {})\n            case $previous in\n{}            esac\n", command.name,
                             bash_cases(command.options, "                "));
-        std::string offers = fmt::format("options=\"{}\"", fmt::join(names_of(command.options), " "));
+        std::string set_offers = fmt::format("options=\"{}\"", fmt::join(names_of(command.options), " "));
         if (!command.commands.empty())
-            offers += fmt::format("; words=\"{}\"", fmt::join(command.names_of_commands(), " "));
-        else if (!command.arguments.empty()) offers += "; " + bash_values(command.arguments.front().values);
-        // A subject that has a name may be given as a file too.
-        if (!command.arguments.empty()) offers += "; files=-f";
-        text += fmt::format("            {} ;;\n", offers);
+            set_offers += fmt::format("; words=\"{}\"", fmt::join(command.names_of_commands(), " "));
+        else if (!command.arguments.empty()) set_offers += "; " + bash_values(command.arguments.front().values);
+        // A subject can be given by its name or as a file.
+        if (!command.arguments.empty()) set_offers += "; files=-f";
+        text += fmt::format("            {} ;;\n", set_offers);
     }
     text += fmt::format(
         "        *) words=\"{}\" ;;\n    esac\n    case $previous in\n{}    esac\n    options+=\" {}\"\n}}\n\n",
@@ -178,7 +180,7 @@ std::string zsh_completion(const Command& program) {
         "    local what\n"
         "    while [[ $1 == -* ]]; do shift; done\n"
         "    for what; do names+=(${(f)\"$($words[1] list $what 2>/dev/null | " +
-        std::string(plain_names) +
+        std::string(awk_plain_names_filter) +
         ")\"}); done\n"
         "    compadd -a names\n"
         "    [[ $what == (scenes|sweeps) ]] && _files -g '*.toml'\n"
@@ -198,8 +200,8 @@ std::string zsh_completion(const Command& program) {
         if (!command.commands.empty())
             text += fmt::format(" \\\n            '2:command:({})'", fmt::join(command.names_of_commands(), " "));
         for (const OptionRow& argument : command.arguments)
-            text += fmt::format(" \\\n            '{}:{}:{}'", argument.several ? "*" : "", argument.names.front(),
-                                zsh_action(argument));
+            text += fmt::format(" \\\n            '{}:{}:{}'", argument.takes_several ? "*" : "",
+                                argument.names.front(), zsh_action(argument));
         text += " ;;\n";
     }
     return text + "        *) _describe command commands ;;\n    esac\n}\n_lostbits \"$@\"\n";
@@ -212,7 +214,7 @@ std::string fish_completion(const Command& program) {
         "    set -l program (commandline -opc)[1]\n"
         "    for what in $argv\n"
         "        $program list $what 2>/dev/null | " +
-        std::string(plain_names) +
+        std::string(awk_plain_names_filter) +
         "\n"
         "    end\n"
         "end\n";

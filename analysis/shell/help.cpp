@@ -47,8 +47,8 @@ std::string option_text(const OptionRow& option) {
 
 /// `SCENE...`, `[CLAIMS...]`
 std::string argument_text(const OptionRow& argument) {
-    const std::string text = argument.names.front() + (argument.several ? "..." : "");
-    return argument.required ? text : "[" + text + "]";
+    const std::string text = argument.names.front() + (argument.takes_several ? "..." : "");
+    return argument.is_required ? text : "[" + text + "]";
 }
 
 /// Lists the options by their headings, in the order of the headings.

@@ -47,7 +47,7 @@ std::string arguments_text(const CommandRow& command) {
     std::string text;
     for (const OptionRow& argument : command.arguments) {
         const std::string name = "\\fI" + argument.names.front() + "\\fR";
-        text += " " + (argument.required ? name : "[" + name + "]") + (argument.several ? "..." : "");
+        text += " " + (argument.is_required ? name : "[" + name + "]") + (argument.takes_several ? "..." : "");
     }
     return text + " [\\fIOPTION\\fR]...";
 }

@@ -61,7 +61,7 @@ std::string value_text(const OptionRow& option_row, const std::string& type) {
         {"--size", "WxH"},           {"--pipe", "COMMAND"}, {"--set", "KEY=VALUE"}, {"--shard", "K/N"},
         {"--pixel", "X,Y"},          {"--range", "LO:HI"},  {"--by", "COLUMN"},     {"--unit", "UNIT"},
         {"--function", "FILE:NAME"}, {"--case", "NAME[:K]"}};
-    const char* const suffix = option_row.several ? ",..." : "";
+    const char* const suffix = option_row.takes_several ? ",..." : "";
     if (option_row.values.kind == Kind::words) return joined(option_row.values.words, "|") + suffix;
     if (const auto placeholder = placeholders.find(option_row.names.back()); placeholder != placeholders.end())
         return placeholder->second;
@@ -81,8 +81,8 @@ OptionRow row_of(const Option& option) {
     option_row.help = option.help();
     option_row.takes_value = option.takes_value();
     option_row.heading = option.heading();
-    option_row.several = option.takes_several();
-    option_row.required = option.is_required();
+    option_row.takes_several = option.takes_several();
+    option_row.is_required = option.is_required();
     std::vector<std::string> bare_names;
     if (option.is_argument()) option_row.names = bare_names = {option.name()};
     for (const std::string& name : option.short_names())

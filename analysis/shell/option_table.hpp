@@ -22,8 +22,8 @@ struct OptionRow {
     std::string heading;  ///< under which the help shows it with others; empty: none of its own
     std::string value;    ///< how its value is written: `auto|bar|none`, `1..1024`, FILE; empty: it takes none
     bool takes_value = false;
-    bool several = false;  ///< it takes several values, between commas or one argument after another
-    bool required = false;
+    bool takes_several = false;  ///< it takes several values, between commas or one argument after another
+    bool is_required = false;
     Values values;
 };
 

@@ -17,8 +17,8 @@ void TextTable::print() const {
     const auto print_line = [this](const auto& cell_of) {
         std::string line = " ";
         for (std::size_t c = 0; c < columns_.size(); ++c)
-            line += columns_[c].left ? fmt::format(" {:<{}}", cell_of(c), columns_[c].width)
-                                     : fmt::format(" {:>{}}", cell_of(c), columns_[c].width);
+            line += columns_[c].is_left_aligned ? fmt::format(" {:<{}}", cell_of(c), columns_[c].width)
+                                                : fmt::format(" {:>{}}", cell_of(c), columns_[c].width);
         fmt::print("{}\n", line);
     };
     print_line([this](std::size_t c) { return columns_[c].title; });

@@ -9,8 +9,8 @@ namespace lostbits::analysis::shell {
 
 struct TextColumn {
     std::string title;
-    std::size_t width;  ///< least width, so that tables of one command look alike
-    bool left = false;  ///< its cells begin at the left; otherwise they end at the right
+    std::size_t width;             ///< least width, so that tables of one command look alike
+    bool is_left_aligned = false;  ///< its cells begin at the left; otherwise they end at the right
 };
 
 class TextTable {

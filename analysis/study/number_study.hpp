@@ -138,9 +138,9 @@ struct NumberAdapter {
             fmt::print("  {} {}: {}\n", study.rows[r].form->info->name, study.rows[r].format.name, in_words(rows[r]));
     }
     static std::uint64_t unproved(const Summaries& rows) {
-        std::uint64_t most = 0;
-        for (const NumberSummary& row : rows) most = std::max(most, row.unresolved);
-        return most;
+        std::uint64_t max_unproved = 0;
+        for (const NumberSummary& row : rows) max_unproved = std::max(max_unproved, row.unresolved);
+        return max_unproved;
     }
     static std::uint64_t unproved(const NumberRow& row) { return row.summary->unresolved; }
 

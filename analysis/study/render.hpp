@@ -91,10 +91,10 @@ struct RenderAdapter {
 
     /// The number of pixels with something that is not proved.
     static std::uint64_t unproved(const Summaries& summaries) {
-        std::uint64_t most = 0;
+        std::uint64_t max_unproved = 0;
         for (const Study::Summary& row : summaries)
-            for (const measure::picture::RenderSummary& s : row) most = std::max(most, s.unresolved());
-        return most;
+            for (const measure::picture::RenderSummary& s : row) max_unproved = std::max(max_unproved, s.unresolved());
+        return max_unproved;
     }
 
     static std::uint64_t unproved(const View::SummaryRow& row) { return row.summary->unresolved(); }

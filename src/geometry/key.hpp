@@ -28,7 +28,7 @@ struct Key {
     Kind kind = Kind::point;
     Limit limit = Limit::none;
     std::array<std::string_view, 2> aliases = {};  ///< other common spellings of the name
-    bool optional = false;                         ///< 0 if left out
+    bool is_optional = false;                      ///< 0 if left out
 
     [[nodiscard]] constexpr std::size_t count() const { return kind == Kind::length ? 1 : 3; }
     [[nodiscard]] constexpr bool is_length() const { return kind == Kind::length || kind == Kind::lengths; }

@@ -11,8 +11,8 @@ inline number::wide::ColumnWord near_first_root(const QuarticChain<number::wide:
                                                 const number::wide::ColumnWord& begin,
                                                 const number::wide::ColumnWord& bound, int /*steps*/) {
     using number::wide::ColumnOperation, number::wide::ColumnWord, number::wide::record_instruction;
-    return ColumnWord::at(record_instruction(ColumnOperation::near_root_of_quartic, chain.n.place(), chain.p.place(),
-                                             chain.q.place(), chain.r.place(), begin.place(), bound.place()));
+    return ColumnWord::at(record_instruction(ColumnOperation::near_root_of_quartic, chain.n.index(), chain.p.index(),
+                                             chain.q.index(), chain.r.index(), begin.index(), bound.index()));
 }
 
 }  // namespace lostbits

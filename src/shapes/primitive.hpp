@@ -206,7 +206,7 @@ void for_each_key(Shape shape, const Act& act) {
 inline bool is_optional(Shape shape, std::size_t k) {
     bool optional = false;
     for_each_key(shape, [&](const Key& key, std::size_t first) {
-        if (k >= first && k < first + key.count()) optional = key.optional;
+        if (k >= first && k < first + key.count()) optional = key.is_optional;
     });
     return optional;
 }

@@ -13,7 +13,7 @@
 namespace test_render {
 
 using namespace lostbits::test;
-using lostbits::measure::picture::Seen;
+using lostbits::measure::picture::SeenContent;
 using lostbits::measure::picture::Shadow;
 
 namespace {
@@ -97,8 +97,8 @@ TEST_CASE("the layers, the pictures and the table of render agree") {
         }
         CHECK(error == Approx(largest).margin(5e-5));
     }
-    for (const auto kind : {Seen::same_sphere, Seen::background, Seen::other_sphere, Seen::lost_sphere,
-                            Seen::extra_sphere, Seen::not_a_number}) {
+    for (const auto kind : {SeenContent::same_sphere, SeenContent::background, SeenContent::other_sphere,
+                            SeenContent::lost_sphere, SeenContent::extra_sphere, SeenContent::not_a_number}) {
         const auto k = static_cast<std::size_t>(kind);
         CHECK(number_in(row.at(std::string(lostbits::measure::picture::seen_names[k]))) == seen_counts[k]);
     }

@@ -232,10 +232,10 @@ void probe_loops(Device& device, Arithmetic& arithmetic) {
     arithmetic.loop_limit = single_limit;
     // If all loops share one limit, the second of these loops reaches it.
     const std::uint32_t iterations = single_limit / 8 * 5;
-    arithmetic.loops_together = reached_count(device, true, iterations, repetitions) + 1 < iterations * repetitions;
+    arithmetic.loops_share_limit = reached_count(device, true, iterations, repetitions) + 1 < iterations * repetitions;
     arithmetic.facts.push_back(
         {"loops end after", std::to_string(single_limit) + " iterations, silently" +
-                                (arithmetic.loops_together ? "; all loops of a call count together" : "")});
+                                (arithmetic.loops_share_limit ? "; all loops of a call count together" : "")});
 }
 
 }  // namespace

@@ -374,7 +374,7 @@ void guess(UserSignature& s, const StatedSignature& stated, const std::string& s
     if (!has("o")) add_missing("the origin of the ray");
     if (!has("d") && !has("1/d")) add_missing("the direction of the ray");
     for (std::size_t k = 0; k < keys.size(); ++k)
-        if (!has("k" + std::to_string(k)) && !keys[k].optional)
+        if (!has("k" + std::to_string(k)) && !keys[k].is_optional)
             add_missing("`" + std::string(keys[k].name) + "` of the " + std::string(name_of(shape)));
     if (!missing_roles.empty()) {
         std::string example = std::string(name_of(shape)) + "(o, d";

@@ -52,8 +52,8 @@ struct CountedLoop {
     static constexpr long long endless = 1'000'000'000'001;  ///< above the count of any bounded loop
 
     std::size_t line;
-    long long most;      ///< largest number of iterations
-    long long together;  ///< `most` times the iterations of the enclosing loops
+    long long iterations;         ///< largest number of iterations
+    long long nested_iterations;  ///< `iterations` times those of all enclosing loops
 };
 
 /// Returns the loops whose header has an integer, and the loops without an end. `tokens` holds the tokens of the file,

@@ -58,7 +58,7 @@ FileRays judge_rays(scene::dump::Dump& dump, const FileTerms& terms, const Choic
     judge_request.progress = [&terms](std::uint64_t, std::uint64_t bytes) { terms.progress(bytes); };
     intersect::Info contract = terms.contract;
     if (dump.layout().decides_only()) contract.roots = intersect::Roots::none;
-    const Shape shape = dump.layout().primitive() ? *dump.layout().primitive() : terms.examples().front().shape;
+    const Shape shape = dump.layout().primitive() ? *dump.layout().primitive() : terms.representatives().front().shape;
     const judge::FileForm answers(terms.id, shape, contract);
     if (dump.layout().has_answers()) {
         judge_request.file_form = &answers.form();

@@ -41,8 +41,8 @@ struct FileTerms {
     intersect::Info contract{};                                 ///< contract of the answers
     /// Receives the number of bytes read since the last call; may throw to stop.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
-    [[nodiscard]] std::vector<Primitive<double>> examples() const {
-        return scene::rays::examples_of(primitives, mesh.get());
+    [[nodiscard]] std::vector<Primitive<double>> representatives() const {
+        return scene::rays::representatives_of(primitives, mesh.get());
     }
 };
 

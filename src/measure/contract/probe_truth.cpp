@@ -106,7 +106,7 @@ std::vector<Question> aimed_questions(const Trial& trial, const Aim& aim, bool u
 std::string ignored_length(const Trial& trial, const std::vector<Question>& questions) {
     std::string text;
     for_each_key(trial.shape, [&](const Key& key, std::size_t k) {
-        if (!key.optional || !text.empty()) return;
+        if (!key.is_optional || !text.empty()) return;
         std::vector<AnsweredQuestion> without_length = with_truth(trial, questions);
         for (AnsweredQuestion& answered : without_length) {
             Question q = answered.question;
@@ -149,7 +149,7 @@ Primitive<double> random_primitive(Shape shape, bool upright, RandomNumbers& ran
             else if (!is_length) primitive.set_point(k, 2.0 * random.vector());
             for (const std::size_t end = k + key.count(); k < end; ++k) {
                 double& x = primitive.numbers[k];
-                if (key.optional) x = std::max(0.0, random()) * primitive.numbers[k - 1];
+                if (key.is_optional) x = std::max(0.0, random()) * primitive.numbers[k - 1];
                 else if (is_length) x *= random.between(0.5, 1.25);
                 x = static_cast<float>(x);
             }

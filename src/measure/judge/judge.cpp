@@ -71,7 +71,7 @@ public:
         : dump_(dump),
           request_(request),
           show_(show),
-          file_(request.file_place()),
+          file_(request.file_row_index()),
           primitives_(scene::rays::primitive_list_of(group_of_primitives())) {
         if (file_ && dump.layout().decides_only() && file_row().form->info->roots != intersect::Roots::none)
             throw std::logic_error("a file without a t is judged by a row that has one");
@@ -298,7 +298,7 @@ void JudgeResult::append(JudgeResult&& next) {
     groups.append(std::move(next.groups));
 }
 
-std::optional<std::size_t> JudgeRequest::file_place() const {
+std::optional<std::size_t> JudgeRequest::file_row_index() const {
     const auto found = std::ranges::find_if(rows, [this](const TestedForm& form_row) { return is_of_file(form_row); });
     return found == rows.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - rows.begin()));
 }

@@ -56,7 +56,7 @@ struct JudgeRequest {
 
     [[nodiscard]] bool is_of_file(const evaluate::TestedForm& form_row) const { return form_row.form == file_form; }
     /// Index of the row of the file's answers, if there is one.
-    [[nodiscard]] std::optional<std::size_t> file_place() const;
+    [[nodiscard]] std::optional<std::size_t> file_row_index() const;
 };
 
 /// Receives the results of a row for some rays, with the file's record of these rays. Called in order for each row;

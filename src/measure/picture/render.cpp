@@ -37,12 +37,12 @@ void for_each_pixel_in(const Format& format, std::size_t count, intersect::proce
 
 bool is_finite(const Vec<double>& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-Seen content_of(const Truth& truth, bool hit, double t, std::int32_t object) {
-    if (truth.decision == Truth::Decision::unresolved) return Seen::unresolved;
-    if (hit && std::isnan(t)) return Seen::not_a_number;
-    if (!truth.is_hit()) return hit ? Seen::extra_sphere : Seen::background;
-    if (!hit) return Seen::lost_sphere;
-    return object == truth.object ? Seen::same_sphere : Seen::other_sphere;
+SeenContent content_of(const Truth& truth, bool hit, double t, std::int32_t object) {
+    if (truth.decision == Truth::Decision::unresolved) return SeenContent::unresolved;
+    if (hit && std::isnan(t)) return SeenContent::not_a_number;
+    if (!truth.is_hit()) return hit ? SeenContent::extra_sphere : SeenContent::background;
+    if (!hit) return SeenContent::lost_sphere;
+    return object == truth.object ? SeenContent::same_sphere : SeenContent::other_sphere;
 }
 
 /// Returns the angle between n as computed (of any length) and the true unit normal N: atan2(|n × N|, n·N). The
@@ -88,7 +88,7 @@ public:
                   inputs_.geometry.rays.width,
                   answer::evaluate(*form_row.form, inputs_.geometry),
                   shared.truth,
-                  std::vector<Seen>(n_),
+                  std::vector<SeenContent>(n_),
                   {},
                   std::vector<double>(n_, missing),
                   std::vector<double>(n_, missing),
@@ -128,7 +128,7 @@ private:
             point_[i] = as_doubles(point);
             normal_[i] = as_doubles(primitive_seen.placed ? normal_under_matrix<T>(lifted_primitive, ray, answers_.t[i])
                                                           : normal_at<T>(point, lifted_primitive));
-            if (result_.seen[i] != Seen::same_sphere) return;
+            if (result_.seen[i] != SeenContent::same_sphere) return;
             result_.residual[i] = std::fabs(residual.value(
                 {.t = answers_.t[i], .format = &row_.format, .ray = &ray, .primitive = &primitive_seen}));
             if (truth_[i].has_normal) result_.normal_angle[i] = angle_between(normal_[i], truth_[i].normal);
@@ -199,8 +199,8 @@ private:
 
         result_.shadow.assign(n_, Shadow::not_compared);
         for (std::size_t i = 0; i < n_; ++i) {
-            const bool compared = result_.seen[i] == Seen::background ||
-                                  (result_.seen[i] == Seen::same_sphere &&
+            const bool compared = result_.seen[i] == SeenContent::background ||
+                                  (result_.seen[i] == SeenContent::same_sphere &&
                                    (truth_[i].faces_light || truth_[i].shadow == TrueShadow::unresolved));
             if (compared) result_.shadow[i] = compare(truth_[i].shadow, blocked_[i]);
         }

@@ -20,7 +20,7 @@
 namespace lostbits::measure::picture {
 
 /// Content of a pixel as the form sees it, compared with the true content.
-enum class Seen : std::uint8_t {
+enum class SeenContent : std::uint8_t {
     same_sphere,
     background,
     other_sphere,
@@ -62,7 +62,7 @@ struct RenderBand {
     int y0, rows, width;
     answer::Answers answers;
     std::span<const TruePixel> truth;
-    std::vector<Seen> seen;
+    std::vector<SeenContent> seen;
     std::vector<Shadow> shadow;  ///< empty where no stage casts shadows
     std::vector<double>
         normal_angle;              ///< between the computed and the true normal, radians; NaN except on `same_sphere`
@@ -87,7 +87,7 @@ struct RenderSummary {
     std::uint64_t colour_unresolved = 0, colour_not_a_number = 0;
     metric::Distribution colour_error, normal_angle, residual;
 
-    [[nodiscard]] std::uint64_t count(Seen s) const { return seen[static_cast<std::size_t>(s)]; }
+    [[nodiscard]] std::uint64_t count(SeenContent s) const { return seen[static_cast<std::size_t>(s)]; }
     [[nodiscard]] std::uint64_t count(bool on_background, Shadow s) const {
         return shadow[on_background ? 1 : 0][static_cast<std::size_t>(s)];
     }

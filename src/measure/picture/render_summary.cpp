@@ -20,7 +20,7 @@ double median(const Distribution& d) { return d.quantile(0.5); }
 double percentile_99(const Distribution& d) { return d.quantile(0.99); }
 double largest(const Distribution& d) { return d.quantile(1); }
 
-template <Seen s>
+template <SeenContent s>
 double seen_count(const R& r) {
     return to_double(r.count(s));
 }
@@ -52,15 +52,16 @@ bool has_light_in_shadow(const TruePixel& truth, const TrueColour& colour, const
 
 constexpr RenderColumn table[] = {
     {"pixels", "", "pixels of the picture", true, [](const R& r) { return to_double(r.pixels); }},
-    {"same_sphere", "", "pixels on which form and truth see the same sphere", true, seen_count<Seen::same_sphere>},
-    {"background", "", "pixels on which both see the background", true, seen_count<Seen::background>},
+    {"same_sphere", "", "pixels on which form and truth see the same sphere", true,
+     seen_count<SeenContent::same_sphere>},
+    {"background", "", "pixels on which both see the background", true, seen_count<SeenContent::background>},
     {"other_sphere", "", "pixels on which the form sees another sphere than the true one", true,
-     seen_count<Seen::other_sphere>},
+     seen_count<SeenContent::other_sphere>},
     {"lost_sphere", "", "pixels on which the form sees the background instead of a sphere", true,
-     seen_count<Seen::lost_sphere>},
+     seen_count<SeenContent::lost_sphere>},
     {"extra_sphere", "", "pixels on which the form sees a sphere where there is only background", true,
-     seen_count<Seen::extra_sphere>},
-    {"not_a_number", "", "pixels on which the form reports a hit at NaN", true, seen_count<Seen::not_a_number>},
+     seen_count<SeenContent::extra_sphere>},
+    {"not_a_number", "", "pixels on which the form reports a hit at NaN", true, seen_count<SeenContent::not_a_number>},
     {"unresolved", "", "pixels whose content, shadow or colour could not be proved", true,
      [](const R& r) { return to_double(r.unresolved()); }},
     {"changed", "", "pixels with a byte that differs from the certified picture", true,
@@ -131,14 +132,14 @@ void add_to_summary(const RenderBand& band, std::size_t stage_index, const Store
         const Painted& painted = band.painted[stage_index][i];
         const TruePixel& truth = band.truth[i];
         const TrueColour& colour = truth.colours[stage];
-        const bool is_same_sphere = band.seen[i] == Seen::same_sphere;
+        const bool is_same_sphere = band.seen[i] == SeenContent::same_sphere;
         ++s.pixels;
         ++s.seen[static_cast<std::size_t>(band.seen[i])];
-        s.colour_unresolved += !colour.certain && band.seen[i] != Seen::unresolved;
+        s.colour_unresolved += !colour.certain && band.seen[i] != SeenContent::unresolved;
         s.colour_not_a_number +=
             std::isnan(painted.colour.x) || std::isnan(painted.colour.y) || std::isnan(painted.colour.z);
         s.changed += colour.certain && (painted.byte != colour.byte || std::isnan(painted.error));
-        if (!std::isnan(painted.error) && (is_same_sphere || band.seen[i] == Seen::background))
+        if (!std::isnan(painted.error) && (is_same_sphere || band.seen[i] == SeenContent::background))
             s.colour_error.add(painted.error);
         if (is_same_sphere) {
             if (!std::isnan(band.residual[i])) s.residual.add(band.residual[i]);
@@ -146,7 +147,7 @@ void add_to_summary(const RenderBand& band, std::size_t stage_index, const Store
             s.faces_away += s.rule.diffuse && !truth.faces_light;
         }
         if (!s.rule.shadows) continue;
-        ++s.shadow[band.seen[i] == Seen::background ? 1 : 0][static_cast<std::size_t>(band.shadow[i])];
+        ++s.shadow[band.seen[i] == SeenContent::background ? 1 : 0][static_cast<std::size_t>(band.shadow[i])];
         if (band.truth_object[i] < 0 || !truth.faces_light || truth.shadow != TrueShadow::shadowed || !colour.certain)
             continue;
         ++s.true_shadow;
@@ -158,7 +159,7 @@ void add_to_summary(const RenderBand& band, std::size_t stage_index, const Store
 std::span<const RenderColumn> render_columns() { return table; }
 
 std::uint64_t RenderSummary::seen_wrong() const {
-    return pixels - count(Seen::same_sphere) - count(Seen::background) - count(Seen::unresolved);
+    return pixels - count(SeenContent::same_sphere) - count(SeenContent::background) - count(SeenContent::unresolved);
 }
 
 std::uint64_t RenderSummary::flips() const {
@@ -170,7 +171,7 @@ std::uint64_t RenderSummary::flips() const {
 
 std::uint64_t RenderSummary::unresolved() const {
     // If a shadow is not proved, the colour is not proved either. So one of the two counts is of a subset of the other.
-    return count(Seen::unresolved) +
+    return count(SeenContent::unresolved) +
            std::max(colour_unresolved, count(false, Shadow::unresolved) + count(true, Shadow::unresolved));
 }
 

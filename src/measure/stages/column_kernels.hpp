@@ -18,9 +18,9 @@
 namespace lostbits::measure::stages {
 
 using number::wide::bounded_operands;
+using number::wide::column_count_of;
 using number::wide::ColumnOperation;
-using number::wide::known_exact;
-using number::wide::word_columns;
+using number::wide::exact_with_kernel;
 
 /// Mask of a decision, which columns store as registers hold it: all bits of a lane are set, or none.
 template <class P>
@@ -74,7 +74,7 @@ void run(double* scratch, const ColumnOperand* operands, std::size_t packs) {
 
 template <ColumnOperation operation, class P>
 struct WordStep {
-    static constexpr std::size_t columns = word_columns(operation);
+    static constexpr std::size_t columns = column_count_of(operation);
     template <class Cursor>
     [[gnu::always_inline]] static void run(const Cursor& c) {
         using enum ColumnOperation;
@@ -86,14 +86,14 @@ struct WordStep {
         else if constexpr (operation == divide) c.store(2, c.word(0) / c.word(1));
         else if constexpr (operation == negate) c.store(1, -c.word(0));
         else if constexpr (operation == absolute) c.store(1, abs(c.word(0)));
-        else if constexpr (operation == largest) c.store(2, max(c.word(0), c.word(1)));
-        else if constexpr (operation == ColumnOperation::power_below) c.store(1, binade(c.word(0)));
+        else if constexpr (operation == maximum) c.store(2, max(c.word(0), c.word(1)));
+        else if constexpr (operation == ColumnOperation::power_at_most) c.store(1, binade(c.word(0)));
         else if constexpr (operation == choose) c.store(3, select(c.mask(0), c.word(1), c.word(2)));
         else if constexpr (operation == less) c.store(2, c.word(0) < c.word(1));
         else if constexpr (operation == at_most) c.store(2, c.word(0) <= c.word(1));
-        else if constexpr (operation == both) c.store(2, c.mask(0) && c.mask(1));
-        else if constexpr (operation == either) c.store(2, c.mask(0) || c.mask(1));
-        else if constexpr (operation == opposite) c.store(1, !c.mask(0));
+        else if constexpr (operation == mask_and) c.store(2, c.mask(0) && c.mask(1));
+        else if constexpr (operation == mask_or) c.store(2, c.mask(0) || c.mask(1));
+        else if constexpr (operation == mask_not) c.store(1, !c.mask(0));
         else if constexpr (operation == order_of_first_words) {
             const auto order = certain_order(c.word(0), c.word(1), c.word(2));
             c.store(3, order.less.yes()), c.store(4, order.less.no());
@@ -146,24 +146,25 @@ struct BoundedOperands {
 template <ColumnOperation operation, class E, class... Es>
 [[gnu::always_inline]] inline auto result_of(const E& a, const Es&... others) {
     using enum ColumnOperation;
-    if constexpr (operation == squared) return square(a, others...);
-    else if constexpr (operation == root) return sqrt(a, others...);
-    else if constexpr (operation == sum) return (a + ... + others);
-    else if constexpr (operation == difference) return (a - ... - others);
-    else if constexpr (operation == product) return (a * ... * others);
-    else if constexpr (operation == quotient) return (a / ... / others);
-    else if constexpr (operation == is_less) return (a < ... < others);
-    else if constexpr (operation == is_at_most) return (a <= ... <= others);
-    else if constexpr (operation == ColumnOperation::product_difference) return difference_of_products(a, others...);
-    else if constexpr (operation == ColumnOperation::product_sum) return sum_of_products(a, others...);
-    else if constexpr (operation == ColumnOperation::square_sum) return sum_of_squares(a, others...);
+    if constexpr (operation == bounded_square) return square(a, others...);
+    else if constexpr (operation == bounded_root) return sqrt(a, others...);
+    else if constexpr (operation == bounded_add) return (a + ... + others);
+    else if constexpr (operation == bounded_subtract) return (a - ... - others);
+    else if constexpr (operation == bounded_multiply) return (a * ... * others);
+    else if constexpr (operation == bounded_divide) return (a / ... / others);
+    else if constexpr (operation == bounded_less) return (a < ... < others);
+    else if constexpr (operation == bounded_at_most) return (a <= ... <= others);
+    else if constexpr (operation == ColumnOperation::bounded_product_difference)
+        return difference_of_products(a, others...);
+    else if constexpr (operation == ColumnOperation::bounded_product_sum) return sum_of_products(a, others...);
+    else if constexpr (operation == ColumnOperation::bounded_square_sum) return sum_of_squares(a, others...);
 }
 
 template <ColumnOperation operation, unsigned exact_mask, class W>
 struct BoundedStep {
     static constexpr std::size_t count = bounded_operands(operation);
     static constexpr bool is_decision =
-        operation == ColumnOperation::is_less || operation == ColumnOperation::is_at_most;
+        operation == ColumnOperation::bounded_less || operation == ColumnOperation::bounded_at_most;
     using Operands = BoundedOperands<W, exact_mask, count>;
     static constexpr std::size_t columns = Operands::columns(is_decision);
 
@@ -188,7 +189,7 @@ void fill_kernels(ColumnKernels::OperationKernels& kernels) {
     } else {
         [&]<std::size_t... masks>(std::index_sequence<masks...>) {
             const auto fill = [&]<std::size_t mask>() {
-                if constexpr (known_exact(mask, operands) == mask)
+                if constexpr (exact_with_kernel(mask, operands) == mask)
                     kernels[mask] = run<P, BoundedStep<operation, mask, W>>;
             };
             (fill.template operator()<masks>(), ...);
@@ -201,7 +202,7 @@ void fill_kernels(ColumnKernels::WordKernels& kernels) {
     [&]<std::size_t... k>(std::index_sequence<k...>) {
         (fill_kernels<W, static_cast<ColumnOperation>(k)>(kernels[k]), ...);
     }
-    (std::make_index_sequence<number::wide::column_operations - 1>());  // a gate has no kernel
+    (std::make_index_sequence<number::wide::column_operation_count - 1>());  // a gate has no kernel
 }
 
 template <class P>

@@ -43,17 +43,17 @@ class ColumnRun::Layout {
 public:
     Layout(const ColumnProgram& program, std::size_t lanes, std::uint64_t shared_inputs)
         : program_(program), lanes_(lanes), columns_(program.columns), constant_offsets_(program.constants.size()) {
-        for (std::size_t k = 0; k < program.inputs; ++k) columns_[k].is_shared = (shared_inputs >> k & 1) != 0;
+        for (std::size_t k = 0; k < program.input_count; ++k) columns_[k].is_shared = (shared_inputs >> k & 1) != 0;
         find_last_uses();
         for (std::size_t k = 0; k < program.constants.size(); ++k) constant_offsets_[k] = take_shared_offset();
-        for (std::size_t k = 0; k < program.inputs; ++k)
+        for (std::size_t k = 0; k < program.input_count; ++k)
             if (columns_[k].last_use >= 0) assign_offset(columns_[k]);
     }
     /// Places the results of an instruction. The results reuse the columns of operands that this instruction reads for
     /// the last time, if there are any.
     void place_results(const ColumnInstruction& instruction, std::ptrdiff_t index) {
-        for (std::size_t k = 0; k < instruction.ins; ++k) release(instruction.in[k], index);
-        for (std::size_t k = 0; k < instruction.outs; ++k) {
+        for (std::size_t k = 0; k < instruction.input_count; ++k) release(instruction.in[k], index);
+        for (std::size_t k = 0; k < instruction.output_count; ++k) {
             Column& column = column_at(instruction.out[k]);
             column.is_shared = is_shared(instruction);
             assign_offset(column);
@@ -62,7 +62,7 @@ public:
     }
     [[nodiscard]] bool is_shared(const ColumnInstruction& instruction) const {
         return std::all_of(
-            instruction.in.begin(), instruction.in.begin() + instruction.ins,
+            instruction.in.begin(), instruction.in.begin() + instruction.input_count,
             [this](ColumnIndex column_index) { return column_index < 0 || column_at(column_index).is_shared; });
     }
     [[nodiscard]] ColumnOperand operand(ColumnIndex column_index) const {
@@ -85,7 +85,7 @@ private:
     void find_last_uses() {
         std::ptrdiff_t index = 0;
         for (const ColumnInstruction& instruction : program_.instructions) {
-            for (std::size_t k = 0; k < instruction.ins; ++k)
+            for (std::size_t k = 0; k < instruction.input_count; ++k)
                 if (instruction.in[k] >= 0) column_at(instruction.in[k]).last_use = index;
             ++index;
         }
@@ -132,7 +132,7 @@ ColumnRun::ColumnRun(const ColumnProgram& program, const ColumnKernels& kernels,
     for (std::size_t k = 0; k < program.constants.size(); ++k)
         constants_.emplace_back(program.constants[k],
                                 layout.operand(static_cast<ColumnIndex>(-1 - static_cast<int>(k))).offset);
-    for (std::size_t k = 0; k < program.inputs; ++k) {
+    for (std::size_t k = 0; k < program.input_count; ++k) {
         if (!layout.is_read(k)) continue;
         (layout.is_shared(k) ? shared_inputs_ : ray_inputs_)
             .push_back({k, layout.operand(static_cast<ColumnIndex>(k)).offset});
@@ -140,9 +140,11 @@ ColumnRun::ColumnRun(const ColumnProgram& program, const ColumnKernels& kernels,
     std::ptrdiff_t index = 0;
     for (const ColumnInstruction& instruction : program.instructions) {
         first_operands.emplace_back(operands_.size(), &instruction);
-        for (std::size_t k = 0; k < instruction.ins; ++k) operands_.push_back(layout.operand(instruction.in[k]));
+        for (std::size_t k = 0; k < instruction.input_count; ++k)
+            operands_.push_back(layout.operand(instruction.in[k]));
         layout.place_results(instruction, index++);
-        for (std::size_t k = 0; k < instruction.outs; ++k) operands_.push_back(layout.operand(instruction.out[k]));
+        for (std::size_t k = 0; k < instruction.output_count; ++k)
+            operands_.push_back(layout.operand(instruction.out[k]));
     }
     for (const auto& [first_operand, instruction] : first_operands) {
         const bool is_gate = instruction->operation == ColumnOperation::gate,

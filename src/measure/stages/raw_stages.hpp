@@ -86,7 +86,7 @@ struct ColumnCells {
 struct ColumnKernels {
     using Kernel = void (*)(double* scratch, const ColumnOperand* operands, std::size_t packs);
     using OperationKernels = std::array<Kernel, 64>;  ///< indexed by the set of exact operands
-    using WordKernels = std::array<OperationKernels, number::wide::column_operations>;
+    using WordKernels = std::array<OperationKernels, number::wide::column_operation_count>;
 
     std::size_t lanes;
     std::array<WordKernels, 2> by_words{};  ///< for bounded numbers of one word, and of two

@@ -15,9 +15,9 @@ number::wide::ColumnProgram record(const StageTerms& terms) {
     ColumnRecorder recorder(terms.words, stage_inputs);
     const auto word = [](std::size_t input) { return ColumnWord::at(static_cast<ColumnIndex>(input)); };
     const Finding<ColumnWord> found = settle_inputs<Of, W>(terms, word);
-    std::vector<ColumnIndex> outputs{found.settled.place(), found.hit.place()};
+    std::vector<ColumnIndex> outputs{found.settled.index(), found.hit.index()};
     for (const auto* const x : {&found.t, &found.distance})
-        for (const ColumnWord& part : {x->middle.hi, x->middle.lo, x->bound}) outputs.push_back(part.place());
+        for (const ColumnWord& part : {x->middle.hi, x->middle.lo, x->bound}) outputs.push_back(part.index());
     return recorder.finish(std::move(outputs));
 }
 

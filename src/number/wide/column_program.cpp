@@ -12,9 +12,9 @@ thread_local ColumnRecorder* recorder = nullptr;
 
 }  // namespace
 
-ColumnRecorder::ColumnRecorder(int words, std::size_t inputs) : previous_(recorder) {
+ColumnRecorder::ColumnRecorder(int words, std::size_t input_count) : previous_(recorder) {
     program_.words = words;
-    program_.inputs = program_.columns = inputs;
+    program_.input_count = program_.columns = input_count;
     recorder = this;
 }
 ColumnRecorder::~ColumnRecorder() { recorder = previous_; }
@@ -33,12 +33,12 @@ ColumnIndex ColumnRecorder::constant(double x) {
     return found->second;
 }
 
-std::array<ColumnIndex, ColumnInstruction::most_outputs> ColumnRecorder::record(ColumnInstruction instruction) {
+std::array<ColumnIndex, ColumnInstruction::max_outputs> ColumnRecorder::record(ColumnInstruction instruction) {
     Key key{static_cast<std::int32_t>(instruction.operation), instruction.exact};
-    for (std::size_t k = 0; k < instruction.ins; ++k) key[2 + k] = instruction.in[k];
+    for (std::size_t k = 0; k < instruction.input_count; ++k) key[2 + k] = instruction.in[k];
     const auto [found, is_new] = results_.try_emplace(key);
     if (!is_new) return found->second;
-    for (std::size_t k = 0; k < instruction.outs; ++k) {
+    for (std::size_t k = 0; k < instruction.output_count; ++k) {
         if (program_.columns > static_cast<std::size_t>(std::numeric_limits<ColumnIndex>::max()))
             throw std::logic_error("a program has more columns than places");
         instruction.out[k] = static_cast<ColumnIndex>(program_.columns++);
@@ -57,10 +57,10 @@ ColumnProgram ColumnRecorder::finish(std::vector<ColumnIndex> outputs) {
     for (std::size_t i = program_.instructions.size(); i-- > 0;) {
         const ColumnInstruction& instruction = program_.instructions[i];
         bool has_needed_result = instruction.operation == ColumnOperation::gate;
-        for (std::size_t k = 0; k < instruction.outs; ++k)
+        for (std::size_t k = 0; k < instruction.output_count; ++k)
             has_needed_result |= is_needed[static_cast<std::size_t>(instruction.out[k])];
         if (!has_needed_result) continue;
-        for (std::size_t k = 0; k < instruction.ins; ++k) mark_needed(instruction.in[k]);
+        for (std::size_t k = 0; k < instruction.input_count; ++k) mark_needed(instruction.in[k]);
         needed_instructions.push_back(instruction);
     }
     program_.instructions.assign(needed_instructions.rbegin(), needed_instructions.rend());

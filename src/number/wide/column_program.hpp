@@ -9,8 +9,8 @@
 
 namespace lostbits::number::wide {
 
-/// Operation of an instruction. A number is a column of words, a decision a column of masks. A bounded number has two
-/// or three columns: its one or two words and its bound (`Running`).
+/// Operation of an instruction. Numbers are stored as columns of words, decisions as columns of masks. A bounded number
+/// has two or three columns: its one or two words and its bound (`Running`).
 enum class ColumnOperation : std::uint8_t {
     // on words
     add,
@@ -19,67 +19,67 @@ enum class ColumnOperation : std::uint8_t {
     divide,
     negate,
     absolute,
-    largest,
-    power_below,  ///< 2^⌊log2⌋
-    choose,       ///< mask, a, b
+    maximum,
+    power_at_most,  ///< 2^⌊log2⌋
+    choose,         ///< mask, a, b -> a where the mask is set, b elsewhere
     less,
     at_most,
     // on masks
-    both,
-    either,
-    opposite,
+    mask_and,
+    mask_or,
+    mask_not,
     // on bounded numbers
-    sum,
-    difference,
-    product,
-    squared,
-    product_difference,
-    product_sum,
-    square_sum,
-    quotient,
-    root,
-    is_less,     ///< yes, no
-    is_at_most,  ///< yes, no
+    bounded_add,
+    bounded_subtract,
+    bounded_multiply,
+    bounded_square,
+    bounded_product_difference,
+    bounded_product_sum,
+    bounded_square_sum,
+    bounded_divide,
+    bounded_root,
+    bounded_less,     ///< a, b -> yes, no
+    bounded_at_most,  ///< a, b -> yes, no
     // operations of a whole step of a formula, on several words
-    order_of_first_words,  ///< x, y, least: less yes, no, at most yes, no
-    near_root_of_quartic,  ///< coefficients of x⁴, x², x, 1, begin, bound
+    order_of_first_words,  ///< x, y, least -> less yes, less no, at most yes, at most no
+    near_root_of_quartic,  ///< coefficients of x⁴, x², x and 1, begin, bound -> root
     /// Has no result. If its mask is unset in every lane, no result recorded after the gate is needed.
     gate,
 };
-inline constexpr std::size_t column_operations = static_cast<std::size_t>(ColumnOperation::gate) + 1;
+inline constexpr std::size_t column_operation_count = static_cast<std::size_t>(ColumnOperation::gate) + 1;
 
 inline constexpr bool is_of_masks(ColumnOperation operation) {
-    return operation == ColumnOperation::both || operation == ColumnOperation::either ||
-           operation == ColumnOperation::opposite;
+    return operation == ColumnOperation::mask_and || operation == ColumnOperation::mask_or ||
+           operation == ColumnOperation::mask_not;
 }
 
 /// Number of bounded operands; 0 for operations on words and masks.
 inline constexpr std::size_t bounded_operands(ColumnOperation operation) {
     using enum ColumnOperation;
     switch (operation) {
-        case squared:
-        case root: return 1;
-        case sum:
-        case difference:
-        case product:
-        case quotient:
-        case is_less:
-        case is_at_most: return 2;
-        case square_sum: return 3;
-        case product_difference: return 4;
-        case product_sum: return 6;
+        case bounded_square:
+        case bounded_root: return 1;
+        case bounded_add:
+        case bounded_subtract:
+        case bounded_multiply:
+        case bounded_divide:
+        case bounded_less:
+        case bounded_at_most: return 2;
+        case bounded_square_sum: return 3;
+        case bounded_product_difference: return 4;
+        case bounded_product_sum: return 6;
         default: return 0;
     }
 }
 
 /// Number of columns that an operation on words or masks reads and writes, together.
-inline constexpr std::size_t word_columns(ColumnOperation operation) {
+inline constexpr std::size_t column_count_of(ColumnOperation operation) {
     using enum ColumnOperation;
     switch (operation) {
         case negate:
         case absolute:
-        case power_below:
-        case opposite: return 2;
+        case power_at_most:
+        case mask_not: return 2;
         case choose: return 4;
         case order_of_first_words:
         case near_root_of_quartic: return 7;
@@ -88,9 +88,9 @@ inline constexpr std::size_t word_columns(ColumnOperation operation) {
 }
 
 /// Returns the largest subset of the exact operands for which a kernel exists. For two operands every subset has a
-/// kernel. For a cross or dot product there are kernels for exact first factors, exact second factors, or all, since
-/// rays and primitives as given are exact.
-inline constexpr unsigned known_exact(unsigned exact, std::size_t operands) {
+/// kernel. For three operands there are kernels for none exact and for all exact. A cross or dot product has two more:
+/// for exact first factors and for exact second factors, since rays and primitives as given are exact.
+inline constexpr unsigned exact_with_kernel(unsigned exact, std::size_t operands) {
     const unsigned all = (1U << operands) - 1, first_factors = 0b010101U & all, second_factors = 0b101010U & all;
     if (operands <= 2 || exact == all) return exact;
     if (operands == 3) return 0;
@@ -106,18 +106,18 @@ using ColumnIndex = std::int16_t;
 /// that operand k is one word without a bound, so that only one column of it is read. Otherwise all its words and its
 /// bound are read.
 struct ColumnInstruction {
-    static constexpr std::size_t most_inputs = 18, most_outputs = 4;
+    static constexpr std::size_t max_inputs = 18, max_outputs = 4;
 
     ColumnOperation operation{};
-    std::uint8_t exact = 0, ins = 0, outs = 0;
-    std::array<ColumnIndex, most_inputs> in{};
-    std::array<ColumnIndex, most_outputs> out{};
+    std::uint8_t exact = 0, input_count = 0, output_count = 0;
+    std::array<ColumnIndex, max_inputs> in{};
+    std::array<ColumnIndex, max_outputs> out{};
 };
 
-/// Instructions over columns of inputs and of constants. They compute all outputs.
+/// Computes the outputs from columns of inputs and constants.
 struct ColumnProgram {
-    int words = 1;           ///< words of a bounded number
-    std::size_t inputs = 0;  ///< columns 0 to inputs − 1
+    int words = 1;                ///< words of a bounded number
+    std::size_t input_count = 0;  ///< inputs are the columns 0 to input_count − 1
     std::size_t columns = 0;
     std::vector<double> constants;  ///< constants of the columns −1, −2, …
     std::vector<ColumnInstruction> instructions;
@@ -128,11 +128,11 @@ struct ColumnProgram {
     }
 };
 
-/// Writes a program: operations that its thread records in its lifetime become instructions of the program. An
-/// operation with the same operands as an earlier one is not recorded again.
+/// Writes a program. While a recorder lives, operations on its thread become instructions. An operation with the same
+/// operands as an earlier one is not recorded again.
 class ColumnRecorder {
 public:
-    ColumnRecorder(int words, std::size_t inputs);
+    ColumnRecorder(int words, std::size_t input_count);
     ~ColumnRecorder();
     ColumnRecorder(const ColumnRecorder&) = delete;
     ColumnRecorder& operator=(const ColumnRecorder&) = delete;
@@ -142,16 +142,16 @@ public:
     ColumnIndex constant(double x);
     [[nodiscard]] double constant_at(ColumnIndex index) const { return program_.constant_at(index); }
     /// Records an instruction and returns the columns of its results.
-    std::array<ColumnIndex, ColumnInstruction::most_outputs> record(ColumnInstruction instruction);
+    std::array<ColumnIndex, ColumnInstruction::max_outputs> record(ColumnInstruction instruction);
     /// Returns the finished program with these outputs. The recorder is empty afterwards.
     ColumnProgram finish(std::vector<ColumnIndex> outputs);
 
 private:
-    using Key = std::array<std::int32_t, 2 + ColumnInstruction::most_inputs>;
+    using Key = std::array<std::int32_t, 2 + ColumnInstruction::max_inputs>;
 
     ColumnProgram program_;
     std::map<std::uint64_t, ColumnIndex> constants_;  ///< indexed by the bits of the constants
-    std::map<Key, std::array<ColumnIndex, ColumnInstruction::most_outputs>> results_;
+    std::map<Key, std::array<ColumnIndex, ColumnInstruction::max_outputs>> results_;
     ColumnRecorder* previous_;
 };
 

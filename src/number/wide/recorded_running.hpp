@@ -11,7 +11,8 @@ namespace lostbits::number::wide {
 /// Records an instruction on words or masks, and returns its only result.
 template <class... Columns>
 ColumnIndex record_instruction(ColumnOperation operation, Columns... columns) {
-    ColumnInstruction instruction{.operation = operation, .ins = sizeof...(columns), .outs = 1, .in = {columns...}};
+    ColumnInstruction instruction{
+        .operation = operation, .input_count = sizeof...(columns), .output_count = 1, .in = {columns...}};
     return ColumnRecorder::current().record(instruction)[0];
 }
 
@@ -19,24 +20,24 @@ ColumnIndex record_instruction(ColumnOperation operation, Columns... columns) {
 class ColumnMask : public NotABool {
 public:
     ColumnMask() = default;
-    explicit ColumnMask(ColumnIndex place) : index_(place) {}
+    explicit ColumnMask(ColumnIndex index) : index_(index) {}
 
-    [[nodiscard]] ColumnIndex place() const { return index_; }
+    [[nodiscard]] ColumnIndex index() const { return index_; }
 
     friend ColumnMask operator&&(const ColumnMask& a, const ColumnMask& b) {
-        return ColumnMask(record_instruction(ColumnOperation::both, a.index_, b.index_));
+        return ColumnMask(record_instruction(ColumnOperation::mask_and, a.index_, b.index_));
     }
     friend ColumnMask operator||(const ColumnMask& a, const ColumnMask& b) {
-        return ColumnMask(record_instruction(ColumnOperation::either, a.index_, b.index_));
+        return ColumnMask(record_instruction(ColumnOperation::mask_or, a.index_, b.index_));
     }
     friend ColumnMask operator!(const ColumnMask& a) {
-        return ColumnMask(record_instruction(ColumnOperation::opposite, a.index_));
+        return ColumnMask(record_instruction(ColumnOperation::mask_not, a.index_));
     }
     /// True in every case: a program contains every branch.
     friend bool any_of(const ColumnMask&) { return true; }
     /// Begins a part of the program that is needed only if the mask is set in some lane.
     friend bool is_unset(const ColumnMask& a) {
-        ColumnRecorder::current().record({.operation = ColumnOperation::gate, .ins = 1, .in = {a.index_}});
+        ColumnRecorder::current().record({.operation = ColumnOperation::gate, .input_count = 1, .in = {a.index_}});
         return false;
     }
 
@@ -52,12 +53,12 @@ public:
     explicit ColumnWord(std::floating_point auto x)
         : index_(ColumnRecorder::current().constant(static_cast<double>(x))), is_zero_(!(x < 0) && !(x > 0)) {}
 
-    static ColumnWord at(ColumnIndex place) {
+    static ColumnWord at(ColumnIndex index) {
         ColumnWord x;
-        x.index_ = place;
+        x.index_ = index;
         return x;
     }
-    [[nodiscard]] ColumnIndex place() const { return index_; }
+    [[nodiscard]] ColumnIndex index() const { return index_; }
     /// True if x is known while recording to be 0, whatever the inputs.
     friend bool is_known_zero(const ColumnWord& x) { return x.is_zero_; }
 
@@ -79,12 +80,12 @@ public:
     }
     friend ColumnWord abs(const ColumnWord& a) { return record_word(ColumnOperation::absolute, a); }
     friend ColumnWord max(const ColumnWord& a, const ColumnWord& b) {
-        return record_word(ColumnOperation::largest, a, b);
+        return record_word(ColumnOperation::maximum, a, b);
     }
-    friend ColumnWord binade(const ColumnWord& a) { return record_word(ColumnOperation::power_below, a); }
+    friend ColumnWord binade(const ColumnWord& a) { return record_word(ColumnOperation::power_at_most, a); }
     friend ColumnWord select(const ColumnMask& mask, const ColumnWord& a, const ColumnWord& b) {
         if (a.index_ == b.index_) return a;
-        return at(record_instruction(ColumnOperation::choose, mask.place(), a.index_, b.index_));
+        return at(record_instruction(ColumnOperation::choose, mask.index(), a.index_, b.index_));
     }
     friend ColumnMask operator<(const ColumnWord& a, const ColumnWord& b) {
         return ColumnMask(record_instruction(ColumnOperation::less, a.index_, b.index_));
@@ -108,9 +109,9 @@ private:
 /// Records the operation of three words and four masks described at `stages::certain_order`.
 inline Order<Tris<ColumnMask>> order_of_first_words(const ColumnWord& x, const ColumnWord& y, const ColumnWord& least) {
     const auto results = ColumnRecorder::current().record({.operation = ColumnOperation::order_of_first_words,
-                                                           .ins = 3,
-                                                           .outs = 4,
-                                                           .in = {x.place(), y.place(), least.place()}});
+                                                           .input_count = 3,
+                                                           .output_count = 4,
+                                                           .in = {x.index(), y.index(), least.index()}});
     const auto mask = [&results](std::size_t k) { return ColumnMask(results[k]); };
     return {{mask(0), mask(1)}, {mask(2), mask(3)}};
 }
@@ -138,38 +139,40 @@ public:
     [[nodiscard]] const P& bound() const { return e_; }
     [[nodiscard]] P radius() const { return e_ * P(1 + 0x1p-40); }
 
-    friend Running operator+(const Running& a, const Running& b) { return record_number(ColumnOperation::sum, a, b); }
+    friend Running operator+(const Running& a, const Running& b) {
+        return record_number(ColumnOperation::bounded_add, a, b);
+    }
     friend Running operator-(const Running& a, const Running& b) {
-        return record_number(ColumnOperation::difference, a, b);
+        return record_number(ColumnOperation::bounded_subtract, a, b);
     }
     friend Running operator-(const Running& a) { return {Words<W>::negative(a.w_), a.e_}; }
     friend Running operator*(const Running& a, const Running& b) {
-        return record_number(ColumnOperation::product, a, b);
+        return record_number(ColumnOperation::bounded_multiply, a, b);
     }
     friend Running operator/(const Running& a, const Running& b) {
-        return record_number(ColumnOperation::quotient, a, b);
+        return record_number(ColumnOperation::bounded_divide, a, b);
     }
-    friend Running square(const Running& a) { return record_number(ColumnOperation::squared, a); }
-    friend Running sqrt(const Running& a) { return record_number(ColumnOperation::root, a); }
+    friend Running square(const Running& a) { return record_number(ColumnOperation::bounded_square, a); }
+    friend Running sqrt(const Running& a) { return record_number(ColumnOperation::bounded_root, a); }
     friend Running difference_of_products(const Running& a, const Running& b, const Running& c, const Running& d) {
-        return record_number(ColumnOperation::product_difference, a, b, c, d);
+        return record_number(ColumnOperation::bounded_product_difference, a, b, c, d);
     }
     friend Running sum_of_products(const Running& a, const Running& b, const Running& c, const Running& d,
                                    const Running& f, const Running& g) {
-        return record_number(ColumnOperation::product_sum, a, b, c, d, f, g);
+        return record_number(ColumnOperation::bounded_product_sum, a, b, c, d, f, g);
     }
     friend Running sum_of_squares(const Running& a, const Running& b, const Running& c) {
-        return record_number(ColumnOperation::square_sum, a, b, c);
+        return record_number(ColumnOperation::bounded_square_sum, a, b, c);
     }
     Running& operator+=(const Running& b) { return *this = *this + b; }
     Running& operator-=(const Running& b) { return *this = *this - b; }
     Running& operator*=(const Running& b) { return *this = *this * b; }
 
     friend Tris<Lanes> operator<(const Running& a, const Running& b) {
-        return record_decision(ColumnOperation::is_less, a, b);
+        return record_decision(ColumnOperation::bounded_less, a, b);
     }
     friend Tris<Lanes> operator<=(const Running& a, const Running& b) {
-        return record_decision(ColumnOperation::is_at_most, a, b);
+        return record_decision(ColumnOperation::bounded_at_most, a, b);
     }
     friend Tris<Lanes> operator>(const Running& a, const Running& b) { return !(a <= b); }
     friend Tris<Lanes> operator>=(const Running& a, const Running& b) { return !(a < b); }
@@ -202,19 +205,19 @@ private:
         else return true;
     }
     template <class... Numbers>
-    static auto record_operation(ColumnOperation operation, std::uint8_t outs, const Numbers&... numbers) {
+    static auto record_operation(ColumnOperation operation, std::uint8_t output_count, const Numbers&... numbers) {
         const std::array<const Running*, sizeof...(numbers)> operands{&numbers...};
         unsigned exact = 0;
         for (std::size_t k = 0; k < operands.size(); ++k)
             exact |= static_cast<unsigned>(operands[k]->is_exact_word()) << k;
         ColumnInstruction instruction{.operation = operation,
-                                      .exact = static_cast<std::uint8_t>(known_exact(exact, operands.size())),
-                                      .outs = outs};
+                                      .exact = static_cast<std::uint8_t>(exact_with_kernel(exact, operands.size())),
+                                      .output_count = output_count};
         for (std::size_t k = 0; k < operands.size(); ++k) {
-            instruction.in[instruction.ins++] = operands[k]->first().place();
+            instruction.in[instruction.input_count++] = operands[k]->first().index();
             if ((instruction.exact >> k & 1) != 0) continue;
-            if constexpr (has_two_words) instruction.in[instruction.ins++] = operands[k]->w_.lo.place();
-            instruction.in[instruction.ins++] = operands[k]->e_.place();
+            if constexpr (has_two_words) instruction.in[instruction.input_count++] = operands[k]->w_.lo.index();
+            instruction.in[instruction.input_count++] = operands[k]->e_.index();
         }
         return ColumnRecorder::current().record(instruction);
     }

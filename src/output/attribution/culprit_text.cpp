@@ -36,14 +36,14 @@ std::string amplifier_text(const Explanation& x, const OperationView& view) {
     if (amplifier == no_node) return "";
     const TapeNode& a = x.tape[amplifier];
     std::string text = fmt::format("{} cancels {} of {} bits", view.text().definition(amplifier),
-                                   view.of(amplifier).cancelled, x.tape.format_of(amplifier).precision);
+                                   view.error_of(amplifier).cancelled, x.tape.format_of(amplifier).precision);
     const auto& operands = a.operands;
     for (auto position = operands.begin(); position != operands.end(); ++position) {
         const NodeId operand = *position;
         if (std::find(operands.begin(), position, operand) != position) continue;  // already named, as in fma(b, b, c)
-        if (operand == no_node || view.of(operand).error == 0 || x.tape[operand].op == TapeOp::constant) continue;
+        if (operand == no_node || view.error_of(operand).error == 0 || x.tape[operand].op == TapeOp::constant) continue;
         const std::string operand_ulps =
-            ulps_or_nothing(std::fabs(view.ulps_of_value(operand, view.of(operand).error)));
+            ulps_or_nothing(std::fabs(view.ulps_of_value(operand, view.error_of(operand).error)));
         if (!operand_ulps.empty())
             text += fmt::format("; {} was already off by {}", view.text().operand(operand), operand_ulps);
     }
@@ -106,8 +106,8 @@ std::string rest_text(const Explanation& x, const OperationView& view) {
     const measure::attribution::Attribution& a = x.attribution;
     const std::string undo_clause = a.equals.size() == 1 ? ". The two undo each other" : ". They undo each other";
     if (a.error == 0) return undo_clause + ", and no error is left";
-    double smallest_share = std::fabs(view.of(a.culprit).contribution);
-    for (const NodeId i : a.equals) smallest_share = std::min(smallest_share, std::fabs(view.of(i).contribution));
+    double smallest_share = std::fabs(view.error_of(a.culprit).contribution);
+    for (const NodeId i : a.equals) smallest_share = std::min(smallest_share, std::fabs(view.error_of(i).contribution));
     const auto other_operations = largest_contributions(x.tape, a, smallest_share);
     const std::string remaining_ulps = ulps_or_nothing(std::fabs(a.error / view.ulp()));
     if (remaining_ulps.empty()) return undo_clause;
@@ -123,7 +123,7 @@ std::string rest_text(const Explanation& x, const OperationView& view) {
 /// ulps if that is finite.
 std::string own_error(const Explanation& x, const OperationView& view) {
     const NodeId culprit = x.attribution.culprit;
-    const measure::attribution::OperationError& e = view.of(culprit);
+    const measure::attribution::OperationError& e = view.error_of(culprit);
     const std::string ulps = ulps_or_nothing(std::fabs(view.ulps_of_value(culprit, e.rounding)));
     const char* const error_kind = e.turned                                                  ? "wrong choice"
                                    : measure::attribution::is_on_purpose(x.tape[culprit].op) ? "step"
@@ -181,7 +181,7 @@ std::string culprit_sentence(const Explanation& x) {
     const bool is_blamed = culprit_operation(x) != no_node;
     if (!std::isfinite(n.value) && !is_blamed && x.result.outcome == measure::answer::Outcome::agree_hit)
         return fmt::format("{} is {}, and so is the rounded true t.", culprit_definition, number_phrase(n.value));
-    if (std::isnan(n.value) && std::isnan(view.of(a.culprit).exact) && !is_blamed)
+    if (std::isnan(n.value) && std::isnan(view.error_of(a.culprit).exact) && !is_blamed)
         return fmt::format(
             "No operation is to blame: {} is not a number even without rounding. Everything after it follows from "
             "that.",

@@ -73,7 +73,7 @@ std::string table_line(const Explanation& x, const OperationRow& operation_row) 
     };
     std::string line =
         name_and_formula(mark, operation_row) + number(operation_row.computed) + "  " + number(operation_row.exact);
-    if (operation_row.has_errors && !is_decision_row)
+    if (operation_row.shows_errors && !is_decision_row)
         line +=
             fmt::format("  {:>10}  {:<16}  {:>6}  {:>14}  {:>15}", operation_row.error_ulps, operation_row.cancelled,
                         operation_row.local, operation_row.rounding_ulps, operation_row.contribution_ulps);
@@ -106,7 +106,7 @@ void add_deciding(const Explanation& x, const OperationView& view, NodeId i, std
         if (std::ranges::find(comparisons, i) == comparisons.end()) comparisons.push_back(i);
         return;
     }
-    const auto holds = [&view](NodeId k) { return view.of(k).exact != 0; };
+    const auto holds = [&view](NodeId k) { return view.error_of(k).exact != 0; };
     for (const NodeId k : n.operands) {
         if (k == no_node || !is_decision(x.tape[k].op)) continue;
         if (n.operands[1] == no_node || holds(k) == holds(i)) add_deciding(x, view, k, comparisons);
@@ -119,10 +119,11 @@ std::string comparison_text(const Explanation& x, const OperationView& view, Nod
     std::vector<std::string> sides;
     for (const NodeId side : x.tape[i].operands) {
         if (side != no_node && x.tape[side].op != TapeOp::constant && !view.text().is_number(side))
-            sides.push_back(fmt::format("{} is {}", view.text().operand(side), number_phrase(view.of(side).exact)));
+            sides.push_back(
+                fmt::format("{} is {}", view.text().operand(side), number_phrase(view.error_of(side).exact)));
     }
-    return fmt::format("{} {}, where {}", view.text().expression(i), view.of(i).exact != 0 ? "holds" : "does not hold",
-                       fmt::join(sides, " and "));
+    return fmt::format("{} {}, where {}", view.text().expression(i),
+                       view.error_of(i).exact != 0 ? "holds" : "does not hold", fmt::join(sides, " and "));
 }
 
 /// The line of the user's file that contains an operation of a function, also of `FUNCTION+fma`; empty for other forms.
@@ -136,7 +137,7 @@ std::string source_line(const Explanation& x, NodeId node) {
 /// The operation where a value that is not finite begins: a NaN from operands that are not NaN, or an infinity from
 /// finite operands. `no_node` if it is an input.
 NodeId begin_of_not_finite(const Explanation& x, const OperationView& view, NodeId i) {
-    const auto exact = [&view](NodeId k) { return view.of(k).exact; };
+    const auto exact = [&view](NodeId k) { return view.error_of(k).exact; };
     const bool is_nan = std::isnan(exact(i));
     const auto is_alike = [&](NodeId k) {
         return k != no_node && !is_decision(x.tape[k].op) && (is_nan ? std::isnan(exact(k)) : std::isinf(exact(k)));
@@ -158,16 +159,17 @@ std::string not_finite_text(const Explanation& x, const OperationView& view, con
     std::vector<NodeId> named;
     for (const NodeId comparison : comparisons) {
         for (const NodeId side : x.tape[comparison].operands) {
-            if (side == no_node || std::isfinite(view.of(side).exact)) continue;
+            if (side == no_node || std::isfinite(view.error_of(side).exact)) continue;
             const NodeId begin = begin_of_not_finite(x, view, side);
             if (begin == no_node || std::ranges::find(named, begin) != named.end()) continue;
             named.push_back(begin);
             std::vector<std::string> values;
             for (const NodeId k : x.tape[begin].operands)
                 if (k != no_node && x.tape[k].op != TapeOp::constant)
-                    values.push_back(fmt::format("{} is {}", view.text().operand(k), number_phrase(view.of(k).exact)));
+                    values.push_back(
+                        fmt::format("{} is {}", view.text().operand(k), number_phrase(view.error_of(k).exact)));
             text += fmt::format("{} is {} because of {}{}{}.\n", view.text().operand(side),
-                                number_phrase(view.of(side).exact), view.text().expression(begin),
+                                number_phrase(view.error_of(side).exact), view.text().expression(begin),
                                 values.empty() ? "" : ", where ", fmt::join(values, " and "));
             text += source_line(x, begin);
         }
@@ -241,7 +243,7 @@ std::string changed_decisions_text(const Explanation& x, const OperationView& vi
     for (const NodeId i : x.turned()) {
         const TapeNode& n = x.tape[i];
         if (!is_comparison(n.op)) {
-            const double distance = std::fabs(view.of(i).rounding);
+            const double distance = std::fabs(view.error_of(i).rounding);
             text +=
                 fmt::format("Rounding changed the choice in {}: {}.\n", view.text().definition(i),
                             std::isfinite(distance) ? fmt::format("the other side is {} away", short_number(distance))
@@ -251,7 +253,8 @@ std::string changed_decisions_text(const Explanation& x, const OperationView& vi
         std::vector<std::string> sides;
         for (const NodeId side : {n.operands[0], n.operands[1]}) {
             if (x.tape[side].op == TapeOp::constant) continue;
-            const std::string computed = number_phrase(x.tape[side].value), exact = number_phrase(view.of(side).exact);
+            const std::string computed = number_phrase(x.tape[side].value),
+                              exact = number_phrase(view.error_of(side).exact);
             sides.push_back(fmt::format("{} is {}{}", view.text().operand(side), computed,
                                         computed == exact ? "" : ", without rounding " + exact));
         }

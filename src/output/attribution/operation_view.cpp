@@ -33,36 +33,36 @@ std::string ulps_or_nothing(double ulps) { return std::isfinite(ulps) ? short_nu
 
 namespace {
 
-std::vector<bool> nodes_on_way(const Explanation& x) {
-    std::vector<bool> on_way(x.tape.nodes.size());
-    const auto mark = [&on_way](NodeId i) {
-        if (i != no_node) on_way[static_cast<std::size_t>(i)] = true;
+std::vector<bool> nodes_on_path(const Explanation& explanation) {
+    std::vector<bool> on_path(explanation.tape.nodes.size());
+    const auto mark = [&on_path](NodeId i) {
+        if (i != no_node) on_path[static_cast<std::size_t>(i)] = true;
     };
-    mark(x.tape.outputs.hit);
-    if (x.hit || x.tape.outputs.hit == no_node) mark(x.tape.outputs.t);
-    for (NodeId i = x.tape.size() - 1; i >= 0; --i) {
-        if (x.attribution[i].live) mark(i);
-        if (!on_way[static_cast<std::size_t>(i)]) continue;
-        const TapeNode& n = x.tape[i];
+    mark(explanation.tape.outputs.hit);
+    if (explanation.hit || explanation.tape.outputs.hit == no_node) mark(explanation.tape.outputs.t);
+    for (NodeId i = explanation.tape.size() - 1; i >= 0; --i) {
+        if (explanation.attribution[i].live) mark(i);
+        if (!on_path[static_cast<std::size_t>(i)]) continue;
+        const TapeNode& n = explanation.tape[i];
         if (n.op != TapeOp::select) {
-            std::ranges::for_each(x.tape.operands_of(i), mark);
+            std::ranges::for_each(explanation.tape.operands_of(i), mark);
         } else {
             mark(n.operands[0]);
-            mark(measure::attribution::side_taken(x.tape, i));
+            mark(measure::attribution::side_taken(explanation.tape, i));
         }
     }
-    return on_way;
+    return on_path;
 }
 
 }  // namespace
 
-OperationView::OperationView(const Explanation& x)
-    : x_(x),
-      text_(x.tape, x.names, measure::attribution::TapeText::Style::pretty),
-      ulp_(x.ulp_of_subject()),
-      on_way_(nodes_on_way(x)) {
-    for (NodeId i = 0; i < x.tape.size(); ++i) {
-        if (is_given(x.tape[i].op) || (text_.is_number(i) && x.tape[i].label.empty())) continue;
+OperationView::OperationView(const Explanation& explanation)
+    : explanation_(explanation),
+      text_(explanation.tape, explanation.names, measure::attribution::TapeText::Style::pretty),
+      ulp_(explanation.ulp_of_subject()),
+      on_path_(nodes_on_path(explanation)) {
+    for (NodeId i = 0; i < explanation.tape.size(); ++i) {
+        if (is_given(explanation.tape[i].op) || (text_.is_number(i) && explanation.tape[i].label.empty())) continue;
         const std::string& name = text_.name(i);
         nodes_by_name_[name].push_back(i);
         if (const auto length = name.size(); length > 2 && name[length - 2] == '.')
@@ -71,24 +71,25 @@ OperationView::OperationView(const Explanation& x)
 }
 
 double OperationView::ulps_of_value(NodeId i, double error) const {
-    return error /
-           measure::attribution::ulp_at(of(i).exact == 0 ? x_.tape[i].value : of(i).exact, x_.tape.format_of(i));
+    return error / measure::attribution::ulp_at(error_of(i).exact == 0 ? explanation_.tape[i].value : error_of(i).exact,
+                                                explanation_.tape.format_of(i));
 }
 
 std::string OperationView::cancellation(NodeId i) const {
-    const int bits = of(i).cancelled;
-    return bits == 0 ? "" : fmt::format("{} {}", bits, of(i).carried ? "catastrophic" : "benign");
+    const int bits = error_of(i).cancelled;
+    return bits == 0 ? "" : fmt::format("{} {}", bits, error_of(i).carried ? "catastrophic" : "benign");
 }
 
 bool OperationView::is_shown(NodeId i, bool show_all) const {
-    const TapeNode& n = x_.tape[i];
-    if (text_.is_number(i) && n.label.empty() && of(i).rounding == 0) return false;
+    const TapeNode& n = explanation_.tape[i];
+    if (text_.is_number(i) && n.label.empty() && error_of(i).rounding == 0) return false;
     if (show_all) return is_operation(n.op);
-    if (!is_operation(n.op) || !of(i).live) return false;
-    return !n.label.empty() || of(i).rounding != 0 || of(i).cancelled > 1 || i == x_.attribution.culprit;
+    if (!is_operation(n.op) || !error_of(i).live) return false;
+    return !n.label.empty() || error_of(i).rounding != 0 || error_of(i).cancelled > 1 ||
+           i == explanation_.attribution.culprit;
 }
 
-std::vector<NodeId> OperationView::named_in(NodeId i) const {
+std::vector<NodeId> OperationView::operations_named_in(NodeId i) const {
     const std::string& text = text_.expression(i);
     std::vector<NodeId> named;
     const auto is_name_char = [](char c) {
@@ -105,12 +106,12 @@ std::vector<NodeId> OperationView::named_in(NodeId i) const {
 }
 
 std::string OperationView::subject() const {
-    const NodeId subject = x_.attribution.subject;
-    if (subject == no_node || !is_decision(x_.tape[subject].op)) return "t";
-    const TapeNode& n = x_.tape[subject];
+    const NodeId subject = explanation_.attribution.subject;
+    if (subject == no_node || !is_decision(explanation_.tape[subject].op)) return "t";
+    const TapeNode& n = explanation_.tape[subject];
     if (!is_comparison(n.op)) return "decision";
     for (const std::size_t k : {0U, 1U}) {
-        if (x_.tape[n.operands[k]].op == TapeOp::constant) return text_.operand(n.operands[1 - k]);
+        if (explanation_.tape[n.operands[k]].op == TapeOp::constant) return text_.operand(n.operands[1 - k]);
     }
     return text_.expression(subject);
 }
@@ -119,55 +120,55 @@ int digits_of(const FloatFormat& format) { return 1 + static_cast<int>(std::ceil
 
 namespace {
 
-OperationRow table_row(const Explanation& x, const OperationView& view, NodeId i, bool has_errors) {
-    const measure::attribution::OperationError& e = view.of(i);
-    const TapeNode& n = x.tape[i];
+OperationRow table_row(const Explanation& explanation, const OperationView& view, NodeId i, bool shows_errors) {
+    const measure::attribution::OperationError& e = view.error_of(i);
+    const TapeNode& n = explanation.tape[i];
     const bool is_decision_row = is_decision(n.op);
     OperationRow operation_row{.node = i,
-                               .has_errors = has_errors,
+                               .shows_errors = shows_errors,
                                .name = view.text().name(i),
-                               .formula = has_errors ? view.text().expression(i) : "(an earlier sample)",
+                               .formula = shows_errors ? view.text().expression(i) : "(an earlier sample)",
                                .computed = n.value,
                                .exact = e.exact,
-                               .digits = is_decision_row ? 0 : digits_of(x.tape.format_of(i))};
-    if (!has_errors) return operation_row;
-    operation_row.culprit = i == culprit_operation(x);
+                               .digits = is_decision_row ? 0 : digits_of(explanation.tape.format_of(i))};
+    if (!shows_errors) return operation_row;
+    operation_row.culprit = i == culprit_operation(explanation);
     operation_row.branch_flipped = e.turned && (is_decision_row || e.rounding != 0);
-    operation_row.off_path = !is_decision_row && !view.is_on_way(i);
+    operation_row.off_path = !is_decision_row && !view.is_on_path(i);
     operation_row.on_purpose = measure::attribution::is_on_purpose(n.op) && e.rounding != 0;
     if (is_decision_row) return operation_row;
-    const auto number = [](double ulps) { return std::isfinite(ulps) ? short_number(ulps) : ""; };
-    operation_row.error_ulps = number(view.ulps_of_value(i, e.error));
+    const auto text_or_empty = [](double ulps) { return std::isfinite(ulps) ? short_number(ulps) : ""; };
+    operation_row.error_ulps = text_or_empty(view.ulps_of_value(i, e.error));
     operation_row.cancelled = view.cancellation(i);
     if (e.local_bits != 0) operation_row.local = fmt::format("{:.1f}", e.local_bits);
-    if (e.rounding != 0) operation_row.rounding_ulps = number(view.ulps_of_value(i, e.rounding));
-    if (e.live && e.rounding != 0) operation_row.contribution_ulps = number(view.contribution(i));
+    if (e.rounding != 0) operation_row.rounding_ulps = text_or_empty(view.ulps_of_value(i, e.rounding));
+    if (e.live && e.rounding != 0) operation_row.contribution_ulps = text_or_empty(view.contribution(i));
     return operation_row;
 }
 
 /// The first node that the table shows. Without `show_all`, the table of a march begins with the last samples.
-NodeId first_shown(const Explanation& x, bool show_all) {
-    const auto& samples = x.tape.samples;
+NodeId first_shown(const Explanation& explanation, bool show_all) {
+    const auto& samples = explanation.tape.samples;
     return show_all || samples.size() < 3 ? 0 : static_cast<NodeId>(samples[samples.size() - 3]);
 }
 
 }  // namespace
 
-OperationTable operation_table(const Explanation& x, const OperationView& view, bool show_all) {
-    OperationTable table{.first = first_shown(x, show_all)};
+OperationTable operation_table(const Explanation& explanation, const OperationView& view, bool show_all) {
+    OperationTable table{.first = first_shown(explanation, show_all)};
     // A row can name other operations, and each of them needs a row too. The last operations are visited first.
-    std::vector<bool> has_row(x.tape.nodes.size()), has_errors(x.tape.nodes.size());
-    for (NodeId i = x.tape.size() - 1; i >= 0; --i) {
+    std::vector<bool> has_row(explanation.tape.nodes.size()), shows_errors(explanation.tape.nodes.size());
+    for (NodeId i = explanation.tape.size() - 1; i >= 0; --i) {
         const auto index = static_cast<std::size_t>(i);
-        has_errors[index] =
-            i == culprit_operation(x) || (i >= table.first && (has_row[index] || view.is_shown(i, show_all)));
-        has_row[index] = has_row[index] || has_errors[index];
-        if (!has_errors[index]) continue;
-        for (const NodeId named : view.named_in(i)) has_row[static_cast<std::size_t>(named)] = true;
+        shows_errors[index] =
+            i == culprit_operation(explanation) || (i >= table.first && (has_row[index] || view.is_shown(i, show_all)));
+        has_row[index] = has_row[index] || shows_errors[index];
+        if (!shows_errors[index]) continue;
+        for (const NodeId named : view.operations_named_in(i)) has_row[static_cast<std::size_t>(named)] = true;
     }
-    for (NodeId i = 0; i < x.tape.size(); ++i) {
+    for (NodeId i = 0; i < explanation.tape.size(); ++i) {
         const auto index = static_cast<std::size_t>(i);
-        if (has_row[index]) table.rows.push_back(table_row(x, view, i, has_errors[index]));
+        if (has_row[index]) table.rows.push_back(table_row(explanation, view, i, shows_errors[index]));
     }
     return table;
 }

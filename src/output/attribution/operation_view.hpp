@@ -25,24 +25,26 @@ std::string ulps_or_nothing(double ulps);
 /// A view of an explanation with the names and the ulps of its operations.
 class OperationView {
 public:
-    explicit OperationView(const Explanation& x);
+    explicit OperationView(const Explanation& explanation);
 
-    [[nodiscard]] const measure::attribution::OperationError& of(NodeId i) const { return x_.attribution[i]; }
+    [[nodiscard]] const measure::attribution::OperationError& error_of(NodeId i) const {
+        return explanation_.attribution[i];
+    }
     [[nodiscard]] const TapeText& text() const { return text_; }
     /// `error` in ulps of the format at the value itself.
     [[nodiscard]] double ulps_of_value(NodeId i, double error) const;
     /// Contribution of an operation in ulps of the subject.
-    [[nodiscard]] double contribution(NodeId i) const { return of(i).contribution / ulp_; }
+    [[nodiscard]] double contribution(NodeId i) const { return error_of(i).contribution / ulp_; }
     /// `24 catastrophic`
     [[nodiscard]] std::string cancellation(NodeId i) const;
-    /// True if the answer is computed from the operation. That includes operations that only chose a branch, and those
+    /// True if the answer is computed from the operation. This includes operations that only chose a branch, and those
     /// whose value was compared and then not used. False for operations of a branch that was not taken and, in a miss,
-    /// for operations that only t is computed from.
-    [[nodiscard]] bool is_on_way(NodeId i) const { return on_way_[static_cast<std::size_t>(i)]; }
+    /// for operations from which only t is computed.
+    [[nodiscard]] bool is_on_path(NodeId i) const { return on_path_[static_cast<std::size_t>(i)]; }
     /// True if the table has a row for the operation.
     [[nodiscard]] bool is_shown(NodeId i, bool show_all) const;
     /// Operations that the expression of operation i refers to by name.
-    [[nodiscard]] std::vector<NodeId> named_in(NodeId i) const;
+    [[nodiscard]] std::vector<NodeId> operations_named_in(NodeId i) const;
     /// Ulp of the subject.
     [[nodiscard]] double ulp() const { return ulp_; }
     /// Name of the value that contributions go to: t, or the value that the decision compares. Contributions are in
@@ -50,12 +52,12 @@ public:
     [[nodiscard]] std::string subject() const;
 
 private:
-    const Explanation& x_;
+    const Explanation& explanation_;
     TapeText text_;
     double ulp_;
-    std::vector<bool> on_way_;
+    std::vector<bool> on_path_;
     std::map<std::string, std::vector<NodeId>, std::less<>>
-        nodes_by_name_;  ///< operations by name; the name of a vector gives its three components
+        nodes_by_name_;  ///< operations by name; a vector's name maps to its three components
 };
 
 /// A row of the table of operations.
@@ -63,11 +65,11 @@ struct OperationRow {
     NodeId node = no_node;
     /// True if the row shows errors. False for an operation of an earlier sample of a march, shown because another row
     /// names it: its row has only the values.
-    bool has_errors = true;
+    bool shows_errors = true;
     bool culprit = false;         ///< the culprit, if an operation is to blame
     bool branch_flipped = false;  ///< rounding chose the other side
     bool on_purpose = false;      ///< not a rounding: the form goes to the next number
-    bool off_path = false;        ///< not on the way to the answer
+    bool off_path = false;        ///< the answer is not computed from it (`OperationView::is_on_path`)
     std::string name = {}, formula = {};
     double computed = 0, exact = 0;  ///< 1 or 0 for a decision
     int digits = 0;                  ///< digits that tell numbers of the operation's format apart; 0: a decision
@@ -83,7 +85,7 @@ struct OperationTable {
     NodeId first = 0;
     std::vector<OperationRow> rows = {};
 };
-OperationTable operation_table(const Explanation& x, const OperationView& view, bool show_all);
+OperationTable operation_table(const Explanation& explanation, const OperationView& view, bool show_all);
 
 /// Number of digits that tell numbers of a format apart.
 int digits_of(const FloatFormat& format);

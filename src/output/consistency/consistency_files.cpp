@@ -114,7 +114,7 @@ pixel::Sheet ConsistencyView::sheet(const ConsistencyStudy& study, const std::fi
                          "answer to both",
                          study.scene.id, study.scene.width, study.scene.height),
                      "shares are of the pixels of which both are asked"},
-        .categories = true};
+        .shows_categories = true};
     if (std::ranges::any_of(study.checks, &Check::numbers)) {
         spec.subtitle.back() +=
             "; reverse and placed have on the ramp by how much more than the exact answers both chords, or both t, "

@@ -105,7 +105,8 @@ void add_part(const std::string& name, Comparison part, Ledger& ledger) {
     Comparison& result = ledger.result;
     const std::string prefix = name.empty() ? "" : name + ": ";
     for (Difference& d : part.differences) {
-        if (result.differences.size() < ledger.options.most) result.differences.push_back({d.line, prefix + d.what});
+        if (result.differences.size() < ledger.options.max_kept)
+            result.differences.push_back({d.line, prefix + d.what});
     }
     result.count += part.count;
     for (ColumnDifference& column : part.columns) {

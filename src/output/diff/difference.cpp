@@ -55,32 +55,34 @@ namespace {
 
 using Kind = CellValue::Kind;
 
-/// n · 10^exponent. Decimals and their differences and products are exact in this form, so 0.4 and 0.3 are within 0.1.
-struct Exact {
-    boost::multiprecision::cpp_int n;
+/// significand · 10^exponent. Decimals and their differences and products are exact in this form, so 0.4 and 0.3 are
+/// within 0.1.
+struct ExactDecimal {
+    boost::multiprecision::cpp_int significand;
     int exponent = 0;
 
-    explicit Exact(const CellValue& v) : n(v.digits.empty() ? "0" : v.digits), exponent(v.exponent) {
-        if (v.negative) n = -n;
+    explicit ExactDecimal(const CellValue& v) : significand(v.digits.empty() ? "0" : v.digits), exponent(v.exponent) {
+        if (v.negative) significand = -significand;
     }
-    Exact(boost::multiprecision::cpp_int digits, int power) : n(std::move(digits)), exponent(power) {}
+    ExactDecimal(boost::multiprecision::cpp_int digits, int power) : significand(std::move(digits)), exponent(power) {}
 
     [[nodiscard]] boost::multiprecision::cpp_int scaled_to(int power) const {
-        return n *
+        return significand *
                boost::multiprecision::pow(boost::multiprecision::cpp_int(10), static_cast<unsigned>(exponent - power));
     }
     [[nodiscard]] double approximate(int shift = 0) const {
-        const double size = file::nearest_double(boost::multiprecision::cpp_int(abs(n)).str(), exponent - shift);
-        return n < 0 ? -size : size;
+        const double absolute =
+            file::nearest_double(boost::multiprecision::cpp_int(abs(significand)).str(), exponent - shift);
+        return significand < 0 ? -absolute : absolute;
     }
 };
 
-Exact distance(const Exact& a, const Exact& b) {
+ExactDecimal distance(const ExactDecimal& a, const ExactDecimal& b) {
     const int power = std::min(a.exponent, b.exponent);
     return {abs(a.scaled_to(power) - b.scaled_to(power)), power};
 }
 
-bool is_at_most(const Exact& a, const Exact& b) {
+bool is_at_most(const ExactDecimal& a, const ExactDecimal& b) {
     const int power = std::min(a.exponent, b.exponent);
     return a.scaled_to(power) <= b.scaled_to(power);
 }
@@ -119,28 +121,31 @@ PairVerdict judge_cells(std::string_view a, std::string_view b, const Tolerance*
         return {.differs = !(x == y), .not_finite = !both_text};
     }
     if (const auto verdict = judge_distant_magnitudes(x, y, tolerance)) return *verdict;
-    const Exact p(x), q(y), difference = distance(p, q);
-    const bool first_is_larger = is_at_most({abs(q.n), q.exponent}, {abs(p.n), p.exponent});
-    const Exact larger = first_is_larger ? Exact(abs(p.n), p.exponent) : Exact(abs(q.n), q.exponent);
+    const ExactDecimal exact_a(x), exact_b(y), difference = distance(exact_a, exact_b);
+    const bool first_is_larger =
+        is_at_most({abs(exact_b.significand), exact_b.exponent}, {abs(exact_a.significand), exact_a.exponent});
+    const ExactDecimal larger = first_is_larger ? ExactDecimal(abs(exact_a.significand), exact_a.exponent)
+                                                : ExactDecimal(abs(exact_b.significand), exact_b.exponent);
     PairVerdict v{.measured = true, .absolute = difference.approximate()};
-    if (larger.n != 0) {
+    if (larger.significand != 0) {
         // Both are scaled to the larger number, so that neither leaves the range of a double.
-        const int size = magnitude(first_is_larger ? x : y);
-        v.relative = difference.approximate(size) / larger.approximate(size);
+        const int exponent = magnitude(first_is_larger ? x : y);
+        v.relative = difference.approximate(exponent) / larger.approximate(exponent);
     }
     if (tolerance == nullptr) {
         v.differs = as_text || !(x == y);
         return v;
     }
-    const Exact relative(tolerance->relative);
-    v.differs = !is_at_most(difference, Exact(tolerance->absolute)) &&
-                !is_at_most(difference, {relative.n * larger.n, relative.exponent + larger.exponent});
+    const ExactDecimal relative(tolerance->relative);
+    v.differs =
+        !is_at_most(difference, ExactDecimal(tolerance->absolute)) &&
+        !is_at_most(difference, {relative.significand * larger.significand, relative.exponent + larger.exponent});
     return v;
 }
 
 double cell_number(std::string_view cell) {
     const CellValue value = file::read_cell(cell);
-    return value.kind == Kind::number ? Exact(value).approximate() : std::nan("");
+    return value.kind == Kind::number ? ExactDecimal(value).approximate() : std::nan("");
 }
 
 PairVerdict judge_samples(float a, float b, const std::optional<std::pair<double, double>>& tolerance) {

@@ -36,7 +36,7 @@ struct Tolerance {
 struct CompareOptions {
     std::vector<Tolerance> tolerances;  ///< the last one that matches a column counts
     std::vector<std::string> ignored;   ///< names or globs of columns and channels to leave out
-    std::uint64_t most = 20;            ///< number of differences to write out; the others are only counted
+    std::uint64_t max_kept = 20;        ///< number of differences to write out; the others are only counted
     intersect::process::StopToken stop = {};
 };
 
@@ -63,7 +63,7 @@ struct ColumnDifference {
 };
 
 struct Comparison {
-    std::vector<Difference> differences;      ///< in the file's order, at most `CompareOptions::most`
+    std::vector<Difference> differences;      ///< in the file's order, at most `CompareOptions::max_kept`
     std::uint64_t count = 0;                  ///< number of all differences, written out or not
     std::uint64_t rows = 0, rows_differ = 0;  ///< for tables: rows compared, and rows with a difference
     std::vector<ColumnDifference>
@@ -94,8 +94,8 @@ struct Comparison {
 [[nodiscard]] Comparison compare_exr(const std::filesystem::path& a, const std::filesystem::path& b,
                                      const CompareOptions& options);
 
-/// Compares sizes and decoded pixels exactly; the only option that counts is `most`. The only column is `pixel`. Its
-/// largest difference is in 8-bit steps, and the relative one is a fraction of 255.
+/// Compares sizes and decoded pixels exactly; the only option that counts is `max_kept`. The only column is `pixel`.
+/// Its largest difference is in 8-bit steps, and the relative one is a fraction of 255.
 [[nodiscard]] Comparison compare(const image::PngImage& a, const image::PngImage& b, const CompareOptions& options);
 
 /// Compares byte by byte. Gives at most one difference, the first, with its line.

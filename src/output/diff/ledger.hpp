@@ -40,10 +40,10 @@ struct Ledger {
     const CompareOptions& options;
     Comparison result;
 
-    /// Counts a difference, and keeps its text while fewer than `options.most` are kept. `line` is the line of the
+    /// Counts a difference, and keeps its text while fewer than `options.max_kept` are kept. `line` is the line of the
     /// difference in the first file; 0 if it has no line there, as in pictures.
     void add(std::size_t line, const auto& make_text) {
-        if (result.count++ < options.most) result.differences.push_back({line, make_text()});
+        if (result.count++ < options.max_kept) result.differences.push_back({line, make_text()});
     }
 };
 

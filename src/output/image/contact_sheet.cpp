@@ -96,7 +96,7 @@ void ContactSheet::add_rows(std::size_t form, std::size_t format, int y_begin, s
     Cell& target = cell(form, format);
     if (!target.thumbnail) {
         target.thumbnail.emplace(spec_.field_width, spec_.field_height,
-                                 spec_.categories ? Thumbnail::Shrink::pick : Thumbnail::Shrink::average);
+                                 spec_.shows_categories ? Thumbnail::Shrink::pick : Thumbnail::Shrink::average);
     }
     target.thumbnail->add_rows(y_begin, samples);
     if (!spec_.zooms) return;

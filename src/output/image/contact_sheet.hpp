@@ -70,7 +70,7 @@ struct SheetSpec {
     int field_width = 0, field_height = 0;  ///< size of every cell, in samples
     std::vector<ColourScale> scales = {};   ///< none; one for all cells; or one for each line of cells
     std::string unit = {};                  ///< label over a colour bar
-    bool categories = false;                ///< colours are names, so cells are not averaged
+    bool shows_categories = false;          ///< colours are names, so cells are not averaged
     std::size_t note_lines = 4;             ///< number of lines of small text under each cell
     bool collapses = false;                 ///< forms whose cells and texts are all the same share a column
     bool zooms = false;                     ///< cells keep their samples, so that `set_zoom` can enlarge some of them

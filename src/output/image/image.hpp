@@ -66,7 +66,7 @@ struct TextRun {
     int size;          ///< pixels per em
     double x, y;       ///< start of the baseline, measured from the upper left corner of the line
     double width;
-    bool raised = false;  ///< an exponent: copied text has a `^` before it
+    bool is_exponent = false;  ///< copied text has a `^` before it
 };
 
 /// A line of text as coverage, 0 (paper) to 255 (ink), row by row. All lines of one size have the same height and

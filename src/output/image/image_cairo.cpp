@@ -185,7 +185,7 @@ TextBitmap cairo_text(std::string_view utf8, int size, bool bold) {
         pen_x += line.back().run.width;
         out.runs.push_back(line.back().run);
         out.runs.back().size = letter_size;
-        out.runs.back().raised = raised_by > 0;
+        out.runs.back().is_exponent = raised_by > 0;
     };
     std::size_t start = 0;
     for (std::size_t caret = utf8.find('^'); caret != std::string_view::npos; caret = utf8.find('^', caret + 1)) {
@@ -340,8 +340,8 @@ private:
         cairo_scaled_font_glyph_extents(font, glyphs, count, &extents);
         const double stretch = extents.x_advance > 0 ? run.width / extents.x_advance : 1;
         for (int i = 0; i < count; ++i) glyphs[i] = {glyphs[i].index, run.x + glyphs[i].x * stretch, run.y};
-        const std::string copied_text = (run.raised ? "^" : "") + run.text;
-        if (run.raised && cluster_count > 0) ++clusters[0].num_bytes;
+        const std::string copied_text = (run.is_exponent ? "^" : "") + run.text;
+        if (run.is_exponent && cluster_count > 0) ++clusters[0].num_bytes;
         cairo_show_text_glyphs(pen_, copied_text.data(), static_cast<int>(copied_text.size()), glyphs, count, clusters,
                                cluster_count, flags);
         cairo_text_cluster_free(clusters);

@@ -184,7 +184,7 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
                                                       .scene_arguments = "",
                                                       .other_tables = tables,
                                                       .ray_arguments = ray_arguments,
-                                                      .listed = !request.picture,
+                                                      .is_list = !request.picture,
                                                       .keep = p.keep_of_map(),
                                                       .by = request.by ? dump.layout().kept()[*request.by] : ""});
     if (p.options.worst > 0 && !p.options.keep) p.worst.emplace(p.options.folder / "worst.toml");

@@ -71,12 +71,12 @@ Rgb8 pixel_colour(const ColourScale& scale, Outcome outcome, double value) {
     return std::isnan(value) ? image::outcome_colours[0] : scale.map(std::fabs(value));
 }
 
-std::vector<LegendEntry> outcome_legend(const FormSummary& summary) {
+std::vector<LegendEntry> outcome_legend(std::span<const std::uint64_t> counts, std::uint64_t total) {
     std::vector<LegendEntry> entries;
-    for (std::size_t o = 1; o < summary.outcomes.size(); ++o) {
-        if (summary.outcomes[o] == 0) continue;
-        entries.push_back({plain_name(static_cast<Outcome>(o)), image::outcome_colours[o],
-                           pixel::count_text(summary.outcomes[o], summary.rays)});
+    for (std::size_t o = 1; o < counts.size(); ++o) {
+        if (counts[o] == 0) continue;
+        entries.push_back(
+            {plain_name(static_cast<Outcome>(o)), image::outcome_colours[o], pixel::count_text(counts[o], total)});
     }
     return entries;
 }

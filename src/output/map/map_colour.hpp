@@ -61,8 +61,9 @@ inline constexpr const char* paler_means = "paler colour: half an ulp in each in
 /// `false miss`, `wrong primitive`: an outcome in words.
 std::string plain_name(Outcome o);
 
-/// Legend of the outcomes of a finished row; outcomes without a pixel are left out.
-std::vector<image::LegendEntry> outcome_legend(const FormSummary& summary);
+/// Legend of the outcomes other than `agree_hit`: the count of each, of `total`. Outcomes with a count of 0 are left
+/// out.
+std::vector<image::LegendEntry> outcome_legend(std::span<const std::uint64_t> counts, std::uint64_t total);
 
 class MetricPaint {
 public:

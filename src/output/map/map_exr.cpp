@@ -83,7 +83,7 @@ ExrPart part_of(const MapExrRequest& request, std::string name, const char* sche
                                     {"lostbits:schema", schema},
                                     {"lostbits:scene", scene.id},
                                     image::compiler_attribute(),
-                                    image::objects_attribute()}}};
+                                    image::primitives_attribute()}}};
 }
 
 void append(Attributes& attributes, const Attributes& added) {

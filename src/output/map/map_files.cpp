@@ -39,7 +39,7 @@ struct MapFiles::Parts {
     [[nodiscard]] table::Table<SummaryRow> summary_columns() const {
         auto table =
             summary_table(request.metrics, request.scene->shapes(), request.scene->mesh != nullptr, options.by);
-        if (!options.listed) return table;
+        if (!options.is_list) return table;
         for (auto& column : table)
             if (column.about.unit == "pixel") column.about.unit = "";
         table.set_meaning("rays", "number of rays in the file");

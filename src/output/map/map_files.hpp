@@ -30,7 +30,7 @@ struct MapFilesOptions {
     std::vector<file::DataResource> other_tables =
         {};                              ///< tables that others write into the folder, for datapackage.json
     RayArguments ray_arguments = {};     ///< replaces `scene_arguments` if the rays come from a file
-    bool listed = false;                 ///< the rays are a list and not a picture, so none is drawn
+    bool is_list = false;                ///< the rays are a list and not a picture, so none is drawn
     std::optional<BarRange> range = {};  ///< for every colour bar; absent: what fits each format
     pixel::KeepPiece keep = {};          ///< receives the pieces of a shard
     std::string by = {};                 ///< column whose values group the rays; empty: none

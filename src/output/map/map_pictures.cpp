@@ -64,7 +64,7 @@ pixel::Pages MapPictures::pages() {
             .sheets = std::move(pages),
             .single_picture_folder = options_.single_pictures ? options_.folder : "",
             .stop = request_.limit.stop,
-            .opened = !options_.keep};
+            .opens_files = !options_.keep};
 }
 
 pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
@@ -86,7 +86,7 @@ pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
                                  ? "contact.png"
                                  : fmt::format("contact.{}.png", file_name_part(*sheet.metrics.front()));
     const scene::file::Scene& scene = *request_.scene;
-    const auto described_rows = options_.listed ? std::span<const TestedForm>() : request_.rows;
+    const auto described_rows = options_.is_list ? std::span<const TestedForm>() : request_.rows;
     return {is_only_file ? options_.sheet_alone : options_.folder / name,
             {.title = scene.title,
              .subtitle =
@@ -96,15 +96,15 @@ pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
              .formats = sheet.lines,
              .scales = std::move(scales),
              .unit = is_only_file ? "lost bits" : std::string(sheet.paint.metric().unit),
-             .categories = !sheet.paint.scale(),
+             .shows_categories = !sheet.paint.scale(),
              .note_lines = cell_note_lines,
              .collapses = !is_only_file,
              .zooms = zooms(sheet.paint)}};
 }
 
 bool MapPictures::zooms(const MetricPaint& paint) const {
-    return request_.scene->mesh != nullptr && paint.names_worst() && options_.sheet_alone.empty() && !options_.listed &&
-           request_.scene->pixels() <= most_kept_pixels;
+    return request_.scene->mesh != nullptr && paint.names_worst() && options_.sheet_alone.empty() &&
+           !options_.is_list && request_.scene->pixels() <= most_kept_pixels;
 }
 
 /// Adds the columns row by row, in the order in which they are drawn.
@@ -141,7 +141,7 @@ MapPictures::Column MapPictures::column_of(const Drawing& drawing) const {
         .places = {drawing.position},
         .widest_caption = drawing.paint->widest_caption(scene.pixels()) +
                           worst_pixel_text(drawing, {.x = scene.width, .y = scene.height})};
-    if (std::string note = input_note(scene, std::span(&form_row, 1)); !note.empty() && !options_.listed)
+    if (std::string note = input_note(scene, std::span(&form_row, 1)); !note.empty() && !options_.is_list)
         spec.subtitle.push_back(std::move(note));
     const auto pixel_of = [paint = drawing.paint, metric = drawing.metric](const BandResult& band, std::size_t i) {
         return paint->pixel(band.outcomes[i], band.metrics[metric][i]);

@@ -65,7 +65,7 @@ NeededColumns pictures_of(const NeededStudy& request, const NeededFilesOptions& 
              .sheets = {},
              .single_picture_folder = options.folder,
              .stop = request.limit.stop,
-             .opened = !options.keep_piece},
+             .opens_files = !options.keep_piece},
             std::move(columns)};
 }
 

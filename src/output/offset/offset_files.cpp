@@ -156,7 +156,7 @@ pixel::Sheet OffsetView::sheet(const OffsetStudy& study, const std::filesystem::
         .forms = {"smallest safe"},
         .scales = {*safe_look().scale},
         .unit = safe_unit,
-        .categories = true};
+        .shows_categories = true};
     for (const Strategy* s : study.strategies) spec.forms.push_back(short_name(*s));
     for (const OffsetRow& offset_row : study.rows) {
         for (const Side side : both_sides)

@@ -14,29 +14,31 @@ namespace lostbits::output::picture {
 using measure::picture::RenderStudy;
 using measure::picture::RenderSummary;
 
-/// A pixel of a picture. NaN and a colour that is not proved have colours that no picture has.
+/// A pixel of a picture. A pixel with a NaN has a category of its own instead of a colour.
 [[nodiscard]] pixel::PixelValue pixel_of(const measure::picture::Painted& painted);
 [[nodiscard]] const pixel::Look& picture_look();
-/// Categories of difference maps, in the order of `Seen`. Where both pictures show the same, the map shows a number,
-/// or black if the difference is not a number.
+/// Categories of difference maps, in the order of `SeenContent`. Where both pictures show the same sphere, the map
+/// shows their difference, or black if it is not a number. A background that differs is shown as a number too.
 [[nodiscard]] std::vector<pixel::Category> seen_categories();
-/// Categories in the order of `Shadow`, and one more: a pixel that shows different things in both pictures is black
-/// like NaN.
+/// Categories in the order of `Shadow`, and one more, black: the two pictures show different things, or the form's t is
+/// NaN.
 [[nodiscard]] std::vector<pixel::Category> shadow_categories();
 
-/// The note under a thumbnail, for a first glance.
-[[nodiscard]] std::string glance(const RenderSummary& s);
+/// The note under a thumbnail: how much of the picture is wrong.
+[[nodiscard]] std::string thumbnail_note(const RenderSummary& s);
 
 struct StageRow {
     scene::file::Stage stage;
-    const measure::evaluate::TestedForm* row;
+    const measure::evaluate::TestedForm* form;
     const RenderSummary* summary;
 };
 
-/// A view, see output/study/study_files.hpp. The sheet has forms across, the certified picture first; stages and
-/// formats down. The single pictures `<stage>.reference.png` and `<stage>.<form>.<format>.png` are bare, one pixel per
-/// pixel. `….colour.png` is the difference of the two. `<form>.<format>.residual.png`, `.normal.png` and `.shadow.png`
-/// are differences that all stages share; the last two exist if a stage needs them.
+/// A view, see output/study/study_files.hpp. On the sheet, each column is a form, after a column for the certified
+/// picture. Each row is a stage in a format. The single pictures `<stage>.reference.png` (certified) and
+/// `<stage>.<form>.<format>.png` are bare: no texts, and one image pixel for each pixel of the scene.
+/// `<stage>.<form>.<format>.colour.png` shows how far their colours differ. The difference maps
+/// `<form>.<format>.residual.png`, `.normal.png` and `.shadow.png` belong to all stages; the last two exist only if a
+/// stage needs them.
 ///
 /// `<form>.<format>.exr` has every number that the pictures and difference maps of a row were made of. All channels
 /// have 32 bits. `R`, `G`, `B` are the last stage's picture in linear light. For each stage there are `<stage>.r`,
@@ -60,7 +62,7 @@ struct RenderView {
     static pixel::Sheet sheet(const Study& study, const std::filesystem::path& file);
     static std::vector<study::Note> notes(const Study& study, const std::vector<Study::Summary>& summaries);
     static pixel::ExrLayers<Band> layers(const Study& study);
-    /// `command` makes the files again.
+    /// `command` is the command line that writes the files again.
     static image::ExrSpec exr_spec(const Study& study, std::size_t row_index,
                                    const std::vector<image::Channel>& channels, const std::string& command);
 };

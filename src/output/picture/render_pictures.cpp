@@ -12,7 +12,7 @@ namespace lostbits::output::picture {
 
 using image::Rgb8;
 using measure::answer::Outcome;
-using measure::picture::Seen;
+using measure::picture::SeenContent;
 using measure::picture::ShadeRule;
 using measure::picture::Shadow;
 using pixel::colour_of;
@@ -54,15 +54,15 @@ SharedLook error_look(const ErrorMap& map) {
 }
 
 /// Value of a pixel of a difference map. An unchanged background stays grey.
-PixelValue error_of(Seen seen, double value) {
-    const bool has_number = seen == Seen::same_sphere || (seen == Seen::background && value > 0);
+PixelValue error_of(SeenContent seen, double value) {
+    const bool has_number = seen == SeenContent::same_sphere || (seen == SeenContent::background && value > 0);
     return {static_cast<std::size_t>(seen), has_number ? value : measure::truth::missing};
 }
 
-PixelValue shadow_of(Seen seen, Shadow shadow) {
-    if (seen == Seen::same_sphere || seen == Seen::background) return {static_cast<std::size_t>(shadow)};
-    return {seen == Seen::unresolved ? static_cast<std::size_t>(Shadow::unresolved)
-                                     : measure::picture::shadow_names.size()};
+PixelValue shadow_of(SeenContent seen, Shadow shadow) {
+    if (seen == SeenContent::same_sphere || seen == SeenContent::background) return {static_cast<std::size_t>(shadow)};
+    return {seen == SeenContent::unresolved ? static_cast<std::size_t>(Shadow::unresolved)
+                                            : measure::picture::shadow_names.size()};
 }
 
 PixelValue certified_pixel(const measure::picture::TrueColour& c) {
@@ -70,7 +70,7 @@ PixelValue certified_pixel(const measure::picture::TrueColour& c) {
                      : PixelValue{picture_category::not_proved};
 }
 
-constexpr const char* glance_note =
+constexpr const char* sheet_note =
     "wrong colour: a byte differs from the certified picture; wrong sphere: another sphere is seen, none where there "
     "is "
     "one, or one where there is none";
@@ -80,8 +80,8 @@ image::SheetSpec sheet_spec(const RenderStudy& study, const map::RowGrid& grid) 
     image::SheetSpec spec{.title = scene.title,
                           .subtitle = {fmt::format("{}, {} x {} pixels; percentages are of all pixels", scene.id,
                                                    scene.width, scene.height),
-                                       "the picture of each form in each format, next to the certified one",
-                                       glance_note, map::input_note(scene, study.rows)},
+                                       "the picture of each form in each format, next to the certified one", sheet_note,
+                                       map::input_note(scene, study.rows)},
                           .forms = {"certified"}};
     std::erase(spec.subtitle, "");
     spec.forms.insert(spec.forms.end(), grid.forms.begin(), grid.forms.end());
@@ -216,12 +216,12 @@ std::vector<study::Note> RenderView::notes(const RenderStudy& study,
     std::vector<study::Note> notes;
     for (std::size_t r = 0; r < summaries.size(); ++r)
         for (std::size_t s = 0; s < summaries[r].size(); ++s)
-            notes.push_back(
-                {{1 + grid.cells[r].form, s * grid.formats.size() + grid.cells[r].format}, glance(summaries[r][s])});
+            notes.push_back({{1 + grid.cells[r].form, s * grid.formats.size() + grid.cells[r].format},
+                             thumbnail_note(summaries[r][s])});
     return notes;
 }
 
-std::string glance(const RenderSummary& s) {
+std::string thumbnail_note(const RenderSummary& s) {
     std::string text = s.changed == 0 ? "every pixel right" : share_text(s.changed, s.pixels) + " wrong colour";
     if (const std::uint64_t wrong = s.seen_wrong())
         text += fmt::format("\n{} wrong sphere", share_text(wrong, s.pixels));

@@ -17,7 +17,7 @@ ColumnWriter::ColumnWriter(Pages pages, std::vector<ColumnSpec> columns)
       columns_(std::move(columns)),
       captions_(columns_.size()) {
     for (const ColumnSpec& column : columns_) counts_.emplace_back(column.look->categories.size());
-    if (!pages.opened) return;
+    if (!pages.opens_files) return;
     for (auto& [file, spec] : pages.sheets) {
         spec.field_width = pages.scene.width;
         spec.field_height = pages.scene.height;

@@ -81,7 +81,7 @@ struct Pages {
     std::vector<Sheet> sheets;
     std::filesystem::path single_picture_folder = {};  ///< folder of the columns' own pictures; empty: they have none
     intersect::process::StopToken stop = {};
-    bool opened = true;  ///< false: no file is opened; strips are drawn here and written elsewhere
+    bool opens_files = true;  ///< false: strips are drawn here and written elsewhere
 };
 
 /// Writes the strips that columns draw. Different columns may be written at the same time, each from top to bottom.

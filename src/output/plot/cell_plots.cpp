@@ -228,7 +228,7 @@ Canvas plane_plot(const PlanePlotSpec& spec) {
     const int content_width = axes.left() + frame.width + 1 + right_space;
     const Canvas head = image::heading(spec.title, spec.subtitle, content_width);
     std::vector<image::LegendEntry> entries = spec.legend;
-    if (has_hatched_cell) entries.push_back({spec.none_means, hatch_paper, {}});
+    if (has_hatched_cell) entries.push_back({spec.hatching_means, hatch_paper, {}});
     const image::Legend legend(entries, content_width);
     frame.x = image::style::margin + axes.left();
     frame.y = image::style::margin + head.height() + (head.height() > 0 ? image::style::gap : 0) + axes.above();

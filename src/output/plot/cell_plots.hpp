@@ -51,7 +51,7 @@ struct PlanePlotSpec {
     std::optional<image::ColourScale> scale;  ///< required if a cell shows its value
     std::string unit;                         ///< text above the colour bar: `lost bits`
     std::vector<image::LegendEntry> legend;   ///< the outcomes that occur
-    std::string none_means = "no value";      ///< meaning of hatched cells
+    std::string hatching_means = "no value";  ///< meaning of hatched cells
 };
 
 /// Draws each cell in one flat colour. A cell reaches half-way to its neighbours on the scale of the axis, at least one

@@ -19,10 +19,10 @@ constexpr std::array<std::pair<double, double>, 24> directions{
      {0.866, 0.5},    {-0.866, 0.5},    {0.5, -0.866},   {-0.5, -0.866},   {0.5, 0.866},    {-0.5, 0.866},
      {0.707, -0.707}, {-0.707, -0.707}, {0.707, 0.707},  {-0.707, 0.707},  {0.966, -0.259}, {-0.966, -0.259},
      {0.966, 0.259},  {-0.966, 0.259},  {0.259, -0.966}, {-0.259, -0.966}, {0.259, 0.966},  {-0.259, 0.966}}};
-// Prices in pixels of distance. Covering a box or crossing a line costs more than the largest distance, so it happens
-// only if every position covers or crosses something. A leader over boxes costs twice its length on them.
-constexpr double least_label_distance = 3, least_line_distance = 1, price_of_cover = 400, price_of_crossing = 500,
-                 price_on_boxes = 2;
+// Prices in pixels of distance. One covered box or one crossing costs more than the largest distance. A leader over a
+// box costs twice its length on the box, so a long leader over boxes can cost more than a cover.
+constexpr double least_label_distance = 3, least_line_distance = 1, price_per_cover = 400, price_of_crossing = 500,
+                 price_per_pixel_over_box = 2;
 
 /// The line from a point to its label.
 struct Leader {
@@ -31,24 +31,24 @@ struct Leader {
 
 double length_of(const Leader& line) { return std::hypot(line.to.x - line.from.x, line.to.y - line.from.y); }
 
-/// Length of the part of a line that lies inside of a box, by the method of Liang and Barsky.
+/// Length of the part of a line inside a box, by the method of Liang and Barsky.
 double length_in(const Leader& line, const Box2& box) {
-    double first = 0, last = 1;
+    double t_enter = 0, t_exit = 1;
     const auto clip = [&](double from, double to, double low, double high) {
         if (from == to) {
-            if (from <= low || from >= high) last = 0;
+            if (from <= low || from >= high) t_exit = 0;
             return;
         }
         const double t_low = (low - from) / (to - from), t_high = (high - from) / (to - from);
-        first = std::max(first, std::min(t_low, t_high));
-        last = std::min(last, std::max(t_low, t_high));
+        t_enter = std::max(t_enter, std::min(t_low, t_high));
+        t_exit = std::min(t_exit, std::max(t_low, t_high));
     };
     clip(line.from.x, line.to.x, box.x, box.x + box.width);
     clip(line.from.y, line.to.y, box.y, box.y + box.height);
-    return std::max(last - first, 0.0) * length_of(line);
+    return std::max(t_exit - t_enter, 0.0) * length_of(line);
 }
 
-bool do_cross(const Leader& a, const Leader& b) {
+bool segments_cross(const Leader& a, const Leader& b) {
     const auto side = [](const Leader& line, Point p) {
         return (line.to.x - line.from.x) * (p.y - line.from.y) - (line.to.y - line.from.y) * (p.x - line.from.x);
     };
@@ -86,14 +86,16 @@ public:
     }
 
 private:
-    /// Price of the boxes that the label covers and of the lines that its leader crosses.
+    /// Price of the boxes that the label covers, of a crossing of its leader with another, and of its leader over
+    /// boxes.
     double price_of(const Box2& box, Point point) const {
         const Leader line{point, box.nearest(point)};
-        double price = std::ranges::any_of(leaders_, [&](const Leader& other) { return do_cross(line, other); })
+        double price = std::ranges::any_of(leaders_, [&](const Leader& other) { return segments_cross(line, other); })
                            ? price_of_crossing
                            : 0;
         for (const Box2& avoided : limits_.avoided)
-            price += (avoided.overlaps(box) ? price_of_cover : 0) + price_on_boxes * length_in(line, avoided);
+            price +=
+                (avoided.overlaps(box) ? price_per_cover : 0) + price_per_pixel_over_box * length_in(line, avoided);
         return price;
     }
 
@@ -105,7 +107,7 @@ private:
             return length_in(line, grown(label, least_line_distance)) == 0;
         };
         const Leader leader{point, box.nearest(point)};
-        return limits_.limits.contains(box) && !overlaps_any(limits_.taken, box) &&
+        return limits_.page.contains(box) && !overlaps_any(limits_.taken, box) &&
                !overlaps_any(labels_, grown(box, least_label_distance)) &&
                std::ranges::all_of(leaders_, [&](const Leader& line) { return are_apart(line, box); }) &&
                std::ranges::all_of(labels_, [&](const Box2& label) { return are_apart(leader, label); });

@@ -30,15 +30,16 @@ struct LabelRequest {
 };
 
 struct LabelLimits {
-    Box2 limits;                    ///< labels stay inside this box
+    Box2 page;                      ///< labels stay inside this box
     std::span<const Box2> taken;    ///< labels never cover these
-    std::span<const Box2> avoided;  ///< labels cover these only if they must
+    std::span<const Box2> avoided;  ///< covering one of these has a price
 };
 
 /// Places each label near its point; nothing if there is no space for the label. The method is greedy, in the given
-/// order. Of the free positions around the point it takes the one that covers the fewest `avoided` boxes and whose
-/// straight line to the point crosses the fewest boxes, and among equals the nearest. Neither a label nor its line lies
-/// on another label.
+/// order: each label gets the free position with the lowest price, and among equals the nearest. In a free position,
+/// neither the label nor its leader (the straight line to its point) lies on another label. The price is the distance
+/// from the point, plus a price for each `avoided` box that the label covers, plus a price if its leader crosses
+/// another leader, plus a price for each pixel of its leader over an `avoided` box.
 std::vector<std::optional<Box2>> place_labels(std::span<const LabelRequest> requests, const LabelLimits& limits);
 
 }  // namespace lostbits::output::plot

@@ -49,8 +49,8 @@ std::vector<std::string> labels_of(const std::vector<double>& values) {
 AxisRange::AxisRange(const AxisSpec& axis, const std::vector<double>& values)
     : title_(axis.title),
       scale_(axis.scale),
-      shows_zero_(axis.zero && is_log()),
-      writes_decimals_(axis.decimals),
+      shows_zero_(axis.shows_zero && is_log()),
+      writes_decimals_(axis.has_decimal_ticks),
       limit_(is_log() ? std::nullopt : axis.limit) {
     for (const auto& end : {axis.low, axis.high}) {
         if (end && (!std::isfinite(*end) || (is_log() && !(*end > 0)))) {

@@ -102,13 +102,13 @@ public:
         : spec_(spec), x_(x), y_(y), frame_(frame), stroke_({frame.x, frame.y, frame.width, frame.height}) {}
 
     void draw_front(Canvas& canvas) {
-        for (const bool is_firm : {true, false}) {
+        for (const bool is_solid : {true, false}) {
             for (std::size_t i = 0; i + 1 < spec_.front.size(); ++i) {
-                if (spec_.front[i].firm != is_firm) continue;
+                if (spec_.front[i].is_solid != is_solid) continue;
                 const Point a = point_at(spec_.front[i].x, spec_.front[i].y),
                             b = point_at(spec_.front[i + 1].x, spec_.front[i + 1].y);
                 const std::array<Point, 3> corners{a, {b.x, a.y}, b};
-                stroke_.polyline(corners, front_thickness, is_firm ? std::span<const double>() : dashes);
+                stroke_.polyline(corners, front_thickness, is_solid ? std::span<const double>() : dashes);
             }
             stroke_.paint(canvas, front_colour);
         }

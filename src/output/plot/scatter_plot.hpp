@@ -30,7 +30,7 @@ struct ScatterPlotSpec {
     std::vector<ScatterPoint> points;  ///< a point with a NaN is not drawn, and a footnote counts it
     struct Step {
         double x, y;
-        bool firm = true;  ///< the line to the next step is solid; otherwise dashed
+        bool is_solid = true;  ///< the line to the next step is solid; otherwise dashed
     };
     std::vector<Step> front;  ///< x does not fall; the line from a step goes right, then up or down
     struct Key {

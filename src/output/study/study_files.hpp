@@ -64,7 +64,7 @@ public:
                      .sheets = {View::sheet(study, options_.sheet())},
                      .single_picture_folder = options_.folder_of_single_pictures(),
                      .stop = study.limit.stop,
-                     .opened = !keep_},
+                     .opens_files = !keep_},
                     View::columns(study)) {
         if (!keep_) table_.emplace(options_.folder, "summary.csv", View::summary_title, View::summary_table());
         for (std::size_t r = 0; r < study.rows.size(); ++r) add_row(r);

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <ranges>
 
 #include "output/file/number_text.hpp"
@@ -87,19 +89,29 @@ SweepGrid::SweepGrid(const SweepRequest& request, const std::vector<SweepStep>& 
     if (y_falls_) std::ranges::reverse(y);
 }
 
-const FormSummary& SweepGrid::at(std::size_t row_index, std::size_t column, std::size_t line) const {
-    const std::size_t i = x_falls_ ? x.size() - 1 - column : column, j = y_falls_ ? y.size() - 1 - line : line;
-    return steps_[i * y.size() + j].rows[row_index];
+const FormSummary& SweepGrid::at(std::size_t form_index, std::size_t x_index, std::size_t y_index) const {
+    const std::size_t i = x_falls_ ? x.size() - 1 - x_index : x_index, j = y_falls_ ? y.size() - 1 - y_index : y_index;
+    return steps_[i * y.size() + j].rows[form_index];
 }
 
 namespace {
+
+/// Counts of the cells that have an outcome's colour, because most of their rays are wrong.
+struct CellCounts {
+    std::array<std::uint64_t, measure::answer::outcome_names.size()> outcomes{};  ///< only wrong outcomes are counted
+    std::uint64_t cells = 0;                                                      ///< all cells, coloured so or not
+
+    [[nodiscard]] std::uint64_t wrong_count() const {
+        return std::accumulate(outcomes.begin(), outcomes.end(), std::uint64_t{0});
+    }
+};
 
 /// The picture of a series (a form in a format) on a plane.
 struct DrawnPlane {
     std::vector<plot::PlaneCell> cells = {};  ///< in the order of `PlanePlotSpec`
     std::vector<bool> is_explained = {};      ///< for each cell, see `map::is_inside_envelope`
-    FormSummary wrong = {};                   ///< counts of cells with an outcome's colour
-    bool has_outlined = false, has_few = false;
+    CellCounts counts = {};
+    bool has_outlined = false, has_too_few_agreed = false;
 };
 
 DrawnPlane drawn_plane(const SweepRequest& request, const SweepGrid& plane, std::size_t row_index) {
@@ -111,10 +123,10 @@ DrawnPlane drawn_plane(const SweepRequest& request, const SweepGrid& plane, std:
             const FormSummary& s = plane.at(row_index, column, line);
             plot::PlaneCell cell;
             bool is_explained = false;
-            ++drawn.wrong.rays;
+            ++drawn.counts.cells;
             if (wrong_share(s) <= 0.5) {
                 cell.value = drawn_quantile(s, lost_index, 0.99);
-                drawn.has_few |= s.true_hits > 0 && !s.agreement().is_enough();
+                drawn.has_too_few_agreed |= s.true_hits > 0 && !s.agreement().is_enough();
                 const double excess_bits = s.metrics[excess_index].quantile(0.99);
                 cell.outlined = cell.value >= 1 && excess_bits >= 1;
                 is_explained = map::is_inside_envelope(cell.value, excess_bits);
@@ -122,7 +134,7 @@ DrawnPlane drawn_plane(const SweepRequest& request, const SweepGrid& plane, std:
             } else {
                 const Outcome worst_outcome = s.wrong().value();
                 cell.colour = pixel::colour_of(worst_outcome);
-                ++drawn.wrong.outcomes[static_cast<std::size_t>(worst_outcome)];
+                ++drawn.counts.outcomes[static_cast<std::size_t>(worst_outcome)];
             }
             drawn.cells.push_back(cell);
             drawn.is_explained.push_back(is_explained);
@@ -131,8 +143,8 @@ DrawnPlane drawn_plane(const SweepRequest& request, const SweepGrid& plane, std:
     return drawn;
 }
 
-constexpr image::Rgb8 no_value =
-    image::outcome_colours[0];  // the colour of a correct hit without a value on other sheets
+/// Colour of a cell without a value: other sheets show a correct hit without a value in it.
+constexpr image::Rgb8 no_value = image::outcome_colours[0];
 
 /// Colours of the cells from the top, for a sheet; outlines have no space there.
 std::vector<image::Rgb8> colours_of(const DrawnPlane& drawn, std::size_t width, const map::LostBitsScale& scale,
@@ -159,7 +171,7 @@ std::string note_of(const DrawnPlane& drawn) {
         high = std::max(high, cell.value);
     }
     std::string note = low <= high ? fmt::format("p99 {:.1f} to {:.1f} bits", low, high) : "no p99";
-    if (const std::uint64_t wrong = drawn.wrong.wrong_count())
+    if (const std::uint64_t wrong = drawn.counts.wrong_count())
         note += fmt::format("\n{} of {} steps mostly wrong", wrong, drawn.cells.size());
     return note;
 }
@@ -181,8 +193,8 @@ image::Canvas plane_picture(const SweepRequest& request, const std::vector<Sweep
          .cells = drawn.cells,
          .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), tested.format.parameters),
          .unit = "lost bits",
-         .legend = map::outcome_legend(drawn.wrong),
-         .none_means = drawn.has_few ? gap_text() : "no value"});
+         .legend = map::outcome_legend(drawn.counts.outcomes, drawn.counts.cells),
+         .hatching_means = drawn.has_too_few_agreed ? gap_text() : "no value"});
 }
 
 void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& request,
@@ -191,16 +203,16 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
     const map::LostBitsScale scale(request.rows);
     const map::RowGrid grid(request.rows);
     std::vector<DrawnPlane> planes;
-    FormSummary wrong;
+    CellCounts total;
     bool has_gap = false, has_explained = false;
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
         const DrawnPlane& drawn = planes.emplace_back(drawn_plane(request, plane, r));
-        for (std::size_t o = 0; o < wrong.outcomes.size(); ++o) wrong.outcomes[o] += drawn.wrong.outcomes[o];
-        wrong.rays += drawn.wrong.rays;
+        for (std::size_t o = 0; o < total.outcomes.size(); ++o) total.outcomes[o] += drawn.counts.outcomes[o];
+        total.cells += drawn.counts.cells;
         has_gap |= std::ranges::any_of(drawn.cells, [](const auto& c) { return !c.colour && std::isnan(c.value); });
         has_explained |= std::ranges::find(drawn.is_explained, true) != drawn.is_explained.end();
     }
-    std::vector<image::LegendEntry> legend = map::outcome_legend(wrong);
+    std::vector<image::LegendEntry> legend = map::outcome_legend(total.outcomes, total.cells);
     for (image::LegendEntry& entry : legend) entry.count.clear();
     if (has_gap) legend.push_back({gap_text(), no_value, ""});
     if (has_explained) legend.push_back({map::paler_means, map::paler(scale.bar().at(0.5)), ""});

@@ -62,8 +62,8 @@ image::Canvas wrong_plot(const MeasuredSweep& sweep, const Format& format, Outco
 class SweepGrid {
 public:
     SweepGrid(const SweepRequest& request, const std::vector<SweepStep>& steps);
-    /// Results of one row of the request at a cell of the plane.
-    [[nodiscard]] const FormSummary& at(std::size_t row_index, std::size_t column, std::size_t line) const;
+    /// Results of one row of the request (a form in a format) at a cell of the plane.
+    [[nodiscard]] const FormSummary& at(std::size_t form_index, std::size_t x_index, std::size_t y_index) const;
     std::vector<double> x, y;
 
 private:

@@ -41,7 +41,7 @@ BinaryDump::BinaryDump(const std::filesystem::path& path, const DumpOptions& opt
     const std::uint64_t whole_records = bytes / record_layout_.record_size;
     if (records_ ? whole_records < *records_ : bytes % record_layout_.record_size != 0)
         fail_short(whole_records,
-                   bytes - (record_layout_.column_major ? 0 : whole_records * record_layout_.record_size));
+                   bytes - (record_layout_.is_column_major ? 0 : whole_records * record_layout_.record_size));
     if (records_ && bytes > *records_ * record_layout_.record_size)
         throw InputError(fmt::format(
             "{}: byte {}: {} the last of the {} that the header names; is "
@@ -53,7 +53,7 @@ BinaryDump::BinaryDump(const std::filesystem::path& path, const DumpOptions& opt
 }
 
 void BinaryDump::fail_short(std::uint64_t record, std::uint64_t bytes) const {
-    if (record_layout_.column_major)
+    if (record_layout_.is_column_major)
         throw InputError(
             fmt::format("{}: has {} of numbers, but its header names {} of {} bytes each; it "
                         "was cut short, so write it again",
@@ -67,22 +67,22 @@ void BinaryDump::fail_short(std::uint64_t record, std::uint64_t bytes) const {
                                : ""));
 }
 
-bool BinaryDump::next(std::size_t most, Records& records) {
+bool BinaryDump::next(std::size_t max_records, Records& records) {
     records.first = record_;
     records.bytes.clear();
-    if (records_) most = static_cast<std::size_t>(std::min<std::uint64_t>(most, *records_ - record_));
-    if (most == 0) return false;
+    if (records_) max_records = static_cast<std::size_t>(std::min<std::uint64_t>(max_records, *records_ - record_));
+    if (max_records == 0) return false;
     std::size_t bytes_read = 0;
-    if (record_layout_.column_major) {
+    if (record_layout_.is_column_major) {
         for (const BinaryColumn& c : record_layout_.columns)
             bytes_read += source_.read_at(record_layout_.begin + c.offset + record_ * c.type.size, records.bytes,
-                                          most * c.type.size);
+                                          max_records * c.type.size);
     } else {
-        bytes_read = source_.read(records.bytes, most * record_layout_.record_size);
+        bytes_read = source_.read(records.bytes, max_records * record_layout_.record_size);
     }
     records.count = bytes_read / record_layout_.record_size;
     const std::size_t rest_bytes = bytes_read % record_layout_.record_size;
-    if (rest_bytes != 0 || (records_ && records.count < most)) fail_short(record_ + records.count, rest_bytes);
+    if (rest_bytes != 0 || (records_ && records.count < max_records)) fail_short(record_ + records.count, rest_bytes);
     record_ += records.count;
     return records.count > 0;
 }
@@ -163,13 +163,13 @@ Chunk BinaryDump::decode(const Records& records) const {
     for (std::size_t c = 0; c < record_layout_.columns.size(); ++c) {
         const BinaryColumn& column = record_layout_.columns[c];
         const LayoutColumn& layout_column = layout_->columns()[c];
-        const std::size_t offset = record_layout_.column_major ? begin : column.offset;
+        const std::size_t offset = record_layout_.is_column_major ? begin : column.offset;
         begin += records.count * column.type.size;
-        const bool is_kept = !layout_column.slot && !layout_column.skipped && terms().keep;
+        const bool is_kept = !layout_column.slot && !layout_column.is_skipped && terms().keep;
         if (!layout_column.slot && !is_kept) continue;
         readers.push_back(
             {records.bytes.data() + offset,
-             record_layout_.column_major ? column.type.size : static_cast<std::size_t>(record_layout_.record_size),
+             record_layout_.is_column_major ? column.type.size : static_cast<std::size_t>(record_layout_.record_size),
              column.type, layout_column.slot, is_kept});
     }
     ChunkWriter writer(*layout_, terms(), records.count, chunk);

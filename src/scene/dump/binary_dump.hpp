@@ -14,7 +14,7 @@ namespace lostbits::scene::dump {
 struct BinaryColumn {
     std::string name;
     ItemType type;
-    std::uint64_t offset = 0;  ///< in a record; if `column_major`, in the file after its header
+    std::uint64_t offset = 0;  ///< in a record; if `is_column_major`, in the file after its header
 };
 
 /// The layout of the numbers in a file, as its header gives it.
@@ -23,7 +23,7 @@ struct RecordLayout {
     std::uint64_t begin = 0;                    ///< of the first record, in bytes; the source is at this position
     std::uint64_t record_size = 0;              ///< in bytes
     std::optional<std::uint64_t> records = {};  ///< from the header; absent: all records of the file
-    bool column_major = false;                  ///< column after column; `records` is known then
+    bool is_column_major = false;               ///< column after column; `records` is known then
     std::optional<std::pair<int, int>> picture = {};
     std::string error_source = {};  ///< name in the errors about columns that are not those of rays
 };
@@ -45,7 +45,7 @@ public:
     [[nodiscard]] std::optional<std::uint64_t> size() const override { return records_; }
     [[nodiscard]] std::optional<std::pair<int, int>> picture() const override { return record_layout_.picture; }
     [[nodiscard]] std::uint64_t bytes() const override { return source_.size().value_or(0); }
-    bool next(std::size_t most, Records& records) override;
+    bool next(std::size_t max_records, Records& records) override;
     [[nodiscard]] Chunk decode(const Records& records) const override;
 
 private:

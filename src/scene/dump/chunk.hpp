@@ -65,12 +65,12 @@ class ChunkWriter {
 public:
     ChunkWriter(const Layout& layout, const ReadSettings& terms, std::size_t records, Chunk& chunk);
 
-    /// Stores a number of this record, already rounded to the format; `representable` is false if rounding changed it.
-    /// A number that is not stored is an empty cell.
-    void put(std::size_t slot, double value, bool representable, int digits = 0) {
+    /// Stores a number of this record, already rounded to the format; `is_representable` is false if rounding changed
+    /// it. A number that is not stored is an empty cell.
+    void put(std::size_t slot, double value, bool is_representable, int digits = 0) {
         numbers_[slot] = value;
         present_ |= std::uint64_t{1} << slot;
-        chunk_.rounded += representable ? 0 : 1;
+        chunk_.rounded += is_representable ? 0 : 1;
         chunk_.digits = std::max(chunk_.digits, digits);
         chunk_.decimals += digits > 0 ? 1 : 0;
     }

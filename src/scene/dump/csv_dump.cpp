@@ -163,14 +163,14 @@ void CsvDump::read_header(const DumpOptions& options) {
     used_bytes_ = end;
 }
 
-bool CsvDump::next(std::size_t most, Records& records) {
+bool CsvDump::next(std::size_t max_records, Records& records) {
     records.first = record_;
     records.count = 0;
     buffer_.erase(0, used_bytes_);
     used_bytes_ = 0;
     records.line = line_;
     std::size_t end = 0;
-    while (records.count < most) {
+    while (records.count < max_records) {
         const std::size_t record_end = find_end(end);
         if (record_end == 0) break;
         const std::string_view line(buffer_.data() + end, record_end - end);
@@ -212,7 +212,9 @@ std::string CsvDump::write_number(std::string_view text, std::size_t slot, Chunk
     if (text.empty()) return {};
     const NumberParser::Parsed parsed = parser_->read(text);
     switch (parsed.kind) {
-        case NumberParser::Kind::number: writer.put(slot, parsed.value, parsed.representable, parsed.digits); return {};
+        case NumberParser::Kind::number:
+            writer.put(slot, parsed.value, parsed.is_representable, parsed.digits);
+            return {};
         case NumberParser::Kind::too_large:
             return fmt::format(
                 "is larger than the largest number of {}; name the format that the answers were computed "
@@ -246,7 +248,7 @@ void CsvDump::decode_line(std::string_view line, std::uint64_t line_number, Chun
                 throw InputError(fmt::format("{}: {} \"{}\" {}", position_text(line_number, cells.begin()),
                                              columns[c].name, text, why));
         }
-        if (!columns[c].slot && !columns[c].skipped && terms().keep) chunk.kept.emplace_back(cell);
+        if (!columns[c].slot && !columns[c].is_skipped && terms().keep) chunk.kept.emplace_back(cell);
     }
     if (c != columns.size())
         throw InputError(

@@ -15,7 +15,7 @@ public:
 
     [[nodiscard]] const Layout& layout() const override { return *layout_; }
     [[nodiscard]] std::uint64_t bytes() const override { return source_.size().value_or(0); }
-    bool next(std::size_t most, Records& records) override;
+    bool next(std::size_t max_records, Records& records) override;
     [[nodiscard]] Chunk decode(const Records& records) const override;
 
 private:

@@ -110,9 +110,9 @@ public:
         return sum;
     }
 
-    bool next(std::size_t most, Records& records) override {
+    bool next(std::size_t max_records, Records& records) override {
         for (; file_index_ < files_.size(); ++file_index_) {
-            if (files_[file_index_]->next(most, records)) {
+            if (files_[file_index_]->next(max_records, records)) {
                 records.file = file_index_;
                 record_count_ += records.count;
                 return true;

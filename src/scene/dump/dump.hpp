@@ -61,9 +61,9 @@ public:
     /// Size of the whole file; 0 if unknown.
     [[nodiscard]] virtual std::uint64_t bytes() const = 0;
 
-    /// Reads the next records, at most `most`. Returns false if no records are left. Only one thread may call this at a
-    /// time.
-    virtual bool next(std::size_t most, Records& records) = 0;
+    /// Reads the next records, at most `max_records`. Returns false if no records are left. Only one thread may call
+    /// this at a time.
+    virtual bool next(std::size_t max_records, Records& records) = 0;
     /// Decodes the numbers of records. Several threads may call this at once.
     [[nodiscard]] virtual Chunk decode(const Records& records) const = 0;
     /// Puts one primitive under the matrix of each record, for a file with matrices and no primitives. The numbers of

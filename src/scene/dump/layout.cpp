@@ -140,7 +140,7 @@ void Layout::find_slots(const Complain& complain) {
     std::vector<std::string> names;
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         std::string& name = names.emplace_back(folded(columns_[c].name));
-        columns_[c].skipped = name == "_";
+        columns_[c].is_skipped = name == "_";
         found[c].hex = name.ends_with(hex_tail);
         if (found[c].hex) name.erase(name.size() - hex_tail.size());
     }
@@ -286,7 +286,7 @@ bool Layout::has_any_of_matrix() const {
 std::vector<std::string> Layout::kept() const {
     std::vector<std::string> names;
     for (const LayoutColumn& c : columns_) {
-        if (!c.slot && !c.skipped) names.push_back(c.name);
+        if (!c.slot && !c.is_skipped) names.push_back(c.name);
     }
     return names;
 }

@@ -47,7 +47,7 @@ constexpr std::size_t slot_of(AnswerKind kind) {
 struct LayoutColumn {
     std::string name;                 ///< as in the file
     std::optional<std::size_t> slot;  ///< absent: the column is kept unchanged, or skipped
-    bool skipped = false;             ///< true if it is named `_`: neither read nor kept
+    bool is_skipped = false;          ///< true if it is named `_`: neither read nor kept
 };
 
 /// Layout of a file: its columns in their order. Each number of a record has at most one column.

@@ -94,7 +94,7 @@ Parsed NumberParser::read(std::string_view text) const {
             return parsed;
         }
         parsed.digits = digits;
-        parsed.representable = digits == digits_ || (read_whole(text, wide) && wide == parsed.value);
+        parsed.is_representable = digits == digits_ || (read_whole(text, wide) && wide == parsed.value);
         return parsed;
     }
     if (const int digits = significant_digits(magnitude);
@@ -127,14 +127,14 @@ Parsed NumberParser::read_hexadecimal(std::string_view text) const {
 Parsed NumberParser::read_slowly(std::string_view text) const {
     const auto exact_or_fault = toml::parse_number(text);
     if (const auto* const fault = std::get_if<toml::NumberFault>(&exact_or_fault))
-        return {fault->too_large ? Kind::too_large : Kind::not_numeric};
+        return {fault->is_too_large ? Kind::too_large : Kind::not_numeric};
     const Real& exact = std::get<Real>(exact_or_fault);
     Parsed parsed{Kind::number, toml::round_to_format(exact, format_.parameters)};
     if (std::isinf(parsed.value)) return {Kind::too_large};
     const std::string_view magnitude = unsigned_part(text);
     const bool hexadecimal = magnitude.size() > 1 && (magnitude[1] == 'x' || magnitude[1] == 'X');
     const int digits = hexadecimal ? digits_ : significant_digits(magnitude);
-    parsed.representable = exact == Real(parsed.value) || (!hexadecimal && digits <= digits_);
+    parsed.is_representable = exact == Real(parsed.value) || (!hexadecimal && digits <= digits_);
     parsed.digits = exact == Real(parsed.value) && digits < digits_ ? 0 : digits;
     return parsed;
 }

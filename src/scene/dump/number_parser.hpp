@@ -18,7 +18,7 @@ public:
         double value = 0;  ///< RN_F of the exact number in the text; NaN and infinities as written
         /// True if the text stands for a number of the format: it is exactly such a number, or it has no more digits
         /// than needed to distinguish the numbers of the format (9 in binary32, 17 in binary64).
-        bool representable = true;
+        bool is_representable = true;
         /// Number of decimal digits from the first digit that is not 0. It is 0 if the text is exactly a number of the
         /// format and has fewer digits than needed to distinguish these numbers.
         int digits = 0;

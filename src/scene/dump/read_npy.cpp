@@ -276,14 +276,14 @@ RecordLayout read_npy(toml::ByteSource& source, const DumpOptions& options) {
     }
     if (header.fortran && rays.size() > 1)
         throw InputError(file + ": has more than two axes in Fortran order; write numpy.ascontiguousarray(a)");
-    array.column_major = header.fortran && !header.structured;
+    array.is_column_major = header.fortran && !header.structured;
     for (std::size_t c = 0; !header.structured && c < array.columns.size(); ++c) {
         const std::uint64_t size = array.columns[c].type.size;
-        array.columns[c].offset = array.column_major ? c * *array.records * size : c * size;
+        array.columns[c].offset = array.is_column_major ? c * *array.records * size : c * size;
         array.record_size += size;
     }
     if (array.record_size == 0) throw InputError(file + ": its records are empty");
-    if (array.column_major && !source.size())
+    if (array.is_column_major && !source.size())
         throw InputError(file +
                          ": is in Fortran order, which cannot be read from a pipe; write numpy.ascontiguousarray(a)");
     constexpr auto most = static_cast<std::uint64_t>(std::numeric_limits<int>::max());

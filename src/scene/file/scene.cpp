@@ -26,7 +26,7 @@ constexpr std::pair<std::string_view, Inputs> inputs_names[] = {{"shared", Input
 Primitive<Real> read_primitive(Shape shape, TableReader& table, const StoredNumbers& numbers) {
     Primitive<Real> primitive(shape);
     for_each_key(shape, [&](const Key& key, std::size_t k) {
-        if (key.optional && !table.has(key.name)) return;
+        if (key.is_optional && !table.has(key.name)) return;
         if (key.count() == 3) primitive.set_point(k, table.vec3(key.name));
         else primitive.numbers[k] = table.number(key.name);
         for (std::size_t i = k; i < k + key.count(); ++i) {

@@ -28,9 +28,10 @@ inline std::vector<Primitive<double>> stored_beside_mesh(const file::Scene& scen
     return stored_primitives(without_mesh, f);
 }
 
-/// The primitives and at most two triangles of the mesh. They show the shapes of all primitives, and whether there is
-/// more than one primitive.
-inline std::vector<Primitive<double>> examples_of(std::vector<Primitive<double>> primitives, const MeshColumns* mesh) {
+/// The primitives and at most two triangles of the mesh. They stand for all primitives where only two facts matter:
+/// which shapes there are, and whether there is more than one primitive.
+inline std::vector<Primitive<double>> representatives_of(std::vector<Primitive<double>> primitives,
+                                                         const MeshColumns* mesh) {
     for (std::size_t i = 0; mesh != nullptr && i < std::min<std::size_t>(mesh->size(), 2); ++i)
         primitives.push_back((*mesh)[i]);
     return primitives;

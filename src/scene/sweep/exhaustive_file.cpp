@@ -157,7 +157,7 @@ void ExhaustiveFile::read_primitive(TableReader& file) {
     primitive = Primitive<float>(found.front());
     TableReader table = file.table(name_of(primitive.shape));
     for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
-        if (key.optional && !table.has(key.name)) return;
+        if (key.is_optional && !table.has(key.name)) return;
         if (key.count() == 1) primitive.numbers[k] = float_in(table, key.name);
         else primitive.set_point(k, vec_in(table, key.name));
     });

@@ -12,7 +12,7 @@ namespace lostbits::scene::toml {
 /// The reason why a text is not a number, as the end of a sentence with advice: `is not a number; …`.
 struct NumberFault {
     std::string why;
-    bool too_large = false;  ///< true if the text is a number above the largest binary64
+    bool is_too_large = false;  ///< true if the text is a number above the largest binary64
 };
 
 /// Reads a decimal (`4100`, `-0.1`, `1e-3`) or a hexadecimal float (`0x1.004p+12`; the exponent is optional).

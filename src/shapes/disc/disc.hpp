@@ -38,7 +38,7 @@ struct Disc {
           .letter = "ri",
           .kind = Key::Kind::length,
           .limit = Key::Limit::non_negative_below_previous,
-          .optional = true}}};
+          .is_optional = true}}};
 
     /// Builds a disc of radius `half` in the plane z = p.z − half. A disc is flat, so it cannot extend that far on all
     /// sides.

@@ -166,8 +166,8 @@ TEST_CASE("own inputs: each format rounds light and colours itself, and the refe
     const Collected hasty(
         {.scene = s, .stages = {Stage::visible}, .rows = rows_of({"f64"}, "sphere.unified"), .limit = {.bits = 106}});
     const RenderSummary& r = hasty.summaries[0];
-    CHECK(r.count(Seen::background) > 100);
-    CHECK(r.unresolved() > r.count(Seen::background));
+    CHECK(r.count(SeenContent::background) > 100);
+    CHECK(r.unresolved() > r.count(SeenContent::background));
     CHECK(r.unresolved() < r.pixels);
     CHECK(r.colour_error.count() == r.pixels - r.unresolved());
     CHECK_FALSE(hasty.truth.front().colours[0].certain);

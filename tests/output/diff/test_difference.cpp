@@ -253,7 +253,7 @@ TEST_CASE("diff: the largest differences and their places are shown, up to the r
     }
     output::diff::CompareOptions options;
     for (const std::uint64_t most : {0, 20, 50, 60}) {
-        options.most = most;
+        options.max_kept = most;
         const output::diff::Comparison c = compare(table(a), table(b), options);
         CHECK(c.count == 50);
         CHECK(c.differences.size() == std::min<std::uint64_t>(most, 50));

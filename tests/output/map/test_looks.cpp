@@ -137,7 +137,7 @@ TEST_CASE("every key in speed-accuracy plots has its own style, and the plot say
         CHECK(seen.insert({key.marker, key.faint ? 0 : key.colour, key.faint, key.hollow}).second);
     }
     CHECK(spec.keys.size() == 8);
-    CHECK(spec.x.decimals);
+    CHECK(spec.x.has_decimal_ticks);
     REQUIRE(sets.size() > 1);
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const auto of_set = speed::trade_plot(request, result, s);

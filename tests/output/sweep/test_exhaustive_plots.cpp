@@ -59,7 +59,7 @@ TEST_CASE("a plot has one flat segment per binade, limited to what was tried, an
     CHECK(wrong[0].y == std::vector<double>{0, 0, 64.0 / 262145, 64.0 / 262145});
     CHECK(wrong[1].y == std::vector<double>(4, 0));
     // One wrong float in a whole binade is visible above the base line.
-    CHECK(plots->wrong.y.zero);
+    CHECK(plots->wrong.y.shows_zero);
     CHECK(plots->wrong.y.low == 0x1p-23);
     CHECK(plots->wrong.y.scale == AxisSpec::Scale::log2);
     const auto& lost = plots->lost_bits.series;

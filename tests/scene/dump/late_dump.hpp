@@ -23,8 +23,8 @@ public:
         : Dump(rest->name(), {.format = rest->format()}), rest_(std::move(rest)) {}
     [[nodiscard]] const Layout& layout() const override { return rest_->layout(); }
     [[nodiscard]] std::uint64_t bytes() const override { return 0; }
-    bool next(std::size_t most, Records& records) override {
-        const bool there = rest_->next(most, records);
+    bool next(std::size_t max_records, Records& records) override {
+        const bool there = rest_->next(max_records, records);
         records.first += before;
         return there;
     }

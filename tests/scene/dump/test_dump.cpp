@@ -134,17 +134,17 @@ TEST_CASE("decimals are rounded once to the format, and values that it cannot ho
     // Between two floats, a bit above the middle: rounded to double first it is the middle, and goes to even.
     const std::string above = "1.00000005960464477539062500000000001";
     CHECK(f32.read(above).value == 0x1.000002p0);
-    CHECK_FALSE(f32.read(above).representable);
+    CHECK_FALSE(f32.read(above).is_representable);
     CHECK(f64.read(above).value == 0x1.000001p0);
     CHECK(p5.read("1.03125000000000000000000000000000000001").value == 0x1.1p0);
     CHECK(f32.read("0.1").value == static_cast<double>(0.1F));
-    CHECK(f32.read("0.1").representable);
-    CHECK(f32.read("0.10000000149011612").representable);  // the same float as double and printf write it
-    CHECK(f32.read("0.100000001490116119384765625").representable);
-    CHECK_FALSE(f32.read("0.1000000123").representable);
-    CHECK(f64.read("0.1").representable);
-    CHECK_FALSE(f64.read("0.10000000000000000009").representable);
-    CHECK_FALSE(f32.read("0x1.0000001p0").representable);
+    CHECK(f32.read("0.1").is_representable);
+    CHECK(f32.read("0.10000000149011612").is_representable);  // the same float as double and printf write it
+    CHECK(f32.read("0.100000001490116119384765625").is_representable);
+    CHECK_FALSE(f32.read("0.1000000123").is_representable);
+    CHECK(f64.read("0.1").is_representable);
+    CHECK_FALSE(f64.read("0.10000000000000000009").is_representable);
+    CHECK_FALSE(f32.read("0x1.0000001p0").is_representable);
     CHECK(f32.read("0x1.0000011p0").value == 0x1.000002p0);
     CHECK(f64.read("-0x1.00000000000008000000001p0").value == -0x1.0000000000001p0);
     CHECK(std::signbit(f64.read("-0").value));
