@@ -153,7 +153,7 @@ struct Tally {
 bool is_asked(const intersect::Info& form, const Shaped& shape, const Problem& p, bool made) {
     // This form treats a root d1 with |d1| < 1e-4 as 0: test_tori has the consequences.
     if (form.name == "torus.quilez") return false;
-    // If two roots are equal, even complex ones, the last remainder is 0. Rounded in any precision, it has a sign.
+    // If two real roots are equal, the last remainder is 0. Rounded in any precision, it has a sign, which decides.
     for (const char* const chain : {"sturm", "bracketed", "bracketed_double", "filtered"})
         if (made && shape.name == "torus" && form.name.substr(6) == chain) return false;
     // Constructed rays pass corners as closely as the form pads.

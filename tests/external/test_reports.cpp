@@ -61,10 +61,10 @@ TEST_CASE("reports: explain names the cause, and the repaired function is right"
         "--ray=-5000,-5000,5000,0.70710677,0.70710677,0 --as f32";
     // A ray of the reporter's orthographic view of a unit sphere from 1000 away. Its error is 940 ulp.
     const std::string far_ball = "--sphere 0,0,0,1 --ray=0.96875,0.15625,1000,0,0,-1";
+    const std::string parallel = "--plane 0,0,0,0,1,0 --ray 0,1,0,1,0,0";
     // Numbers of our own.
     const std::string twice = "--sphere 0,0,0,2 --ray=0,0,-10,0,0,2";
     const std::string from_inside = "--sphere 0,0,0,5 --ray 0,0,0,0,0,1";
-    const std::string parallel = "--plane 0,0,0,0,1,0 --ray 0,1,0,1,0,0";
     struct Case {
         const char* named;
         std::string ray;
