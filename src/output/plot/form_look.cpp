@@ -23,9 +23,12 @@ struct LookRanges {
     LookRanges() {
         std::map<Shape, std::size_t> counts;
         for (const auto& catalogue_row : intersect::table::catalogue()) ++counts[catalogue_row.shape];
-        for (const auto& [shape, count] : counts)
-            if (is_primitive(shape)) first_march = std::max(first_march, count);
-        first_free = first_march + counts[Shape::sdf];
+        std::size_t marches = 0;
+        for (const auto& [shape, count] : counts) {
+            std::size_t& most = is_primitive(shape) ? first_march : marches;
+            most = std::max(most, count);
+        }
+        first_free = first_march + marches;
         if (first_free >= look_count)
             throw std::logic_error("more colours and markers are needed: forms from outside need some too");
     }
