@@ -22,7 +22,9 @@ constexpr const char* list_type = "TEXT,TEXT";  ///< in the help of an option
 
 std::string not_one_of(const std::string& option, const std::string& value, const std::vector<std::string>& known) {
     const auto suggestion = scene::toml::closest(value, known);
-    return fmt::format("{} {} is not one of {}{}", option, value, fmt::join(known, ", "),
+    // The name of a positional argument, such as WHAT, means nothing to a user.
+    const std::string subject = option.starts_with('-') ? option + " " + value : "\"" + value + "\"";
+    return fmt::format("{} is not one of {}{}", subject, fmt::join(known, ", "),
                        suggestion ? "; did you mean " + *suggestion + "?" : "");
 }
 
