@@ -246,7 +246,8 @@ void add_mend(const shell::Command& program, const Common& common) {
     command.add("-i,--form", o->form, "The form to mend").required();
     command.add("-f,--format", o->format, "f32 (default) or f64");
     command
-        .add("--bits", o->bits, "Require this many correct bits of t, for the share of the hits that --at gives",
+        .add("--bits", o->bits,
+             "The correct bits of t that the form is to keep, for the share of the hits that --at gives",
              shell::number_from(0, 53))
         .required();
     command.add("--wrong", o->wrong, "Share of the rays that may be decided wrongly (default: 0)",

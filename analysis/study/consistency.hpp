@@ -27,7 +27,7 @@ struct ConsistencyAdapter {
     static constexpr const char* title =
         "Check whether a form gives the same answer to a question asked in two ways: closest and any hit, one ray and "
         "packs, a segment from either end";
-    static constexpr const char* kinds = "; spheres or boxes";
+    static constexpr const char* kinds = ", with spheres or boxes";
     static constexpr const char* form_help = "Forms, by name or glob (default: all that fit)";
     static constexpr const char* example = "sphere[0].radius=10";
 

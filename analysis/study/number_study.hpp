@@ -114,7 +114,7 @@ struct NumberAdapter {
     static constexpr const char* name = Quantity::name;
     static constexpr const char* title = Quantity::title;
     static constexpr const char* no_form_message = "none of the selected forms is for a primitive; try -i 'sphere.*'";
-    static constexpr const char* kinds = "; primitives of any kind";
+    static constexpr const char* kinds = ", with primitives of any kind";
     static constexpr const char* form_help = "Forms, by name or glob (default: all that fit)";
     static constexpr const char* example = "sphere[0].radius=10";
     static constexpr const char* summary_title = "One row per form and format";

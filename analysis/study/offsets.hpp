@@ -25,7 +25,7 @@ struct OffsetsAdapter {
         "offsets needs forms that return t for a primitive, and none is selected; try -i 'sphere.*'";
     static constexpr const char* title =
         "Measure how far the origin of the next ray must move, point by point, and what published strategies do";
-    static constexpr const char* kinds = "; primitives of any kind";
+    static constexpr const char* kinds = ", with primitives of any kind";
     static constexpr const char* form_help =
         "Forms that compute the hit points and are then tested for self-intersection (default: sphere.half_b, "
         "box.ieee_minmax, one form for each other shape, and those of --plugin, --pipe and --shader)";

@@ -24,7 +24,7 @@ struct RenderAdapter {
         "render draws spheres, and none of the selected forms is for a sphere; try -i 'sphere.*'";
     static constexpr const char* title =
         "Draw a scene, stage by stage, with a form in a format, and compare with the certified picture";
-    static constexpr const char* kinds = "; scenes of spheres";
+    static constexpr const char* kinds = ", of spheres";
     static constexpr const char* form_help =
         "Forms that find hits and shadows, by name or glob (default: sphere.expanded, and those of --plugin, --pipe "
         "and --shader)";
