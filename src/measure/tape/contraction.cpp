@@ -271,7 +271,7 @@ bool is_contracted(const Intersector& catalogue_row) { return std::get<0>(rows()
 
 FormOperation operation_before_contraction(const Intersector& row, const Format& format, NodeId node) {
     const Intersector& form = *std::get<0>(rows().parts_of(row));
-    const Format &narrow = *find_format("f32"), &wide = *find_format("f64");
+    const Format narrow = *find_format("f32"), wide = *find_format("f64");
     const bool is_wide = !form.exists_in(narrow) || (format.engine == Format::Engine::native64 && form.exists_in(wide));
     const Format& own_format = is_wide ? wide : narrow;
     const Tape tape = tape_of(form, own_format);
@@ -281,7 +281,7 @@ FormOperation operation_before_contraction(const Intersector& row, const Format&
     const std::vector<NodeId> nodes = WrittenForm(list, nullptr).nodes_on_tape(format);
     const auto found = std::ranges::find(nodes, node);
     const bool is_found = node != no_node && found != nodes.end();
-    return {&form, &own_format, is_found ? contraction.source_of(static_cast<NodeId>(found - nodes.begin())) : no_node};
+    return {&form, own_format, is_found ? contraction.source_of(static_cast<NodeId>(found - nodes.begin())) : no_node};
 }
 
 }  // namespace lostbits::measure::tape

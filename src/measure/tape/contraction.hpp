@@ -26,7 +26,7 @@ bool is_contracted(const intersect::table::Intersector& catalogue_row);
 /// An operation of a form: its node on the form's tape in `format`.
 struct FormOperation {
     const intersect::table::Intersector* form;
-    const Format* format;
+    Format format;
     NodeId node;
 };
 

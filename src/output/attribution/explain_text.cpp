@@ -131,7 +131,7 @@ std::string source_line(const Explanation& x, NodeId node) {
     if (node == no_node) return "";
     if (!measure::tape::is_contracted(*x.form)) return intersect::function::quoted_line(*x.form->info, x.format, node);
     const measure::tape::FormOperation before = measure::tape::operation_before_contraction(*x.form, x.format, node);
-    return intersect::function::quoted_line(*before.form->info, *before.format, before.node);
+    return intersect::function::quoted_line(*before.form->info, before.format, before.node);
 }
 
 /// The operation where a value that is not finite begins: a NaN from operands that are not NaN, or an infinity from
