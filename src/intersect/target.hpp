@@ -25,21 +25,13 @@ struct Target {
         : primitives(all_primitives), march(&constants) {}
 };
 
-/// Converts a number to T.
-template <class T>
-struct ConvertTo {
-    template <class S>
-    T operator()(S x) const {
-        return T(x);
-    }
-};
-
-/// A target in another arithmetic: `lift` converts each number.
+/// A target in another arithmetic: each number x becomes T(x).
 template <class T>
 class LiftedTarget {
 public:
-    template <class S, class Lift>
-    LiftedTarget(const Target<S>& source, Lift lift) {
+    template <class S>
+    explicit LiftedTarget(const Target<S>& source) {
+        const auto lift = [](S x) { return T(x); };
         primitives_.reserve(source.primitives.size());
         for (const Primitive<S>& primitive : source.primitives) primitives_.push_back(transformed(primitive, lift));
         if (source.march) march_.emplace(transformed(*source.march, lift));

@@ -20,7 +20,7 @@ void rounded_batch(const FloatFormat& format, const RayBatch<double>& rays, cons
                    const HitBatch<double>& hits) {
     const CurrentFormat::Scope scope(format);
     constexpr EvaluateTarget<RoundedAny, Tally<RoundedAny>> evaluate = intersect_target<Form>;
-    const LiftedTarget<RoundedAny> lifted(target, ConvertTo<RoundedAny>());
+    const LiftedTarget<RoundedAny> lifted(target);
     intersect_batch(evaluate, marches<Form>, rays, lifted.get(), hits);
 }
 
@@ -50,7 +50,7 @@ struct LiftedInputs {
     template <class S>
     LiftedInputs(const Ray<S>& r, const Target<S>& source, S end)
         : ray{{T(r.origin.x), T(r.origin.y), T(r.origin.z)}, {T(r.direction.x), T(r.direction.y), T(r.direction.z)}},
-          target(source, ConvertTo<T>()),
+          target(source),
           tmax(T(end)) {}
 };
 

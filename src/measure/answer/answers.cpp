@@ -269,8 +269,7 @@ void march_chunk(const Kernel& kernel, RayChunk<S>& chunk, const RayBlock& rays,
     in.stop.check();
     HitBatch<S> hits = chunk.hits();
     hits.march = std::span(answers.march).subspan(chunk.begin(), chunk.count());
-    const intersect::LiftedTarget<S> target(Target<double>(in.primitives.listed(), in.march.value()),
-                                            [](double x) { return static_cast<S>(x); });
+    const intersect::LiftedTarget<S> target(Target<double>(in.primitives.listed(), in.march.value()));
     kernel(chunk.batch(), target.get(), hits);
     for (std::size_t i = 0; i < chunk.count(); ++i) {
         if (hits.hit[i] == 0) continue;

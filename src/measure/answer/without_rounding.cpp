@@ -27,11 +27,11 @@ bool try_to_answer(const Hit<E>& hit, std::optional<Certified>& answer) {
 std::optional<Certified> without_rounding(const intersect::table::Intersector& form, const Ray<double>& ray,
                                           const intersect::Target<double>& target, int limit_bits) {
     std::optional<Certified> answer;
-    const intersect::LiftedTarget<Ball> ball_target(target, [](double x) { return Ball(x); });
+    const intersect::LiftedTarget<Ball> ball_target(target);
     if (try_to_answer(form.ball(lift_ray<Ball>(ray), ball_target.get()), answer)) return answer;
     for (int bits = 192; bits <= limit_bits; bits *= 2) {
         const Interval::Precision precision(bits);
-        const intersect::LiftedTarget<Interval> interval_target(target, [](double x) { return Interval(x); });
+        const intersect::LiftedTarget<Interval> interval_target(target);
         if (try_to_answer(form.interval(lift_ray<Interval>(ray), interval_target.get()), answer)) return answer;
     }
     return std::nullopt;

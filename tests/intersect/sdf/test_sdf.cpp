@@ -40,7 +40,7 @@ struct Batch {
 template <class S, class Kernel>
 Batch<S> run(const Kernel& kernel, const DrawnField& field, bool records) {
     Batch<S> batch(field.rays);
-    const LiftedTarget<S> target(field.target(), [](double x) { return static_cast<S>(x); });
+    const LiftedTarget<S> target(field.target());
     kernel(batch.rays(), target.get(), batch.hits(records));
     return batch;
 }
@@ -166,13 +166,13 @@ TEST_CASE("enclosures of the marches contain their unrounded results", "[interse
         int decided = 0, asked = 0, wrong = 0;
         for (int k = 0; k < 60; ++k) {
             const DrawnField field = draw_field(random, 3);
-            const LiftedTarget<Wide> wide(field.target(), [](double x) { return Wide(x); });
+            const LiftedTarget<Wide> wide(field.target());
             for (const Ray<double>& r : field.rays) {
                 intersect::sdf::Unwatched unwatched;
                 const auto lift = [](const Vec<double>& v) { return Vec<Wide>(Wide(v.x), Wide(v.y), Wide(v.z)); };
                 const Hit<Wide> want = intersect::table::intersect_target<Form>(
                     Ray<Wide>{lift(r.origin), lift(r.direction)}, wide.get(), Wide(0), unwatched);
-                const LiftedTarget<Ball> balls(field.target(), [](double x) { return Ball(x); });
+                const LiftedTarget<Ball> balls(field.target());
                 const Hit<Ball> quick = row.ball({{Ball(r.origin.x), Ball(r.origin.y), Ball(r.origin.z)},
                                                   {Ball(r.direction.x), Ball(r.direction.y), Ball(r.direction.z)}},
                                                  balls.get());
@@ -182,7 +182,7 @@ TEST_CASE("enclosures of the marches contain their unrounded results", "[interse
                     wrong += abs(want.t - Wide(quick.t.hi()) - Wide(quick.t.lo())) > Wide(quick.t.radius()) + slack;
                 for (const long bits : {100L, 300L, 900L}) {
                     const Interval::Precision precision(bits);
-                    const LiftedTarget<Interval> boxes(field.target(), [](double x) { return Interval(x); });
+                    const LiftedTarget<Interval> boxes(field.target());
                     const auto in = [](double x) { return Interval(x); };
                     const Hit<Interval> got = row.interval({{in(r.origin.x), in(r.origin.y), in(r.origin.z)},
                                                             {in(r.direction.x), in(r.direction.y), in(r.direction.z)}},
@@ -207,7 +207,7 @@ TEST_CASE("stepping by p += d dir equals o + t dir when nothing is rounded", "[i
     Random random(21);
     for (int k = 0; k < 200; ++k) {
         const DrawnField field = draw_field(random, 1);
-        const LiftedTarget<Wide> target(field.target(), [](double x) { return Wide(x); });
+        const LiftedTarget<Wide> target(field.target());
         const auto lift = [](const Vec<double>& v) { return Vec<Wide>(Wide(v.x), Wide(v.y), Wide(v.z)); };
         const Ray<Wide> ray{lift(field.rays[0].origin), lift(field.rays[0].direction)};
         intersect::sdf::Unwatched unwatched;

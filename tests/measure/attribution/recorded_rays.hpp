@@ -110,7 +110,7 @@ inline Hit<double> plain(const intersect::table::Intersector& form, const Format
         x[10] = narrow(s.tmax);
         std::uint8_t hit = 0;
         const auto one = [&](std::size_t i) { return std::span<S>(&x[i], 1); };
-        const intersect::LiftedTarget<S> target(s.target(form), narrow);
+        const intersect::LiftedTarget<S> target(s.target(form));
         kernel(intersect::table::RayBatch<S>{one(0), one(1), one(2), one(3), one(4), one(5), one(10)}, target.get(),
                intersect::table::HitBatch<S>{one(6), one(7), one(8), std::span(&hit, 1)});
         return Hit<double>{hit != 0, x[6], x[7], x[8]};
