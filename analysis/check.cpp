@@ -38,29 +38,30 @@ struct CheckOptions {
     bool strict = false, measure = false;
     int seeds = 0;
 
-    [[nodiscard]] bool timing() const { return profile == "timing"; }
+    [[nodiscard]] bool is_timing() const { return profile == "timing"; }
     [[nodiscard]] bool selects(const std::string& id) const {
         return filters.empty() || selection::matches_any(filters, id);
     }
 };
 
-std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data) {
+std::vector<Claim> load_claims(const CheckOptions& options, const std::filesystem::path& data) {
     std::vector<Claim> claims;
     std::set<std::string> ids;
-    const auto profile = o.timing()                 ? Claim::Profile::timing
-                         : o.profile == "libraries" ? Claim::Profile::libraries
-                                                    : Claim::Profile::results;
+    const auto profile = options.is_timing()              ? Claim::Profile::timing
+                         : options.profile == "libraries" ? Claim::Profile::libraries
+                                                          : Claim::Profile::results;
     std::set<std::string> other_profiles;
-    const auto claim_paths = o.files.empty() ? std::vector<std::string>{(data / "claims").string()} : o.files;
+    const auto claim_paths =
+        options.files.empty() ? std::vector<std::string>{(data / "claims").string()} : options.files;
     for (const std::string& claim_path : claim_paths) {
         for (const auto& path : scene::claim::claim_files(claim_path)) {
             for (Claim& claim : scene::claim::read_claims(path)) {
                 if (!ids.insert(claim.id).second)
                     scene::toml::fail(claim.where, "the id \"" + claim.id +
                                                        "\" is used in another file too; each id may be used once");
-                const bool is_selected = o.selects(claim.id);
+                const bool is_selected = options.selects(claim.id);
                 if (is_selected && claim.profile != profile) other_profiles.emplace(name_of(claim.profile));
-                else if (is_selected) claims.emplace_back(std::move(claim)).named = !o.files.empty();
+                else if (is_selected) claims.emplace_back(std::move(claim)).named = !options.files.empty();
             }
         }
     }
@@ -72,39 +73,43 @@ std::vector<Claim> load(const CheckOptions& o, const std::filesystem::path& data
     return claims;
 }
 
-void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool verbose) {
+void print(const Claim& claim, const ClaimResult& result, const CheckOptions& options, bool verbose) {
     const std::string_view verdict = name_of(claim.verdict);
-    if (r.state == State::agrees) {
-        const std::string floats = output::claim::floats_text(r), evidence = output::claim::evidence_text(claim, r);
+    if (result.state == State::agrees) {
+        const std::string floats = output::claim::floats_text(result),
+                          evidence = output::claim::evidence_text(claim, result);
         if (verbose)
             fmt::print("ok       {} ({}{}{}): {}\n", terminal_line(claim.id), verdict,
                        floats.empty() ? "" : ", " + floats, evidence.empty() ? "" : ", " + terminal_line(evidence),
-                       output::file::decimal(r.measured));
+                       output::file::decimal(result.measured));
         return;
     }
-    const char* label = r.state != State::skipped && claim.severity == Claim::Severity::warn && !o.strict ? "warning"
-                        : r.state == State::unmeasurable                                                  ? "broken"
-                        : r.state == State::skipped                                                       ? "skipped"
-                                                                                                          : "FAILED";
-    const std::string problem = r.state == State::skipped        ? "cannot be measured on this machine"
-                                : r.state == State::unmeasurable ? "could not be measured"
-                                                                 : output::claim::changed_text(claim, r);
+    const char* label = result.state != State::skipped && claim.severity == Claim::Severity::warn && !options.strict
+                            ? "warning"
+                        : result.state == State::unmeasurable ? "broken"
+                        : result.state == State::skipped      ? "skipped"
+                                                              : "FAILED";
+    const std::string problem = result.state == State::skipped        ? "cannot be measured on this machine"
+                                : result.state == State::unmeasurable ? "could not be measured"
+                                                                      : output::claim::changed_text(claim, result);
     fmt::print("{}: {}: {} ({})\n", label, problem, terminal_line(claim.id), terminal_line(claim.statement));
-    fmt::print("         {}: {}\n", terminal_line(claim.where.text()), terminal_line(output::claim::explain(claim, r)));
-    if (r.witness.x >= 0) {
+    fmt::print("         {}: {}\n", terminal_line(claim.where.text()),
+               terminal_line(output::claim::explain(claim, result)));
+    if (result.witness.x >= 0) {
         fmt::print("         worst ray: origin {} {} {}, direction {} {} {}\n",
-                   output::file::hex(r.witness.ray.origin.x), output::file::hex(r.witness.ray.origin.y),
-                   output::file::hex(r.witness.ray.origin.z), output::file::hex(r.witness.ray.direction.x),
-                   output::file::hex(r.witness.ray.direction.y), output::file::hex(r.witness.ray.direction.z));
+                   output::file::hex(result.witness.ray.origin.x), output::file::hex(result.witness.ray.origin.y),
+                   output::file::hex(result.witness.ray.origin.z), output::file::hex(result.witness.ray.direction.x),
+                   output::file::hex(result.witness.ray.direction.y),
+                   output::file::hex(result.witness.ray.direction.z));
     }
-    if (const std::string command = output::claim::explain_witness(claim, r); !command.empty())
+    if (const std::string command = output::claim::explain_witness(claim, result); !command.empty())
         fmt::print("         explain it: {}\n", terminal_line(command));
     fmt::print("         reproduce: {}\n", terminal_line(output::claim::words_of(claim).command));
-    if (o.annotations == "github" && r.state != State::skipped) {
+    if (options.annotations == "github" && result.state != State::skipped) {
         fmt::print("::{} file={},line={},title={}::{}\n", std::string_view(label) == "warning" ? "warning" : "error",
                    output::file::workflow_value(claim.where.source), claim.where.line,
                    output::file::workflow_value(claim.id),
-                   output::file::workflow_text(output::claim::explain(claim, r)));
+                   output::file::workflow_text(output::claim::explain(claim, result)));
     }
 }
 
@@ -155,9 +160,9 @@ Exit report_times(const std::vector<Claim>& claims, const std::vector<ClaimResul
 }
 
 /// The files that decide what claims measure.
-std::vector<std::filesystem::path> files_of(const CheckOptions& o, const std::filesystem::path& data) {
+std::vector<std::filesystem::path> input_files(const CheckOptions& options, const std::filesystem::path& data) {
     std::vector<std::filesystem::path> files;
-    for (const std::string& path : o.files.empty() ? std::vector{(data / "claims").string()} : o.files)
+    for (const std::string& path : options.files.empty() ? std::vector{(data / "claims").string()} : options.files)
         std::ranges::copy(scene::claim::claim_files(path), std::back_inserter(files));
     for (const char* folder : {"scenes", "sweeps"}) {
         std::error_code ignored;
@@ -172,66 +177,72 @@ std::vector<std::filesystem::path> files_of(const CheckOptions& o, const std::fi
 }
 
 /// Throws InputError if a shard gets options for files that only the whole run can write.
-void check_shard_options(const CheckOptions& o) {
-    if (o.shard.empty()) return;
-    if (o.report.empty())
-        throw InputError("--shard " + o.shard +
+void check_shard_options(const CheckOptions& options) {
+    if (options.shard.empty()) return;
+    if (options.report.empty())
+        throw InputError("--shard " + options.shard +
                          ": needs a folder for the shards; add --report DIR, and join them by `lostbits merge DIR -o "
                          "REPORT`");
-    if (o.timing() || o.measure || !o.junit.empty() || !o.csv.empty() || !o.json.empty() || o.annotations != "none")
+    if (options.is_timing() || options.measure || !options.junit.empty() || !options.csv.empty() ||
+        !options.json.empty() || options.annotations != "none")
         throw InputError(
-            "--shard " + o.shard +
+            "--shard " + options.shard +
             ": cannot be combined with --junit, --export-csv, --export-json, --annotations, --measure or --profile "
-            "timing: a shard does not judge claims; pass --junit, --export-csv and --export-json to `lostbits merge` "
+            "timing: a shard does not judge claims; pass --junit, --export-csv and --export-json to `lostbits "
+            "merge` "
             "instead");
 }
 
-Exit run(const CheckOptions& o, const Common& common) {
-    check_shard_options(o);
-    shell::require_different_files({{"--junit", o.junit}, {"--export-csv", o.csv}, {"--export-json", o.json}},
-                                   {"--report", o.report});
-    if (o.timing() && (o.strict || !o.junit.empty() || !o.csv.empty() || !o.json.empty() || !o.report.empty() ||
-                       o.annotations != "none")) {
+Exit run(const CheckOptions& options, const CommonOptions& common) {
+    check_shard_options(options);
+    shell::require_different_files(
+        {{"--junit", options.junit}, {"--export-csv", options.csv}, {"--export-json", options.json}},
+        {"--report", options.report});
+    if (options.is_timing() && (options.strict || !options.junit.empty() || !options.csv.empty() ||
+                                !options.json.empty() || !options.report.empty() || options.annotations != "none")) {
         throw InputError(
             "--profile timing cannot be combined with --strict, --junit, --export-csv, --export-json, --report or "
             "--annotations: claims about time never fail a check, and no report shows them; leave "
             "out --profile timing, or the other options");
     }
-    if (o.measure && (!o.junit.empty() || !o.csv.empty() || !o.json.empty() || !o.report.empty())) {
+    if (options.measure &&
+        (!options.junit.empty() || !options.csv.empty() || !options.json.empty() || !options.report.empty())) {
         throw InputError(
             "--measure cannot be combined with --junit, --export-csv, --export-json or --report: it does not judge "
             "claims; leave out --measure, or the other options");
     }
     const auto data = selection::data_folder(common.data);
-    const auto claims = load(o, data);
+    const auto claims = load_claims(options, data);
     const selection::ThreadLimit limit(common.threads);
     // Checks before the work that the reports can be written; they are small and written at the end.
-    for (const std::string& path : {o.junit, o.csv, o.json}) {
+    for (const std::string& path : {options.junit, options.csv, options.json}) {
         if (!path.empty()) output::file::AtomicFile probe(path);
     }
     // Only a shard records which files it read, so a whole run need not list the data folder.
-    const bool is_whole_run = o.shard.empty() && !common.shards_to_join;
+    const bool is_whole_run = options.shard.empty() && !common.shards_to_join;
     RunDivision run_division =
-        divide_run(o.shard, o.report, is_whole_run ? std::vector<std::filesystem::path>{} : files_of(o, data), common);
+        divide_run(options.shard, options.report,
+                   is_whole_run ? std::vector<std::filesystem::path>{} : input_files(options, data), common);
     run_division.division.expect({"check"});
     std::unique_ptr<output::file::ResultFolder> folder;
-    if (!o.report.empty())
-        folder = take_folder(run_division, o.report, common, common.typed_command.all_subjects(), {.shared = true});
-    if (folder) require_writable(std::filesystem::path(o.report) / "README.md");
+    if (!options.report.empty())
+        folder =
+            take_folder(run_division, options.report, common, common.typed_command.all_subjects(), {.shared = true});
+    if (folder) require_writable(std::filesystem::path(options.report) / "README.md");
     const study::StudiesByName studies;
     const measure::claim::ClaimRequest request{
-        .data_dir = data, .stop = common.stop, .further_draws = o.seeds, .studies = &studies};
+        .data_dir = data, .stop = common.stop, .further_draws = options.seeds, .studies = &studies};
     const auto measured = run_division.division.result_of("check", [&] {
         const auto units = run_division.division.share().of_units(claims.size());
-        const std::vector<Claim> own_claims(claims.begin() + static_cast<std::ptrdiff_t>(units.first),
-                                            claims.begin() + static_cast<std::ptrdiff_t>(units.last));
-        return measure::claim::measure_claims(own_claims, request);
+        const std::vector<Claim> shard_claims(claims.begin() + static_cast<std::ptrdiff_t>(units.first),
+                                              claims.begin() + static_cast<std::ptrdiff_t>(units.last));
+        return measure::claim::measure_claims(shard_claims, request);
     });
     finish_run(run_division, common);
     if (!measured) return Exit::done;
     const auto& results = *measured;
-    if (o.timing() && !o.measure) return report_times(claims, results);
-    if (o.measure) {
+    if (options.is_timing() && !options.measure) return report_times(claims, results);
+    if (options.measure) {
         for (std::size_t i = 0; i < claims.size(); ++i)
             fmt::print("{} = {}{}\n", terminal_line(claims[i].id), output::file::decimal(results[i].measured),
                        draws_text(claims[i], results[i]));
@@ -241,15 +252,15 @@ Exit run(const CheckOptions& o, const Common& common) {
     const std::size_t agreed = counts.all.confirmed(), skipped = counts.all.skipped;
     std::size_t failed = 0;
     for (std::size_t i = 0; i < claims.size(); ++i) {
-        print(claims[i], results[i], o, common.verbose);
+        print(claims[i], results[i], options, common.verbose);
         failed += results[i].state != State::agrees && results[i].state != State::skipped &&
-                  (o.strict || claims[i].severity == Claim::Severity::error);
+                  (options.strict || claims[i].severity == Claim::Severity::error);
     }
-    if (o.seeds > 0 && !common.quiet) print_spreads(claims, results);
-    if (!o.junit.empty()) output::claim::write_junit(o.junit, claims, results, o.strict);
-    if (!o.csv.empty()) output::claim::write_claims_csv(o.csv, claims, results);
-    if (!o.json.empty()) output::claim::write_claims_json(o.json, claims, results);
-    if (!o.report.empty()) output::claim::write_claim_report(o.report, claims, results, request);
+    if (options.seeds > 0 && !common.quiet) print_spreads(claims, results);
+    if (!options.junit.empty()) output::claim::write_junit(options.junit, claims, results, options.strict);
+    if (!options.csv.empty()) output::claim::write_claims_csv(options.csv, claims, results);
+    if (!options.json.empty()) output::claim::write_claims_json(options.json, claims, results);
+    if (!options.report.empty()) output::claim::write_claim_report(options.report, claims, results, request);
     complete_folder(folder);
     if (!common.quiet) {
         // A confirmed verdict may be that a statement is wrong, so the counts by verdict follow.
@@ -267,27 +278,27 @@ Exit run(const CheckOptions& o, const Common& common) {
 
 }  // namespace
 
-void add_check(const shell::Command& program, const Common& common) {
+void add_check(const shell::Command& program, const CommonOptions& common) {
     auto command =
         program.add_command("check", "Measure claims again, and compare the numbers with what the claims state");
-    const auto o = std::make_shared<CheckOptions>();
-    command.add("CLAIMS", o->files, "Claim files or folders (default: data/claims)");
-    command.add_list("--filter", o->filters, "Measure only claims whose id matches a glob");
-    command.add("--junit", o->junit, "Write JUnit XML");
-    command.add("--export-csv", o->csv, "Write CSV, one row per claim");
-    command.add("--export-json", o->json, "Write JSON, one object per claim");
-    command.add("--report", o->report, "Write README.md, claims.csv and pictures into this folder");
-    add_shard(command, o->shard);
-    command.add("--annotations", o->annotations, "github: also print annotations that GitHub shows beside the code",
-                shell::one_of({"none", "github"}));
-    command.add("--profile", o->profile, "Kind of claims to measure (default: results; docs/claims.md)",
+    const auto options = std::make_shared<CheckOptions>();
+    command.add("CLAIMS", options->files, "Claim files or folders (default: data/claims)");
+    command.add_list("--filter", options->filters, "Measure only claims whose id matches a glob");
+    command.add("--junit", options->junit, "Write JUnit XML");
+    command.add("--export-csv", options->csv, "Write CSV, one row per claim");
+    command.add("--export-json", options->json, "Write JSON, one object per claim");
+    command.add("--report", options->report, "Write README.md, claims.csv and pictures into this folder");
+    add_shard(command, options->shard);
+    command.add("--annotations", options->annotations,
+                "github: also print annotations that GitHub shows beside the code", shell::one_of({"none", "github"}));
+    command.add("--profile", options->profile, "Kind of claims to measure (default: results; docs/claims.md)",
                 shell::one_of({"results", "timing", "libraries"}));
-    command.add("--seeds", o->seeds,
+    command.add("--seeds", options->seeds,
                 "Also measure each claim about random rays on this many further draws, and show the spread",
-                shell::whole_from(0, 1000));
-    command.add("--strict", o->strict, "Also fail for claims of severity warn");
-    command.add("--measure", o->measure, "Print the measured number of each claim, without judging it");
-    command.runs([o, &common] { return run(*o, common); });
+                shell::whole_number_between(0, 1000));
+    command.add("--strict", options->strict, "Also fail for claims of severity warn");
+    command.add("--measure", options->measure, "Print the measured number of each claim, without judging it");
+    command.set_action([options, &common] { return run(*options, common); });
 }
 
 }  // namespace lostbits::analysis

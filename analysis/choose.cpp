@@ -33,13 +33,13 @@ using output::repair::RepairSummary;
 
 namespace {
 
-/// Repaired forms; they stay loaded as long as the object lives.
+/// Repaired forms. They stay loaded as long as this object lives.
 struct LoadedRepairs {
     struct LoadedForm {
         intersect::external::Formula formula;
         Format format;
     };
-    std::vector<LoadedForm> loaded;
+    std::vector<LoadedForm> forms;
     std::vector<output::choice::RepairedCandidate> candidates;  ///< in the same order
 };
 
@@ -81,7 +81,7 @@ private:
 
     bool is_new(const Proposal& proposal, const TestedForm& form_row) {
         const auto lines = output::repair::statements(proposal.tape, *form_row.form);
-        return seen_
+        return proposed_codes_
             .insert(fmt::format("{} {} {}", static_cast<int>(form_row.form->shape), form_row.format.name,
                                 fmt::join(lines, "\n")))
             .second;
@@ -103,7 +103,7 @@ private:
     std::deque<RepairRequest> requests_;
     std::deque<RepairResult> repairs_;
     std::deque<std::vector<Proposal>> proposals_;
-    std::set<std::string> seen_;
+    std::set<std::string> proposed_codes_;
 };
 
 /// Repairs every row of the request that does not meet its requirement and whose operations are known. Compiles each
@@ -122,7 +122,7 @@ LoadedRepairs load_repairs(const ChoiceRequest& request, const measure::repair::
         const auto file = folder / candidate.file;
         output::file::write_file(file, repairer.sources[k].header);
         candidate.file = file.string();
-        repairs.loaded.push_back({std::move(formulas[k]), repairer.sources[k].from.format});
+        repairs.forms.push_back({std::move(formulas[k]), repairer.sources[k].from.format});
     }
     repairs.candidates = std::move(repairer.candidates);
     return repairs;
@@ -138,34 +138,37 @@ struct ChooseOptions : selection::RayFileOptions {
     bool single = false, bulk = false, quick = false, mend = false;
 };
 
-/// The selected rows that can be timed on the subject called `id`; `meets` says which forms can test it.
-std::vector<measure::evaluate::TestedForm> rows_of(const ChooseOptions& o, const std::string& id, bool quiet,
-                                                   const selection::ShapePredicate& meets) {
-    const auto formats = selection::select_formats(o.formats);
+/// Selects the rows that can be timed on the subject called `id`. `meets` says which forms can test it.
+std::vector<measure::evaluate::TestedForm> select_rows(const ChooseOptions& options, const std::string& id, bool quiet,
+                                                       const selection::ShapePredicate& meets) {
+    const auto formats = selection::select_formats(options.formats);
     if (std::ranges::all_of(formats, selection::is_emulated))
         throw InputError(fmt::format(
             "-f {}: this format is emulated, so its time says nothing; choose compares only f32 and f64. Name one "
             "of them",
             formats.front().name));
-    auto candidates = selection::cross(selection::select_forms(o.forms), formats);
+    auto candidates = selection::cross(selection::select_forms(options.forms), formats);
     selection::refuse_generators(candidates, "choose");
     selection::refuse_contracted(candidates, "choose");
-    auto rows = selection::timed_on(id, {candidates, o.forms, quiet}, meets);
-    selection::note_unmeasured(o.forms, rows, quiet);
+    auto rows = selection::select_timed_rows(id, {candidates, options.forms, quiet}, meets);
+    selection::note_unmeasured(options.forms, rows, quiet);
     return rows;
 }
 
-ChoiceRequest request_of(const ChooseOptions& o, intersect::process::StopToken stop) {
+ChoiceRequest make_request(const ChooseOptions& options, intersect::process::StopToken stop) {
     ChoiceRequest request;
-    if (o.bits < 0 && o.tolerance.empty())
+    if (options.bits < 0 && options.tolerance.empty())
         throw InputError(
             "choose: the requirement is missing; add --bits 16 (of t) or --tolerance 0.001 (of the hit point)");
-    request.requirement = {.bits = std::max(0.0, o.bits), .wrong = o.wrong, .quantile = parse_quantile(o.at)};
-    if (!o.tolerance.empty()) request.requirement.tolerance = selection::tolerance_in_units(o.tolerance, o.unit);
-    else if (!o.unit.empty()) throw InputError("--unit " + o.unit + " is the unit of --tolerance, which is missing");
-    request.single = o.single;
+    request.requirement = {
+        .bits = std::max(0.0, options.bits), .wrong = options.wrong, .quantile = parse_quantile(options.at)};
+    if (!options.tolerance.empty())
+        request.requirement.tolerance = selection::tolerance_in_units(options.tolerance, options.unit);
+    else if (!options.unit.empty())
+        throw InputError("--unit " + options.unit + " is the unit of --tolerance, which is missing");
+    request.single = options.single;
     request.limit.stop = request.plan.stop = stop;
-    if (o.quick) {
+    if (options.quick) {
         request.plan.repetitions = 5;
         request.plan.least_seconds = 1e-4;
     }
@@ -177,7 +180,7 @@ using ResultFolderPointer = std::unique_ptr<output::file::ResultFolder>;
 /// Chooses a form and writes the results, for a scene or for files of rays. For files, the accuracy on their rays is
 /// known already.
 Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const ResultFolderPointer& result_folder,
-            output::file::Progress& progress, const Common& common,
+            output::file::Progress& progress, const CommonOptions& common,
             std::optional<std::vector<output::choice::RepairedCandidate>> repaired = {}) {
     measure::choice::TimedRays timed_rays;
     std::optional<measure::choice::MetPixelsByForm> met_pixels;
@@ -199,41 +202,42 @@ Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const Re
     return choice.cheapest_index ? Exit::done : Exit::answer_is_no;
 }
 
-Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
-    const auto scene = selection::load_one_scene({{o.subjects.front()}, o.size, o.variant, o.set, common.stop},
-                                                 selection::data_folder(common.data));
+Exit choose_for_scene(const ChooseOptions& options, const CommonOptions& common) {
+    const auto scene =
+        selection::load_one_scene({{options.subjects.front()}, options.size, options.variant, options.set, common.stop},
+                                  selection::data_folder(common.data));
     selection::refuse_generated_rays({scene}, "choose");
-    ChoiceRequest request = request_of(o, common.stop);
+    ChoiceRequest request = make_request(options, common.stop);
     request.scene = &scene;
-    request.rows = rows_of(o, scene.id, common.quiet, [&scene](Shapes forms) { return scene.meets(forms); });
+    request.rows = select_rows(options, scene.id, common.quiet, [&scene](Shapes forms) { return scene.meets(forms); });
     const auto emulated = std::stable_partition(
         request.rows.begin(), request.rows.end(),
         [](const measure::evaluate::TestedForm& form_row) { return !selection::is_emulated(form_row.format); });
     request.untimed.assign(emulated, request.rows.end());
     request.rows.erase(emulated, request.rows.end());
-    const auto folder = std::filesystem::path(o.out) / scene.id;
+    const auto folder = std::filesystem::path(options.out) / scene.id;
     const auto result_folder =
         take_folder(folder, common, selection::name_of_scene(scene, selection::data_folder(common.data)));
     output::choice::ChoiceFiles files(folder);
     output::file::Progress progress(scene.pixels() * (request.rows.size() + request.untimed.size()),
                                     fmt::format("choose {}", scene.id), common.progress, common.quiet);
     request.progress = advance_callback(progress);
-    if (!common.quiet) selection::note_idle_settings(o.set, scene.id, request.rows);
-    if (!o.mend) return choose(request, files, result_folder, progress, common);
+    if (!common.quiet) selection::note_idle_settings(options.set, scene.id, request.rows);
+    if (!options.mend) return choose(request, files, result_folder, progress, common);
     LoadedRepairs repairs = load_repairs(
-        request, {o.compiler, selection::form_flags_folder()}, folder,
+        request, {options.compiler, selection::form_flags_folder()}, folder,
         common.typed_command.for_subject(selection::name_of_scene(scene, selection::data_folder(common.data))));
-    for (const auto& repair : repairs.loaded)
+    for (const auto& repair : repairs.forms)
         request.rows.push_back({.form = &repair.formula.row, .format = repair.format});
     return choose(request, files, result_folder, progress, common, std::move(repairs.candidates));
 }
 
-Exit choose_for_files(const ChooseOptions& o, const Common& common) {
-    auto opened_rays = selection::open_rays(o, o.subjects, selection::data_folder(common.data));
+Exit choose_for_files(const ChooseOptions& options, const CommonOptions& common) {
+    auto opened_rays = selection::open_rays(options, options.subjects, selection::data_folder(common.data));
     const std::string& id = opened_rays.id;
     const Shapes shapes = opened_rays.shapes;
-    ChoiceRequest request = request_of(o, common.stop);
-    request.rows = rows_of(o, id, common.quiet, [shapes](Shapes forms) { return forms == shapes; });
+    ChoiceRequest request = make_request(options, common.stop);
+    request.rows = select_rows(options, id, common.quiet, [shapes](Shapes forms) { return forms == shapes; });
     const auto emulated =
         std::erase_if(request.rows, [](const auto& form_row) { return selection::is_emulated(form_row.format); });
     if (emulated > 0 && !common.quiet)
@@ -242,69 +246,74 @@ Exit choose_for_files(const ChooseOptions& o, const Common& common) {
                    "since they "
                    "apply only to the requirement map of a scene\n",
                    id);
-    const auto folder = std::filesystem::path(o.out) / id;
+    const auto folder = std::filesystem::path(options.out) / id;
     const auto result_folder = take_folder(folder, common, opened_rays.quoted_files);
     output::choice::ChoiceFiles files(folder);
-    const bool by_bytes = opened_rays.dump->bytes() > 0;
-    output::file::Progress progress(by_bytes ? opened_rays.dump->bytes() : 1, fmt::format("choose {}", id),
+    const bool counts_bytes = opened_rays.dump->bytes() > 0;
+    output::file::Progress progress(counts_bytes ? opened_rays.dump->bytes() : 1, fmt::format("choose {}", id),
                                     common.progress, common.quiet);
     const auto advance = advance_callback(progress);
-    opened_rays.terms.progress = [&](std::uint64_t bytes) { advance(by_bytes ? bytes : 0); };
+    opened_rays.terms.progress = [&](std::uint64_t bytes) { advance(counts_bytes ? bytes : 0); };
     const measure::choice::FileRays rays = judge_rays(*opened_rays.dump, opened_rays.terms, request);
     if (!common.quiet) selection::note_rounded(rays.name, rays.rounded, rays.format);
     request.rays = &rays;
     return choose(request, files, result_folder, progress, common);
 }
 
-Exit run(const ChooseOptions& o, const Common& common) {
-    require_folder(o.out);
-    const bool is_for_files = selection::are_files(o, o.subjects);
-    selection::refuse_others(
-        o, o.subjects,
-        {{"--size", !o.size.empty()}, {"--variant", !o.variant.empty()}, {"--set", !o.set.empty()}, {"--mend", o.mend}},
-        "a choice");
+Exit run(const ChooseOptions& options, const CommonOptions& common) {
+    require_folder(options.out);
+    const bool is_for_files = selection::are_ray_files(options, options.subjects);
+    selection::refuse_misplaced_options(options, options.subjects,
+                                        {{"--size", !options.size.empty()},
+                                         {"--variant", !options.variant.empty()},
+                                         {"--set", !options.set.empty()},
+                                         {"--mend", options.mend}},
+                                        "a choice");
     const selection::ThreadLimit limit(common.threads);
-    return is_for_files ? choose_for_files(o, common) : choose_for_scene(o, common);
+    return is_for_files ? choose_for_files(options, common) : choose_for_scene(options, common);
 }
 
 }  // namespace
 
-void add_choose(const shell::Command& program, const Common& common) {
+void add_choose(const shell::Command& program, const CommonOptions& common) {
     auto command = program.add_command("choose",
                                        "Find the cheapest form and format that meet a requirement on a scene or on the "
                                        "rays of files");
-    const auto o = std::make_shared<ChooseOptions>();
-    o->stop = common.stop;
-    command.add("SCENE", o->subjects, "A scene file, a name in data/scenes, or files of rays as for `lostbits judge`")
+    const auto options = std::make_shared<ChooseOptions>();
+    options->stop = common.stop;
+    command
+        .add("SCENE", options->subjects,
+             "A scene file, a name in data/scenes, or files of rays as for `lostbits judge`")
         .required();
-    command.add("--bits", o->bits, "Require this many correct bits of t, for the share of the hits that --at gives",
-                shell::number_from(0, 53));
-    command.add("--tolerance", o->tolerance,
+    command.add("--bits", options->bits,
+                "Require this many correct bits of t, for the share of the hits that --at gives",
+                shell::number_between(0, 53));
+    command.add("--tolerance", options->tolerance,
                 "Require that the hit point is at most this far from the true one, along the ray, in the scene's unit "
                 "of length");
-    command.add("--unit", o->unit, "The scene's unit of length (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
-    command.add("--wrong", o->wrong, "Share of the rays that may be decided wrongly (default: 0)",
-                shell::number_from(0, 1));
-    command.add("--at", o->at,
+    command.add("--unit", options->unit, "The scene's unit of length (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
+    command.add("--wrong", options->wrong, "Share of the rays that may be decided wrongly (default: 0)",
+                shell::number_between(0, 1));
+    command.add("--at", options->at,
                 "Share of the hits that must meet the requirement: p50, p99 (default), p99.9, or max for all hits");
-    selection::add_forms(command, o->forms);
-    command.add_list("-f,--format", o->formats,
+    selection::add_forms(command, options->forms);
+    command.add_list("-f,--format", options->formats,
                      "f32, f64 (default: both); emulated formats, such as p16, are not timed (docs/choose.md)");
-    const auto single = command.add("--single", o->single, "Compare the cost of one ray at a time");
+    const auto single = command.add("--single", options->single, "Compare the cost of one ray at a time");
     command
-        .add("--bulk", o->bulk,
+        .add("--bulk", options->bulk,
              "Compare the cost of packets of rays, one ray in each lane of a SIMD register (default)")
         .excludes(single);
-    command.add("--size", o->size, "Picture size, WxH in pixels (default: the scene's)");
-    command.add("--variant", o->variant, "One variant of a scene that has several");
-    command.add_set(o->set, "Change a number of the scene first: sphere[0].radius=10");
-    selection::add_ray_options(command, *o);
-    command.add("--mend", o->mend,
+    command.add("--size", options->size, "Picture size, WxH in pixels (default: the scene's)");
+    command.add("--variant", options->variant, "One variant of a scene that has several");
+    command.add_set(options->set, "Change a number of the scene first: sphere[0].radius=10");
+    selection::add_ray_options(command, *options);
+    command.add("--mend", options->mend,
                 "Also repair the forms that do not meet the requirement, as `lostbits mend` does, and time them");
-    command.add("--compiler", o->compiler, "The compiler that --mend uses (default: c++)");
-    command.add("--quick", o->quick, "Measure times briefly, for a first look");
-    selection::add_out(command, o->out);
-    command.runs([o, &common] { return run(*o, common); });
+    command.add("--compiler", options->compiler, "The compiler that --mend uses (default: c++)");
+    command.add("--quick", options->quick, "Measure times briefly, for a first look");
+    selection::add_out(command, options->out);
+    command.set_action([options, &common] { return run(*options, common); });
 }
 
 }  // namespace lostbits::analysis

@@ -25,8 +25,8 @@
 
 namespace lostbits::analysis {
 
-/// The options that every command takes.
-struct Common {
+/// Options that every command takes.
+struct CommonOptions {
     std::string data;  ///< the data folder, see `data_folder`
     output::file::Progress::Mode progress = output::file::Progress::Mode::automatic;
     bool quiet = false;
@@ -44,7 +44,7 @@ struct Common {
 inline constexpr const char* program_and_version = "lostbits " LOSTBITS_VERSION;
 
 /// Functions that add a command to the program. The command keeps a reference to `common`.
-using AddCommand = void(const shell::Command& program, const Common& common);
+using AddCommand = void(const shell::Command& program, const CommonOptions& common);
 AddCommand add_check, add_choose, add_devices, add_diff, add_explain, add_judge, add_list, add_map, add_mend,
     add_plugin, add_report, add_shader, add_sweep, add_trade;
 
@@ -58,7 +58,7 @@ std::vector<NamedCommand> study_commands();
 /// Runs `judge` on a file of answers about the whole surface of a mesh: all hits of rays, numbers of crossings, or
 /// points inside.
 Exit run_mesh_judge(const selection::JudgeOptions& options, const std::optional<scene::file::Scene>& scene,
-                    scene::dump::Dump& dump, const Common& common);
+                    scene::dump::Dump& dump, const CommonOptions& common);
 
 /// Adds the examples in the help of each command, once all commands are there.
 void add_examples(const shell::Command& program);
@@ -75,7 +75,8 @@ void require_folder(const std::string& out);
 /// Takes a folder for the results of this run, see `ResultFolder`. The rule `force` is set from `--force`. `subject` is
 /// the part of the command line that names what is measured, quoted for a shell.
 [[nodiscard]] std::unique_ptr<output::file::ResultFolder> take_folder(const std::filesystem::path& folder,
-                                                                      const Common& common, const std::string& subject,
+                                                                      const CommonOptions& common,
+                                                                      const std::string& subject,
                                                                       output::file::ResultFolder::Rules rules = {});
 
 /// The division of a run, and its folders.
@@ -93,7 +94,8 @@ struct RunDivision {
 /// Like `take_folder(folder, …)` for a run that may be a shard. Returns null in a shard, which already has a folder.
 [[nodiscard]] std::unique_ptr<output::file::ResultFolder> take_folder(const RunDivision& run_division,
                                                                       const std::filesystem::path& folder,
-                                                                      const Common& common, const std::string& subject,
+                                                                      const CommonOptions& common,
+                                                                      const std::string& subject,
                                                                       output::file::ResultFolder::Rules rules = {});
 
 /// Prints the path of each file of a drawing.
@@ -107,7 +109,8 @@ void complete_folder(const std::unique_ptr<output::file::ResultFolder>& folder);
 class SceneFolders {
 public:
     /// The folders of the scenes in the results of `run_division`.
-    SceneFolders(const std::vector<scene::file::Scene>& scenes, const RunDivision& run_division, const Common& common);
+    SceneFolders(const std::vector<scene::file::Scene>& scenes, const RunDivision& run_division,
+                 const CommonOptions& common);
 
     /// Called when the files of a scene are complete, before anything is printed about them.
     using CompleteCallback = std::function<void()>;
@@ -122,29 +125,30 @@ private:
 };
 
 /// Loads the scenes of a command that tests primitives one by one. Adds to `rows` the rows that the scenes need, and
-/// prints which scenes and forms are left out. Throws InputError for a ray generator, that is a scene or a form that
-/// makes the rays in each format, and whatever `require_scene` throws for a scene. `command` is the name of the
-/// command.
-[[nodiscard]] std::vector<scene::file::Scene> scenes_of_primitives(const selection::SharedOptions& shared,
-                                                                   std::vector<measure::evaluate::TestedForm>& rows,
-                                                                   const char* command, const Common& common,
-                                                                   void (*require_scene)(const scene::file::Scene&));
+/// prints which scenes and forms are left out. `command` is the name of the command. Throws InputError for a ray
+/// generator, that is a scene or a form that makes the rays in each format. Also throws whatever `require_scene` throws
+/// for a scene.
+[[nodiscard]] std::vector<scene::file::Scene> load_primitive_scenes(const selection::SharedOptions& shared,
+                                                                    std::vector<measure::evaluate::TestedForm>& rows,
+                                                                    const char* command, const CommonOptions& common,
+                                                                    void (*require_scene)(const scene::file::Scene&));
 
 /// Adds `--shard` to a command.
 void add_shard(const shell::Command& command, std::string& shard_value);
 
 /// A hash of these files and of the libraries, which decide what a run measures.
-[[nodiscard]] std::uint64_t hash_of_inputs(const std::vector<std::filesystem::path>& files, const Common& common);
+[[nodiscard]] std::uint64_t hash_of_inputs(const std::vector<std::filesystem::path>& files,
+                                           const CommonOptions& common);
 
 /// Divides a run by the value of its `--shard`. `out` is the folder of its results; `files` are the files that decide
 /// what it measures. Throws InputError for a bad value, and if the shards to join read other files.
 [[nodiscard]] RunDivision divide_run(const std::string& shard_value, const std::string& out,
-                                     const std::vector<std::filesystem::path>& files, const Common& common,
+                                     const std::vector<std::filesystem::path>& files, const CommonOptions& common,
                                      bool resumed = false);
 
 /// Ends a divided run. Gives the file of a shard its final name and prints the name. Returns false for a shard, which
 /// has only a part of the results.
-bool finish_run(RunDivision& run_division, const Common& common);
+bool finish_run(RunDivision& run_division, const CommonOptions& common);
 
 /// Throws EnvironmentError if the file cannot be written, so that a run fails before its first ray and not after the
 /// tenth scene.
@@ -161,13 +165,13 @@ void require_writable(const std::filesystem::path& file);
 /// Parses the value of `--at`, a share of the hits: p50, p99 or max. Throws InputError.
 [[nodiscard]] double parse_quantile(const std::string& text);
 
-/// Returns the exit code of a run in which the truth of `rays` rays was not proved within `bits` bits, and prints a
+/// Returns the exit status of a run in which the truth of `rays` rays was not proved within `bits` bits, and prints a
 /// message about these rays on stderr.
 [[nodiscard]] Exit report_unproved(std::uint64_t rays, int bits = measure::truth::TruthLimit{}.bits);
 
 /// Prints a line on stderr for each row of an external intersector whose contract seems to be wrong. `suspicion`
 /// returns the text for a row, empty if nothing seems wrong.
-void note_suspicions(const std::vector<measure::evaluate::TestedForm>& rows, const Common& common,
+void note_suspicions(const std::vector<measure::evaluate::TestedForm>& rows, const CommonOptions& common,
                      const std::function<std::string(const measure::evaluate::TestedForm&)>& suspicion);
 
 /// Prints a line on stdout for each row that is compared with another form: how often the two agree.
@@ -178,7 +182,7 @@ void print_comparisons(const std::vector<measure::evaluate::TestedForm>& rows,
 /// A quantile of the metric `lost_bits` for a table, `13.57`; `-` if there is none, or if the correct hits are too few
 /// to represent the form.
 [[nodiscard]] std::string lost_bits_cell(const measure::evaluate::FormSummary& summary, std::size_t lost_bits,
-                                         double q);
+                                         double quantile);
 
 /// Adds columns to a table on stdout for the outcomes that only meshes have.
 void add_mesh_columns(std::vector<shell::TextColumn>& columns);

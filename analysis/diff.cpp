@@ -18,13 +18,13 @@ namespace lostbits::analysis {
 
 namespace fs = std::filesystem;
 
+using diff::FileResult;
 using diff::MapSides;
-using diff::Result;
 using output::diff::CompareOptions;
 
 namespace {
 
-/// The options that change measured values, and not only which rows there are or how they are shown.
+/// The compare_options that change measured values, and not only which rows there are or how they are shown.
 const std::vector<std::string>& measurement_options() {
     static const std::vector<std::string> all = [] {
         std::vector<std::string> names{"--bits",      "--wrong",    "--at",          "--single",   "--bulk",   "--size",
@@ -49,7 +49,7 @@ Settings settings_of(const std::string& command) {
             settings[words[i]].insert("");
         else if (words[i] != "--set") settings[words[i]].insert(words[i + 1]);
         else
-            std::ranges::copy(shell::assignments_in(words[i + 1]),
+            std::ranges::copy(shell::split_assignments(words[i + 1]),
                               std::inserter(settings[words[i]], settings[words[i]].end()));
     }
     return settings;
@@ -58,7 +58,7 @@ Settings settings_of(const std::string& command) {
 /// ` 8x8`; empty for a flag.
 std::string value_text(const std::string& value) { return value.empty() ? "" : " " + value; }
 
-std::vector<std::string> only_in(const std::set<std::string>& left, const std::set<std::string>& right) {
+std::vector<std::string> values_only_in(const std::set<std::string>& left, const std::set<std::string>& right) {
     std::vector<std::string> values;
     std::ranges::set_difference(left, right, std::back_inserter(values));
     return values;
@@ -74,8 +74,8 @@ std::vector<std::string> option_differences(const fs::path& a, const fs::path& b
     std::vector<std::string> lines;
     for (const std::string& name : measurement_options()) {
         const std::string option(name);
-        const auto only_a = only_in(settings_a[option], settings_b[option]),
-                   only_b = only_in(settings_b[option], settings_a[option]);
+        const auto only_a = values_only_in(settings_a[option], settings_b[option]),
+                   only_b = values_only_in(settings_b[option], settings_a[option]);
         if (only_a.size() == 1 && only_b.size() == 1) {
             lines.push_back(fmt::format("{}{} in {},{} in {}", option, value_text(only_a.front()), a.string(),
                                         value_text(only_b.front()), b.string()));
@@ -114,9 +114,9 @@ struct DiffOptions {
     bool strict = false, pictures = false;
 };
 
-std::set<std::string> names_of(const std::vector<Result>& results) {
+std::set<std::string> compared_columns(const std::vector<FileResult>& results) {
     std::set<std::string> names;
-    for (const Result& r : results) names.insert(r.comparison.names.begin(), r.comparison.names.end());
+    for (const FileResult& r : results) names.insert(r.comparison.names.begin(), r.comparison.names.end());
     return names;
 }
 
@@ -124,51 +124,54 @@ std::set<std::string> names_of(const std::vector<Result>& results) {
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
 
 /// Compares every file of every kind, one after another, as for two commits that should change no result.
-Exit run_strictly(const DiffOptions& o, const CompareOptions& options, const Common& common) {
+Exit run_strictly(const DiffOptions& options, const CompareOptions& compare_options, const CommonOptions& common) {
     // Reads all files before it prints anything, so that bad input does not leave half an answer.
-    const auto results = diff::compare_all(o.a, o.b, options);
-    diff::refuse_unknown_columns(options, names_of(results));
-    const bool is_same = std::ranges::all_of(results, &Result::same);
-    const bool compares_files = fs::is_regular_file(o.a) && fs::is_regular_file(o.b);
-    if (compares_files) print_option_differences(option_differences(folder_of(o.a), folder_of(o.b)));
-    for (const Result& r : results) {
+    const auto results = diff::compare_all(options.a, options.b, compare_options);
+    diff::refuse_unknown_columns(compare_options, compared_columns(results));
+    const bool is_same = std::ranges::all_of(results, &FileResult::same);
+    const bool compares_files = fs::is_regular_file(options.a) && fs::is_regular_file(options.b);
+    if (compares_files) print_option_differences(option_differences(folder_of(options.a), folder_of(options.b)));
+    for (const FileResult& r : results) {
         if (!r.same() || common.verbose) diff::print(r, common.verbose);
     }
     if (is_same && !common.quiet) fmt::print("same\n");
-    if (!is_same && compares_files && !o.strict && diff::kind_of(o.a) == diff::FileKind::csv &&
-        diff::kind_of(o.b) == diff::FileKind::csv) {
-        const auto a = output::file::read_csv(o.a), b = output::file::read_csv(o.b);
+    if (!is_same && compares_files && !options.strict && diff::kind_of(options.a) == diff::FileKind::csv &&
+        diff::kind_of(options.b) == diff::FileKind::csv) {
+        const auto a = output::file::read_csv(options.a), b = output::file::read_csv(options.b);
         if (output::diff::has_row_keys(a) && output::diff::has_row_keys(b))
-            diff::print_verdict(output::diff::compare_rows(a, b, "", options).verdict, o.b);
+            diff::print_verdict(output::diff::compare_rows(a, b, "", compare_options).verdict, options.b);
     }
     return is_same ? Exit::done : Exit::answer_is_no;
 }
 
-Exit run_on_maps(const DiffOptions& o, const MapSides& sides, const CompareOptions& options, const Common& common) {
-    const diff::MapDifference found = diff::compare_maps(sides, options, o.pictures);
-    auto names = names_of(found.others);
-    names.insert(found.rows.names.begin(), found.rows.names.end());
-    diff::refuse_unknown_columns(options, names);
+Exit run_on_maps(const DiffOptions& options, const MapSides& sides, const CompareOptions& compare_options,
+                 const CommonOptions& common) {
+    const diff::MapDifference difference = diff::compare_maps(sides, compare_options, options.pictures);
+    auto names = compared_columns(difference.other_files);
+    names.insert(difference.rows.names.begin(), difference.rows.names.end());
+    diff::refuse_unknown_columns(compare_options, names);
     std::unique_ptr<output::file::ResultFolder> result_folder;
-    if (!o.draw.empty()) result_folder = take_folder(o.draw, common, o.a + (o.b.empty() ? "" : " " + o.b));
-    const auto pictures = o.draw.empty() ? std::vector<fs::path>{} : diff::draw_maps(sides, o.draw, common.stop);
+    if (!options.draw.empty())
+        result_folder = take_folder(options.draw, common, options.a + (options.b.empty() ? "" : " " + options.b));
+    const auto pictures =
+        options.draw.empty() ? std::vector<fs::path>{} : diff::draw_maps(sides, options.draw, common.stop);
     complete_folder(result_folder);
-    if (!sides.are_forms()) print_option_differences(option_differences_below(o.a, o.b));
-    if (!found.same() || common.verbose) diff::print(found, sides, common.verbose);
-    if (found.same() && !common.quiet) fmt::print("same\n");
+    if (!sides.are_forms()) print_option_differences(option_differences_below(options.a, options.b));
+    if (!difference.same() || common.verbose) diff::print(difference, sides, common.verbose);
+    if (difference.same() && !common.quiet) fmt::print("same\n");
     for (const auto& picture : pictures) {
         if (!common.quiet) fmt::print("{}\n", picture.string());
     }
-    if (found.pictures > 0 && !common.quiet)
-        fmt::print(stderr, "lostbits: {} {} not compared; --compare-pictures compares {}\n", found.pictures,
-                   found.pictures == 1 ? "picture is" : "pictures are", found.pictures == 1 ? "it" : "them");
-    return found.same() ? Exit::done : Exit::answer_is_no;
+    if (difference.pictures > 0 && !common.quiet)
+        fmt::print(stderr, "lostbits: {} {} not compared; --compare-pictures compares {}\n", difference.pictures,
+                   difference.pictures == 1 ? "picture is" : "pictures are", difference.pictures == 1 ? "it" : "them");
+    return difference.same() ? Exit::done : Exit::answer_is_no;
 }
 
 /// Prints on stderr which of the compared folders have incomplete results.
-void print_incomplete(const DiffOptions& o) {
+void print_incomplete(const DiffOptions& options) {
     std::set<fs::path> folders;
-    for (const fs::path side : {o.a, o.b}) {
+    for (const fs::path side : {options.a, options.b}) {
         if (side.empty()) continue;
         std::error_code ignored;
         const bool is_folder = fs::is_directory(side, ignored);
@@ -185,63 +188,66 @@ void print_incomplete(const DiffOptions& o) {
     }
 }
 
-MapSides sides_of(const DiffOptions& o) {
-    if (o.forms.empty()) return {o.a, o.b, {}, {}, o.formats};
-    if (o.forms.size() != 2)
+MapSides sides_of(const DiffOptions& options) {
+    if (options.forms.empty()) return {options.a, options.b, {}, {}, options.formats};
+    if (options.forms.size() != 2)
         throw InputError(
             fmt::format("-i names {}, but diff compares two; name two, as in -i sphere.press -i sphere.unified",
-                        scene::toml::count_with_noun(o.forms.size(), "form")));
-    if (!o.b.empty())
-        throw InputError("-i compares two forms within one folder, but two folders are given; leave out " + o.b +
+                        scene::toml::count_with_noun(options.forms.size(), "form")));
+    if (!options.b.empty())
+        throw InputError("-i compares two forms within one folder, but two folders are given; leave out " + options.b +
                          ", or leave out -i to compare the two folders");
-    if (o.strict)
+    if (options.strict)
         throw InputError("--strict: compares files, but two forms are rows of the same file; leave out --strict");
-    return {o.a, o.a, o.forms[0], o.forms[1], o.formats};
+    return {options.a, options.a, options.forms[0], options.forms[1], options.formats};
 }
 
-Exit run(const DiffOptions& o, const Common& common) {
-    CompareOptions options;
-    options.stop = common.stop;
-    for (const std::string& text : o.tolerances) options.tolerances.push_back(output::diff::parse_tolerance(text));
-    options.ignored = o.ignored;
-    if (common.verbose) options.max_kept = UINT64_MAX;
-    const MapSides sides = sides_of(o);
-    if (o.b.empty() && !sides.are_forms())
-        throw InputError("diff: B is missing, the file or folder to compare with; or compare two forms of " + o.a +
-                         ": -i FORM -i FORM");
-    const bool folders = diff::are_folders(o.a, o.b.empty() ? o.a : o.b);
-    if (!folders && sides.are_forms())
-        throw InputError(o.a + ": is a file; to compare two forms, name the folder of a map");
-    if (!o.draw.empty() && o.strict)
+Exit run(const DiffOptions& options, const CommonOptions& common) {
+    CompareOptions compare_options;
+    compare_options.stop = common.stop;
+    for (const std::string& text : options.tolerances)
+        compare_options.tolerances.push_back(output::diff::parse_tolerance(text));
+    compare_options.ignored = options.ignored;
+    if (common.verbose) compare_options.max_kept = UINT64_MAX;
+    const MapSides sides = sides_of(options);
+    if (options.b.empty() && !sides.are_forms())
+        throw InputError("diff: B is missing, the file or folder to compare with; or compare two forms of " +
+                         options.a + ": -i FORM -i FORM");
+    const bool compares_folders = diff::are_folders(options.a, options.b.empty() ? options.a : options.b);
+    if (!compares_folders && sides.are_forms())
+        throw InputError(options.a + ": is a file; to compare two forms, name the folder of a map");
+    if (!options.draw.empty() && options.strict)
         throw InputError("--draw: --strict compares files and draws no maps; leave out --draw, or leave out --strict");
-    if (!o.draw.empty() && !folders)
+    if (!options.draw.empty() && !compares_folders)
         throw InputError(
             "--draw draws maps, which are folders, but files are compared; leave out --draw, or name two folders");
-    if (!o.formats.empty() && o.draw.empty())
+    if (!options.formats.empty() && options.draw.empty())
         throw InputError(
             "-f selects the formats that --draw draws, but --draw is missing; add --draw FOLDER, or leave out -f");
-    print_incomplete(o);
-    return folders && !o.strict ? run_on_maps(o, sides, options, common) : run_strictly(o, options, common);
+    print_incomplete(options);
+    return compares_folders && !options.strict ? run_on_maps(options, sides, compare_options, common)
+                                               : run_strictly(options, compare_options, common);
 }
 
 }  // namespace
 
-void add_diff(const shell::Command& program, const Common& common) {
+void add_diff(const shell::Command& program, const CommonOptions& common) {
     auto command =
         program.add_command("diff", "Show where two folders of maps, two forms of one folder, or two files differ");
-    const auto o = std::make_shared<DiffOptions>();
-    command.add("A", o->a, "A file or a folder").required();
-    command.add("B", o->b, "The file or folder to compare A with; not with -i");
+    const auto options = std::make_shared<DiffOptions>();
+    command.add("A", options->a, "A file or a folder").required();
+    command.add("B", options->b, "The file or folder to compare A with; not with -i");
     command.add(
-        "--allow", o->tolerances,
+        "--allow", options->tolerances,
         "COLUMN=ABS[,REL]: numbers of a column may differ by ABS, or by REL times the larger one (docs/diff.md)");
-    command.add("--ignore", o->ignored, "Do not compare these columns and channels, by name or glob");
-    command.add("--strict", o->strict, "Compare every file to the last bit, pictures included");
-    command.add("--compare-pictures", o->pictures, "Also compare pictures");
-    command.add_list("-i,--form", o->forms, "Compare two forms of the maps in A; replaces B");
-    command.add_list("-f,--format", o->formats, "Formats that --draw draws (default: all)");
-    command.add("--draw", o->draw, "Folder for pictures of the difference; both maps need their pixels, as CSV or EXR");
-    command.runs([o, &common] { return run(*o, common); });
+    command.add("--ignore", options->ignored, "Do not compare these columns and channels, by name or glob");
+    command.add("--strict", options->strict, "Compare every file to the last bit, pictures included");
+    command.add("--compare-pictures", options->pictures, "Also compare pictures");
+    command.add_list("-i,--form", options->forms, "Compare two forms of the maps in A; replaces B");
+    command.add_list("-f,--format", options->formats, "Formats that --draw draws (default: all)");
+    command.add("--draw", options->draw,
+                "Folder for pictures of the difference; both maps need their pixels, as CSV or EXR");
+    command.set_action([options, &common] { return run(*options, common); });
 }
 
 }  // namespace lostbits::analysis

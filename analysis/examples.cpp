@@ -6,7 +6,7 @@ namespace lostbits::analysis {
 
 namespace {
 
-struct ExamplesOf {
+struct CommandExamples {
     const char* command;
     std::vector<shell::Example> examples;
 };
@@ -14,7 +14,7 @@ struct ExamplesOf {
 /// Two examples of each command that is not a study; studies bring their own. A test runs each of them in a folder
 /// where `before` and `after` hold maps of one scene, `parts` holds the only shard of a run, and `mine.so` is a
 /// library.
-const ExamplesOf all_examples[] = {
+const CommandExamples all_examples[] = {
     {"check",
      {{"lostbits check --filter 'float.*'", "Measures the claims whose id begins with float."},
       {"lostbits check data/claims/arithmetic.toml --measure", "Shows what each claim of a file measures now"}}},
@@ -82,7 +82,7 @@ const ExamplesOf all_examples[] = {
 
 void add_examples(const shell::Command& program) {
     for (const shell::Command& command : program.commands()) {
-        const auto* const row = std::ranges::find(all_examples, command.name(), &ExamplesOf::command);
+        const auto* const row = std::ranges::find(all_examples, command.name(), &CommandExamples::command);
         if (row != std::end(all_examples)) command.set_examples(row->examples);
     }
 }

@@ -34,12 +34,12 @@ using selection::JudgeOptions;
 namespace {
 
 /// The metrics of the request, made for its forms.
-std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn_metrics, const JudgeRequest& request,
-                                      bool has_matrices, measure::metric::MetricSet& metric_set) {
+std::vector<const Metric*> make_metrics(const std::vector<const Metric*>& drawn_metrics, const JudgeRequest& request,
+                                        bool has_matrices, measure::metric::MetricSet& metric_set) {
     std::vector<measure::evaluate::TestedForm> tested_rows = request.rows;
     std::erase_if(tested_rows,
                   [&request](const measure::evaluate::TestedForm& form_row) { return request.is_of_file(form_row); });
-    if (tested_rows.empty()) return selection::measured(drawn_metrics, request.rows);
+    if (tested_rows.empty()) return selection::measured_metrics(drawn_metrics, request.rows);
     scene::rays::RayGroup group;
     group.primitives = scene::rays::representatives_of(request.primitives, request.mesh.get());
     if (group.primitives.empty()) {
@@ -49,7 +49,7 @@ std::vector<const Metric*> metrics_of(const std::vector<const Metric*>& drawn_me
     for (Primitive<double>& primitive : group.primitives)
         if (has_matrices) primitive.placed = selection::any_matrix();
     group.march = request.march;
-    return metric_set.for_forms(selection::measured(drawn_metrics, request.rows),
+    return metric_set.for_forms(selection::measured_metrics(drawn_metrics, request.rows),
                                 measure::evaluate::forms_of(tested_rows),
                                 [&group] { return measure::attribution::OwnedSetting(group); });
 }
@@ -78,32 +78,33 @@ void note_digits(const std::string& file, const Format& format, const JudgeResul
 }
 
 /// Indices of the metrics that count hits that fail --bits or --tolerance, each with the title of its column.
-std::vector<std::pair<std::size_t, const char*>> requirements_of(const JudgeRequest& request) {
-    std::vector<std::pair<std::size_t, const char*>> found;
+std::vector<std::pair<std::size_t, const char*>> find_requirements(const JudgeRequest& request) {
+    std::vector<std::pair<std::size_t, const char*>> requirements;
     for (const auto& [metric, title] : {std::pair("enough_bits", "too few"), std::pair("tolerance", "beyond")}) {
-        const std::size_t m = measure::metric::index_of(request.metrics, metric);
-        if (m < request.metrics.size()) found.emplace_back(m, title);
+        const std::size_t index = measure::metric::index_of(request.metrics, metric);
+        if (index < request.metrics.size()) requirements.emplace_back(index, title);
     }
-    return found;
+    return requirements;
 }
 
 void print_results(const JudgeRequest& request, const JudgeResult& result, const std::string& group_column) {
-    const std::size_t lost = measure::metric::index_of(request.metrics, "lost_bits");
-    const auto requirements = requirements_of(request);
+    const std::size_t lost_bits = measure::metric::index_of(request.metrics, "lost_bits");
+    const auto requirements = find_requirements(request);
     std::vector<shell::TextColumn> columns{{"form", 28, true}, {"fmt", 5, true}, {"hits", 8}};
     if (request.mesh) add_mesh_columns(columns);
     add_wrong_columns(columns);
     columns.insert(columns.end(), {{"bits lost: p50", 15}, {"p99", 6}, {"max", 6}});
     for (const auto& [metric, title] : requirements) columns.push_back({title, 11});
     shell::TextTable table(std::move(columns));
-    const auto add_row = [&](std::string name, std::string_view format, const measure::evaluate::FormSummary& s,
+    const auto add_row = [&](std::string name, std::string_view format, const measure::evaluate::FormSummary& summary,
                              bool is_file) {
         std::vector<std::string> cells{std::move(name), std::string(format),
-                                       std::to_string(s.count(Outcome::agree_hit))};
-        if (request.mesh) add_mesh_cells(cells, s, !is_file);
-        add_wrong_cells(cells, s);
-        for (const double q : {0.5, 0.99, 1.0}) cells.push_back(lost_bits_cell(s, lost, q));
-        for (const auto& [metric, title] : requirements) cells.push_back(std::to_string(s.categories[metric].at(1)));
+                                       std::to_string(summary.count(Outcome::agree_hit))};
+        if (request.mesh) add_mesh_cells(cells, summary, !is_file);
+        add_wrong_cells(cells, summary);
+        for (const double q : {0.5, 0.99, 1.0}) cells.push_back(lost_bits_cell(summary, lost_bits, q));
+        for (const auto& [metric, title] : requirements)
+            cells.push_back(std::to_string(summary.categories[metric].at(1)));
         table.add(std::move(cells));
     };
     for (std::size_t r = 0; r < result.summaries.size(); ++r) {
@@ -118,31 +119,33 @@ void print_results(const JudgeRequest& request, const JudgeResult& result, const
 
 /// The rows to judge: first the row of the file, if the file has answers, then the rows of -i. Prints a note if
 /// external intersectors were loaded but -i names no form.
-std::vector<measure::evaluate::TestedForm> rows_of(const JudgeOptions& o, const Dump& dump,
-                                                   const selection::ShapePredicate& meets,
-                                                   const intersect::table::Intersector* answers, const Common& common) {
+std::vector<measure::evaluate::TestedForm> select_rows(const JudgeOptions& options, const Dump& dump,
+                                                       const selection::ShapePredicate& meets,
+                                                       const intersect::table::Intersector* answers,
+                                                       const CommonOptions& common) {
     std::vector<measure::evaluate::TestedForm> rows;
     if (answers) rows.push_back({answers, dump.format()});
-    if (o.forms.empty()) {
-        if (!o.formats.empty())
+    if (options.forms.empty()) {
+        if (!options.formats.empty())
             throw InputError(fmt::format(
                 "-f {} is for forms, and -i names none; for the format of the answers write --answer-format",
-                o.formats[0]));
-        const bool has_external = !common.external.plugins.empty() || !common.external.pipes.empty() ||
-                                  !common.external.shaders.empty() || !common.external.functions.empty();
-        if (!rows.empty() && has_external && !common.quiet)
+                options.formats[0]));
+        const bool has_external_forms = !common.external.plugins.empty() || !common.external.pipes.empty() ||
+                                        !common.external.shaders.empty() || !common.external.functions.empty();
+        if (!rows.empty() && has_external_forms && !common.quiet)
             fmt::print(stderr, "lostbits: only the answers of the file are judged; add -i to judge forms too\n");
         if (!rows.empty()) return rows;
-        throw NothingSelected(
-            fmt::format("{}: has rays but no answers (columns hit or t); name forms to judge, such as -i '{}'", o.file,
-                        selection::globs_of([&meets](Shapes s) { return selection::are_primitives(s) && meets(s); })));
+        throw NothingSelected(fmt::format(
+            "{}: has rays but no answers (columns hit or t); name forms to judge, such as -i '{}'", options.file,
+            selection::globs_of([&meets](Shapes s) { return selection::are_primitives(s) && meets(s); })));
     }
-    const auto formats = o.formats.empty() ? std::vector{dump.format()} : selection::select_formats(o.formats);
-    auto candidates = selection::cross(selection::select_forms(o.forms), formats);
+    const auto formats =
+        options.formats.empty() ? std::vector{dump.format()} : selection::select_formats(options.formats);
+    auto candidates = selection::cross(selection::select_forms(options.forms), formats);
     selection::refuse_generators(candidates, "judge");
-    const auto matching_rows = selection::rows_meeting({candidates, o.forms, common.quiet}, o.file, meets);
+    const auto matching_rows = selection::rows_meeting({candidates, options.forms, common.quiet}, options.file, meets);
     if (matching_rows.empty())
-        throw NothingSelected(o.file + ": no selected form handles its primitives" +
+        throw NothingSelected(options.file + ": no selected form handles its primitives" +
                               selection::fitting_forms_advice(candidates, meets));
     rows.insert(rows.end(), matching_rows.begin(), matching_rows.end());
     return rows;
@@ -162,7 +165,7 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
                                       shard::Division& division,
                                       const std::function<std::unique_ptr<Dump>()>& open_again) {
     request.pieces = division.units_of_shard([&] { return measure::judge::count_pieces(*open_again(), request); });
-    auto found = shard::result_with_files(
+    auto findings = shard::result_with_files(
         JudgeFindings{.worst = files.worst()}, files, division, "judge", [&]() -> JudgeFindings {
             JudgeResult result = measure::judge::run_judge(
                 dump, request, [&files](std::size_t row_index, const auto& chunk, const auto& band) {
@@ -170,21 +173,23 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
                 });
             return {std::move(result), files.worst(), *request.stages};
         });
-    if (!found) return std::nullopt;
+    if (!findings) return std::nullopt;
     if (division.joins()) {
-        files.append(std::move(found->worst));
-        measure::judge::check_whole(dump, request, found->result);
+        files.append(std::move(findings->worst));
+        measure::judge::check_whole(dump, request, findings->result);
     }
-    *request.stages = found->stages;
-    return std::move(found->result);
+    *request.stages = findings->stages;
+    return std::move(findings->result);
 }
 
-Exit run(const JudgeOptions& o, const Common& common) {
-    require_folder(o.out);
-    const auto scene = selection::scene_of(o, selection::data_folder(common.data));
-    const auto dump = selection::open_file(o, o.file, selection::shape_given(o, scene), o.rows || !o.by.empty());
-    if (dump->layout().answers() > scene::dump::AnswerKind::first_hit) return run_mesh_judge(o, scene, *dump, common);
-    JudgeRequest request{.primitives = selection::primitives_given(o, scene, dump->format()),
+Exit run(const JudgeOptions& options, const CommonOptions& common) {
+    require_folder(options.out);
+    const auto scene = selection::load_primitive_scene(options, selection::data_folder(common.data));
+    const auto dump = selection::open_file(options, options.file, selection::shared_shape(options, scene),
+                                           options.rows || !options.by.empty());
+    if (dump->layout().answers() > scene::dump::AnswerKind::first_hit)
+        return run_mesh_judge(options, scene, *dump, common);
+    JudgeRequest request{.primitives = selection::shared_primitives(options, scene, dump->format()),
                          .limit = {.stop = common.stop}};
     if (scene) request.mesh = scene::rays::stored_mesh(*scene, dump->format().parameters);
     if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
@@ -195,79 +200,82 @@ Exit run(const JudgeOptions& o, const Common& common) {
     const selection::ShapePredicate meets = [&](Shapes forms) {
         return forms == shapes || (forms == Shape::sdf && request.march.has_value());
     };
-    const std::string stem = scene::toml::result_name(o.file);
-    intersect::Info contract = selection::contract_of(o, *dump);
+    const std::string stem = scene::toml::result_name(options.file);
+    intersect::Info contract = selection::answer_contract(options, *dump);
     if (dump->layout().decides_only()) contract.roots = intersect::Roots::none;
     const Shape shape = dump->layout().primitive() ? *dump->layout().primitive() : representatives.front().shape;
-    intersect::external::require_front(contract.facing, shape, o.file);
-    if (!shapes.are_several()) intersect::require_origin(contract.at_origin, contract.inside, shape, o.file);
+    intersect::external::require_front(contract.facing, shape, options.file);
+    if (!shapes.are_several()) intersect::require_origin(contract.at_origin, contract.inside, shape, options.file);
     const measure::judge::FileForm answers(stem, shape, contract);
     if (dump->layout().has_answers()) request.file_form = &answers.form();
-    request.by = selection::group_of(o, dump->layout());
-    request.rows = rows_of(o, *dump, meets, request.file_form, common);
-    if (!o.forms.empty()) selection::note_unmeasured(o.forms, request.rows, common.quiet);
+    request.by = selection::group_column(options, dump->layout());
+    request.rows = select_rows(options, *dump, meets, request.file_form, common);
+    if (!options.forms.empty()) selection::note_unmeasured(options.forms, request.rows, common.quiet);
 
-    if (!o.against.empty()) {
-        const auto other = selection::select_forms({o.against}, "--against");
+    if (!options.against.empty()) {
+        const auto against_forms = selection::select_forms({options.against}, "--against");
         const auto mixed_shapes = selection::several_shapes(meets);
-        if (mixed_shapes && !(other.front()->shapes() == *mixed_shapes))
-            throw InputError(fmt::format("--against {}: {}{}", o.against, o.file,
-                                         selection::fitting_forms_advice({{other.front(), dump->format()}}, meets)));
-        selection::compare_against(request.rows, o.against, common.quiet);
+        if (mixed_shapes && !(against_forms.front()->shapes() == *mixed_shapes))
+            throw InputError(
+                fmt::format("--against {}: {}{}", options.against, options.file,
+                            selection::fitting_forms_advice({{against_forms.front(), dump->format()}}, meets)));
+        selection::compare_against(request.rows, options.against, common.quiet);
         if (request.file_form && !request.file_row_index())
             throw InputError(
                 fmt::format("--against {}: this form does not exist in {}, the format of {}; name a form that does, or "
                             "--answer-format",
-                            o.against, dump->format().name, o.file));
+                            options.against, dump->format().name, options.file));
     }
     request.picture = dump->picture();
-    if (!o.size.empty()) request.picture = selection::parse_size(o.size);
+    if (!options.size.empty()) request.picture = selection::parse_size(options.size);
     const auto [width, height] = request.picture.value_or(std::pair(1, 1));
     if (std::min(width, height) < 1 || std::max(width, height) > 65536)
-        throw InputError(o.size.empty()
-                             ? fmt::format("{}: its array has {} x {} rays, but a picture has at most 65536 pixels per "
-                                           "side; give the size of the picture by --size WxH",
-                                           o.file, width, height)
-                             : fmt::format("--size {}: width and height are whole numbers from 1 to 65536", o.size));
-    if (o.pictures == "all" && !request.picture)
+        throw InputError(
+            options.size.empty()
+                ? fmt::format("{}: its array has {} x {} rays, but a picture has at most 65536 pixels per "
+                              "side; give the size of the picture by --size WxH",
+                              options.file, width, height)
+                : fmt::format("--size {}: width and height are whole numbers from 1 to 65536", options.size));
+    if (options.pictures == "all" && !request.picture)
         throw InputError("--pictures all: a list of rays is not a picture; give its columns and rows by --size WxH");
     measure::metric::MetricSet metric_set;
-    auto drawn_metrics = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
-                                           : selection::select_metrics(o.metrics, metric_set);
-    drawn_metrics = selection::applicable_metrics(drawn_metrics, request.rows, o.file);
-    if (!o.against.empty()) selection::add_pairs(drawn_metrics);
+    auto drawn_metrics = options.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
+                                                 : selection::select_metrics(options.metrics, metric_set);
+    drawn_metrics = selection::applicable_metrics(drawn_metrics, request.rows, options.file);
+    if (!options.against.empty()) selection::add_comparison_metrics(drawn_metrics);
     selection::note_without_formula(drawn_metrics, request.rows, common.quiet);
     auto measured_metrics = drawn_metrics;
-    selection::add_requirement(o, metric_set, measured_metrics);
-    request.metrics = metrics_of(measured_metrics, request, dump->layout().has_matrix(), metric_set);
+    selection::add_requirement(options, metric_set, measured_metrics);
+    request.metrics = make_metrics(measured_metrics, request, dump->layout().has_matrix(), metric_set);
     for (const Metric*& m : drawn_metrics) m = request.metrics[measure::metric::index_of(request.metrics, m->name)];
     const selection::ThreadLimit limit(common.threads);
 
     measure::truth::StageCounts stages;
     request.stages = &stages;
-    const bool by_bytes = dump->bytes() > 0;
-    output::file::Progress progress(by_bytes ? dump->bytes() : 1, "judge", common.progress, common.quiet);
+    const bool counts_bytes = dump->bytes() > 0;
+    output::file::Progress progress(counts_bytes ? dump->bytes() : 1, "judge", common.progress, common.quiet);
     const auto advance = advance_callback(progress);
-    request.progress = [&](std::uint64_t, std::uint64_t bytes) { advance(by_bytes ? bytes : 0); };
-    std::vector<std::filesystem::path> input_files{o.file};
+    request.progress = [&](std::uint64_t, std::uint64_t bytes) { advance(counts_bytes ? bytes : 0); };
+    std::vector<std::filesystem::path> input_files{options.file};
     if (scene) input_files.push_back(scene->path);
-    RunDivision run_division = divide_run(o.shard, o.out, input_files, common);
+    RunDivision run_division = divide_run(options.shard, options.out, input_files, common);
     shard::Division& division = run_division.division;
     division.expect({"judge"});
-    const auto folder = std::filesystem::path(o.out) / stem;
-    const auto result_folder = take_folder(run_division, folder, common, output::attribution::shell_word(o.file));
+    const auto folder = std::filesystem::path(options.out) / stem;
+    const auto result_folder = take_folder(run_division, folder, common, output::attribution::shell_word(options.file));
     output::judge::JudgeFiles files(request, *dump,
                                     {.folder = folder,
                                      .id = stem,
-                                     .title = "rays of " + std::filesystem::path(o.file).filename().string(),
+                                     .title = "rays of " + std::filesystem::path(options.file).filename().string(),
                                      .command = common.typed_command.text(),
                                      .drawn_metrics = request.picture ? drawn_metrics : std::vector<const Metric*>{},
-                                     .single_pictures = o.pictures == "all",
-                                     .rows = o.rows,
-                                     .worst = o.worst,
+                                     .single_pictures = options.pictures == "all",
+                                     .rows = options.rows,
+                                     .worst = options.worst,
                                      .keep = shard::piece_recorder(division, "judge")});
     const auto judgement = judge_rays(*dump, request, files, division, [&] {
-        return selection::open_file(o, o.file, selection::shape_given(o, scene), o.rows || !o.by.empty());
+        return selection::open_file(options, options.file, selection::shared_shape(options, scene),
+                                    options.rows || !options.by.empty());
     });
     finish_run(run_division, common);
     if (!judgement) {
@@ -280,11 +288,11 @@ Exit run(const JudgeOptions& o, const Common& common) {
     progress.finish();
 
     if (!common.quiet) {
-        selection::note_rounded(o.file, result.rounded, dump->format());
-        note_digits(o.file, dump->format(), result);
-        fmt::print("{} of {}, read as {}\n", scene::toml::count_with_noun(result.rays, "ray"), o.file,
+        selection::note_rounded(options.file, result.rounded, dump->format());
+        note_digits(options.file, dump->format(), result);
+        fmt::print("{} of {}, read as {}\n", scene::toml::count_with_noun(result.rays, "ray"), options.file,
                    dump->format().name);
-        print_results(request, result, o.by);
+        print_results(request, result, options.by);
         print_comparisons(request.rows, request.metrics, result.summaries);
         if (common.verbose) print_stages(stages);
         if (request.picture) print_figures(folder / "contact.png");
@@ -297,45 +305,46 @@ Exit run(const JudgeOptions& o, const Common& common) {
                 measure::contract::suspicion(result.first, measure::contract::AnswerSource::file,
                                              result.misses_beside_first(result.summaries[*file_row]));
             const bool is_whole_file = result.first_are_all(result.summaries[*file_row]);
-            return measure::contract::on_rays_of(o.file, is_whole_file ? result.rays : result.first.size(), result.rays,
-                                                 "of its rays that hit or should hit", suspicion_text);
+            return measure::contract::on_rays_of(options.file, is_whole_file ? result.rays : result.first.size(),
+                                                 result.rays, "of its rays that hit or should hit", suspicion_text);
         });
     return report_unproved(result.summaries.front().count(Outcome::unresolved));
 }
 
 }  // namespace
 
-void add_judge(const shell::Command& program, const Common& common) {
+void add_judge(const shell::Command& program, const CommonOptions& common) {
     auto command = program.add_command(
         "judge", "Judge the answers in a file of rays, or let forms answer the same rays and judge them");
-    const auto o = std::make_shared<JudgeOptions>();
-    o->stop = common.stop;
+    const auto options = std::make_shared<JudgeOptions>();
+    options->stop = common.stop;
     command
-        .add("FILE", o->file,
+        .add("FILE", options->file,
              "A file of rays (CSV, .npy or raw) with columns such as ox,oy,oz,dx,dy,dz,hit,t (docs/judge.md)")
         .required();
-    selection::add_ray_options(command, *o);
-    command.add_list("-i,--form", o->forms, "Forms to run on the same rays, by name or glob");
-    command.add_list("-f", o->formats, "Formats of these forms (default: the format of the file)");
-    command.add("--against", o->against, "Also compare the answers with those of this form");
-    command.add_list("--metric", o->metrics,
+    selection::add_ray_options(command, *options);
+    command.add_list("-i,--form", options->forms, "Forms to run on the same rays, by name or glob");
+    command.add_list("-f", options->formats, "Formats of these forms (default: the format of the file)");
+    command.add("--against", options->against, "Also compare the answers with those of this form");
+    command.add_list("--metric", options->metrics,
                      "Metrics to measure, by name or glob (default: lost_bits); see `lostbits list metrics`");
-    command.add("--by", o->by, "Also write results for each value of a column of your own, such as depth or material");
-    command.add("--bits", o->bits, "Count the hits that keep fewer than this many correct bits of t",
-                shell::number_from(0, 53));
-    command.add("--tolerance", o->tolerance,
+    command.add("--by", options->by,
+                "Also write results for each value of a column of your own, such as depth or material");
+    command.add("--bits", options->bits, "Count the hits that keep fewer than this many correct bits of t",
+                shell::number_between(0, 53));
+    command.add("--tolerance", options->tolerance,
                 "Count the hits farther than this from the true point, along the ray, in the scene's unit of length");
-    command.add("--unit", o->unit, "The scene's unit of length (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
-    command.add("--size", o->size, "Draw the rays as a picture of WxH pixels, row by row");
-    selection::add_pictures(command, o->pictures);
-    command.add("--rows", o->rows, "Also write one row per ray, with the columns of the file");
+    command.add("--unit", options->unit, "The scene's unit of length (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
+    command.add("--size", options->size, "Draw the rays as a picture of WxH pixels, row by row");
+    selection::add_pictures(command, options->pictures);
+    command.add("--rows", options->rows, "Also write one row per ray, with the columns of the file");
     command.add(
-        "--worst-rays", o->worst,
+        "--worst-rays", options->worst,
         "Number of rays of each kind in worst.toml: correct hits with the largest errors, and each kind of wrong "
         "decision (default: 10)");
-    add_shard(command, o->shard);
-    selection::add_out(command, o->out);
-    command.runs([o, &common] { return run(*o, common); });
+    add_shard(command, options->shard);
+    selection::add_out(command, options->out);
+    command.set_action([options, &common] { return run(*options, common); });
 }
 
 }  // namespace lostbits::analysis

@@ -24,47 +24,49 @@ using selection::JudgeOptions;
 namespace {
 
 /// Throws InputError for an option of `judge` that answers of this kind do not have.
-void refuse_options(const JudgeOptions& o, AnswerKind kind, const std::string& column) {
-    const selection::RayFileOptions usual;
-    const std::pair<const char*, bool> first_hit_options[] = {{"-i", !o.forms.empty()},
-                                                              {"-f", !o.formats.empty()},
-                                                              {"--against", !o.against.empty()},
-                                                              {"--metric", !o.metrics.empty()},
-                                                              {"--by", !o.by.empty()},
-                                                              {"--bits", o.bits >= 0},
-                                                              {"--tolerance", !o.tolerance.empty()},
-                                                              {"--unit", !o.unit.empty()},
-                                                              {"--size", !o.size.empty()},
-                                                              {"--shard", !o.shard.empty()},
-                                                              {"--pictures", o.pictures != JudgeOptions().pictures},
-                                                              {"--miss", !o.miss.empty()},
-                                                              {"--at-origin", o.at_origin != usual.at_origin},
-                                                              {"--inside", o.inside != usual.inside}};
-    for (const auto& [name, given] : first_hit_options)
-        if (given)
+void refuse_options(const JudgeOptions& options, AnswerKind kind, const std::string& column) {
+    const selection::RayFileOptions defaults;
+    const std::pair<const char*, bool> first_hit_options[] = {
+        {"-i", !options.forms.empty()},
+        {"-f", !options.formats.empty()},
+        {"--against", !options.against.empty()},
+        {"--metric", !options.metrics.empty()},
+        {"--by", !options.by.empty()},
+        {"--bits", options.bits >= 0},
+        {"--tolerance", !options.tolerance.empty()},
+        {"--unit", !options.unit.empty()},
+        {"--size", !options.size.empty()},
+        {"--shard", !options.shard.empty()},
+        {"--pictures", options.pictures != JudgeOptions().pictures},
+        {"--miss", !options.miss.empty()},
+        {"--at-origin", options.at_origin != defaults.at_origin},
+        {"--inside", options.inside != defaults.inside}};
+    for (const auto& [name, is_given] : first_hit_options)
+        if (is_given)
             throw InputError(fmt::format(
                 "{0} is for files of first hits, but the column {1} of {2} says {3}; leave out {0} or the column", name,
-                column, o.file,
+                column, options.file,
                 kind == AnswerKind::all_hits ? "that it lists all hits"
                 : kind == AnswerKind::inside ? "that its records are points"
                                              : "how often rays cross the surface"));
     if (kind == AnswerKind::inside)
-        for (const auto& [name, given] : {std::pair("--direction", o.direction != usual.direction),
-                                          {"--touching", o.touching != usual.touching},
-                                          {"--facing", o.facing != usual.facing},
-                                          {"--open-ends", o.open_ends != usual.open_ends}})
-            if (given)
-                throw InputError(fmt::format("{0} is about rays, but {1} has points; leave out {0}", name, o.file));
+        for (const auto& [name, is_given] : {std::pair("--direction", options.direction != defaults.direction),
+                                             {"--touching", options.touching != defaults.touching},
+                                             {"--facing", options.facing != defaults.facing},
+                                             {"--open-ends", options.open_ends != defaults.open_ends}})
+            if (is_given)
+                throw InputError(
+                    fmt::format("{0} is about rays, but {1} has points; leave out {0}", name, options.file));
 }
 
-std::shared_ptr<const scene::rays::MeshColumns> mesh_given(const std::optional<scene::file::Scene>& scene,
-                                                           const JudgeOptions& o, const Format& format) {
+std::shared_ptr<const scene::rays::MeshColumns> require_mesh(const std::optional<scene::file::Scene>& scene,
+                                                             const JudgeOptions& options, const Format& format) {
     auto mesh = scene ? scene::rays::stored_mesh(*scene, format.parameters) : nullptr;
     if (mesh && mesh->size() == scene->primitive_count()) return mesh;
     throw InputError(
         fmt::format("{}: its answers are about the surface of a mesh; give --scene with a scene of [[mesh]] "
                     "tables and no other primitives",
-                    o.file));
+                    options.file));
 }
 
 void print_answers(const std::string& name, const Format& format, const MeshAnswersResult& result) {
@@ -90,51 +92,52 @@ void print_answers(const std::string& name, const Format& format, const MeshAnsw
 
 /// Lines that name the first ray or point of each fault.
 void print_faults(const MeshAnswersResult& result) {
-    const bool points = result.kind == AnswerKind::inside;
+    const bool are_points = result.kind == AnswerKind::inside;
     for (const auto& [outcome, count, first] : output::judge::mesh_fault_rows(result)) {
         const std::string title = output::map::in_words(name_of(outcome));
-        fmt::print("  first {}: {} {}, {}\n", title, points ? "point" : "record", first->record,
-                   output::judge::words_of(*first, points));
+        fmt::print("  first {}: {} {}, {}\n", title, are_points ? "point" : "record", first->record,
+                   output::judge::words_of(*first, are_points));
     }
 }
 
 }  // namespace
 
-Exit run_mesh_judge(const JudgeOptions& o, const std::optional<scene::file::Scene>& scene, scene::dump::Dump& dump,
-                    const Common& common) {
+Exit run_mesh_judge(const JudgeOptions& options, const std::optional<scene::file::Scene>& scene,
+                    scene::dump::Dump& dump, const CommonOptions& common) {
     const scene::dump::Layout& layout = dump.layout();
     const AnswerKind kind = layout.answers();
-    refuse_options(o, kind, layout.columns()[layout.index_of(scene::dump::slot_of(kind))].name);
-    measure::judge::MeshAnswersRequest request{.mesh = mesh_given(scene, o, dump.format()),
+    refuse_options(options, kind, layout.columns()[layout.index_of(scene::dump::slot_of(kind))].name);
+    measure::judge::MeshAnswersRequest request{.mesh = require_mesh(scene, options, dump.format()),
                                                .contract = {.has_t = layout.has(scene::dump::slot::t),
-                                                            .unit = o.direction == "unit",
-                                                            .touching_may_miss = o.touching == "miss",
-                                                            .facing = selection::contract_of(o, dump).facing},
+                                                            .unit = options.direction == "unit",
+                                                            .touching_may_miss = options.touching == "miss",
+                                                            .facing = selection::answer_contract(options, dump).facing},
                                                .limit = {.stop = common.stop}};
-    if (kind == AnswerKind::inside) measure::judge::require_inside(request.mesh->mesh(), o.file);
+    if (kind == AnswerKind::inside) measure::judge::require_inside(request.mesh->mesh(), options.file);
     const selection::ThreadLimit threads(common.threads);
-    const bool by_bytes = dump.bytes() > 0;
-    output::file::Progress progress(by_bytes ? dump.bytes() : 1, "judge", common.progress, common.quiet);
-    request.progress = [&](std::uint64_t bytes) { progress.advance(by_bytes ? bytes : 0); };
-    const std::string stem = scene::toml::result_name(o.file), name = measure::judge::name_of_answers(stem);
-    const auto folder = std::filesystem::path(o.out) / stem;
-    const auto result_folder = take_folder(folder, common, output::attribution::shell_word(o.file));
-    output::judge::MeshAnswerFiles files({.folder = folder,
-                                          .name = name,
-                                          .format = std::string(dump.format().name),
-                                          .title = "answers of " + std::filesystem::path(o.file).filename().string(),
-                                          .kind = kind,
-                                          .rows = o.rows});
+    const bool counts_bytes = dump.bytes() > 0;
+    output::file::Progress progress(counts_bytes ? dump.bytes() : 1, "judge", common.progress, common.quiet);
+    request.progress = [&](std::uint64_t bytes) { progress.advance(counts_bytes ? bytes : 0); };
+    const std::string stem = scene::toml::result_name(options.file), name = measure::judge::name_of_answers(stem);
+    const auto folder = std::filesystem::path(options.out) / stem;
+    const auto result_folder = take_folder(folder, common, output::attribution::shell_word(options.file));
+    output::judge::MeshAnswerFiles files(
+        {.folder = folder,
+         .name = name,
+         .format = std::string(dump.format().name),
+         .title = "answers of " + std::filesystem::path(options.file).filename().string(),
+         .kind = kind,
+         .rows = options.rows});
     const MeshAnswersResult result =
         measure::judge::judge_mesh_answers(dump, request, [&](const auto& answers) { files.add(answers); });
     files.finish(result);
     complete_folder(result_folder);
     progress.finish();
     if (!common.quiet) {
-        selection::note_rounded(o.file, result.rounded, dump.format());
+        selection::note_rounded(options.file, result.rounded, dump.format());
         fmt::print("{} of {}, read as {}\n",
-                   scene::toml::count_with_noun(result.rays, kind == AnswerKind::inside ? "point" : "ray"), o.file,
-                   dump.format().name);
+                   scene::toml::count_with_noun(result.rays, kind == AnswerKind::inside ? "point" : "ray"),
+                   options.file, dump.format().name);
         print_answers(name, dump.format(), result);
         print_faults(result);
         fmt::print("{}\n", (folder / "summary.csv").string());

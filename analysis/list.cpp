@@ -38,12 +38,12 @@ struct Listing {
 };
 
 /// Makes a row of texts for each item of a table.
-template <class Items, class RowOf>
-Listing listing(std::vector<std::string> columns, const Items& items, const RowOf& row_of) {
+template <class Items, class MakeRow>
+Listing make_listing(std::vector<std::string> columns, const Items& items, const MakeRow& make_row) {
     Listing list{std::move(columns)};
     for (const auto& item : items) {
         Row& row = list.rows.emplace_back();
-        for (const auto& text : row_of(item)) row.emplace_back(text);
+        for (const auto& text : make_row(item)) row.emplace_back(text);
     }
     return list;
 }
@@ -61,71 +61,73 @@ std::string inside_answer(intersect::Inside inside, Shape shape) {
     return inside_returns_zero(shape) ? "zero" : "exit";
 }
 
-Listing intersectors(const Common& /*common*/) {
-    return listing({"name", "title", "direction", "roots", "touching", "at_origin", "inside", "facing", "next_crossing",
-                    "formats", "source"},
-                   lostbits::intersect::table::intersectors(), [](const intersect::table::Intersector& i) {
-                       const intersect::Info& info = *i.info;
-                       const char* roots = info.roots == intersect::Roots::both         ? "both"
-                                           : info.roots == intersect::Roots::near_only  ? "near only"
-                                           : info.roots == intersect::Roots::first_only ? "first only"
-                                                                                        : "none";
-                       const char* at_origin = info.at_origin == intersect::AtOrigin::hit    ? "hits"
-                                               : info.at_origin == intersect::AtOrigin::miss ? "misses"
-                                                                                             : "exit";
-                       return Row{std::string(info.name),
-                                  std::string(info.title),
-                                  info.direction == intersect::Direction::unit ? "unit" : "any",
-                                  roots,
-                                  info.touching == intersect::Touching::hit ? "hits" : "misses",
-                                  at_origin,
-                                  inside_answer(info.inside, i.shape),
-                                  is_flat(i.shape)
-                                      ? std::string(intersect::facing_names[static_cast<std::size_t>(info.facing)])
-                                      : "none",
-                                  intersect::tells_next_crossing(info, i.shape) ? "yes" : "no",
-                                  selection::formats_of(i),
-                                  std::string(info.source)};
-                   });
+Listing intersectors(const CommonOptions& /*common*/) {
+    return make_listing({"name", "title", "direction", "roots", "touching", "at_origin", "inside", "facing",
+                         "next_crossing", "formats", "source"},
+                        lostbits::intersect::table::intersectors(), [](const intersect::table::Intersector& form) {
+                            const intersect::Info& info = *form.info;
+                            const char* roots = info.roots == intersect::Roots::both         ? "both"
+                                                : info.roots == intersect::Roots::near_only  ? "near only"
+                                                : info.roots == intersect::Roots::first_only ? "first only"
+                                                                                             : "none";
+                            const char* at_origin = info.at_origin == intersect::AtOrigin::hit    ? "hits"
+                                                    : info.at_origin == intersect::AtOrigin::miss ? "misses"
+                                                                                                  : "exit";
+                            return Row{std::string(info.name),
+                                       std::string(info.title),
+                                       info.direction == intersect::Direction::unit ? "unit" : "any",
+                                       roots,
+                                       info.touching == intersect::Touching::hit ? "hits" : "misses",
+                                       at_origin,
+                                       inside_answer(info.inside, form.shape),
+                                       is_flat(form.shape)
+                                           ? std::string(intersect::facing_names[static_cast<std::size_t>(info.facing)])
+                                           : "none",
+                                       intersect::tells_next_crossing(info, form.shape) ? "yes" : "no",
+                                       selection::formats_of(form),
+                                       std::string(info.source)};
+                        });
 }
 
-Listing formats(const Common& /*common*/) {
-    return listing({"name", "meaning"}, format_help, [](const FormatHelp& f) { return Cells<2>{f.name, f.meaning}; });
+Listing formats(const CommonOptions& /*common*/) {
+    return make_listing({"name", "meaning"}, format_help, [](const FormatHelp& f) {
+        return Cells<2>{f.name, f.meaning};
+    });
 }
 
 /// Methods to transform a ray to the object space of a primitive.
-Listing transforms(const Common& /*common*/) {
-    return listing(
-        {"name", "title", "direction", "source"}, intersect::transform::transform_methods(), [](const auto& s) {
-            return Cells<4>{s.info->name, s.info->title,
-                            s.info->direction == intersect::Direction::unit ? "unit" : "any", s.info->source};
+Listing transforms(const CommonOptions& /*common*/) {
+    return make_listing(
+        {"name", "title", "direction", "source"}, intersect::transform::transform_methods(), [](const auto& method) {
+            return Cells<4>{method.info->name, method.info->title,
+                            method.info->direction == intersect::Direction::unit ? "unit" : "any", method.info->source};
         });
 }
 
 /// Methods to compute the bounding box of a primitive.
-Listing box_methods(const Common& /*common*/) {
-    return listing({"name", "title", "source"}, intersect::bounding_box::box_methods(), [](const auto& method) {
+Listing box_methods(const CommonOptions& /*common*/) {
+    return make_listing({"name", "title", "source"}, intersect::bounding_box::box_methods(), [](const auto& method) {
         return Cells<3>{method.info->name, method.info->title, method.info->source};
     });
 }
 
 /// Ray generators, which make the ray of a pixel.
-Listing ray_generators(const Common& /*common*/) {
-    return listing({"name", "title", "begins", "source"}, scene::camera::ray_generators(), [](const auto& m) {
+Listing ray_generators(const CommonOptions& /*common*/) {
+    return make_listing({"name", "title", "begins", "source"}, scene::camera::ray_generators(), [](const auto& m) {
         return Cells<4>{m.info->name, m.info->title, m.info->from_near ? "near plane" : "eye", m.info->source};
     });
 }
 
-Listing metric_table(const Common& /*common*/) {
-    Listing list = listing({"name", "unit", "layer", "default", "meaning"}, measure::metric::metrics(),
-                           [](const measure::metric::Metric& m) {
-                               return Cells<5>{m.name, m.unit, m.layer, m.by_default ? "yes" : "no", m.meaning};
-                           });
+Listing metric_table(const CommonOptions& /*common*/) {
+    Listing list = make_listing({"name", "unit", "layer", "default", "meaning"}, measure::metric::metrics(),
+                                [](const measure::metric::Metric& m) {
+                                    return Cells<5>{m.name, m.unit, m.layer, m.by_default ? "yes" : "no", m.meaning};
+                                });
     measure::metric::MetricSet metric_set;
-    const auto add = [&](const char* name, const char* example, bool has_unit, const std::string& more) {
+    const auto add = [&](const char* name, const char* example, bool has_unit, const std::string& more_meaning) {
         const measure::metric::Metric& m = *metric_set.find(example);
-        list.rows.push_back(
-            {name, has_unit ? std::string(m.unit) : "", std::string(m.layer), "no", std::string(m.meaning) + more});
+        list.rows.push_back({name, has_unit ? std::string(m.unit) : "", std::string(m.layer), "no",
+                             std::string(m.meaning) + more_meaning});
     };
     for (const char* name : {"contribution:LABEL", "cancellation:LABEL"})
         add(name, name, true, "; `lostbits list labels` shows the labels of each form");
@@ -137,11 +139,11 @@ Listing metric_table(const Common& /*common*/) {
 }
 
 /// Rules for the origin of the next ray, and how many operations each costs.
-Listing strategies(const Common& /*common*/) {
+Listing strategies(const CommonOptions& /*common*/) {
     std::vector<std::string> columns{"name", "title"};
     for (const ShapeRow& shape : shape_rows) columns.push_back("operations_" + std::string(shape.name));
     columns.emplace_back("source");
-    return listing(columns, measure::offset::strategies(), [](const measure::offset::Strategy& s) {
+    return make_listing(columns, measure::offset::strategies(), [](const measure::offset::Strategy& s) {
         Row row{std::string(s.name), std::string(s.title)};
         for (const ShapeRow& shape : shape_rows) row.push_back(std::to_string(s.operations(shape.shape)));
         row.emplace_back(s.source);
@@ -150,17 +152,17 @@ Listing strategies(const Common& /*common*/) {
 }
 
 /// Pairs of questions that should have the same answer.
-Listing checks(const Common& /*common*/) {
-    return listing({"name", "title", "first", "second"}, measure::consistency::checks(),
-                   [](const measure::consistency::Check& c) {
-                       return Cells<4>{c.name, c.title, c.first, c.second};
-                   });
+Listing checks(const CommonOptions& /*common*/) {
+    return make_listing({"name", "title", "first", "second"}, measure::consistency::checks(),
+                        [](const measure::consistency::Check& c) {
+                            return Cells<4>{c.name, c.title, c.first, c.second};
+                        });
 }
 
 /// The devices that run shaders.
-Listing devices(const Common& common) {
+Listing devices(const CommonOptions& common) {
     Listing list{{"name", "renderer", "version", "dot", "arithmetic"}};
-    for (const std::string& kind : selection::devices_of({"all"})) {
+    for (const std::string& kind : selection::select_devices({"all"})) {
         const selection::DeviceReport report = selection::ask_device(kind, common.external);
         const auto fact = [&report](std::string_view key) {
             const auto found =
@@ -177,12 +179,12 @@ Listing devices(const Common& common) {
 }
 
 /// The labels of each form's operations, recorded with one primitive of its shape.
-Listing labels(const Common& /*common*/) {
+Listing labels(const CommonOptions& /*common*/) {
     std::vector<Primitive<double>> primitives;
     for (const ShapeRow& shape_row : shape_rows)
         primitives.push_back(primitive_around<double>(shape_row.shape, {0, 0, 5}, 1));
     const intersect::MarchConstants<double> march{};  // labels do not depend on its numbers
-    return listing({"name", "labels"}, lostbits::intersect::table::intersectors(), [&](const auto& form) {
+    return make_listing({"name", "labels"}, lostbits::intersect::table::intersectors(), [&](const auto& form) {
         auto form_labels = measure::attribution::labels_of(
             form, {!is_primitive(form.shape) ? std::span(primitives).first(1) : std::span(primitives), &march});
         std::ranges::sort(
@@ -191,7 +193,7 @@ Listing labels(const Common& /*common*/) {
     });
 }
 
-Listing scenes(const Common& common) {
+Listing scenes(const CommonOptions& common) {
     Listing list{{"name", "variants", "inputs", "title"}};
     for (const auto& path : scene::file::scene_files(selection::data_folder(common.data))) {
         const scene::file::SceneFile file(path);
@@ -227,7 +229,7 @@ std::pair<std::string, std::string> axis_and_title(const std::filesystem::path& 
     });
 }
 
-Listing sweeps(const Common& common) {
+Listing sweeps(const CommonOptions& common) {
     Listing list{{"name", "axis", "title"}};
     const auto data = selection::data_folder(common.data), root = scene::toml::folder_of_data(data, "sweeps");
     for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
@@ -241,7 +243,7 @@ Listing sweeps(const Common& common) {
 
 /// The claims, in the order of the files, with the verdicts that they state. Nothing is measured; `lostbits check` does
 /// that.
-Listing claims(const Common& common) {
+Listing claims(const CommonOptions& common) {
     Listing list{{"id", "verdict", "profile", "subject", "form", "format", "statement"}};
     const auto root = scene::toml::folder_of_data(selection::data_folder(common.data), "claims");
     for (const auto& path : scene::claim::claim_files(root)) {
@@ -283,7 +285,7 @@ void print_json(const Listing& list) {
 }
 
 /// The lists, in the order of the help.
-constexpr std::pair<const char*, Listing (*)(const Common&)> lists[] = {
+constexpr std::pair<const char*, Listing (*)(const CommonOptions&)> lists[] = {
     {"forms", intersectors},
     {"intersectors", intersectors},
     {"labels", labels},
@@ -300,7 +302,7 @@ constexpr std::pair<const char*, Listing (*)(const Common&)> lists[] = {
     {"devices", devices},
 };
 
-Exit run(const std::string& list_name, bool json, const Common& common) {
+Exit run(const std::string& list_name, bool json, const CommonOptions& common) {
     const Listing chosen =
         std::ranges::find(lists, list_name, [](const auto& list) { return list.first; })->second(common);
     if (json) print_json(chosen);
@@ -310,7 +312,7 @@ Exit run(const std::string& list_name, bool json, const Common& common) {
 
 }  // namespace
 
-void add_list(const shell::Command& program, const Common& common) {
+void add_list(const shell::Command& program, const CommonOptions& common) {
     auto command = program.add_command("list",
                                        "List forms (intersectors), labels of their operations, formats, metrics, "
                                        "scenes, sweeps, claims, strategies, checks, transforms, bounding boxes, "
@@ -321,7 +323,7 @@ void add_list(const shell::Command& program, const Common& common) {
     for (const auto& [name, list] : lists) names.emplace_back(name);
     command.add("WHAT", *list_name, "What to list", shell::one_of(names));
     command.add("--json", *json, "Print a JSON array");
-    command.runs([list_name, json, &common] { return run(*list_name, *json, common); });
+    command.set_action([list_name, json, &common] { return run(*list_name, *json, common); });
 }
 
 }  // namespace lostbits::analysis

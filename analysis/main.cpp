@@ -36,7 +36,7 @@ constexpr const char* description =
     "A precision laboratory for ray intersectors: where significand bits are lost, which operation loses them,\n"
     "whether the formula or the problem is to blame, and what the safer form costs.";
 
-void add_common(const shell::Command& program, Common& common) {
+void add_common(const shell::Command& program, CommonOptions& common) {
     program.add("--data", common.data,
                 "Folder with scenes/, sweeps/, claims/ (default: $LOSTBITS_DATA, then ./data, then the program's "
                 "own)");
@@ -51,7 +51,8 @@ void add_common(const shell::Command& program, Common& common) {
     program.add("-q,--quiet", common.quiet, "Print errors only");
     program.add("-v,--verbose", common.verbose, "Print more detail");
     program.add("-j,--threads", common.threads,
-                "Number of threads (default: one per core); results do not depend on it", shell::whole_from(1, 1024));
+                "Number of threads (default: one per core); results do not depend on it",
+                shell::whole_number_between(1, 1024));
     program.add("--isa", common.isa,
                 "SIMD register width in bits (default: the widest of this processor); results do not depend on it",
                 shell::one_of({intersect::simd::isa_names.begin(), intersect::simd::isa_names.end()}));
@@ -80,7 +81,7 @@ void add_external_options(const shell::Command& program, selection::ExternalOpti
         .excludes(isolate);
     program.add("--time-limit", external.seconds,
                 "Seconds that a library, command, shader or compiler may take for one task (default: 30)",
-                shell::number_from(0.1, 1e6));
+                shell::number_between(0.1, 1e6));
 }
 
 constexpr const char* help_footer =
@@ -106,7 +107,7 @@ constexpr const char* help_footer =
 /// Adds the commands that print completion scripts and the manual page.
 void add_shell(const shell::Command& program) {
     const auto add_printer = [](const shell::Command& command, const std::function<std::string()>& text) {
-        command.runs([text] {
+        command.set_action([text] {
             fmt::print("{}", text());
             return Exit::done;
         });
@@ -124,7 +125,7 @@ void add_shell(const shell::Command& program) {
 
 /// Returns the common options as arguments, for a run that joins shards. They replace those of the shards' own command
 /// lines.
-std::vector<std::string> arguments_of(const Common& common) {
+std::vector<std::string> arguments_of(const CommonOptions& common) {
     std::vector<std::string> arguments{"--progress", "none"};
     if (common.quiet) arguments.emplace_back("-q");
     if (common.verbose) arguments.emplace_back("-v");
@@ -136,7 +137,7 @@ std::vector<std::string> arguments_of(const Common& common) {
 
 Exit run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<shard::Shards> shards);
 
-void add_merge(const shell::Command& program, const Common& common) {
+void add_merge(const shell::Command& program, const CommonOptions& common) {
     shard::add_merge(program, program_and_version,
                      [&common](std::vector<std::string> command_arguments, std::shared_ptr<shard::Shards> shards) {
                          std::ranges::move(arguments_of(common), std::back_inserter(command_arguments));
@@ -145,7 +146,7 @@ void add_merge(const shell::Command& program, const Common& common) {
 }
 
 /// Adds the commands in the order of their names.
-void add_commands(const shell::Command& program, const Common& common) {
+void add_commands(const shell::Command& program, const CommonOptions& common) {
     std::vector<NamedCommand> commands{{"check", add_check},   {"choose", add_choose},   {"devices", add_devices},
                                        {"diff", add_diff},     {"explain", add_explain}, {"judge", add_judge},
                                        {"list", add_list},     {"map", add_map},         {"mend", add_mend},
@@ -160,16 +161,16 @@ void add_commands(const shell::Command& program, const Common& common) {
 /// itself.
 Exit run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<shard::Shards> shards) {
     shell::CommandLine program("lostbits", program_and_version, description);
-    Common common;
+    CommonOptions common;
     common.shards_to_join = std::move(shards);
-    common.external.on_fatal_fault = shell::tell_status;
+    common.external.on_fatal_fault = shell::report_status;
     common.stop = common.external.stop = shell::stop_by_signal();
     add_common(program, common);
     add_external_options(program, common.external);
     add_commands(program, common);
     add_shell(program);
     add_examples(program);
-    const shell::UpdatedArguments updated = shell::with_new_names(program, arguments);
+    const shell::UpdatedArguments updated = shell::update_names(program, arguments);
     try {
         const auto parsed = program.parse(updated.arguments);
         if (parsed == shell::CommandLine::Parsed::help) fmt::print("{}", shell::help_page(program, help_footer));
@@ -183,10 +184,12 @@ Exit run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<sh
         for (const std::string& advice : updated.advice)
             fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(advice));
     common.typed_command = selection::typed_command(program);
-    selection::find_in_data(program.given().back(), common.data);
+    selection::find_in_data(program.given_commands().back(), common.data);
     selection::refuse_other_kinds(program, selection::data_folder(common.data));
     if (const auto isa = intersect::simd::isa_named(common.isa)) intersect::simd::set_isa(*isa);
-    const auto is_command = [name = program.given().at(1).name()](const char* command) { return name == command; };
+    const auto is_command = [name = program.given_commands().at(1).name()](const char* command) {
+        return name == command;
+    };
     if (!is_command("shader") && !is_command("devices"))
         selection::decide_isolation(common.external, is_command("check"));
     if (!is_command("plugin") && !is_command("shader") && !is_command("devices")) {
@@ -198,7 +201,7 @@ Exit run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<sh
         shell::open_standard_streams();  // a library may have closed one
         if (!common.quiet) {
             selection::note_processor_states();
-            selection::note_unselected(program.given().back());
+            selection::note_unselected(program.given_commands().back());
         }
     }
     shell::TableOnStdout table(program);
@@ -240,8 +243,8 @@ namespace {
             "lostbits: a library stopped the program, perhaps for lack of memory or threads; try fewer forms, a "
             "smaller --size, a mesh of fewer triangles, or -j 1\n",
             stderr);
-    if (foreign_code != nullptr) lostbits::analysis::shell::tell_status(static_cast<int>(code));
-    else if (!lostbits::analysis::shell::tell_broken(static_cast<int>(code)) && is_foreign)
+    if (foreign_code != nullptr) lostbits::analysis::shell::report_status(static_cast<int>(code));
+    else if (!lostbits::analysis::shell::report_uncaught_exception(static_cast<int>(code)) && is_foreign)
         std::fputs("lostbits: an uncaught exception ended the program\n", stderr);
     std::_Exit(static_cast<int>(code));
 }
@@ -293,6 +296,6 @@ int main(int argc, char** argv) {
     output::file::raise_open_file_limit();
     std::set_terminate(on_terminate);
     const int status = run_program(argc, argv);
-    analysis::shell::tell_status(status);
+    analysis::shell::report_status(status);
     return status;
 }

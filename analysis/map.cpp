@@ -41,17 +41,19 @@ struct MapOptions : selection::SharedOptions {
 };
 
 /// Returns the options that change a scene, as text of a command line.
-std::string scene_options_of(const MapOptions& o) {
-    return concatenate(" --set '", o.scenes.set, "'") + (o.scenes.size.empty() ? "" : " --size " + o.scenes.size);
+std::string scene_options_text(const MapOptions& options) {
+    return concatenate(" --set '", options.scenes.set, "'") +
+           (options.scenes.size.empty() ? "" : " --size " + options.scenes.size);
 }
 
 /// The command that makes the same EXR again, with exactly the options that decide its bytes.
-std::string canonical_command(const Scene& scene, const MapOptions& o) {
-    return fmt::format("lostbits map {}{}{}{}{}{}{}{} --exr{}", scene.id, output::attribution::plugin_options(),
-                       concatenate(" -i '", o.forms, "'"), concatenate(" -f ", o.formats),
-                       concatenate(" --metric ", o.metrics) + (o.range.empty() ? "" : " --range " + o.range),
-                       o.envelope ? " --envelope" : "", o.against.empty() ? "" : " --against " + o.against,
-                       o.bits_needed > 0 ? fmt::format(" --bits {}", o.bits_needed) : "", scene_options_of(o));
+std::string canonical_command(const Scene& scene, const MapOptions& options) {
+    return fmt::format(
+        "lostbits map {}{}{}{}{}{}{}{} --exr{}", scene.id, output::attribution::plugin_options(),
+        concatenate(" -i '", options.forms, "'"), concatenate(" -f ", options.formats),
+        concatenate(" --metric ", options.metrics) + (options.range.empty() ? "" : " --range " + options.range),
+        options.envelope ? " --envelope" : "", options.against.empty() ? "" : " --against " + options.against,
+        options.bits_needed > 0 ? fmt::format(" --bits {}", options.bits_needed) : "", scene_options_text(options));
 }
 
 /// The forms of the rows that exist in every width, as --bits requires. Throws NothingSelected if there are none.
@@ -76,21 +78,23 @@ struct SceneWork {
     }
 };
 
-SceneWork work_on(const Scene& scene, const MapOptions& o, const std::vector<TestedForm>& rows,
-                  const std::vector<const Metric*>& metrics, measure::metric::MetricSet& metric_set) {
-    auto scene_rows = selection::fitting(rows, [&](Shapes forms) { return scene.meets(forms); });
-    SceneWork work{study::map_of(scene, std::move(scene_rows), metrics, metric_set, o.scenes.stop), {}};
-    if (o.bits_needed > 0) selection::refuse_generators(rows, "--bits");
-    if (o.bits_needed > 0)
-        work.needed.emplace(NeededStudy{
-            .scene = scene, .rows = forms_of_any_width(work.map.rows), .bits = o.bits_needed, .limit = work.map.limit});
+SceneWork plan_scene(const Scene& scene, const MapOptions& options, const std::vector<TestedForm>& rows,
+                     const std::vector<const Metric*>& metrics, measure::metric::MetricSet& metric_set) {
+    auto scene_rows = selection::fitting_rows(rows, [&](Shapes forms) { return scene.meets(forms); });
+    SceneWork work{study::map_of(scene, std::move(scene_rows), metrics, metric_set, options.scenes.stop), {}};
+    if (options.bits_needed > 0) selection::refuse_generators(rows, "--bits");
+    if (options.bits_needed > 0)
+        work.needed.emplace(NeededStudy{.scene = scene,
+                                        .rows = forms_of_any_width(work.map.rows),
+                                        .bits = options.bits_needed,
+                                        .limit = work.map.limit});
     return work;
 }
 
 /// Prints which forms `--bits` leaves out.
-void note_skipped(const std::vector<SceneWork>& works) {
+void note_skipped(const std::vector<SceneWork>& scene_works) {
     std::set<std::string_view> named_forms;
-    for (const SceneWork& work : works) {
+    for (const SceneWork& work : scene_works) {
         for (const TestedForm& form_row : work.map.rows) {
             const intersect::Info& info = *form_row.form->info;
             if (form_row.form->rounded != nullptr || !named_forms.insert(info.name).second) continue;
@@ -102,10 +106,10 @@ void note_skipped(const std::vector<SceneWork>& works) {
 
 /// The metrics of every pixel in the EXR, in addition to the answer and its outcome: lost bits, the drawn metrics and,
 /// for an envelope, excess bits.
-std::vector<const Metric*> exr_layers(const SceneWork& work, const MapOptions& o,
+std::vector<const Metric*> exr_layers(const SceneWork& work, const MapOptions& options,
                                       std::vector<const Metric*> drawn_metrics) {
     std::vector<const Metric*> layers{measure::metric::find_metric("lost_bits")};
-    if (o.envelope) drawn_metrics.push_back(measure::metric::find_metric("excess_bits"));
+    if (options.envelope) drawn_metrics.push_back(measure::metric::find_metric("excess_bits"));
     for (const Metric* m : drawn_metrics) selection::add_once(layers, m);
     std::erase_if(
         layers, [&work](const Metric* m) { return std::ranges::find(work.map.metrics, m) == work.map.metrics.end(); });
@@ -162,7 +166,7 @@ void print_results(const SceneWork& work, const SceneSummaries& summaries, const
 
 /// Options, progress and division of the run, for the work on one scene.
 struct MapContext {
-    const Common& common;
+    const CommonOptions& common;
     output::file::Progress& progress;
     RunDivision& run_division;
     const SceneFolders::CompleteCallback& complete;
@@ -171,21 +175,21 @@ struct MapContext {
 
 /// Maps one scene. Returns the number of its rays without a proved truth; 0 in a shard, since the whole run counts
 /// them.
-std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<const Metric*>& drawn_metrics,
+std::uint64_t map_scene(SceneWork& work, const MapOptions& options, const std::vector<const Metric*>& drawn_metrics,
                         const MapContext& context) {
-    const Common& common = context.common;
+    const CommonOptions& common = context.common;
     output::file::Progress& progress = context.progress;
     shard::Division& division = context.run_division.division;
     const Scene& scene = *work.map.scene;
     const std::string job = "map " + scene.id, needed_job = "needed " + scene.id;
-    const auto folder = std::filesystem::path(o.out) / scene.id;
-    const bool writes_pixels = o.pixels == "csv";
+    const auto folder = std::filesystem::path(options.out) / scene.id;
+    const bool writes_pixels = options.pixels == "csv";
     std::optional<output::map::MapExr> exr_file;
-    if (o.exr)
+    if (options.exr)
         exr_file.emplace(context.run_division.path_to_write(folder / (scene.id + ".exr")),
                          output::map::MapExrRequest{.map = work.map,
-                                                    .layers = exr_layers(work, o, drawn_metrics),
-                                                    .command = canonical_command(scene, o),
+                                                    .layers = exr_layers(work, options, drawn_metrics),
+                                                    .command = canonical_command(scene, options),
                                                     .needed = work.needed ? &*work.needed : nullptr});
     output::map::MapExr* const exr = exr_file ? &*exr_file : nullptr;
     std::optional<output::map::NeededFiles> needed_files;
@@ -194,18 +198,18 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
             *work.needed,
             output::map::NeededFilesOptions{folder, writes_pixels, exr, shard::piece_recorder(division, needed_job)});
     output::map::MapFiles files(
-        work.map,
-        {.folder = folder,
-         .drawn_metrics = drawn_metrics,
-         .single_pictures = o.pictures == "all",
-         .pixels_csv = writes_pixels,
-         .scene_arguments = selection::name_of_scene(scene, selection::data_folder(common.data)) + scene_options_of(o),
-         .explaining_sheet = context.explaining_sheet,
-         .envelope = o.envelope,
-         .exr = exr,
-         .other_tables = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{},
-         .range = selection::parse_range(o.range, drawn_metrics),
-         .keep = shard::piece_recorder(division, job)});
+        work.map, {.folder = folder,
+                   .drawn_metrics = drawn_metrics,
+                   .single_pictures = options.pictures == "all",
+                   .pixels_csv = writes_pixels,
+                   .scene_arguments = selection::name_of_scene(scene, selection::data_folder(common.data)) +
+                                      scene_options_text(options),
+                   .explaining_sheet = context.explaining_sheet,
+                   .envelope = options.envelope,
+                   .exr = exr,
+                   .other_tables = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{},
+                   .range = selection::parse_range(options.range, drawn_metrics),
+                   .keep = shard::piece_recorder(division, job)});
 
     SceneSummaries summaries;
     auto map_summaries = shard::run_divided(work.map, files, division, job);
@@ -235,68 +239,73 @@ std::vector<const Metric*> measured_metrics_of(std::vector<const Metric*> drawn_
     return drawn_metrics;
 }
 
-Exit run(MapOptions o, const Common& common) {
-    require_folder(o.out);
-    auto rows = selection::cross(selection::select_forms(o.forms), selection::select_formats(o.formats));
-    if (!o.against.empty()) selection::compare_against(rows, o.against, common.quiet);
+Exit run(MapOptions options, const CommonOptions& common) {
+    require_folder(options.out);
+    auto rows = selection::cross(selection::select_forms(options.forms), selection::select_formats(options.formats));
+    if (!options.against.empty()) selection::compare_against(rows, options.against, common.quiet);
     measure::metric::MetricSet metric_set;
-    auto drawn_metrics = o.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
-                                           : selection::select_metrics(o.metrics, metric_set);
-    if (!o.against.empty()) selection::add_pairs(drawn_metrics);
+    auto drawn_metrics = options.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
+                                                 : selection::select_metrics(options.metrics, metric_set);
+    if (!options.against.empty()) selection::add_comparison_metrics(drawn_metrics);
     auto measured_metrics = drawn_metrics;
-    if (o.envelope) {
+    if (options.envelope) {
         if (std::ranges::find(drawn_metrics, measure::metric::find_metric("lost_bits")) == drawn_metrics.end())
             throw InputError(
                 "--envelope marks pictures of lost_bits, but --metric does not draw them; add --metric lost_bits");
         measured_metrics.push_back(measure::metric::find_metric("excess_bits"));
     }
-    auto scenes = selection::load_scenes(o.scenes, selection::data_folder(common.data));
+    auto scenes = selection::load_scenes(options.scenes, selection::data_folder(common.data));
     const auto usable_rows = selection::drop_unfitting(
-        scenes, {rows, o.forms, common.quiet}, [](const Scene& s, Shapes forms) { return s.meets(forms); },
+        scenes, {rows, options.forms, common.quiet}, [](const Scene& s, Shapes forms) { return s.meets(forms); },
         [](const Scene& s) { return s.id; });
-    selection::note_unmeasured(o.forms, usable_rows, common.quiet);
-    static_cast<void>(selection::parse_range(o.range, drawn_metrics));  // an error ends the run before any work
+    selection::note_unmeasured(options.forms, usable_rows, common.quiet);
+    static_cast<void>(selection::parse_range(options.range, drawn_metrics));  // an error ends the run before any work
     const selection::ThreadLimit limit(common.threads);
 
-    std::vector<SceneWork> works;
-    for (const auto& scene : scenes) works.push_back(work_on(scene, o, rows, measured_metrics, metric_set));
-    for (const SceneWork& work : works)
+    std::vector<SceneWork> scene_works;
+    for (const auto& scene : scenes)
+        scene_works.push_back(plan_scene(scene, options, rows, measured_metrics, metric_set));
+    for (const SceneWork& work : scene_works)
         selection::applicable_metrics(drawn_metrics, work.map.rows, "scene " + work.map.scene->id);
     std::vector<std::filesystem::path> files;
     for (const auto& scene : scenes) files.push_back(scene.path);
-    auto run_division = divide_run(o.shard, o.out, files, common);
+    auto run_division = divide_run(options.shard, options.out, files, common);
     std::vector<std::string> jobs;
-    for (const SceneWork& work : works) {
+    for (const SceneWork& work : scene_works) {
         jobs.push_back("map " + work.map.scene->id);
         if (work.needed) jobs.push_back("needed " + work.map.scene->id);
     }
     run_division.division.expect(jobs);
-    o.out = run_division.out.string();
+    options.out = run_division.out.string();
     SceneFolders folders(scenes, run_division, common);
-    for (const SceneWork& work : works) selection::note_without_formula(drawn_metrics, work.map.rows, common.quiet);
-    if (o.bits_needed > 0 && !common.quiet) note_skipped(works);
-    for (const SceneWork& work : works)
-        selection::note_numbers(*work.map.scene, o.scenes.set, work.map.rows, common.quiet);
+    for (const SceneWork& work : scene_works)
+        selection::note_without_formula(drawn_metrics, work.map.rows, common.quiet);
+    if (options.bits_needed > 0 && !common.quiet) note_skipped(scene_works);
+    for (const SceneWork& work : scene_works)
+        selection::note_numbers(*work.map.scene, options.scenes.set, work.map.rows, common.quiet);
 
     std::uint64_t units = 0;
-    for (const SceneWork& work : works) units += work.units();
+    for (const SceneWork& work : scene_works) units += work.units();
     output::file::Progress progress(units / run_division.division.share().count, "map", common.progress, common.quiet);
-    const std::uint64_t unresolved = folders.for_each(works.size(), progress, [&](std::size_t k, const auto& complete) {
-        SceneWork work = works[k];  // a copy that may point to objects of this iteration
-        measure::truth::StageCounts stages;
-        const auto bands = measure::study::Bands(*work.map.scene, run_division.division.share()).size();
-        output::file::Estimate estimate(
-            progress, work.map.scene->id,
-            work.map.scene->pixels() * work.map.rows.size() / run_division.division.share().count, common.quiet, bands);
-        work.map.progress = advance_callback(progress, &estimate);
-        work.map.stages = &stages;
-        return map_scene(
-            work, o,
-            measured_metrics_of(selection::applicable_metrics(drawn_metrics, work.map.rows, work.map.scene->id), work),
-            {common, progress, run_division, complete, k == 0 ? "" : works.front().map.scene->id + "/contact"});
-    });
+    const std::uint64_t unresolved =
+        folders.for_each(scene_works.size(), progress, [&](std::size_t scene_index, const auto& complete) {
+            SceneWork work = scene_works[scene_index];  // a copy that may point to objects of this iteration
+            measure::truth::StageCounts stages;
+            const auto bands = measure::study::Bands(*work.map.scene, run_division.division.share()).size();
+            output::file::Estimate estimate(
+                progress, work.map.scene->id,
+                work.map.scene->pixels() * work.map.rows.size() / run_division.division.share().count, common.quiet,
+                bands);
+            work.map.progress = advance_callback(progress, &estimate);
+            work.map.stages = &stages;
+            return map_scene(work, options,
+                             measured_metrics_of(
+                                 selection::applicable_metrics(drawn_metrics, work.map.rows, work.map.scene->id), work),
+                             {common, progress, run_division, complete,
+                              scene_index == 0 ? "" : scene_works.front().map.scene->id + "/contact"});
+        });
     if (!finish_run(run_division, common)) return Exit::done;
-    for (const SceneWork& work : works)
+    for (const SceneWork& work : scene_works)
         note_suspicions(work.map.rows, common, [&work](const TestedForm& form_row) {
             return measure::contract::suspicion(*work.map.scene, form_row);
         });
@@ -305,38 +314,38 @@ Exit run(MapOptions o, const Common& common) {
 
 }  // namespace
 
-void add_map(const shell::Command& program, const Common& common) {
+void add_map(const shell::Command& program, const CommonOptions& common) {
     auto command =
         program.add_command("map", "Draw the error of every selected form and format over the pixels of a scene");
-    const auto o = std::make_shared<MapOptions>();
-    o->forms = {"*"};
-    o->formats = {"f32", "f64"};
-    o->scenes.stop = common.stop;
-    selection::add_scenes(command, *o);
-    selection::add_forms(command, o->forms);
-    selection::add_formats(command, o->formats, "f32 f64");
-    command.add_list("--metric", o->metrics,
+    const auto options = std::make_shared<MapOptions>();
+    options->forms = {"*"};
+    options->formats = {"f32", "f64"};
+    options->scenes.stop = common.stop;
+    selection::add_scenes(command, *options);
+    selection::add_forms(command, options->forms);
+    selection::add_formats(command, options->formats, "f32 f64");
+    command.add_list("--metric", options->metrics,
                      "Metrics to draw, by name or glob (default: lost_bits); see `lostbits list metrics`");
-    command.add("--range", o->range,
+    command.add("--range", options->range,
                 "Ends of the colour bar, LO:HI in the unit of the metric (default: all bits of each format)");
-    selection::add_changes(command, o->scenes, "sphere[0].radius=10");
-    selection::add_pixels(command, *o);
-    selection::add_pictures(command, o->pictures);
+    selection::add_changes(command, options->scenes, "sphere[0].radius=10");
+    selection::add_pixels(command, *options);
+    selection::add_pictures(command, options->pictures);
     command.add(
-        "--bits", o->bits_needed,
+        "--bits", options->bits_needed,
         "Also draw, for every pixel, the narrowest significand with which the form keeps this many correct bits",
-        shell::whole_from(1, 52));
-    command.add("--exr", o->exr,
+        shell::whole_number_between(1, 52));
+    command.add("--exr", options->exr,
                 "Also write SCENE.exr, with the answers, outcomes and metrics of every pixel (docs/files.md)");
-    command.add("--against", o->against,
+    command.add("--against", options->against,
                 "Also compare every form with this form: draw and count the rays on which the answers differ");
     command.add(
-        "--envelope", o->envelope,
+        "--envelope", options->envelope,
         "In pictures of lost_bits, draw a pixel paler if inputs that are off by half an ulp could explain the loss; "
         "the problem is then to blame, not the formula");
-    add_shard(command, o->shard);
-    selection::add_out(command, o->out);
-    command.runs([o, &common] { return run(*o, common); });
+    add_shard(command, options->shard);
+    selection::add_out(command, options->out);
+    command.set_action([options, &common] { return run(*options, common); });
 }
 
 }  // namespace lostbits::analysis

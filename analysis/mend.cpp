@@ -26,7 +26,7 @@ namespace {
 
 struct MendOptions {
     std::vector<std::string> subjects;  ///< one scene, or files of rays
-    selection::SceneChoice changes;
+    selection::SceneOptions changes;
     selection::RayFileOptions rays;
     std::string form, format = "f32", wider = "double", at = "max", out, emit, compiler = "c++";
     bool price = false;
@@ -34,30 +34,31 @@ struct MendOptions {
 };
 
 /// The form and format to repair. Throws an error if the form is not for the primitives of `id`.
-measure::evaluate::TestedForm row_of(const MendOptions& o, const std::string& id,
-                                     const selection::ShapePredicate& meets) {
-    const auto forms = selection::select_forms({o.form});
-    const auto formats = selection::select_formats({o.format});
+measure::evaluate::TestedForm select_row(const MendOptions& options, const std::string& id,
+                                         const selection::ShapePredicate& meets) {
+    const auto forms = selection::select_forms({options.form});
+    const auto formats = selection::select_formats({options.format});
     if (std::ranges::any_of(formats, selection::is_emulated))
-        throw InputError(fmt::format("-f {}: mend works in f32 and f64 only; name one of them", o.format));
+        throw InputError(fmt::format("-f {}: mend works in f32 and f64 only; name one of them", options.format));
     if (forms.size() != 1 || formats.size() != 1)
-        throw InputError(
-            fmt::format("-i {}, -f {}: mend repairs one form in one format; name one of each", o.form, o.format));
+        throw InputError(fmt::format("-i {}, -f {}: mend repairs one form in one format; name one of each",
+                                     options.form, options.format));
     if (!forms.front()->exists_in(formats.front()))
-        throw InputError(fmt::format("-f {}: {} does not exist in this format; its formats: {}", o.format, o.form,
-                                     selection::formats_of(*forms.front())));
+        throw InputError(fmt::format("-f {}: {} does not exist in this format; its formats: {}", options.format,
+                                     options.form, selection::formats_of(*forms.front())));
     selection::refuse_generators(forms, "mend");
     const auto* form = forms.front();
     if (meets(form->shapes().placed()) && is_primitive(form->shape) && !form->is_placed)
         form = &intersect::transform::through(intersect::transform::usual_transform_method(), *form);
     if (!meets(form->shapes()))
-        throw NothingSelected(fmt::format("{} is not a form for the primitives of {}{}", o.form, id,
-                                          selection::fitting_forms_advice({{form, *find_format(o.format)}}, meets)));
+        throw NothingSelected(
+            fmt::format("{} is not a form for the primitives of {}{}", options.form, id,
+                        selection::fitting_forms_advice({{form, *find_format(options.format)}}, meets)));
     return {.form = form, .format = formats.front()};
 }
 
 /// Times the form, its repairs and the catalogue in one run. If nothing can be compiled, records the reason.
-void add_prices(RepairSummary& result, const MendOptions& o, const std::string& command) {
+void add_prices(RepairSummary& result, const MendOptions& options, const std::string& command) {
     const RepairRequest& request = result.request;
     std::vector<measure::repair::RepairedSource> sources;
     const auto proposals = proposals_of(result);
@@ -68,7 +69,7 @@ void add_prices(RepairSummary& result, const MendOptions& o, const std::string& 
     try {
         std::vector<intersect::external::Formula> formulas;
         if (!sources.empty())
-            formulas = compile_and_load(request, sources, {o.compiler, selection::form_flags_folder()});
+            formulas = compile_and_load(request, sources, {options.compiler, selection::form_flags_folder()});
         std::vector<measure::evaluate::TestedForm> rows{request.row};
         for (const auto& formula : formulas) rows.push_back({.form = &formula.row, .format = request.row.format});
         rows.insert(rows.end(), result.catalogue.begin(), result.catalogue.end());
@@ -78,19 +79,20 @@ void add_prices(RepairSummary& result, const MendOptions& o, const std::string& 
     }
 }
 
-std::string command_of(const MendOptions& o) {
+std::string mend_command(const MendOptions& options) {
     using output::attribution::shell_word;
-    std::string command = fmt::format("lostbits mend {} -i {} -f {} --bits {:.12g}", shell_word(o.subjects.front()),
-                                      shell_word(o.form), shell_word(o.format), o.bits);
+    std::string command =
+        fmt::format("lostbits mend {} -i {} -f {} --bits {:.12g}", shell_word(options.subjects.front()),
+                    shell_word(options.form), shell_word(options.format), options.bits);
     const auto add = [&command](const char* option, const std::string& value) {
         command += fmt::format(" {} {}", option, shell_word(value));
     };
-    if (o.wrong != 0) command += fmt::format(" --wrong {:.12g}", o.wrong);
-    if (o.at != "max") add("--at", o.at);
-    if (o.wider != "double") add("--wider", o.wider);
-    if (!o.changes.size.empty()) add("--size", o.changes.size);
-    if (!o.changes.variant.empty()) add("--variant", o.changes.variant);
-    for (const std::string& change : o.changes.set) add("--set", change);
+    if (options.wrong != 0) command += fmt::format(" --wrong {:.12g}", options.wrong);
+    if (options.at != "max") add("--at", options.at);
+    if (options.wider != "double") add("--wider", options.wider);
+    if (!options.changes.size.empty()) add("--size", options.changes.size);
+    if (!options.changes.variant.empty()) add("--variant", options.changes.variant);
+    for (const std::string& change : options.changes.set) add("--set", change);
     return command;
 }
 
@@ -126,7 +128,8 @@ void require_code_name(const std::filesystem::path& path, const std::filesystem:
 /// Files of rays. Forms can be judged on all rays of the files, as often as needed.
 class RayFiles {
 public:
-    RayFiles(const MendOptions& o, const Common& common) : o_(o), common_(common), opened_(open()) {}
+    RayFiles(const MendOptions& options, const CommonOptions& common)
+        : options_(options), common_(common), opened_(open()) {}
     [[nodiscard]] const std::string& id() const { return opened_.id; }
     [[nodiscard]] const std::string& quoted_files() const { return opened_.quoted_files; }
     [[nodiscard]] Shapes shapes() const { return opened_.shapes; }
@@ -150,7 +153,7 @@ public:
 
 private:
     [[nodiscard]] selection::OpenedRays open() const {
-        return selection::open_rays(o_.rays, o_.subjects, selection::data_folder(common_.data));
+        return selection::open_rays(options_.rays, options_.subjects, selection::data_folder(common_.data));
     }
     measure::choice::FileRays judge(const RepairRequest& request,
                                     const std::vector<measure::evaluate::TestedForm>& rows) {
@@ -159,66 +162,66 @@ private:
         return judge_rays(*opened_.dump, opened_.terms, choice_request);
     }
 
-    const MendOptions& o_;
-    const Common& common_;
+    const MendOptions& options_;
+    const CommonOptions& common_;
     selection::OpenedRays opened_;
     measure::choice::FileRays rays_ = {};
 };
 
-scene::file::Scene scene_of(const MendOptions& o, const std::filesystem::path& data) {
-    selection::SceneChoice choice = o.changes;
-    choice.names = o.subjects;
+scene::file::Scene load_subject_scene(const MendOptions& options, const std::filesystem::path& data) {
+    selection::SceneOptions choice = options.changes;
+    choice.names = options.subjects;
     scene::file::Scene scene = selection::load_one_scene(choice, data);
     selection::refuse_generated_rays({scene}, "mend");
     return scene;
 }
 
-Exit run(const MendOptions& o, const Common& common) {
-    if (!o.emit.empty()) require_code_name(o.emit, o.out);
-    if (!o.out.empty()) require_folder(o.out);
-    selection::refuse_others(o.rays, o.subjects,
-                             {{"--size", !o.changes.size.empty()},
-                              {"--variant", !o.changes.variant.empty()},
-                              {"--set", !o.changes.set.empty()}},
-                             "mending");
+Exit run(const MendOptions& options, const CommonOptions& common) {
+    if (!options.emit.empty()) require_code_name(options.emit, options.out);
+    if (!options.out.empty()) require_folder(options.out);
+    selection::refuse_misplaced_options(options.rays, options.subjects,
+                                        {{"--size", !options.changes.size.empty()},
+                                         {"--variant", !options.changes.variant.empty()},
+                                         {"--set", !options.changes.set.empty()}},
+                                        "mending");
     const auto data = selection::data_folder(common.data);
     std::optional<scene::file::Scene> scene;
     std::optional<RayFiles> rays;
-    if (selection::are_files(o.rays, o.subjects)) rays.emplace(o, common);
-    else scene = scene_of(o, data);
+    if (selection::are_ray_files(options.rays, options.subjects)) rays.emplace(options, common);
+    else scene = load_subject_scene(options, data);
     const auto meets = [&](Shapes forms) { return scene ? scene->meets(forms) : forms == rays->shapes(); };
     RepairRequest request{.scene = scene ? &*scene : nullptr,
-                          .row = row_of(o, scene ? scene->id : rays->id(), meets),
-                          .two_words = o.wider == "two-words"};
-    if (o.emit.ends_with(".glsl") && request.row.format.engine == Format::Engine::native64)
-        throw InputError("--emit " + o.emit +
+                          .row = select_row(options, scene ? scene->id : rays->id(), meets),
+                          .two_words = options.wider == "two-words"};
+    if (options.emit.ends_with(".glsl") && request.row.format.engine == Format::Engine::native64)
+        throw InputError("--emit " + options.emit +
                          ": shaders compute in f32; write -f f32, or a file name that ends in "
                          ".hpp");
-    if (o.emit.ends_with(".glsl") && request.row.form->is_placed)
-        throw InputError("--emit " + o.emit +
+    if (options.emit.ends_with(".glsl") && request.row.form->is_placed)
+        throw InputError("--emit " + options.emit +
                          ": a shader cannot be written for a form with a transform; write --emit NAME.hpp, or mend the "
                          "form without its transform, -i " +
                          std::string(intersect::bounding_box::innermost(*request.row.form).info->name));
-    request.requirement = {.bits = o.bits, .wrong = o.wrong, .quantile = parse_quantile(o.at)};
+    request.requirement = {.bits = options.bits, .wrong = options.wrong, .quantile = parse_quantile(options.at)};
     request.limit.stop = common.stop;
     const selection::ThreadLimit limit(common.threads);
     if (rays) rays->set_subject_of(request);
     const std::string subject = scene ? selection::name_of_scene(*scene, data) : rays->quoted_files();
     std::unique_ptr<output::file::ResultFolder> result_folder;
     std::optional<output::repair::RepairFiles> files;
-    if (!o.out.empty()) {
-        const auto folder = std::filesystem::path(o.out) / request.id();
+    if (!options.out.empty()) {
+        const auto folder = std::filesystem::path(options.out) / request.id();
         result_folder = take_folder(folder, common, subject);
         files.emplace(folder);
     }
     std::optional<output::file::AtomicFile> header;
-    if (!o.emit.empty()) header.emplace(o.emit);
+    if (!options.emit.empty()) header.emplace(options.emit);
     const measure::repair::RepairResult repair = repair_form(request);
     RepairSummary result = output::repair::result_of(request, repair);
-    const std::string command = scene ? command_of(o) : common.typed_command.for_subject(subject);
-    if (o.price) add_prices(result, o, command);
+    const std::string command = scene ? mend_command(options) : common.typed_command.for_subject(subject);
+    if (options.price) add_prices(result, options, command);
     if (header) {
-        header->write(emitted(result, o.emit, command));
+        header->write(emitted(result, options.emit, command));
         header->commit();
     }
     if (files) {
@@ -235,35 +238,37 @@ Exit run(const MendOptions& o, const Common& common) {
 
 }  // namespace
 
-void add_mend(const shell::Command& program, const Common& common) {
+void add_mend(const shell::Command& program, const CommonOptions& common) {
     auto command = program.add_command("mend",
                                        "Find what to change in a form so that it meets a requirement on a scene or on "
                                        "rays of files");
-    const auto o = std::make_shared<MendOptions>();
-    o->changes.stop = o->rays.stop = common.stop;
-    command.add("SCENE", o->subjects, "A scene file, a name in data/scenes, or files of rays as for `lostbits judge`")
-        .required();
-    command.add("-i,--form", o->form, "The form to mend").required();
-    command.add("-f,--format", o->format, "f32 (default) or f64");
+    const auto options = std::make_shared<MendOptions>();
+    options->changes.stop = options->rays.stop = common.stop;
     command
-        .add("--bits", o->bits,
-             "The correct bits of t that the form is to keep, for the share of the hits that --at gives",
-             shell::number_from(0, 53))
+        .add("SCENE", options->subjects,
+             "A scene file, a name in data/scenes, or files of rays as for `lostbits judge`")
         .required();
-    command.add("--wrong", o->wrong, "Share of the rays that may be decided wrongly (default: 0)",
-                shell::number_from(0, 1));
-    command.add("--at", o->at,
+    command.add("-i,--form", options->form, "The form to mend").required();
+    command.add("-f,--format", options->format, "f32 (default) or f64");
+    command
+        .add("--bits", options->bits,
+             "The correct bits of t that the form is to keep, for the share of the hits that --at gives",
+             shell::number_between(0, 53))
+        .required();
+    command.add("--wrong", options->wrong, "Share of the rays that may be decided wrongly (default: 0)",
+                shell::number_between(0, 1));
+    command.add("--at", options->at,
                 "Share of the hits that must keep the bits: p50, p99, p99.9, or max for all hits (default)");
-    command.add("--wider", o->wider, "Arithmetic of the wider operations (default: double; docs/mend.md)",
+    command.add("--wider", options->wider, "Arithmetic of the wider operations (default: double; docs/mend.md)",
                 shell::one_of({"double", "two-words"}));
-    selection::add_changes(command, o->changes, "sphere[0].radius=10");
-    selection::add_ray_options(command, o->rays);
-    command.add("--price", o->price, "Compile the changed forms and time them beside the form and the catalogue");
-    command.add("--compiler", o->compiler, "The compiler that --price uses (default: c++)");
-    command.add("--emit", o->emit,
+    selection::add_changes(command, options->changes, "sphere[0].radius=10");
+    selection::add_ray_options(command, options->rays);
+    command.add("--price", options->price, "Compile the changed forms and time them beside the form and the catalogue");
+    command.add("--compiler", options->compiler, "The compiler that --price uses (default: c++)");
+    command.add("--emit", options->emit,
                 "Also write the changed form as C++ (NAME.hpp), GLSL (NAME.glsl) or a patch of your file (NAME.patch)");
-    command.add("-o,--out", o->out, "Folder for the results");
-    command.runs([o, &common] { return run(*o, common); });
+    command.add("-o,--out", options->out, "Folder for the results");
+    command.set_action([options, &common] { return run(*options, common); });
 }
 
 }  // namespace lostbits::analysis

@@ -62,12 +62,12 @@ bool print_trial(const ForeignForm& form, const std::optional<ForeignForm>& firs
     intersect::process::put_back_limits();  // the form may have lowered the limits, which the following output may need
     const auto count = [&](Observation::Verdict v) { return std::ranges::count(findings, v, &Observation::verdict); };
     const auto broken = count(Observation::Verdict::broken), warned = count(Observation::Verdict::warned);
-    const Contract& c = form.contract;
-    fmt::print("{} in binary{}, {}: {}{}\n", c.name, c.bits, with_article(c.shape),
+    const Contract& contract = form.contract;
+    fmt::print("{} in binary{}, {}: {}{}\n", contract.name, contract.bits, with_article(contract.shape),
                broken == 0 ? "keeps its promises" : fmt::format("{} of its promises broken", broken),
                warned == 0 ? "" : "; " + scene::toml::count_with_noun(static_cast<std::size_t>(warned), "warning"));
-    if (!c.title.empty() && !quiet) fmt::print("  {}\n", c.title);
-    if (!c.source.empty() && !quiet) fmt::print("  from {}\n", c.source);
+    if (!contract.title.empty() && !quiet) fmt::print("  {}\n", contract.title);
+    if (!contract.source.empty() && !quiet) fmt::print("  from {}\n", contract.source);
     for (const Observation& f : findings) {
         if (!quiet || f.verdict == Observation::Verdict::broken || f.verdict == Observation::Verdict::warned)
             fmt::print("  {:<6} {:<12} {}\n", verdict_text(f.verdict), f.subject, f.text);
@@ -77,7 +77,7 @@ bool print_trial(const ForeignForm& form, const std::optional<ForeignForm>& firs
 }
 
 /// Checks every form of a library or of a command. Returns answer_is_no if a form breaks one of its promises.
-Exit try_forms(const std::string& library, const Common& common) {
+Exit try_forms(const std::string& library, const CommonOptions& common) {
     selection::ExternalOptions options = common.external;
     if (!library.empty()) options.plugins.push_back(library);
     if (const std::string libraries = selection::libraries_in_process(options); !libraries.empty())
@@ -106,7 +106,7 @@ int take_standard_output(const std::string& command) {
     return output;
 }
 
-void add_plugin(const shell::Command& program, const Common& common) {
+void add_plugin(const shell::Command& program, const CommonOptions& common) {
     auto command = program.add_command("plugin", "Test whether your function keeps its promises");
     const auto library = std::make_shared<std::string>();
     auto check_command =
@@ -114,12 +114,12 @@ void add_plugin(const shell::Command& program, const Common& common) {
                             "Test whether the forms of a library, of --pipe or of --function keep their "
                             "promises");
     check_command.add("LIBRARY", *library, "The library (not needed with --pipe or --function)");
-    check_command.runs([library, &common] { return try_forms(*library, common); });
+    check_command.set_action([library, &common] { return try_forms(*library, common); });
     auto serve_command = command.add_command(
         "serve", "Answer rays on standard input with the forms of a library (what --isolate starts)");
     serve_command.hide();
     serve_command.add("LIBRARY", *library, "The library").required();
-    serve_command.runs([library] { return serve(*library); });
+    serve_command.set_action([library] { return serve(*library); });
 }
 
 }  // namespace lostbits::analysis

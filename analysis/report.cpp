@@ -87,14 +87,14 @@ void add_subject(Subjects& subjects, const std::string& name, const std::filesys
     }
 }
 
-Subjects subjects_of(const ReportOptions& o, const scene::claim::ReportFile& defaults,
-                     const std::filesystem::path& data) {
+Subjects select_subjects(const ReportOptions& options, const scene::claim::ReportFile& defaults,
+                         const std::filesystem::path& data) {
     Subjects subjects;
-    for (const auto& name : o.subjects) add_subject(subjects, name, data);
-    if (o.all) {
+    for (const auto& name : options.subjects) add_subject(subjects, name, data);
+    if (options.all) {
         for (const auto& path : scene::file::scene_files(data)) subjects.scenes.push_back({path});
         for (const auto& id : ids_in(data / "sweeps")) subjects.sweeps.push_back(data / "sweeps" / (id + ".toml"));
-    } else if (o.subjects.empty()) {
+    } else if (options.subjects.empty()) {
         for (const auto& name : defaults.scenes) subjects.scenes.push_back(scene::file::find_scene(name, data));
         for (const auto& name : defaults.sweeps) subjects.sweeps.push_back(scene::sweep::find_sweep(name, data));
     }
@@ -142,9 +142,9 @@ std::vector<TestedForm> rows_for(const std::string& subject, std::vector<TestedF
 }
 
 /// The largest map, in rays, that has the culprit of each ray by default. Larger maps need `--metric culprit`.
-constexpr std::size_t small_map = 4096;
+constexpr std::size_t small_map_rays = 4096;
 
-struct Work {
+struct ReportWork {
     measure::metric::MetricSet metric_set;  ///< owns the metrics of the maps, so it must outlive them
     std::vector<MapWork> maps;
     std::vector<SweepWork> sweeps;
@@ -156,7 +156,7 @@ struct Work {
     std::uint64_t units = 0;
 };
 
-void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesystem::path& data,
+void plan_sweep(ReportWork& work, const std::filesystem::path& path, const std::filesystem::path& data,
                 const selection::SelectedRows& chosen, intersect::process::StopToken stop) {
     std::vector<TestedForm> fitting_rows;
     const auto kind = scene::sweep::sweep_kind(path);
@@ -176,9 +176,9 @@ void plan_sweep(Work& work, const std::filesystem::path& path, const std::filesy
 
 /// True if the page shows a claim. With --claims, these are the claims that it names. Without it they are all claims
 /// or, if subjects are named, the claims about a subject and a form that the page shows.
-bool is_chosen(const Claim& c, const ReportOptions& o, const Work& work) {
-    if (!o.claims.empty()) return selection::matches_any(o.claims, c.id);
-    if (o.subjects.empty()) return true;
+bool is_chosen(const Claim& c, const ReportOptions& options, const ReportWork& work) {
+    if (!options.claims.empty()) return selection::matches_any(options.claims, c.id);
+    if (options.subjects.empty()) return true;
     return std::ranges::any_of(work.maps,
                                [&](const MapWork& m) { return is_about_scene(c, m.scene.id) && has_row(m.rows, c); }) ||
            std::ranges::any_of(
@@ -186,43 +186,45 @@ bool is_chosen(const Claim& c, const ReportOptions& o, const Work& work) {
 }
 
 /// The patterns of -i; without -i, all forms.
-std::vector<std::string> form_patterns_of(const ReportOptions& o) {
-    return o.forms.empty() ? std::vector<std::string>{"*"} : o.forms;
+std::vector<std::string> form_patterns_of(const ReportOptions& options) {
+    return options.forms.empty() ? std::vector<std::string>{"*"} : options.forms;
 }
 
 /// The rows to time: the forms of -i in f32 and f64.
-std::vector<TestedForm> timed_rows(const ReportOptions& o) {
-    return selection::cross(selection::select_forms(form_patterns_of(o)), selection::select_formats({"f32", "f64"}));
+std::vector<TestedForm> timed_rows(const ReportOptions& options) {
+    return selection::cross(selection::select_forms(form_patterns_of(options)),
+                            selection::select_formats({"f32", "f64"}));
 }
 
-Work plan(const ReportOptions& o, const std::filesystem::path& data) {
+ReportWork plan_report(const ReportOptions& options, const std::filesystem::path& data) {
     const scene::claim::ReportFile defaults = scene::claim::read_report_file(data / "report.toml");
-    const Subjects subjects = subjects_of(o, defaults, data);
-    const auto claims = o.no_claims ? std::vector<Claim>{} : read_all_claims(data);
-    for (const std::string& glob : o.claims) {
+    const Subjects subjects = select_subjects(options, defaults, data);
+    const auto claims = options.no_claims ? std::vector<Claim>{} : read_all_claims(data);
+    for (const std::string& glob : options.claims) {
         if (std::ranges::none_of(claims, [&glob](const Claim& c) { return selection::matches_any({glob}, c.id); }))
             throw InputError(
                 "--claims " + glob +
                 ": no claim of the profile `results` has this id; `lostbits list claims` lists all claims");
     }
-    const auto rows = selection::cross(selection::select_forms(selection::form_patterns_or(o.forms, defaults.forms)),
-                                       selection::select_formats(o.formats.empty() ? defaults.formats : o.formats));
-    Work work;
-    const std::vector<const Metric*> extra_metrics = selection::select_metrics(o.metrics, work.metric_set);
+    const auto rows =
+        selection::cross(selection::select_forms(selection::form_patterns_or(options.forms, defaults.forms)),
+                         selection::select_formats(options.formats.empty() ? defaults.formats : options.formats));
+    ReportWork work;
+    const std::vector<const Metric*> extra_metrics = selection::select_metrics(options.metrics, work.metric_set);
     for (const scene::file::SceneName& name : subjects.scenes) {
-        scene::file::LoadOptions options{.variant = name.variant, .stop = o.stop};
-        if (!o.size.empty()) options.size = selection::parse_size(o.size);
-        for (scene::file::Scene& scene : scene::file::load_scene(name.path, options)) {
-            auto candidate_rows = rows_for(scene.id, rows, claims, o.forms.empty());
-            auto fitting_rows = selection::rows_meeting({candidate_rows, form_patterns_of(o), true}, scene.id,
+        scene::file::LoadOptions load_options{.variant = name.variant, .stop = options.stop};
+        if (!options.size.empty()) load_options.size = selection::parse_size(options.size);
+        for (scene::file::Scene& scene : scene::file::load_scene(name.path, load_options)) {
+            auto candidate_rows = rows_for(scene.id, rows, claims, options.forms.empty());
+            auto fitting_rows = selection::rows_meeting({candidate_rows, form_patterns_of(options), true}, scene.id,
                                                         [&scene](Shapes forms) { return scene.meets(forms); });
             if (fitting_rows.empty()) continue;
             std::vector<const Metric*> metrics = extra_metrics;
             for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"})
                 metrics.push_back(measure::metric::find_metric(metric));
-            if (scene.pixels() <= small_map) metrics.push_back(measure::metric::find_metric("culprit"));
+            if (scene.pixels() <= small_map_rays) metrics.push_back(measure::metric::find_metric("culprit"));
             auto form_metrics = work.metric_set.for_forms(
-                selection::measured(metrics, fitting_rows), measure::evaluate::forms_of(fitting_rows),
+                selection::measured_metrics(metrics, fitting_rows), measure::evaluate::forms_of(fitting_rows),
                 [&scene] { return measure::attribution::OwnedSetting(scene); });
             // Leaves out `residual` by default: its layer of floats would be the largest part of most pages.
             std::erase_if(form_metrics, [&](const Metric* m) {
@@ -230,28 +232,31 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
             });
             work.units += scene.pixels() * fitting_rows.size();
             std::string scene_arguments = selection::name_of_scene(scene, data),
-                        name_in_claims = selection::scene_in_claims(scene, data);
-            if (!o.size.empty()) scene_arguments += fmt::format(" --size {}x{}", scene.width, scene.height);
-            work.maps.push_back({std::move(scene), std::move(fitting_rows), std::move(form_metrics), o.size.empty(),
-                                 std::move(scene_arguments), std::move(name_in_claims)});
+                        name_in_claims = selection::scene_name_in_claims(scene, data);
+            if (!options.size.empty()) scene_arguments += fmt::format(" --size {}x{}", scene.width, scene.height);
+            work.maps.push_back({std::move(scene), std::move(fitting_rows), std::move(form_metrics),
+                                 options.size.empty(), std::move(scene_arguments), std::move(name_in_claims)});
         }
     }
     for (const auto& path : subjects.sweeps) {
-        auto candidate_rows = rows_for(path.stem().string(), rows, claims, o.forms.empty());
-        plan_sweep(work, path, data, {candidate_rows, form_patterns_of(o), true}, o.stop);
+        auto candidate_rows = rows_for(path.stem().string(), rows, claims, options.forms.empty());
+        plan_sweep(work, path, data, {candidate_rows, form_patterns_of(options), true}, options.stop);
     }
-    for (SweepWork& sweep : work.sweeps) sweep.further_draws = o.seeds;
-    for (const std::string& text : o.choices) {
-        auto timed = timed_rows(o);
-        work.choices.push_back(report::choice_of(text, o.size, {timed, form_patterns_of(o), true}, data, o.stop));
+    for (SweepWork& sweep : work.sweeps) sweep.further_draws = options.seeds;
+    for (const std::string& text : options.choices) {
+        auto timed = timed_rows(options);
+        work.choices.push_back(
+            report::parse_choice(text, options.size, {timed, form_patterns_of(options), true}, data, options.stop));
     }
-    for (const std::string& text : o.mends.empty() && o.subjects.empty() ? defaults.mends : o.mends)
-        work.mends.push_back(report::mend_of(text, o.size, data, o.stop));
-    work.offsets = report::offset_scenes(o.offsets.empty() && o.subjects.empty() ? defaults.offsets : o.offsets, o.size,
-                                         data, o.stop);
-    for (const std::string& text : o.studies) work.studies.push_back(report::study_of(text, o.size, data, o.stop));
+    for (const std::string& text : options.mends.empty() && options.subjects.empty() ? defaults.mends : options.mends)
+        work.mends.push_back(report::parse_mend(text, options.size, data, options.stop));
+    work.offsets =
+        report::offset_scenes(options.offsets.empty() && options.subjects.empty() ? defaults.offsets : options.offsets,
+                              options.size, data, options.stop);
+    for (const std::string& text : options.studies)
+        work.studies.push_back(report::parse_study(text, options.size, data, options.stop));
     for (const Claim& c : claims) {
-        if (is_chosen(c, o, work)) work.claims.push_back(c);
+        if (is_chosen(c, options, work)) work.claims.push_back(c);
     }
     if (work.maps.empty() && work.sweeps.empty())
         throw NothingSelected(
@@ -266,18 +271,18 @@ Work plan(const ReportOptions& o, const std::filesystem::path& data) {
     return work;
 }
 
-Exit run(const ReportOptions& o, const Common& common) {
-    require_folder(o.out);
+Exit run(const ReportOptions& options, const CommonOptions& common) {
+    require_folder(options.out);
     const auto data = selection::data_folder(common.data);
-    Work work = plan(o, data);
+    ReportWork work = plan_report(options, data);
     std::vector<TestedForm> shown_rows;
     for (const MapWork& map : work.maps) shown_rows.insert(shown_rows.end(), map.rows.begin(), map.rows.end());
     for (const SweepWork& sweep : work.sweeps)
         shown_rows.insert(shown_rows.end(), sweep.rows.begin(), sweep.rows.end());
-    selection::note_unmeasured(o.forms, shown_rows, common.quiet);
+    selection::note_unmeasured(options.forms, shown_rows, common.quiet);
     const selection::ThreadLimit limit(common.threads);
-    const auto folder = take_folder(o.out, common, common.typed_command.all_subjects(), {.shared = true});
-    output::file::AtomicFile file(std::filesystem::path(o.out) / "index.html");
+    const auto folder = take_folder(options.out, common, common.typed_command.all_subjects(), {.shared = true});
+    output::file::AtomicFile file(std::filesystem::path(options.out) / "index.html");
     // Units of progress: a sweep counts as a map of 100 x 100 pixels with ten rows, and all claims together as ten
     // sweeps.
     constexpr std::uint64_t sweep_units = 100'000, claims_units = 1'000'000;
@@ -304,19 +309,20 @@ Exit run(const ReportOptions& o, const Common& common) {
     const study::StudiesByName studies;
     if (!work.claims.empty())
         report.results = measure::claim::measure_claims(
-            work.claims, {.data_dir = data, .stop = common.stop, .further_draws = o.seeds, .studies = &studies});
+            work.claims, {.data_dir = data, .stop = common.stop, .further_draws = options.seeds, .studies = &studies});
     for (const report::StudyWork& study_work : work.studies)
-        report.studies.push_back(study_part(study_work, o.forms, o.formats, common.stop));
+        report.studies.push_back(study_part(study_work, options.forms, options.formats, common.stop));
     for (const scene::file::Scene& scene : work.offsets) {
         if (auto part = report::offset_part(scene, common.stop)) report.offsets.push_back(std::move(*part));
     }
-    if (o.trade || !work.choices.empty()) report.processor = measure::speed::processor_name();
+    if (options.trade || !work.choices.empty()) report.processor = measure::speed::processor_name();
     for (const ChoiceWork& choice : work.choices) report.choices.push_back(choice_part(choice, common.stop));
     for (const report::MendWork& mend : work.mends) report.mends.push_back(mend_part(mend, common.stop));
-    if (o.trade) {
+    if (options.trade) {
         for (const ShapeRow& primitive : shape_rows) {
             const Shape shape = primitive.shape;
-            const auto rows = selection::fitting(timed_rows(o), [shape](Shapes forms) { return forms == shape; });
+            const auto rows =
+                selection::fitting_rows(timed_rows(options), [shape](Shapes forms) { return forms == shape; });
             if (!rows.empty()) report.trades.push_back(report::trade_part(shape, rows, common.stop));
         }
     }
@@ -334,43 +340,44 @@ Exit run(const ReportOptions& o, const Common& common) {
 
 }  // namespace
 
-void add_report(const shell::Command& program, const Common& common) {
+void add_report(const shell::Command& program, const CommonOptions& common) {
     auto command = program.add_command("report",
                                        "Make one HTML page of maps, sweeps and claims that opens from a "
                                        "file");
-    const auto o = std::make_shared<ReportOptions>();
-    o->stop = common.stop;
-    command.add("SUBJECT", o->subjects, "Scenes and sweeps, by file or name (default: those of data/report.toml)");
-    command.add_list("-i,--form", o->forms,
+    const auto options = std::make_shared<ReportOptions>();
+    options->stop = common.stop;
+    command.add("SUBJECT", options->subjects,
+                "Scenes and sweeps, by file or name (default: those of data/report.toml)");
+    command.add_list("-i,--form", options->forms,
                      "Forms, by name or glob (default: those of data/report.toml, those that claims name, and those "
                      "of --plugin, --pipe and --shader)");
-    selection::add_formats(command, o->formats, "f32 f64");
-    command.add_list("--metric", o->metrics, "Metrics in addition to the default ones; globs");
-    command.add("--size", o->size, "Picture size, WxH in pixels (default: each scene's)");
-    command.add_list("--claims", o->claims, "Claims by id; globs (default: all, or those about the SUBJECTs)");
-    command.add("--seeds", o->seeds,
+    selection::add_formats(command, options->formats, "f32 f64");
+    command.add_list("--metric", options->metrics, "Metrics in addition to the default ones; globs");
+    command.add("--size", options->size, "Picture size, WxH in pixels (default: each scene's)");
+    command.add_list("--claims", options->claims, "Claims by id; globs (default: all, or those about the SUBJECTs)");
+    command.add("--seeds", options->seeds,
                 "Measure claims and onsets of random rays on this many further draws too (default: 2)",
-                shell::whole_from(0, 1000));
-    command.add("--no-claims", o->no_claims, "Leave claims out");
-    command.add("--all", o->all, "Every scene and sweep under data");
-    command.add("--trade", o->trade, "Also measure speed, briefly; the page then differs from run to run");
+                shell::whole_number_between(0, 1000));
+    command.add("--no-claims", options->no_claims, "Leave claims out");
+    command.add("--all", options->all, "Every scene and sweep under data");
+    command.add("--trade", options->trade, "Also measure speed, briefly; the page then differs from run to run");
     command.add_list(
-        "--choose", o->choices,
+        "--choose", options->choices,
         "Also show the cheapest form for a scene and a requirement: SCENE:BITS, or SCENE:BITS:max for bits of every "
         "hit; the page then differs from run to run");
-    command.add_list("--mend", o->mends,
+    command.add_list("--mend", options->mends,
                      "Also show what to change in a form so that it keeps BITS bits of every hit of a scene: "
                      "SCENE:FORM:BITS, or SCENE:FORM:BITS:p99 (default: none, or those of data/report.toml where no "
                      "SUBJECT is named)");
-    command.add_list("--offsets", o->offsets,
+    command.add_list("--offsets", options->offsets,
                      "Scenes on which every offset strategy is tried for the next rays (default: none, or those of "
                      "data/report.toml where no SUBJECT is named)");
     command.add_list(
-        "--study", o->studies,
+        "--study", options->studies,
         "Also show a study of a scene: STUDY:SCENE, such as consistency:near-benign (with the forms of -i, or the "
         "study's usual ones)");
-    selection::add_out(command, o->out, "index.html");
-    command.runs([o, &common] { return run(*o, common); });
+    selection::add_out(command, options->out, "index.html");
+    command.set_action([options, &common] { return run(*options, common); });
 }
 
 }  // namespace lostbits::analysis

@@ -24,8 +24,8 @@ void require_folder(const std::string& out) {
     if (out.empty()) throw InputError("-o: the name of the folder is empty; write -o . for the current folder");
 }
 
-std::unique_ptr<output::file::ResultFolder> take_folder(const std::filesystem::path& folder, const Common& common,
-                                                        const std::string& subject,
+std::unique_ptr<output::file::ResultFolder> take_folder(const std::filesystem::path& folder,
+                                                        const CommonOptions& common, const std::string& subject,
                                                         output::file::ResultFolder::Rules rules) {
     rules.force = common.force;
     for (const std::string& kind : common.figures)
@@ -41,14 +41,14 @@ void complete_folder(const std::unique_ptr<output::file::ResultFolder>& folder) 
 }
 
 std::unique_ptr<output::file::ResultFolder> take_folder(const RunDivision& run_division,
-                                                        const std::filesystem::path& folder, const Common& common,
-                                                        const std::string& subject,
+                                                        const std::filesystem::path& folder,
+                                                        const CommonOptions& common, const std::string& subject,
                                                         output::file::ResultFolder::Rules rules) {
     return run_division.division.is_shard() ? nullptr : take_folder(folder, common, subject, std::move(rules));
 }
 
 SceneFolders::SceneFolders(const std::vector<scene::file::Scene>& scenes, const RunDivision& run_division,
-                           const Common& common) {
+                           const CommonOptions& common) {
     if (run_division.division.is_shard()) return;
     for (const auto& scene : scenes) {
         const auto folder = run_division.out / scene.id;
@@ -77,10 +77,10 @@ std::uint64_t SceneFolders::for_each(std::size_t scene_count, output::file::Prog
     return unproved;
 }
 
-std::vector<scene::file::Scene> scenes_of_primitives(const selection::SharedOptions& shared,
-                                                     std::vector<measure::evaluate::TestedForm>& rows,
-                                                     const char* command, const Common& common,
-                                                     void (*require_scene)(const scene::file::Scene&)) {
+std::vector<scene::file::Scene> load_primitive_scenes(const selection::SharedOptions& shared,
+                                                      std::vector<measure::evaluate::TestedForm>& rows,
+                                                      const char* command, const CommonOptions& common,
+                                                      void (*require_scene)(const scene::file::Scene&)) {
     using scene::file::Scene;
     auto scenes = selection::load_scenes(shared.scenes, selection::data_folder(common.data));
     selection::refuse_generated_rays(scenes, command);
@@ -102,7 +102,7 @@ void add_shard(const shell::Command& command, std::string& shard_value) {
                  ""});
 }
 
-std::uint64_t hash_of_inputs(const std::vector<std::filesystem::path>& files, const Common& common) {
+std::uint64_t hash_of_inputs(const std::vector<std::filesystem::path>& files, const CommonOptions& common) {
     output::shard::InputHash inputs;
     for (const auto& file : files) inputs.add_file(file);
     for (const std::string& plugin : common.external.plugins) {
@@ -114,7 +114,7 @@ std::uint64_t hash_of_inputs(const std::vector<std::filesystem::path>& files, co
 }
 
 RunDivision divide_run(const std::string& shard_value, const std::string& out,
-                       const std::vector<std::filesystem::path>& files, const Common& common, bool resumed) {
+                       const std::vector<std::filesystem::path>& files, const CommonOptions& common, bool resumed) {
     if (shard_value.empty() && !common.shards_to_join) return {.division = {}, .out = out};
     const auto share = shard_value.empty() ? measure::shard::Share{} : shard::parse_share(shard_value);
     const output::shard::StateHead head{program_and_version, common.typed_command.text(), hash_of_inputs(files, common),
@@ -132,7 +132,7 @@ RunDivision divide_run(const std::string& shard_value, const std::string& out,
     return {.division = shard::Division(folder, head), .folder = std::move(result_folder), .out = folder};
 }
 
-bool finish_run(RunDivision& run_division, const Common& common) {
+bool finish_run(RunDivision& run_division, const CommonOptions& common) {
     run_division.division.finish();
     complete_folder(run_division.folder);
     if (!run_division.division.is_shard()) return true;
@@ -171,7 +171,7 @@ Exit report_unproved(std::uint64_t rays, int bits) {
     return Exit::internal;
 }
 
-void note_suspicions(const std::vector<measure::evaluate::TestedForm>& rows, const Common& common,
+void note_suspicions(const std::vector<measure::evaluate::TestedForm>& rows, const CommonOptions& common,
                      const std::function<std::string(const measure::evaluate::TestedForm&)>& suspicion) {
     if (common.quiet) return;
     for (const std::string& line : selection::suspicions_of(rows, suspicion))
@@ -201,8 +201,8 @@ void print_comparisons(const std::vector<measure::evaluate::TestedForm>& rows,
     }
 }
 
-std::string lost_bits_cell(const measure::evaluate::FormSummary& summary, std::size_t lost_bits, double q) {
-    const double bits = summary.metrics[lost_bits].quantile(q);
+std::string lost_bits_cell(const measure::evaluate::FormSummary& summary, std::size_t lost_bits, double quantile) {
+    const double bits = summary.metrics[lost_bits].quantile(quantile);
     return std::isnan(bits) || !summary.agreement().is_enough() ? std::string("-") : fmt::format("{:.2f}", bits);
 }
 
@@ -210,20 +210,23 @@ void add_mesh_columns(std::vector<shell::TextColumn>& columns) {
     columns.insert(columns.end(), {{"crack", 7}, {"double hit", 10}, {"wrong neighbour", 15}, {"out of order", 12}});
 }
 
-void add_mesh_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& s, bool recognises_cracks) {
+void add_mesh_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& summary,
+                    bool recognises_cracks) {
     using measure::answer::Outcome;
-    for (const Outcome o : {Outcome::crack, Outcome::double_hit, Outcome::wrong_neighbour, Outcome::out_of_order})
-        cells.push_back(recognises_cracks || o == Outcome::wrong_neighbour ? std::to_string(s.count(o)) : "-");
+    for (const Outcome outcome : {Outcome::crack, Outcome::double_hit, Outcome::wrong_neighbour, Outcome::out_of_order})
+        cells.push_back(
+            recognises_cracks || outcome == Outcome::wrong_neighbour ? std::to_string(summary.count(outcome)) : "-");
 }
 
 void add_wrong_columns(std::vector<shell::TextColumn>& columns) {
     columns.insert(columns.end(), {{"wrong primitive", 15}, {"false hit", 9}, {"false miss", 10}, {"NaN", 6}});
 }
 
-void add_wrong_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& s) {
+void add_wrong_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& summary) {
     using measure::answer::Outcome;
-    for (const Outcome o : {Outcome::wrong_primitive, Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number})
-        cells.push_back(std::to_string(s.count(o)));
+    for (const Outcome outcome :
+         {Outcome::wrong_primitive, Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number})
+        cells.push_back(std::to_string(summary.count(outcome)));
 }
 
 void print_table(const measure::evaluate::MapStudy& request,
@@ -235,20 +238,20 @@ void print_table(const measure::evaluate::MapStudy& request,
     add_wrong_columns(columns);
     columns.insert(columns.end(), {{"hits", 8}, {"bits lost: p50", 15}, {"p99", 6}});
     shell::TextTable table(std::move(columns));
-    bool withheld = false;
+    bool is_withheld = false;
     for (std::size_t r = 0; r < summaries.size(); ++r) {
-        const measure::evaluate::FormSummary& s = summaries[r];
+        const measure::evaluate::FormSummary& summary = summaries[r];
         std::vector<std::string> cells{std::string(request.rows[r].form->info->name),
                                        std::string(request.rows[r].format.name)};
-        if (has_mesh) add_mesh_cells(cells, s, true);
-        add_wrong_cells(cells, s);
-        cells.insert(cells.end(), {std::to_string(s.count(measure::answer::Outcome::agree_hit)),
-                                   lost_bits_cell(s, lost_bits, 0.5), lost_bits_cell(s, lost_bits, 0.99)});
+        if (has_mesh) add_mesh_cells(cells, summary, true);
+        add_wrong_cells(cells, summary);
+        cells.insert(cells.end(), {std::to_string(summary.count(measure::answer::Outcome::agree_hit)),
+                                   lost_bits_cell(summary, lost_bits, 0.5), lost_bits_cell(summary, lost_bits, 0.99)});
         table.add(std::move(cells));
-        withheld |= s.agreement().agreed > 0 && !s.agreement().is_enough();
+        is_withheld |= summary.agreement().agreed > 0 && !summary.agreement().is_enough();
     }
     table.print();
-    if (withheld)
+    if (is_withheld)
         fmt::print("  -: form and truth agree on less than a tenth of the true hits, too few to represent the form\n");
 }
 

@@ -105,11 +105,11 @@ void print_device(const selection::DeviceReport& report) {
     }
 }
 
-Exit show_devices(bool json, const Common& common) {
+Exit show_devices(bool json, const CommonOptions& common) {
     auto array = nlohmann::ordered_json::array();
     bool any_available = false;
-    std::vector<std::string> kinds = selection::devices_of(common.external.devices);
-    if (common.external.devices.empty()) kinds = selection::devices_of({"all"});
+    std::vector<std::string> kinds = selection::select_devices(common.external.devices);
+    if (common.external.devices.empty()) kinds = selection::select_devices({"all"});
     for (const std::string& kind : kinds) {
         const selection::DeviceReport report = selection::ask_device(kind, common.external);
         any_available = any_available || report.problem.empty();
@@ -127,28 +127,28 @@ Exit show_devices(bool json, const Common& common) {
 
 }  // namespace
 
-void add_devices(const shell::Command& program, const Common& common) {
+void add_devices(const shell::Command& program, const CommonOptions& common) {
     auto command =
         program.add_command("devices", "Show which drivers can run --shader on this machine, and how they round");
     const auto json = std::make_shared<bool>(false);
     command.add("--json", *json, "Print a JSON array");
-    command.runs([json, &common] { return show_devices(*json, common); });
+    command.set_action([json, &common] { return show_devices(*json, common); });
 }
 
-void add_shader(const shell::Command& program, const Common& /*common*/) {
+void add_shader(const shell::Command& program, const CommonOptions& /*common*/) {
     auto command = program.add_command("shader", "The process of a shader, which --shader starts");
     command.hide();
     const auto file = std::make_shared<std::string>(), kind = std::make_shared<std::string>();
     auto serve_command =
         command.add_command("serve", "Answer rays on standard input with a shader (what --shader starts)");
     serve_command.add("SHADER", *file, "The file, as --shader takes it").required();
-    serve_command.runs([file, device = program.option("--device")] {
+    serve_command.set_action([file, device = program.option("--device")] {
         return serve_shader(*file, device.given_values().empty() ? "" : device.given_values().front());
     });
     auto probe_command =
         command.add_command("probe", "How a device rounds, as lines for a program (what `devices` starts)");
     probe_command.add("DEVICE", *kind, "opengl or vulkan");
-    probe_command.runs([kind] { return send_device_facts(*kind); });
+    probe_command.set_action([kind] { return send_device_facts(*kind); });
 }
 
 }  // namespace lostbits::analysis

@@ -30,16 +30,16 @@ struct StudyOptions : selection::SharedOptions {
 /// The run of a study over several scenes.
 struct StudyRun {
     const StudyOptions& options;
-    const Common& common;
+    const CommonOptions& common;
     RunDivision& run_division;
     output::file::Progress& progress;
 };
 
 /// Files that a study writes for a scene in addition to the usual ones; most studies have none.
 template <class Adapter>
-struct MoreFiles {
+struct ExtraFiles {
     using Study = typename Adapter::View::Study;
-    MoreFiles(const Study&, const StudyRun&) {}
+    ExtraFiles(const Study&, const StudyRun&) {}
     static void add_option(const shell::Command&, StudyOptions&) {}
     static std::uint64_t pixels(const Study&, const study::StudyValues&) { return 0; }
     static std::vector<std::string> jobs(const Study&, const study::StudyValues&) { return {}; }
@@ -48,12 +48,12 @@ struct MoreFiles {
 };
 
 /// The values at which a scene is measured along an axis.
-struct Steps {
+struct AxisSteps {
     SceneAxis axis;
     std::vector<double> values;
 };
-std::vector<Steps> steps_of(const study::StudyValues& values) {
-    std::vector<Steps> all;
+std::vector<AxisSteps> selected_steps(const study::StudyValues& values) {
+    std::vector<AxisSteps> all;
     const auto& axis_names = values.at("along");
     for (std::size_t k = 0; k < measure::offset::scene_axis_names.size(); ++k) {
         const auto axis = static_cast<SceneAxis>(k);
@@ -63,7 +63,7 @@ std::vector<Steps> steps_of(const study::StudyValues& values) {
     return all;
 }
 
-std::string job_of(const OffsetStudy& study, SceneAxis axis, double value) {
+std::string job_name(const OffsetStudy& study, SceneAxis axis, double value) {
     return fmt::format("offsets {} along {} {}", study.scene.id, name_of(axis), value);
 }
 
@@ -75,33 +75,33 @@ struct NoFiles {
 
 /// The files of --along: the scene, measured at every position along an axis.
 template <>
-class MoreFiles<study::OffsetsAdapter> {
+class ExtraFiles<study::OffsetsAdapter> {
 public:
-    MoreFiles(const OffsetStudy& study, const StudyRun& run) : steps_(steps_of(run.options.values)) {
+    ExtraFiles(const OffsetStudy& study, const StudyRun& run) : steps_(selected_steps(run.options.values)) {
         const auto folder = run.run_division.path_to_write(run.run_division.out / study.scene.id);
-        for (const Steps& steps : steps_)
+        for (const AxisSteps& steps : steps_)
             if (!folder.empty())
                 files_.push_back(std::make_unique<output::offset::AlongFiles>(folder, study, steps.axis));
     }
 
-    static void add_option(const shell::Command& command, StudyOptions& o) {
+    static void add_option(const shell::Command& command, StudyOptions& options) {
         command.add_list(
-            "--along", o.values["along"],
+            "--along", options.values["along"],
             "Also measure the scene as it changes along an axis: distance (of the eye), radius (every length), world "
             "(everything moved); pictures of 48 columns",
             shell::one_of({measure::offset::scene_axis_names.begin(), measure::offset::scene_axis_names.end()}));
     }
     static std::uint64_t pixels(const OffsetStudy& study, const study::StudyValues& values) {
         std::uint64_t pixels = 0;
-        for (const Steps& steps : steps_of(values))
+        for (const AxisSteps& steps : selected_steps(values))
             for (const double factor : steps.values)
                 pixels += measure::offset::moved_along(study.scene, steps.axis, factor).pixels();
         return pixels;
     }
     static std::vector<std::string> jobs(const OffsetStudy& study, const study::StudyValues& values) {
         std::vector<std::string> jobs;
-        for (const Steps& steps : steps_of(values))
-            for (const double factor : steps.values) jobs.push_back(job_of(study, steps.axis, factor));
+        for (const AxisSteps& steps : selected_steps(values))
+            for (const double factor : steps.values) jobs.push_back(job_name(study, steps.axis, factor));
         return jobs;
     }
 
@@ -120,22 +120,23 @@ public:
                                               .limit = study.limit,
                                               .progress = study.progress};
                 NoFiles no_files;
-                auto found = shard::run_divided(moved_study, no_files, division, job_of(study, steps_[a].axis, factor));
-                if (found) files_[a]->add(factor, std::move(*found));
+                auto summaries =
+                    shard::run_divided(moved_study, no_files, division, job_name(study, steps_[a].axis, factor));
+                if (summaries) files_[a]->add(factor, std::move(*summaries));
             }
             if (!files_.empty()) files_[a]->finish();
         }
     }
 
 private:
-    std::vector<Steps> steps_;
+    std::vector<AxisSteps> steps_;
     std::vector<std::unique_ptr<output::offset::AlongFiles>> files_;  ///< one for each axis; none in a shard
 };
 
 /// The number of pixels of all rows of a study and of its further files.
 template <class Adapter>
-std::uint64_t units_of(const typename Adapter::View::Study& study, const study::StudyValues& values) {
-    return (study.scene.pixels() + MoreFiles<Adapter>::pixels(study, values)) * study.rows.size();
+std::uint64_t count_units(const typename Adapter::View::Study& study, const study::StudyValues& values) {
+    return (study.scene.pixels() + ExtraFiles<Adapter>::pixels(study, values)) * study.rows.size();
 }
 
 /// Measures one scene, and writes and prints its results. Returns the number of its rays without a proved truth; 0 in a
@@ -143,26 +144,26 @@ std::uint64_t units_of(const typename Adapter::View::Study& study, const study::
 template <class Adapter>
 std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun& run,
                             const SceneFolders::CompleteCallback& complete) {
-    const StudyOptions& o = run.options;
+    const StudyOptions& options = run.options;
     const std::string job = fmt::format("{} {}", Adapter::name, study.scene.id);
     const auto folder = run.run_division.out / study.scene.id;
     const std::string scene_arguments = selection::name_of_scene(study.scene, selection::data_folder(run.common.data));
-    MoreFiles<Adapter> more(study, run);
+    ExtraFiles<Adapter> extra_files(study, run);
     output::study::StudyFiles<typename Adapter::View> files(
         study,
         {.folder = folder,
-         .pixels_csv = o.pixels == "csv",
+         .pixels_csv = options.pixels == "csv",
          .command = run.common.typed_command.for_subject(scene_arguments),
-         .single_pictures = o.pictures == "all",
-         .other_tables = more.resources()},
+         .single_pictures = options.pictures == "all",
+         .other_tables = extra_files.resources()},
         shard::piece_recorder(run.run_division.division, job));
     // Opening the files of many forms takes seconds, so the estimate starts after it.
-    output::file::Estimate estimate(run.progress, study.scene.id,
-                                    units_of<Adapter>(study, o.values) / run.run_division.division.share().count,
-                                    run.common.quiet);
+    output::file::Estimate estimate(
+        run.progress, study.scene.id,
+        count_units<Adapter>(study, options.values) / run.run_division.division.share().count, run.common.quiet);
     study.progress = advance_callback(run.progress, &estimate);
     const auto summaries = shard::run_divided(study, files, run.run_division.division, job);
-    more.run(study, run.run_division.division);
+    extra_files.run(study, run.run_division.division);
     if (!summaries) return 0;
     files.finish(*summaries);
     complete();
@@ -176,13 +177,14 @@ std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun&
 }
 
 template <class Adapter>
-Exit run_command(const StudyOptions& o, const Common& common) {
-    require_folder(o.out);
-    auto rows = selection::cross(selection::select_forms(selection::form_patterns_or(o.forms, Adapter::usual_forms())),
-                                 selection::select_formats(o.formats));
+Exit run_command(const StudyOptions& options, const CommonOptions& common) {
+    require_folder(options.out);
+    auto rows =
+        selection::cross(selection::select_forms(selection::form_patterns_or(options.forms, Adapter::usual_forms())),
+                         selection::select_formats(options.formats));
     std::erase_if(rows, [](const auto& form_row) { return !Adapter::can_measure(*form_row.form); });
     if (rows.empty()) throw NothingSelected(Adapter::no_form_message);
-    auto scenes = scenes_of_primitives(o, rows, Adapter::name, common, Adapter::require);
+    auto scenes = load_primitive_scenes(options, rows, Adapter::name, common, Adapter::require);
     const selection::ThreadLimit limit(common.threads);
 
     std::vector<typename Adapter::View::Study> studies;
@@ -191,22 +193,23 @@ Exit run_command(const StudyOptions& o, const Common& common) {
     std::uint64_t units = 0;
     for (const scene::file::Scene& scene : scenes) {
         const auto meets = [&](Shapes forms) { return scene.meets(forms); };
-        studies.push_back(Adapter::make_study(scene, selection::fitting(rows, meets), o.values, common.stop));
-        if constexpr (requires { Adapter::note(scene, o.values); })
-            if (!common.quiet) Adapter::note(scene, o.values);
+        studies.push_back(
+            Adapter::make_study(scene, selection::fitting_rows(rows, meets), options.values, common.stop));
+        if constexpr (requires { Adapter::note(scene, options.values); })
+            if (!common.quiet) Adapter::note(scene, options.values);
         jobs.push_back(fmt::format("{} {}", Adapter::name, scene.id));
-        std::ranges::move(MoreFiles<Adapter>::jobs(studies.back(), o.values), std::back_inserter(jobs));
+        std::ranges::move(ExtraFiles<Adapter>::jobs(studies.back(), options.values), std::back_inserter(jobs));
         input_files.push_back(scene.path);
-        units += units_of<Adapter>(studies.back(), o.values);
+        units += count_units<Adapter>(studies.back(), options.values);
     }
-    auto run_division = divide_run(o.shard, o.out, input_files, common);
+    auto run_division = divide_run(options.shard, options.out, input_files, common);
     run_division.division.expect(jobs);
     SceneFolders folders(scenes, run_division, common);
-    for (const auto& scene : scenes) selection::note_numbers(scene, o.scenes.set, rows, common.quiet);
+    for (const auto& scene : scenes) selection::note_numbers(scene, options.scenes.set, rows, common.quiet);
 
     output::file::Progress progress(units / run_division.division.share().count, Adapter::name, common.progress,
                                     common.quiet);
-    const StudyRun run{o, common, run_division, progress};
+    const StudyRun run{options, common, run_division, progress};
     const std::uint64_t unproved = folders.for_each(studies.size(), progress, [&](std::size_t k, const auto& complete) {
         return measure_scene<Adapter>(studies[k], run, complete);
     });
@@ -215,29 +218,29 @@ Exit run_command(const StudyOptions& o, const Common& common) {
 }
 
 template <class Adapter>
-void add_study(const shell::Command& program, const Common& common) {
+void add_study(const shell::Command& program, const CommonOptions& common) {
     auto command = program.add_command(Adapter::name, Adapter::title);
-    const auto o = std::make_shared<StudyOptions>();
-    if (const std::vector<std::string> all{"*"}; Adapter::usual_forms() == all) o->forms = all;
-    o->formats = {study::usual_format};
-    o->scenes.stop = common.stop;
-    o->scenes.refuses_ranges = true;
-    selection::add_scenes(command, *o, Adapter::kinds);
-    command.add_list("-i,--form", o->forms, Adapter::form_help);
-    selection::add_formats(command, o->formats, study::usual_format);
+    const auto options = std::make_shared<StudyOptions>();
+    if (const std::vector<std::string> all{"*"}; Adapter::usual_forms() == all) options->forms = all;
+    options->formats = {study::usual_format};
+    options->scenes.stop = common.stop;
+    options->scenes.refuses_ranges = true;
+    selection::add_scenes(command, *options, Adapter::kinds);
+    command.add_list("-i,--form", options->forms, Adapter::form_help);
+    selection::add_formats(command, options->formats, study::usual_format);
     for (const study::StudyOption& option : Adapter::options()) {
-        auto& values = o->values[option.name] = option.usual;
+        auto& values = options->values[option.name] = option.usual;
         command.add_list("--" + option.name, values, option.help,
                          option.known.empty() ? shell::ValueRule{} : shell::one_of(option.known));
     }
-    selection::add_changes(command, o->scenes, Adapter::example);
-    if constexpr (requires { Adapter::View::pixel_title; }) selection::add_pixels(command, *o);
-    selection::add_pictures(command, o->pictures);
-    MoreFiles<Adapter>::add_option(command, *o);
-    add_shard(command, o->shard);
-    selection::add_out(command, o->out);
+    selection::add_changes(command, options->scenes, Adapter::example);
+    if constexpr (requires { Adapter::View::pixel_title; }) selection::add_pixels(command, *options);
+    selection::add_pictures(command, options->pictures);
+    ExtraFiles<Adapter>::add_option(command, *options);
+    add_shard(command, options->shard);
+    selection::add_out(command, options->out);
     command.set_examples(Adapter::examples());
-    command.runs([o, &common] { return run_command<Adapter>(*o, common); });
+    command.set_action([options, &common] { return run_command<Adapter>(*options, common); });
 }
 
 }  // namespace

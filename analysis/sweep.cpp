@@ -51,10 +51,10 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
 /// Runs a file of named cases; its result is the matrix of cases.
 void run_case_file(const std::filesystem::path& path, const SweepSelection& chosen) {
     const scene::sweep::CaseFile file(path);
-    const auto rows = selection::fitting(chosen.rows, [&](Shapes forms) { return file.meets(forms); });
+    const auto rows = selection::fitting_rows(chosen.rows, [&](Shapes forms) { return file.meets(forms); });
     measure::sweep::CaseRequest request{.file = file, .rows = {}, .metrics = {}, .limit = {.stop = chosen.common.stop}};
     request.metrics = chosen.metric_set.for_forms(
-        selection::measured(chosen.extra_metrics, rows), measure::evaluate::forms_of(rows),
+        selection::measured_metrics(chosen.extra_metrics, rows), measure::evaluate::forms_of(rows),
         [&file] { return measure::attribution::OwnedSetting(file.rays(0, binary64).front()); });
     for (TestedForm form_row : rows) {
         for (const auto& convention : file.conventions) {
@@ -69,21 +69,21 @@ void run_case_file(const std::filesystem::path& path, const SweepSelection& chos
     if (result_folder) files.emplace(request, folder, selection::name_of_sweep(path, chosen.data()));
     request.share = chosen.division().share();
     const auto units = request.share.of_units(file.size()).size() * request.rows.size();
-    const auto found = chosen.measure_or_join(file.id, units, request, measure::sweep::run_cases);
-    if (!found) return;
-    files->finish(*found);
+    const auto case_results = chosen.measure_or_join(file.id, units, request, measure::sweep::run_cases);
+    if (!case_results) return;
+    files->finish(*case_results);
     complete_folder(result_folder);
     if (!chosen.common.quiet) fmt::print("{}\n", (folder / "cases.csv").string());
 }
 
 void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
-    const Common& common = chosen.common;
-    scene::sweep::SweepFile sweep(path, chosen.data(), selection::read_changes(chosen.o), common.stop);
-    sweep.title += chosen.o.title_suffix();
+    const CommonOptions& common = chosen.common;
+    scene::sweep::SweepFile sweep(path, chosen.data(), selection::read_changes(chosen.options), common.stop);
+    sweep.title += chosen.options.title_suffix();
     auto request =
-        study::sweep_of(sweep, selection::fitting(chosen.rows, [&](Shapes forms) { return sweep.meets(forms); }),
+        study::sweep_of(sweep, selection::fitting_rows(chosen.rows, [&](Shapes forms) { return sweep.meets(forms); }),
                         chosen.extra_metrics, chosen.metric_set, common.stop);
-    if (chosen.o.seeds) request.further_draws = *chosen.o.seeds;
+    if (chosen.options.seeds) request.further_draws = *chosen.options.seeds;
     selection::note_without_formula(chosen.extra_metrics, request.rows, common.quiet);
     output::sweep::SweepFiles::require_own_columns(request);
     if (!common.quiet) selection::note_lost_numbers(sweep, request.rows, common.stop);
@@ -92,10 +92,10 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     const auto files = result_folder ? std::make_unique<output::sweep::SweepFiles>(request, folder) : nullptr;
     request.share = chosen.division().share();
     const auto units = measure::sweep::sweep_units(request) / request.share.count;
-    const auto found = chosen.measure_or_join(sweep.id, units, request, measure::sweep::measure_sweep);
-    if (!found) return;
-    const auto& [steps, onsets] = *found;
-    output::sweep::write_sweep_plots(folder, {request, steps, onsets}, chosen.o.pictures == "all");
+    const auto measured_sweep = chosen.measure_or_join(sweep.id, units, request, measure::sweep::measure_sweep);
+    if (!measured_sweep) return;
+    const auto& [steps, onsets] = *measured_sweep;
+    output::sweep::write_sweep_plots(folder, {request, steps, onsets}, chosen.options.pictures == "all");
     files->finish(steps, onsets);
     complete_folder(result_folder);
     note_suspicions(request.rows, common, [&sweep](const measure::evaluate::TestedForm& form_row) {
@@ -116,39 +116,38 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
 using selection::ShapePredicate;
 
 /// Checks the file and the options. Returns a function that tells which forms can test the file. Throws InputError.
-ShapePredicate check_file(const std::filesystem::path& path, SweepKind kind, const SweepOptions& o,
+ShapePredicate check_file(const std::filesystem::path& path, SweepKind kind, const SweepOptions& options,
                           const std::filesystem::path& data, intersect::process::StopToken stop) {
     using K = SweepKind;
-    const bool searches = kind == K::search || kind == K::edge_search;
-    if (o.worst && !searches)
+    const bool is_search = kind == K::search || kind == K::edge_search;
+    if (options.worst && !is_search)
         throw InputError(path.string() +
                          ":1:1: --worst needs a [search] table with the ranges to search, or an "
                          "[edge_search] table; see data/sweeps/worst");
-    if (!o.worst && searches)
+    if (!options.worst && is_search)
         throw InputError(path.string() +
                          ":1:1: this file has a table for a search, which only --worst uses; add --worst");
-    selection::check_changes(o, kind, path.stem().string());
+    selection::check_changes(options, kind, path.stem().string());
     const auto accepts_only = [](Shape shape) { return [shape](Shapes forms) { return forms == shape; }; };
     if (kind == K::cases) return [file = scene::sweep::CaseFile(path)](Shapes forms) { return file.meets(forms); };
     if (kind == K::every_float) return accepts_only(scene::sweep::ExhaustiveFile(path, data, stop).primitive.shape);
     if (kind == K::edge_search)
-        return [file = scene::sweep::EdgeSearchFile(path, data, selection::read_changes(o).set, stop)](Shapes forms) {
-            return file.meets(forms);
-        };
+        return [file = scene::sweep::EdgeSearchFile(path, data, selection::read_changes(options).set, stop)](
+                   Shapes forms) { return file.meets(forms); };
     if (kind == K::axes) {
-        const scene::sweep::SweepFile sweep(path, data, selection::read_changes(o), stop);
-        const char* const why = !sweep.has_random_rays() ? "has the rays of its scene and draws none at random"
-                                : sweep.axes.size() != 1
-                                    ? "has two axes; more seeds repeat the onset of a sweep along one axis"
-                                    : nullptr;
-        if (why != nullptr && o.seeds.value_or(0) > 0)
-            throw InputError(fmt::format("--seeds {}: {} {}; leave out --seeds", *o.seeds, sweep.id, why));
-        if (o.pictures == "all" && sweep.axes.size() != 2)
+        const scene::sweep::SweepFile sweep(path, data, selection::read_changes(options), stop);
+        const char* const reason = !sweep.has_random_rays() ? "has the rays of its scene and draws none at random"
+                                   : sweep.axes.size() != 1
+                                       ? "has two axes; more seeds repeat the onset of a sweep along one axis"
+                                       : nullptr;
+        if (reason != nullptr && options.seeds.value_or(0) > 0)
+            throw InputError(fmt::format("--seeds {}: {} {}; leave out --seeds", *options.seeds, sweep.id, reason));
+        if (options.pictures == "all" && sweep.axes.size() != 2)
             throw InputError(fmt::format(
                 "--pictures all: {} has one axis, and each plot shows all forms; leave out --pictures", sweep.id));
         return [sweep](Shapes forms) { return sweep.meets(forms); };
     }
-    const scene::sweep::SearchFile search(path, selection::read_changes(o).set);
+    const scene::sweep::SearchFile search(path, selection::read_changes(options).set);
     measure::metric::MetricSet metric_set;
     const measure::metric::Metric* const metric = metric_set.find(search.metric);
     if (metric == nullptr) {
@@ -172,24 +171,25 @@ void resume_stopped(const std::vector<std::unique_ptr<ExhaustiveRun>>& runs) {
         if (!has_stopped_run || run->was_stopped()) run->resume();
 }
 
-Exit run(SweepOptions o, const Common& common) {
+Exit run(SweepOptions options, const CommonOptions& common) {
     measure::metric::MetricSet metric_set;
     RunDivision run_division;
     const std::vector<std::string> default_formats{"f32", "f64"};
-    SweepSelection chosen{selection::cross(selection::select_forms(o.forms),
-                                           selection::select_formats(o.formats.empty() ? default_formats : o.formats)),
-                          {},
-                          metric_set,
-                          run_division,
-                          o,
-                          common};
-    if (!o.against.empty()) selection::compare_against(chosen.rows, o.against, common.quiet);
+    SweepSelection chosen{
+        selection::cross(selection::select_forms(options.forms),
+                         selection::select_formats(options.formats.empty() ? default_formats : options.formats)),
+        {},
+        metric_set,
+        run_division,
+        options,
+        common};
+    if (!options.against.empty()) selection::compare_against(chosen.rows, options.against, common.quiet);
     // The plots of a sweep have the envelope, which is the error that the problem itself costs.
-    if (!o.metrics.empty()) chosen.extra_metrics = selection::select_metrics(o.metrics, metric_set);
-    if (!o.against.empty()) selection::add_pairs(chosen.extra_metrics);
+    if (!options.metrics.empty()) chosen.extra_metrics = selection::select_metrics(options.metrics, metric_set);
+    if (!options.against.empty()) selection::add_comparison_metrics(chosen.extra_metrics);
     for (const char* name : {"inherent_bits", "excess_bits"})
         chosen.extra_metrics.push_back(measure::metric::find_metric(name));
-    require_folder(o.out);
+    require_folder(options.out);
     const auto data = selection::data_folder(common.data);
     // Reads every file before the work starts, so that bad input leaves no results behind.
     struct Sweep {
@@ -198,7 +198,7 @@ Exit run(SweepOptions o, const Common& common) {
         ShapePredicate meets;
     };
     std::vector<Sweep> sweeps;
-    for (const std::string& name : o.sweeps) {
+    for (const std::string& name : options.sweeps) {
         const auto path = scene::sweep::find_sweep(name, data);
         const auto kind = scene::sweep::sweep_kind(path);
         for (const Sweep& other : sweeps) {
@@ -207,30 +207,31 @@ Exit run(SweepOptions o, const Common& common) {
                     name + ": sweep \"" + path.stem().string() +
                     "\" is given twice, and both would write to the same folder; leave out one of the two");
         }
-        if (kind != SweepKind::every_float && o.resume)
+        if (kind != SweepKind::every_float && options.resume)
             throw InputError(
                 "--resume: " + path.stem().string() +
                 " is not a sweep over every float, and other sweeps cannot be resumed; leave out --resume");
-        sweeps.push_back({path, kind, check_file(path, kind, o, data, common.stop)});
+        sweeps.push_back({path, kind, check_file(path, kind, options, data, common.stop)});
     }
     const auto usable_rows = selection::drop_unfitting(
-        sweeps, {chosen.rows, o.forms, common.quiet}, [](const Sweep& s, Shapes forms) { return s.meets(forms); },
+        sweeps, {chosen.rows, options.forms, common.quiet}, [](const Sweep& s, Shapes forms) { return s.meets(forms); },
         [](const Sweep& s) { return s.path.stem().string(); });
-    selection::note_unmeasured(o.forms, usable_rows, common.quiet);
+    selection::note_unmeasured(options.forms, usable_rows, common.quiet);
     std::vector<std::filesystem::path> files;
     for (const Sweep& sweep : sweeps)
-        std::ranges::move(selection::files_of(sweep.path, sweep.kind, o, data, common.stop), std::back_inserter(files));
-    run_division = divide_run(o.shard, o.out, files, common, o.resume);
+        std::ranges::move(selection::files_of(sweep.path, sweep.kind, options, data, common.stop),
+                          std::back_inserter(files));
+    run_division = divide_run(options.shard, options.out, files, common, options.resume);
     std::vector<std::string> jobs;
     for (const Sweep& sweep : sweeps) jobs.push_back("sweep " + sweep.path.stem().string());
     run_division.division.expect(jobs);
-    o.out = run_division.out.string();
-    std::vector<std::unique_ptr<ExhaustiveRun>> exhaustive;
+    options.out = run_division.out.string();
+    std::vector<std::unique_ptr<ExhaustiveRun>> exhaustive_runs;
     for (const Sweep& sweep : sweeps) {
         if (sweep.kind == SweepKind::every_float)
-            exhaustive.push_back(std::make_unique<ExhaustiveRun>(sweep.path, chosen));
+            exhaustive_runs.push_back(std::make_unique<ExhaustiveRun>(sweep.path, chosen));
     }
-    if (o.resume) resume_stopped(exhaustive);
+    if (options.resume) resume_stopped(exhaustive_runs);
     const selection::ThreadLimit limit(common.threads);
     for (const auto& [path, kind, meets] : sweeps) {
         try {
@@ -243,38 +244,38 @@ Exit run(SweepOptions o, const Common& common) {
         }
     }
     std::uint64_t unproved = 0;
-    for (const auto& run : exhaustive) unproved += run->run(exhaustive.size() > 1);
+    for (const auto& run : exhaustive_runs) unproved += run->run(exhaustive_runs.size() > 1);
     finish_run(run_division, common);
-    for (const auto& run : exhaustive) run->forget_state();
+    for (const auto& run : exhaustive_runs) run->forget_state();
     return report_unproved(unproved);
 }
 
 }  // namespace
 
-void add_sweep(const shell::Command& program, const Common& common) {
+void add_sweep(const shell::Command& program, const CommonOptions& common) {
     auto command = program.add_command("sweep",
                                        "Measure errors along a parameter, and find where they first cross a "
                                        "threshold");
-    const auto o = std::make_shared<SweepOptions>();
-    command.add("SWEEP", o->sweeps, "Sweep files or names in data/sweeps").required();
-    selection::add_forms(command, o->forms);
+    const auto options = std::make_shared<SweepOptions>();
+    command.add("SWEEP", options->sweeps, "Sweep files or names in data/sweeps").required();
+    selection::add_forms(command, options->forms);
     command.add_list(
-        "-f,--format", o->formats,
+        "-f,--format", options->formats,
         "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: f32 f64; f32 for sweeps over every float)");
-    command.add_list("--metric", o->metrics, "Also measure these metrics, by name or glob");
-    command.add("--seeds", o->seeds, "Also find the onsets on this many further draws of the rays (default: 2)",
-                shell::whole_from(0, 1000));
-    command.add("--size", o->size,
+    command.add_list("--metric", options->metrics, "Also measure these metrics, by name or glob");
+    command.add("--seeds", options->seeds, "Also find the onsets on this many further draws of the rays (default: 2)",
+                shell::whole_number_between(0, 1000));
+    command.add("--size", options->size,
                 "Picture size of the sweep's scene, WxH; each step has one ray per pixel (default: the scene's)");
-    command.add("--steps", o->steps, "Steps of each axis: 40, or 40,20 (default: the file's)");
-    command.add_set(o->set, "Change a number of the sweep first: views=64, axis[0].to=100, march.hit_eps=1e-6");
-    command.add("--worst", o->worst, "Search the ranges of a [search] file for the worst ray of each form");
-    command.add("--resume", o->resume, "Continue a stopped sweep over every float");
-    command.add("--against", o->against, "Also compare every form with this form");
-    add_shard(command, o->shard);
-    selection::add_pictures(command, o->pictures);
-    selection::add_out(command, o->out);
-    command.runs([o, &common] { return run(*o, common); });
+    command.add("--steps", options->steps, "Steps of each axis: 40, or 40,20 (default: the file's)");
+    command.add_set(options->set, "Change a number of the sweep first: views=64, axis[0].to=100, march.hit_eps=1e-6");
+    command.add("--worst", options->worst, "Search the ranges of a [search] file for the worst ray of each form");
+    command.add("--resume", options->resume, "Continue a stopped sweep over every float");
+    command.add("--against", options->against, "Also compare every form with this form");
+    add_shard(command, options->shard);
+    selection::add_pictures(command, options->pictures);
+    selection::add_out(command, options->out);
+    command.set_action([options, &common] { return run(*options, common); });
 }
 
 }  // namespace lostbits::analysis

@@ -39,8 +39,8 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
       state_file_(folder_,
                   {.program = program_and_version,
                    .command = chosen.common.typed_command.for_subject(selection::name_of_sweep(path, chosen.data())),
-                   .inputs = hash_of_inputs(selection::files_of(path, scene::sweep::SweepKind::every_float, chosen.o,
-                                                                chosen.data(), chosen.common.stop),
+                   .inputs = hash_of_inputs(selection::files_of(path, scene::sweep::SweepKind::every_float,
+                                                                chosen.options, chosen.data(), chosen.common.stop),
                                             chosen.common),
                    .share = chosen.division().share()},
                   "sweep " + sweep_.id),
@@ -48,7 +48,8 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
     request_.share = chosen.division().share();
     request_.limit.stop = chosen.common.stop;
     if (sweep_.scene) request_.scene = selection::name_of_scene(*sweep_.scene, chosen.data());
-    for (TestedForm form_row : selection::fitting(chosen.rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
+    for (TestedForm form_row :
+         selection::fitting_rows(chosen.rows, [&](Shapes forms) { return sweep_.meets(forms); })) {
         if (form_row.format.engine != Format::Engine::native32) continue;
         form_row.touching = sweep_.convention;
         request_.rows.push_back(form_row);
@@ -63,7 +64,7 @@ void ExhaustiveRun::resume() {
     resumed_ = true;
 }
 
-ExhaustiveState ExhaustiveRun::try_all(bool keep_state) {
+ExhaustiveState ExhaustiveRun::try_floats(bool keep_state) {
     require_writable(state_file_.path());
     const std::uint64_t rays_per_float = sweep_.rays.size() * request_.rows.size();
     const std::uint64_t floats = measure::sweep::floats_of(sweep_, request_.share);
@@ -98,7 +99,7 @@ void ExhaustiveRun::forget_state() const {
 }
 
 std::uint64_t ExhaustiveRun::run(bool others_follow) {
-    const Common& common = chosen_.common;
+    const CommonOptions& common = chosen_.common;
     // The user may have forgotten --resume. The old state stays until this run writes its own.
     if (!resumed_ && !common.quiet && state_file_.is_there())
         fmt::print(stderr,
@@ -109,18 +110,18 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
         chosen_.take_sweep_folder(sweep_.id, path_, {.keep = resumed_, .resumes = !common.shards_to_join});
     std::optional<output::sweep::ExhaustiveFiles> files;
     if (result_folder) files.emplace(request_, folder_);
-    const auto found = chosen_.division().result_of(
-        "sweep " + sweep_.id, [&] { return try_all(others_follow); },
+    const auto state = chosen_.division().result_of(
+        "sweep " + sweep_.id, [&] { return try_floats(others_follow); },
         [this](const ExhaustiveState& part) { part.require_of(request_); });
-    if (!found) return 0;
+    if (!state) return 0;
     // The state of a stopped run was joined as if it were a shard: floats are missing, so no statement would be true.
-    if (const std::uint64_t float_count = measure::sweep::floats_of(sweep_, {}); found->tried != float_count)
+    if (const std::uint64_t float_count = measure::sweep::floats_of(sweep_, {}); state->tried != float_count)
         throw InputError(fmt::format(
             "only {} of the {} floats of {} were tried: one of the shards was stopped; run that shard again with "
             "--resume, then join the shards",
-            found->tried, float_count, sweep_.id));
-    const auto findings = measure::sweep::findings_of(request_, *found);
-    files->finish(*found, findings);
+            state->tried, float_count, sweep_.id));
+    const auto findings = measure::sweep::findings_of(request_, *state);
+    files->finish(*state, findings);
     if (!others_follow) output::file::forget_result(state_file_.path());
     complete_folder(result_folder);
     std::uint64_t unresolved = 0;
@@ -128,14 +129,14 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
     if (common.quiet) return unresolved;
     fmt::print("{}\n", (folder_ / "binades.csv").string());
     for (const auto& finding : findings) fmt::print("{}\n", output::sweep::statement(request_, finding));
-    if (common.verbose) print_stages(found->stages);
+    if (common.verbose) print_stages(state->stages);
     return unresolved;
 }
 
 namespace {
 
 /// For a message: the keys of a search that may leave no ray, and what to write instead.
-std::string what_excludes_rays(const scene::sweep::SearchFile& search) {
+std::string excluding_keys_text(const scene::sweep::SearchFile& search) {
     if (search.aim)
         return "distance may put every origin outside the range of origin; widen origin, or narrow distance";
     if (search.at_edge) return "rays to the edges of the boxes may all start outside the range of origin; widen origin";
@@ -147,30 +148,30 @@ std::string what_excludes_rays(const scene::sweep::SearchFile& search) {
 }  // namespace
 
 void run_search(const std::filesystem::path& path, const SweepSelection& chosen) {
-    scene::sweep::SearchFile search(path, selection::read_changes(chosen.o).set);
-    search.title += chosen.o.title_suffix();
+    scene::sweep::SearchFile search(path, selection::read_changes(chosen.options).set);
+    search.title += chosen.options.title_suffix();
     measure::sweep::WorstRequest request{
         .search = search,
-        .rows = selection::fitting(chosen.rows, [&](Shapes forms) { return forms == search.shape; }),
+        .rows = selection::fitting_rows(chosen.rows, [&](Shapes forms) { return forms == search.shape; }),
         .metrics = {},
         .limit = {.stop = chosen.common.stop}};
     Primitive<double> example;  // labels do not depend on its numbers
     example.shape = search.shape;
     request.metrics = chosen.metric_set.for_forms(
-        selection::measured({chosen.metric_set.find(search.metric)}, request.rows),
+        selection::measured_metrics({chosen.metric_set.find(search.metric)}, request.rows),
         measure::evaluate::forms_of(request.rows), measure::attribution::Setting{std::span(&example, 1)});
     const auto folder = chosen.folder_of(search.id);
     const auto result_folder = chosen.take_sweep_folder(search.id, path);
     if (result_folder) require_writable(folder / "worst.csv");
     request.share = chosen.division().share();
-    const auto found = chosen.measure_or_join(search.id, request.share.of_units(request.rows.size()).size(), request,
-                                              measure::sweep::find_worst);
-    if (!found) return;
-    if (std::ranges::none_of(*found, [](const auto& w) { return w.has_value(); })) {
+    const auto worst_rays = chosen.measure_or_join(search.id, request.share.of_units(request.rows.size()).size(),
+                                                   request, measure::sweep::find_worst);
+    if (!worst_rays) return;
+    if (std::ranges::none_of(*worst_rays, [](const auto& w) { return w.has_value(); })) {
         throw NothingSelected(path.string() + ": no form hit anything with a ray of these ranges; " +
-                              what_excludes_rays(search));
+                              excluding_keys_text(search));
     }
-    output::sweep::write_worst(folder, request, *found);
+    output::sweep::write_worst(folder, request, *worst_rays);
     complete_folder(result_folder);
     if (!chosen.common.quiet) fmt::print("{}\n", (folder / "worst.csv").string());
 }
@@ -192,11 +193,12 @@ void add_contracted(std::vector<TestedForm>& rows) {
 }  // namespace
 
 void run_edge_search(const std::filesystem::path& path, const SweepSelection& chosen) {
-    scene::sweep::EdgeSearchFile search(path, chosen.data(), selection::read_changes(chosen.o).set, chosen.common.stop);
-    search.title += chosen.o.title_suffix();
+    scene::sweep::EdgeSearchFile search(path, chosen.data(), selection::read_changes(chosen.options).set,
+                                        chosen.common.stop);
+    search.title += chosen.options.title_suffix();
     measure::edges::EdgeRequest request{
         .search = search,
-        .rows = selection::fitting(chosen.rows, [&](Shapes forms) { return search.meets(forms); }),
+        .rows = selection::fitting_rows(chosen.rows, [&](Shapes forms) { return search.meets(forms); }),
         .limit = {.stop = chosen.common.stop}};
     if (chosen.takes_all_forms()) add_contracted(request.rows);
     for (const TestedForm& form_row : request.rows)
@@ -208,14 +210,15 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
     if (result_folder) require_writable(folder / "worst.csv");
     request.share = chosen.division().share();
     const auto units = measure::edges::progress_units_per_row * request.share.of_units(request.rows.size()).size();
-    const auto found = chosen.measure_or_join(search.id, units, request, measure::edges::search_edges);
-    if (!found) return;
-    const output::sweep::NearestFiles files{request, *found, selection::name_of_scene(search.scene, chosen.data())};
+    const auto edge_results = chosen.measure_or_join(search.id, units, request, measure::edges::search_edges);
+    if (!edge_results) return;
+    const output::sweep::NearestFiles files{request, *edge_results,
+                                            selection::name_of_scene(search.scene, chosen.data())};
     files.write(folder);
     complete_folder(result_folder);
     if (chosen.common.quiet) return;
     fmt::print("{}\n{}\n", (folder / "census.csv").string(), (folder / "worst.csv").string());
-    for (std::size_t r = 0; r < found->size(); ++r) fmt::print("{}\n", files.sentence(r));
+    for (std::size_t r = 0; r < edge_results->size(); ++r) fmt::print("{}\n", files.sentence(r));
 }
 
 }  // namespace lostbits::analysis

@@ -28,7 +28,7 @@ struct SweepOptions : selection::SweepChangeOptions {
 class ProgressWithEstimate {
 public:
     /// `done_before`: units of work that the resumed run has done already.
-    ProgressWithEstimate(const std::string& id, std::uint64_t units, const Common& common,
+    ProgressWithEstimate(const std::string& id, std::uint64_t units, const CommonOptions& common,
                          std::uint64_t done_before = 0)
         : progress_(units, id, common.progress, common.quiet),
           estimate_(progress_, id, units - done_before, common.quiet) {
@@ -44,20 +44,21 @@ private:
     output::file::Estimate estimate_;
 };
 
+/// The forms, metrics, options and folders of a run of `lostbits sweep`.
 struct SweepSelection {
     std::vector<measure::evaluate::TestedForm> rows;
     std::vector<const measure::metric::Metric*> extra_metrics;  ///< metrics in addition to the default ones
     measure::metric::MetricSet& metric_set;
     RunDivision& run_division;
-    const SweepOptions& o;
-    const Common& common;
+    const SweepOptions& options;
+    const CommonOptions& common;
 
     [[nodiscard]] shard::Division& division() const { return run_division.division; }
     [[nodiscard]] std::filesystem::path data() const { return selection::data_folder(common.data); }
     /// True if no form is named.
-    [[nodiscard]] bool takes_all_forms() const { return o.forms == SweepOptions().forms; }
+    [[nodiscard]] bool takes_all_forms() const { return options.forms == SweepOptions().forms; }
     [[nodiscard]] std::filesystem::path folder_of(const std::string& id) const {
-        return std::filesystem::path(o.out) / id;
+        return std::filesystem::path(options.out) / id;
     }
     /// Takes the folder of a sweep in `out` for this run; null in a shard, which has its own folder.
     [[nodiscard]] std::unique_ptr<output::file::ResultFolder> take_sweep_folder(
@@ -97,7 +98,7 @@ public:
     void forget_state() const;
 
 private:
-    measure::sweep::ExhaustiveState try_all(bool keep_state);
+    measure::sweep::ExhaustiveState try_floats(bool keep_state);
 
     scene::sweep::ExhaustiveFile sweep_;
     measure::sweep::ExhaustiveRequest request_{.sweep = sweep_};

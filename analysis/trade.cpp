@@ -33,29 +33,32 @@ struct TradeOptions {
     bool quick = false;
 };
 
-measure::speed::TimingPlan plan_of(const TradeOptions& o) {
-    measure::speed::TimingPlan plan = o.quick ? study::quick_plan() : measure::speed::TimingPlan{};
-    if (o.repetitions > 0) plan.repetitions = o.repetitions;
+measure::speed::TimingPlan timing_plan(const TradeOptions& options) {
+    measure::speed::TimingPlan plan = options.quick ? study::quick_plan() : measure::speed::TimingPlan{};
+    if (options.repetitions > 0) plan.repetitions = options.repetitions;
     return plan;
 }
 
-Exit run(const TradeOptions& o, const Common& common) {
-    require_folder(o.out);
-    auto rows = selection::cross(selection::select_forms(o.forms), selection::select_formats(o.formats));
+Exit run(const TradeOptions& options, const CommonOptions& common) {
+    require_folder(options.out);
+    auto rows = selection::cross(selection::select_forms(options.forms), selection::select_formats(options.formats));
     const auto data = selection::data_folder(common.data);
     std::optional<Scene> scene;
-    if (!o.scene.empty()) scene = selection::load_one_scene({{o.scene}, o.size, o.variant, o.set, common.stop}, data);
-    TradeRequest request = study::trade_of(scene ? &*scene : nullptr, o.shape, {rows, o.forms, common.quiet});
+    if (!options.scene.empty())
+        scene =
+            selection::load_one_scene({{options.scene}, options.size, options.variant, options.set, common.stop}, data);
+    TradeRequest request =
+        study::trade_of(scene ? &*scene : nullptr, options.shape, {rows, options.forms, common.quiet});
     const auto fits = [&](Shapes forms) { return scene ? scene->meets(forms) : forms == request.shape; };
-    selection::note_unmeasured(o.forms, selection::fitting(rows, fits), common.quiet);
-    request.plan = plan_of(o);
+    selection::note_unmeasured(options.forms, selection::fitting_rows(rows, fits), common.quiet);
+    request.plan = timing_plan(options);
     request.limit.stop = request.plan.stop = common.stop;
     const std::string name = scene ? scene->id : std::string(name_of(request.shape));
-    const auto folder = std::filesystem::path(o.out) / name;
-    const auto result_folder = take_folder(folder, common, scene ? output::attribution::shell_word(o.scene) : "");
+    const auto folder = std::filesystem::path(options.out) / name;
+    const auto result_folder = take_folder(folder, common, scene ? output::attribution::shell_word(options.scene) : "");
     output::speed::TradeFiles files(request, folder);
     const selection::ThreadLimit limit(common.threads);
-    if (scene && !common.quiet) selection::note_idle_settings(o.set, scene->id, rows);
+    if (scene && !common.quiet) selection::note_idle_settings(options.set, scene->id, rows);
     output::file::Progress progress(measure::speed::trade_units(request), fmt::format("trade {}", name),
                                     common.progress, common.quiet);
     request.plan.progress = advance_callback(progress);
@@ -70,26 +73,28 @@ Exit run(const TradeOptions& o, const Common& common) {
 
 }  // namespace
 
-void add_trade(const shell::Command& program, const Common& common) {
+void add_trade(const shell::Command& program, const CommonOptions& common) {
     auto command = program.add_command("trade", "Measure the speed and the accuracy of forms, with the Pareto front");
-    const auto o = std::make_shared<TradeOptions>();
+    const auto options = std::make_shared<TradeOptions>();
     const std::vector<std::string> primitives(shape_names.begin(), shape_names.begin() + shape_rows.size());
-    const auto scene =
-        command.add("SCENE", o->scene, "Use the rays of this scene: a file or a name in data/scenes (default: none)");
+    const auto scene = command.add("SCENE", options->scene,
+                                   "Use the rays of this scene: a file or a name in data/scenes (default: none)");
     command
-        .add("--shape", o->shape, "Use rays of known kinds at this shape, without a scene (default: sphere)",
+        .add("--shape", options->shape, "Use rays of known kinds at this shape, without a scene (default: sphere)",
              shell::one_of(primitives))
         .excludes(scene);
-    command.add("--size", o->size, "Size of the scene's picture, WxH in pixels (default: the scene's)").needs(scene);
-    command.add("--variant", o->variant, "One variant of a scene that has several").needs(scene);
-    command.add_set(o->set, "Change a number of the scene first: sphere[0].radius=10").needs(scene);
-    selection::add_forms(command, o->forms, "all that fit");
-    command.add_list("-f,--format", o->formats, "f32, f64 (default: both)");
-    command.add("--repetitions", o->repetitions, "Number of measurements of each kernel (default: 25; 5 with --quick)",
-                shell::whole_from(1, 1000));
-    command.add("--quick", o->quick, "Measure times briefly, for a first look");
-    selection::add_out(command, o->out);
-    command.runs([o, &common] { return run(*o, common); });
+    command.add("--size", options->size, "Size of the scene's picture, WxH in pixels (default: the scene's)")
+        .needs(scene);
+    command.add("--variant", options->variant, "One variant of a scene that has several").needs(scene);
+    command.add_set(options->set, "Change a number of the scene first: sphere[0].radius=10").needs(scene);
+    selection::add_forms(command, options->forms, "all that fit");
+    command.add_list("-f,--format", options->formats, "f32, f64 (default: both)");
+    command.add("--repetitions", options->repetitions,
+                "Number of measurements of each kernel (default: 25; 5 with --quick)",
+                shell::whole_number_between(1, 1000));
+    command.add("--quick", options->quick, "Measure times briefly, for a first look");
+    selection::add_out(command, options->out);
+    command.set_action([options, &common] { return run(*options, common); });
 }
 
 }  // namespace lostbits::analysis

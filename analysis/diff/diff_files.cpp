@@ -65,10 +65,11 @@ Comparison compare_files(const fs::path& a, const fs::path& b, FileKind kind, co
         return output::diff::compare(left, read(b), options);
     };
     if (kind == FileKind::csv) return read_and_compare(output::file::read_csv);
-    const std::string left = output::file::read_file(a);
-    Comparison bytes = output::diff::compare_bytes(left, output::file::read_file(b));
+    const std::string bytes_a = output::file::read_file(a);
+    Comparison byte_comparison = output::diff::compare_bytes(bytes_a, output::file::read_file(b));
     const bool has_named_columns = !options.tolerances.empty() || !options.ignored.empty();
-    if (kind == FileKind::bytes || (bytes.same() && !(kind == FileKind::exr && has_named_columns))) return bytes;
+    if (kind == FileKind::byte_comparison || (byte_comparison.same() && !(kind == FileKind::exr && has_named_columns)))
+        return byte_comparison;
     if (kind == FileKind::exr) return output::diff::compare_exr(a, b, options);
     return read_and_compare([&](const fs::path& path) { return output::image::image_backend().read_png(path); });
 }
@@ -102,34 +103,34 @@ bool are_folders(const std::string& a, const std::string& b) {
         if (error) throw EnvironmentError(path + ": cannot be read: " + error.message() + "; check the permissions");
         return fs::is_directory(status);
     };
-    const bool left = is_folder(a), right = is_folder(b);
-    if (left == right) return left;
-    const auto& [folder, file] = left ? std::tie(a, b) : std::tie(b, a);
+    const bool is_a_folder = is_folder(a), is_b_folder = is_folder(b);
+    if (is_a_folder == is_b_folder) return is_a_folder;
+    const auto& [folder, file] = is_a_folder ? std::tie(a, b) : std::tie(b, a);
     throw InputError(fmt::format("{}: is a folder, but {} is a file; compare two folders or two files", folder, file));
 }
 
 std::vector<FilePair> pairs_below(const fs::path& a, const fs::path& b) {
-    const auto left = files_below(a), right = files_below(b);
+    const auto files_a = files_below(a), files_b = files_below(b);
     std::vector<FilePair> all;
-    for (const fs::path& file : left) all.push_back({file, true, right.contains(file)});
-    for (const fs::path& file : right)
-        if (!left.contains(file)) all.push_back({file, false, true});
+    for (const fs::path& file : files_a) all.push_back({file, true, files_b.contains(file)});
+    for (const fs::path& file : files_b)
+        if (!files_a.contains(file)) all.push_back({file, false, true});
     if (all.empty())
         throw NothingSelected(fmt::format("{} and {} contain no files; check the paths", a.string(), b.string()));
     std::ranges::sort(all, {}, &FilePair::file);
     return all;
 }
 
-Result compare_pair(const FilePair& pair, const fs::path& a, const fs::path& b, const CompareOptions& options) {
+FileResult compare_pair(const FilePair& pair, const fs::path& a, const fs::path& b, const CompareOptions& options) {
     const auto& [file, is_in_a, is_in_b] = pair;
     const fs::path& folder = is_in_a ? a : b;
     if (!is_in_a || !is_in_b) return {(folder / file).string(), {}, folder.string()};
     return {(a / file).string(), compare_files(a / file, b / file, kind_of(file), options), ""};
 }
 
-std::vector<Result> compare_all(const std::string& a, const std::string& b, const CompareOptions& options) {
+std::vector<FileResult> compare_all(const std::string& a, const std::string& b, const CompareOptions& options) {
     if (are_folders(a, b)) {
-        std::vector<Result> results;
+        std::vector<FileResult> results;
         for (const FilePair& pair : pairs_below(a, b)) {
             options.stop.check();
             results.push_back(compare_pair(pair, a, b, options));
@@ -137,11 +138,11 @@ std::vector<Result> compare_all(const std::string& a, const std::string& b, cons
         return results;
     }
     // The name of a pipe does not tell its kind: it gets the kind of the other file.
-    const FileKind left = kind_of(fs::is_regular_file(a) ? a : b), right = kind_of(fs::is_regular_file(b) ? b : a);
-    if (left != right)
-        throw InputError(fmt::format("{}: is {}, but {} is {}; compare two files of the same kind", a, name_of(left), b,
-                                     name_of(right)));
-    return {{a, compare_files(a, b, left, options), ""}};
+    const FileKind kind_a = kind_of(fs::is_regular_file(a) ? a : b), kind_b = kind_of(fs::is_regular_file(b) ? b : a);
+    if (kind_a != kind_b)
+        throw InputError(fmt::format("{}: is {}, but {} is {}; compare two files of the same kind", a, name_of(kind_a),
+                                     b, name_of(kind_b)));
+    return {{a, compare_files(a, b, kind_a, options), ""}};
 }
 
 void refuse_unknown_columns(const CompareOptions& options, const std::set<std::string>& names) {
@@ -157,18 +158,19 @@ void refuse_unknown_columns(const CompareOptions& options, const std::set<std::s
     for (const auto& pattern : options.ignored) check("--ignore", pattern);
 }
 
-void print(const Result& r, bool verbose) {
-    const std::string file = terminal_line(r.file);
-    if (!r.only_folder.empty()) return fmt::print("{}: only in {}\n", file, terminal_line(r.only_folder));
-    const Comparison& c = r.comparison;
-    if (c.same()) {
+void print(const FileResult& result, bool verbose) {
+    const std::string file = terminal_line(result.file);
+    if (!result.only_folder.empty()) return fmt::print("{}: only in {}\n", file, terminal_line(result.only_folder));
+    const Comparison& comparison = result.comparison;
+    if (comparison.same()) {
         if (verbose) fmt::print("{}: same\n", file);
     } else {
-        fmt::print("{}: {}", file, count_with_noun(c.count, "difference"));
-        if (c.rows_differ > 0) fmt::print(", in {} of {}", c.rows_differ, count_with_noun(c.rows, "row"));
+        fmt::print("{}: {}", file, count_with_noun(comparison.count, "difference"));
+        if (comparison.rows_differ > 0)
+            fmt::print(", in {} of {}", comparison.rows_differ, count_with_noun(comparison.rows, "row"));
         fmt::print("\n");
     }
-    for (const auto& column : c.columns) {
+    for (const auto& column : comparison.columns) {
         if (column.count == 0 && !(verbose && !column.absolute.at.empty())) continue;
         fmt::print("  {}: {} differ", terminal_line(column.name), column.count);
         if (column.not_finite > 0) fmt::print(", {} of them in kind (NaN, infinite, empty or text)", column.not_finite);
@@ -176,12 +178,12 @@ void print(const Result& r, bool verbose) {
         print_largest("rel", column.relative);
         fmt::print("\n");
     }
-    for (const auto& d : c.differences) {
+    for (const auto& d : comparison.differences) {
         if (d.line > 0) fmt::print("{}:{}: {}\n", file, d.line, terminal_line(d.what));
         else fmt::print("{}: {}\n", file, terminal_line(d.what));
     }
-    if (c.count > c.differences.size())
-        fmt::print("{}: and {} more; -v shows all\n", file, c.count - c.differences.size());
+    if (comparison.count > comparison.differences.size())
+        fmt::print("{}: and {} more; -v shows all\n", file, comparison.count - comparison.differences.size());
 }
 
 }  // namespace lostbits::analysis::diff

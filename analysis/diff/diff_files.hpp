@@ -21,7 +21,7 @@ enum class FileKind { csv, exr, png, bytes };
 
 /// The result for a file, or for a pair of files below two folders. `only_folder` names the folder of a file that the
 /// other folder does not have; empty: both have it.
-struct Result {
+struct FileResult {
     std::string file;
     output::diff::Comparison comparison;
     std::string only_folder;
@@ -41,8 +41,8 @@ struct FilePair {
 /// All files below either folder, in order. Throws NothingSelected if there are none.
 [[nodiscard]] std::vector<FilePair> pairs_below(const std::filesystem::path& a, const std::filesystem::path& b);
 /// Compares one pair of files.
-[[nodiscard]] Result compare_pair(const FilePair& pair, const std::filesystem::path& a, const std::filesystem::path& b,
-                                  const output::diff::CompareOptions& options);
+[[nodiscard]] FileResult compare_pair(const FilePair& pair, const std::filesystem::path& a,
+                                      const std::filesystem::path& b, const output::diff::CompareOptions& options);
 
 /// Every file below a folder, as a path relative to it. Links are followed; empty folders are ignored.
 [[nodiscard]] std::set<std::filesystem::path> files_below(const std::filesystem::path& folder);
@@ -52,15 +52,15 @@ struct FilePair {
 [[nodiscard]] bool are_folders(const std::string& a, const std::string& b);
 
 /// Compares two files of one kind, or every file below two folders.
-[[nodiscard]] std::vector<Result> compare_all(const std::string& a, const std::string& b,
-                                              const output::diff::CompareOptions& options);
+[[nodiscard]] std::vector<FileResult> compare_all(const std::string& a, const std::string& b,
+                                                  const output::diff::CompareOptions& options);
 
 /// Throws InputError for a tolerance or an ignored column that names no column: it would have no effect.
 void refuse_unknown_columns(const output::diff::CompareOptions& options, const std::set<std::string>& names);
 
 /// Prints the largest differences of each column, then a line per difference. With `verbose` also files without
 /// differences, and columns that agree within a tolerance.
-void print(const Result& result, bool verbose);
+void print(const FileResult& result, bool verbose);
 
 /// The two sides of a comparison of maps: folders, with an optional form on each side.
 struct MapSides {
@@ -72,7 +72,7 @@ struct MapSides {
 
 struct MapDifference {
     output::diff::RowChanges rows;
-    std::vector<Result> others;              ///< files that are not tables with a row per form
+    std::vector<FileResult> other_files;     ///< files that are not tables with a row per form
     std::uint64_t tables = 0, pictures = 0;  ///< tables that were compared, pictures that were left out
     [[nodiscard]] bool same() const;
 };

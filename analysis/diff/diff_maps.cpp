@@ -37,8 +37,8 @@ std::optional<RowChanges> compare_two_forms(const fs::path& file, const MapSides
     const auto table = output::file::read_csv(file);
     if (!output::diff::has_row_keys(table)) return {};
     const auto& forms = table.find("form")->cells;
-    const auto has = [&](const std::string& form) { return std::ranges::find(forms, form) != forms.end(); };
-    if (!has(sides.form_a) || !has(sides.form_b)) return {};
+    const auto has_form = [&](const std::string& form) { return std::ranges::find(forms, form) != forms.end(); };
+    if (!has_form(sides.form_a) || !has_form(sides.form_b)) return {};
     return compare_rows(table, table, subject_of(file.lexically_relative(sides.a)), options, {sides.form_a},
                         {sides.form_b});
 }
@@ -56,16 +56,16 @@ std::vector<std::string> forms_below(const fs::path& folder) {
 }
 
 MapDifference compare_forms(const MapSides& sides, const CompareOptions& options) {
-    MapDifference found;
+    MapDifference difference;
     for (const fs::path& file : files_below(sides.a)) {
         options.stop.check();
         if (kind_of(file) != FileKind::csv) continue;
         auto rows = compare_two_forms(sides.a / file, sides, options);
         if (!rows) continue;
-        ++found.tables;
-        found.rows.add(std::move(*rows));
+        ++difference.tables;
+        difference.rows.add(std::move(*rows));
     }
-    if (found.tables > 0) return found;
+    if (difference.tables > 0) return difference;
     const auto forms = forms_below(sides.a);
     for (const std::string& form : {sides.form_a, sides.form_b}) {
         if (std::ranges::find(forms, form) == forms.end())
@@ -77,10 +77,10 @@ MapDifference compare_forms(const MapSides& sides, const CompareOptions& options
                                  sides.form_b, sides.a.string()));
 }
 
-void print_lines(const std::string& head, const std::vector<std::string>& lines, bool all) {
+void print_lines(const std::string& head, const std::vector<std::string>& lines, bool shows_all) {
     if (lines.empty()) return;
     fmt::print("{}\n", head);
-    const std::size_t shown = all ? lines.size() : std::min(max_lines, lines.size());
+    const std::size_t shown = shows_all ? lines.size() : std::min(max_lines, lines.size());
     for (std::size_t i = 0; i < shown; ++i) fmt::print("  {}\n", output::file::terminal_line(lines[i]));
     if (shown < lines.size()) fmt::print("  and {} more; -v shows all\n", lines.size() - shown);
 }
@@ -101,34 +101,34 @@ std::vector<std::pair<std::string, std::string>> drawn_rows(const MapSides& side
 
 }  // namespace
 
-bool MapDifference::same() const { return rows.same() && std::ranges::all_of(others, &Result::same); }
+bool MapDifference::same() const { return rows.same() && std::ranges::all_of(other_files, &FileResult::same); }
 
 MapDifference compare_maps(const MapSides& sides, const CompareOptions& options, bool pictures) {
     if (sides.are_forms()) return compare_forms(sides, options);
-    MapDifference found;
+    MapDifference difference;
     for (const FilePair& pair : pairs_below(sides.a, sides.b)) {
         options.stop.check();
         const fs::path& file = pair.file;
         const FileKind kind = kind_of(file);
         if (is_picture(file) && !pictures) {
-            ++found.pictures;
+            ++difference.pictures;
             continue;
         }
         if (pair.is_in_a && pair.is_in_b && kind == FileKind::csv) {
             const auto a = output::file::read_csv(sides.a / file), b = output::file::read_csv(sides.b / file);
             if (output::diff::has_row_keys(a) && output::diff::has_row_keys(b)) {
-                ++found.tables;
-                found.rows.add(output::diff::compare_rows(a, b, subject_of(file), options));
+                ++difference.tables;
+                difference.rows.add(output::diff::compare_rows(a, b, subject_of(file), options));
                 continue;
             }
         }
-        found.others.push_back(compare_pair(pair, sides.a, sides.b, options));
+        difference.other_files.push_back(compare_pair(pair, sides.a, sides.b, options));
     }
-    if (found.tables == 0 && found.others.empty())
+    if (difference.tables == 0 && difference.other_files.empty())
         throw NothingSelected(fmt::format("{} and {} contain nothing but pictures; --compare-pictures compares them",
                                           sides.a.string(), sides.b.string()));
-    found.rows.sort();
-    return found;
+    difference.rows.sort();
+    return difference;
 }
 
 void print_verdict(const output::diff::RowVerdict& verdict, const std::string& second) {
@@ -136,28 +136,32 @@ void print_verdict(const output::diff::RowVerdict& verdict, const std::string& s
     if (!text.empty()) fmt::print("{}\n", text);
 }
 
-void print(const MapDifference& d, const MapSides& sides, bool verbose) {
+void print(const MapDifference& difference, const MapSides& sides, bool verbose) {
     const std::string a = sides.are_forms() ? sides.form_a : sides.a.string(),
                       b = sides.are_forms() ? sides.form_b : sides.b.string();
-    if (d.tables > 0)
-        fmt::print("{} to {}: {} compared, {} {} (in {})\n", a, b, count_with_noun(d.rows.rows, "row"), d.rows.changed,
-                   d.rows.changed == 1 ? "differs" : "differ", count_with_noun(d.tables, "table"));
-    print_lines(fmt::format("{} only in {}:", count_with_noun(d.rows.only_a.size(), "row"), a), d.rows.only_a, verbose);
-    print_lines(fmt::format("{} only in {}:", count_with_noun(d.rows.only_b.size(), "row"), b), d.rows.only_b, verbose);
+    if (difference.tables > 0)
+        fmt::print("{} to {}: {} compared, {} {} (in {})\n", a, b, count_with_noun(difference.rows.rows, "row"),
+                   difference.rows.changed, difference.rows.changed == 1 ? "differs" : "differ",
+                   count_with_noun(difference.tables, "table"));
+    print_lines(fmt::format("{} only in {}:", count_with_noun(difference.rows.only_a.size(), "row"), a),
+                difference.rows.only_a, verbose);
+    print_lines(fmt::format("{} only in {}:", count_with_noun(difference.rows.only_b.size(), "row"), b),
+                difference.rows.only_b, verbose);
     std::vector<std::string> lines;
-    for (const auto& o : d.rows.outcomes) lines.push_back(o.row + ": " + o.text);
-    print_lines(fmt::format("outcomes differ in {}:", count_with_noun(d.rows.outcomes.size(), "row")), lines, verbose);
+    for (const auto& o : difference.rows.outcomes) lines.push_back(o.row + ": " + o.text);
+    print_lines(fmt::format("outcomes differ in {}:", count_with_noun(difference.rows.outcomes.size(), "row")), lines,
+                verbose);
     lines.clear();
-    for (const auto& c : d.rows.cells)
+    for (const auto& c : difference.rows.cells)
         lines.push_back(fmt::format("{}: {} {} to {}", c.row, c.column, c.before, c.after));
-    print_lines(fmt::format("largest changes, of {} that {}:", count_with_noun(d.rows.cells.size(), "number"),
-                            d.rows.cells.size() == 1 ? "differs" : "differ"),
+    print_lines(fmt::format("largest changes, of {} that {}:", count_with_noun(difference.rows.cells.size(), "number"),
+                            difference.rows.cells.size() == 1 ? "differs" : "differ"),
                 lines, verbose);
-    if (lines.empty() && d.rows.outcomes.empty() && !d.rows.reference_columns.empty())
+    if (lines.empty() && difference.rows.outcomes.empty() && !difference.rows.reference_columns.empty())
         fmt::print("the numbers are the same; the rows differ in columns that name a ray or a command: {}\n",
-                   fmt::join(d.rows.reference_columns, ", "));
-    print_lines("columns:", d.rows.columns, verbose);
-    for (const Result& r : d.others) {
+                   fmt::join(difference.rows.reference_columns, ", "));
+    print_lines("columns:", difference.rows.columns, verbose);
+    for (const FileResult& r : difference.other_files) {
         if (verbose || !r.only_folder.empty()) {
             if (verbose || !r.same()) diff::print(r, verbose);
         } else if (!r.same()) {
@@ -165,11 +169,11 @@ void print(const MapDifference& d, const MapSides& sides, bool verbose) {
                        count_with_noun(r.comparison.count, "difference"));
         }
     }
-    print_verdict(d.rows.verdict, b);
+    print_verdict(difference.rows.verdict, b);
 }
 
 std::vector<fs::path> draw_maps(const MapSides& sides, const fs::path& out, intersect::process::StopToken stop) {
-    std::vector<fs::path> drawn;
+    std::vector<fs::path> pictures;
     for (const fs::path& file : files_below(sides.a)) {
         if (file.filename() != "summary.csv") continue;
         const auto table = output::file::read_csv(sides.a / file);
@@ -186,15 +190,15 @@ std::vector<fs::path> draw_maps(const MapSides& sides, const fs::path& out, inte
                 picture, *a, *b,
                 {(map.empty() ? "" : map.string() + ": ") + (first == second ? first : first + " and " + second),
                  first == second ? sides.a.string() : first, first == second ? sides.b.string() : second});
-            std::ranges::copy(output::image::figure_paths(picture), std::back_inserter(drawn));
+            std::ranges::copy(output::image::figure_paths(picture), std::back_inserter(pictures));
         }
     }
-    if (drawn.empty())
+    if (pictures.empty())
         throw InputError(
             fmt::format("--draw {}: no map below {} has the pixels of a form on both sides; make the maps with "
                         "--pixels csv or --exr",
                         out.string(), sides.a.string()));
-    return drawn;
+    return pictures;
 }
 
 }  // namespace lostbits::analysis::diff

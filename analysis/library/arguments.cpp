@@ -35,7 +35,7 @@ std::string argument(std::string_view option) {
 
 }  // namespace
 
-std::string in_arguments(std::string text) {
+std::string name_arguments(std::string text) {
     if (const std::size_t at = text.find(miss_advice); at != std::string::npos)
         text.replace(at, std::string::npos, "; give hit too: hit = t >= 0 if a negative t means a miss");
     std::string rewritten;

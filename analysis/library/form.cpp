@@ -121,7 +121,7 @@ int lostbits_form_function(const char* named, lostbits_form** form, const lostbi
         require(form, "form");
         require(result, "result");
         auto created = std::make_unique<lostbits_form>();
-        created->function = intersect::function::load_function(named, {.stop = CallRun(run).stop()});
+        created->function = intersect::function::load_function(named, {.stop = CallSettings(run).stop()});
         const auto& function = *created->function;
         created->row = function.row;
         created->written_row = function.written->row(function.answers->info);

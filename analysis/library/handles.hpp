@@ -126,7 +126,8 @@ struct lostbits_result {
 struct lostbits_scene {
     lostbits::scene::file::Scene scene;
     std::string explain_arguments;  ///< arguments of `lostbits explain` that name this scene; empty if none can
-    bool has_own = false;           ///< the primitives came as arrays, and replaced those that the scene was read with
+    bool has_array_primitives =
+        false;  ///< the primitives came as arrays, and replaced those that the scene was read with
     /// The scene in the numbers of each format that was asked for. A call that changes the scene clears this.
     std::unique_ptr<lostbits::analysis::library::StoredScenes> stored =
         std::make_unique<lostbits::analysis::library::StoredScenes>();
@@ -157,7 +158,7 @@ inline int put_error(lostbits_error* error, Exit code, const std::string& text) 
 }
 
 /// Replaces the options in a message of the program by the names of arguments: `--metric culprit` by `metrics culprit`.
-std::string in_arguments(std::string text);
+std::string name_arguments(std::string text);
 
 inline constexpr std::string_view no_memory =
     "there is not enough memory; ask for fewer rays, forms, metrics or triangles";
@@ -173,7 +174,7 @@ int guarded(lostbits_error* error, const Act& act) {
     } catch (const Interrupted&) {
         return put_error(error, Exit::interrupted, "interrupted: the call was asked to stop");
     } catch (const Error& e) {
-        return put_error(error, e.code(), in_arguments(e.what()));
+        return put_error(error, e.code(), name_arguments(e.what()));
     } catch (const std::bad_alloc&) {
         return put_error(error, Exit::environment, std::string(no_memory));
     } catch (const std::length_error&) {  // more items than any memory holds
@@ -221,17 +222,17 @@ inline std::vector<std::string> texts_of(const lostbits_words& list, const std::
 
 /// Makes a stop token from a byte that the caller owns. A thread of another language may set the byte at any time, so
 /// it is read as an atomic flag.
-inline intersect::process::StopToken stop_by(const unsigned char* byte) {
+inline intersect::process::StopToken make_stop_token(const unsigned char* byte) {
     static_assert(sizeof(std::atomic<bool>) == 1 && std::atomic<bool>::is_always_lock_free);
     return byte ? intersect::process::StopToken(*reinterpret_cast<const std::atomic<bool>*>(byte))
                 : intersect::process::StopToken();
 }
 
 /// The optional settings of a call: threads, stop flag, progress.
-class CallRun {
+class CallSettings {
 public:
-    explicit CallRun(const lostbits_run* run) : run_(run ? *run : lostbits_run{}), limit_(threads_of(run_)) {}
-    [[nodiscard]] intersect::process::StopToken stop() const { return stop_by(run_.stop); }
+    explicit CallSettings(const lostbits_run* run) : run_(run ? *run : lostbits_run{}), limit_(threads_of(run_)) {}
+    [[nodiscard]] intersect::process::StopToken stop() const { return make_stop_token(run_.stop); }
     /// Returns a function that adds a number of finished units of work and reports the sum to the caller. `total` is
     /// the number of all units.
     [[nodiscard]] std::function<void(std::uint64_t)> advance_callback(std::uint64_t total) {
@@ -280,7 +281,7 @@ public:
     [[nodiscard]] const std::string& path() const { return path_; }
     /// Runs `act()`. An InputError about the file says `text:LINE:COLUMN` in place of the path.
     template <class Act>
-    auto with_places(const Act& act) const {
+    auto run_with_text_positions(const Act& act) const {
         try {
             return act();
         } catch (const InputError& e) {

@@ -12,7 +12,7 @@ using measure::metric::Metric;
 
 namespace {
 
-std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Selection& chosen, CallRun& running) {
+std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Selection& chosen, CallSettings& running) {
     const scene::file::Scene& scene = given.scene;
     chosen.keep_rows_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     std::vector<const Metric*> metrics{measure::metric::find_metric("lost_bits")};
@@ -59,7 +59,7 @@ extern "C" int lostbits_map(const lostbits_scene* scene, const lostbits_choice* 
         require(scene, "scene");
         require(result, "result");
         Selection chosen(choice);
-        CallRun running(run);
+        CallSettings running(run);
         return hand_over(map_of(*scene, chosen, running), result);
     });
 }

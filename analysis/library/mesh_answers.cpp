@@ -38,7 +38,7 @@ bool may_miss_touches(int value) {
 }
 
 std::unique_ptr<ArrayDump> dump_of(const lostbits_rays& rays, const lostbits_mesh_answers& answers,
-                                   const CallRun& running) {
+                                   const CallSettings& running) {
     const AnswerKind kind = kind_named(answers.column);
     const bool are_points = kind == AnswerKind::inside;
     if (rays.origin.data == nullptr || answers.values.data == nullptr || (rays.direction.data == nullptr) != are_points)
@@ -62,7 +62,7 @@ std::unique_ptr<ArrayDump> dump_of(const lostbits_rays& rays, const lostbits_mes
 }
 
 std::unique_ptr<lostbits_result> judge_answers(const lostbits_rays& rays, const lostbits_mesh_answers& answers,
-                                               CallRun& running) {
+                                               CallSettings& running) {
     require(rays.scene, "scene");
     const auto dump = dump_of(rays, answers, running);
     const AnswerKind kind = dump->layout().answers();
@@ -104,7 +104,7 @@ int lostbits_judge_mesh(const lostbits_rays* rays, const lostbits_mesh_answers* 
         require(rays, "rays");
         require(answers, "answers");
         require(result, "result");
-        CallRun running(run);
+        CallSettings running(run);
         return hand_over(judge_answers(*rays, *answers, running), result);
     });
 }

@@ -60,7 +60,7 @@ std::vector<Primitive<double>> shared_primitives_of(const lostbits_rays& rays, S
     return primitives;
 }
 
-GivenRays read_rays(const lostbits_rays& rays, const CallRun& running) {
+GivenRays read_rays(const lostbits_rays& rays, const CallSettings& running) {
     if (rays.origin.data == nullptr || rays.direction.data == nullptr)
         throw InputError("rays: origin and direction are arrays of three numbers per ray; give both");
     for (const auto* const array : {&rays.origin, &rays.direction})
@@ -144,7 +144,7 @@ selection::ShapePredicate shape_filter_of(const GivenRays& given) {
     return [shapes](Shapes forms) { return forms == shapes; };
 }
 
-std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Selection& chosen, CallRun& running) {
+std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Selection& chosen, CallSettings& running) {
     GivenRays given = read_rays(rays, running);
     measure::judge::JudgeRequest request{
         .primitives = given.primitives, .mesh = given.mesh, .limit = {.stop = running.stop()}};
@@ -162,7 +162,7 @@ std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Sel
     request.rows.insert(request.rows.end(), chosen.rows.begin(), chosen.rows.end());
     std::vector<const Metric*> metrics{measure::metric::find_metric("lost_bits")};
     std::ranges::copy(chosen.extra_metrics, std::back_inserter(metrics));
-    request.metrics = selection::measured(metrics, request.rows);
+    request.metrics = selection::measured_metrics(metrics, request.rows);
     if (!chosen.rows.empty()) {
         RayGroup group;
         group.primitives = given.representatives();
@@ -224,7 +224,7 @@ std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Sel
 /// their primitives. The culler finds the primitives that a ray can meet; it is null unless there is a mesh or at least
 /// `culling_threshold` primitives.
 template <class Act>
-void for_each_piece(GivenRays& given, CallRun& running, std::size_t count, std::size_t culling_threshold,
+void for_each_piece(GivenRays& given, CallSettings& running, std::size_t count, std::size_t culling_threshold,
                     const Act& act) {
     constexpr std::size_t piece = 8192;
     const auto advance = running.advance_callback(count);
@@ -250,7 +250,7 @@ void for_each_piece(GivenRays& given, CallRun& running, std::size_t count, std::
     });
 }
 
-std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Selection& chosen, CallRun& running) {
+std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Selection& chosen, CallSettings& running) {
     GivenRays given = read_rays(rays, running);
     chosen.keep_rows_for(rays_name, shape_filter_of(given));
     auto result = std::make_unique<lostbits_result>();
@@ -283,7 +283,7 @@ std::pair<double, double> as_two_doubles(const measure::truth::Certified& t) {
     return {std::ldexp(t.hi, e), std::ldexp(t.lo, e)};
 }
 
-std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, CallRun& running) {
+std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, CallSettings& running) {
     GivenRays given = read_rays(rays, running);
     const intersect::Info contract = contract_of_arrays(rays, given.shape);
     auto result = std::make_unique<lostbits_result>();
@@ -311,7 +311,7 @@ std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, CallRu
     return result;
 }
 
-std::unique_ptr<lostbits_result> hits_of_rays(const lostbits_rays& rays, CallRun& running) {
+std::unique_ptr<lostbits_result> hits_of_rays(const lostbits_rays& rays, CallSettings& running) {
     GivenRays given = read_rays(rays, running);
     const auto is_triangle = [](const auto& primitive) { return primitive.shape == scene::triangle::Mesh::shape; };
     if (rays.paired != 0 || !std::ranges::all_of(given.representatives(), is_triangle))
@@ -370,7 +370,7 @@ void add_edges(const scene::triangle::MeshEdges& edges, lostbits_result& result)
 }
 
 std::unique_ptr<lostbits_result> places_of_points(const lostbits_scene& scene, const lostbits_array& points,
-                                                  std::size_t count, CallRun& running) {
+                                                  std::size_t count, CallSettings& running) {
     if (points.data == nullptr) throw InputError("points: the array is missing; give three numbers per point");
     require_addressable(points, count, 3, "points");
     const auto stored = scene.stored->get(scene.scene, binary64);
@@ -432,7 +432,7 @@ int lostbits_judge(const lostbits_rays* rays, const lostbits_choice* choice, con
                    lostbits_result** result, lostbits_error* error) {
     return run_call(result, error, rays, [&] {
         Selection chosen(choice, true);
-        CallRun running(run);
+        CallSettings running(run);
         return judge_given_rays(*rays, chosen, running);
     });
 }
@@ -441,7 +441,7 @@ int lostbits_answers(const lostbits_rays* rays, const lostbits_choice* choice, c
                      lostbits_result** result, lostbits_error* error) {
     return run_call(result, error, rays, [&] {
         Selection chosen(choice);
-        CallRun running(run);
+        CallSettings running(run);
         return answers_of_forms(*rays, chosen, running);
     });
 }
@@ -449,14 +449,14 @@ int lostbits_answers(const lostbits_rays* rays, const lostbits_choice* choice, c
 int lostbits_truth(const lostbits_rays* rays, const lostbits_run* run, lostbits_result** result,
                    lostbits_error* error) {
     return run_call(result, error, rays, [&] {
-        CallRun running(run);
+        CallSettings running(run);
         return truth_of_rays(*rays, running);
     });
 }
 
 int lostbits_hits(const lostbits_rays* rays, const lostbits_run* run, lostbits_result** result, lostbits_error* error) {
     return run_call(result, error, rays, [&] {
-        CallRun running(run);
+        CallSettings running(run);
         return hits_of_rays(*rays, running);
     });
 }
@@ -467,7 +467,7 @@ int lostbits_inside(const lostbits_scene* scene, const lostbits_array* points, s
         require(scene, "scene");
         require(points, "points");
         require(result, "result");
-        CallRun running(run);
+        CallSettings running(run);
         return hand_over(places_of_points(*scene, *points, count, running), result);
     });
 }

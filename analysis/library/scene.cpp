@@ -23,8 +23,11 @@ TextFile::~TextFile() { close(file_); }
 namespace {
 
 Scene load_scene(const std::string& name, const lostbits_where& where, const std::string& data) {
-    selection::SceneChoice choice{
-        .names = {name}, .size = {}, .variant = {}, .set = texts_of(where.set, "set"), .stop = stop_by(where.stop)};
+    selection::SceneOptions choice{.names = {name},
+                                   .size = {},
+                                   .variant = {},
+                                   .set = texts_of(where.set, "set"),
+                                   .stop = make_stop_token(where.stop)};
     if (where.width != 0 || where.height != 0)
         choice.size = std::to_string(where.width) + "x" + std::to_string(where.height);
     return selection::load_one_scene(choice, data);
@@ -37,8 +40,8 @@ std::string data_of(const lostbits_where& where) {
 /// Removes the primitives that the scene was read with, once. Call it before primitives are added.
 void remove_primitives(lostbits_scene& scene) {
     scene.stored->forget();
-    if (scene.has_own) return;
-    scene.has_own = true;
+    if (scene.has_array_primitives) return;
+    scene.has_array_primitives = true;
     scene.explain_arguments.clear();
     scene.scene.listed.clear();
     scene.scene.flake.reset();
@@ -162,9 +165,10 @@ int lostbits_scene_text(const char* text, const lostbits_where* where, lostbits_
         require(text, "text");
         require(scene, "scene");
         const TextFile file(text);
-        auto found = std::make_unique<lostbits_scene>(lostbits_scene{
-            .scene = file.with_places([&] { return load_scene(file.path(), where ? *where : lostbits_where{}, ""); }),
-            .explain_arguments = {}});
+        auto found = std::make_unique<lostbits_scene>(
+            lostbits_scene{.scene = file.run_with_text_positions(
+                               [&] { return load_scene(file.path(), where ? *where : lostbits_where{}, ""); }),
+                           .explain_arguments = {}});
         found->scene.id = "text";
         found->scene.path.clear();
         *scene = found.release();

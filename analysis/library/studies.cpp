@@ -25,7 +25,7 @@ using measure::evaluate::TestedForm;
 namespace {
 
 std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, const std::string& data, Selection& chosen,
-                                          CallRun& running) {
+                                          CallSettings& running) {
     if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::axes)
         throw InputError(path.string() +
                          ": is not a sweep along axes: it has cases, a search or every float of a range; `lostbits "
@@ -76,7 +76,7 @@ std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene,
 /// Measures a study of a scene; the result has its summary.
 template <class Adapter>
 std::unique_ptr<lostbits_result> study_of(const scene::file::Scene& scene, const std::vector<std::string>& options,
-                                          const lostbits_choice* choice, CallRun& running) {
+                                          const lostbits_choice* choice, CallSettings& running) {
     lostbits_choice given = choice ? *choice : lostbits_choice{};
     const std::vector<std::string> default_forms = Adapter::usual_forms();
     std::vector<const char*> forms(default_forms.size());
@@ -100,7 +100,7 @@ std::unique_ptr<lostbits_result> study_of(const scene::file::Scene& scene, const
 }
 
 std::unique_ptr<lostbits_result> trade_of(const scene::file::Scene* scene, const std::string& shape, bool quick,
-                                          Selection& chosen, CallRun& running) {
+                                          Selection& chosen, CallSettings& running) {
     auto request = study::trade_of(scene, shape, {chosen.rows, chosen.forms, true});
     if (quick) request.plan = study::quick_plan();
     request.limit.stop = request.plan.stop = running.stop();
@@ -129,7 +129,8 @@ measure::choice::Requirement requirement_of(const lostbits_requirement& requirem
 
 /// Fills the result. Returns true if any form meets the requirement.
 bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
-               const measure::choice::Requirement& requirement, bool two_words, Selection& chosen, CallRun& running) {
+               const measure::choice::Requirement& requirement, bool two_words, Selection& chosen,
+               CallSettings& running) {
     if (requirement.has_tolerance()) throw InputError("mend repairs a form to keep bits of t; give no tolerance");
     chosen.keep_rows_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     if (scene.is_placed())
@@ -156,13 +157,13 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
 
 /// Fills the result. Returns true if any form meets the requirement.
 bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
-                 const measure::choice::Requirement& requirement, Selection& chosen, CallRun& running) {
+                 const measure::choice::Requirement& requirement, Selection& chosen, CallSettings& running) {
     measure::choice::ChoiceRequest request;
     request.requirement = requirement;
     request.limit.stop = request.plan.stop = running.stop();
     request.scene = &scene;
-    request.rows = selection::timed_on(scene.id, {chosen.rows, chosen.forms, true},
-                                       [&scene](Shapes forms) { return scene.meets(forms); });
+    request.rows = selection::select_timed_rows(scene.id, {chosen.rows, chosen.forms, true},
+                                                [&scene](Shapes forms) { return scene.meets(forms); });
     std::erase_if(request.rows, [](const TestedForm& form_row) { return selection::is_emulated(form_row.format); });
     if (request.rows.empty())
         throw InputError(
@@ -193,7 +194,7 @@ Exit answer_to(const RequirementArguments& arguments, const char* default_at, lo
     require(arguments.requirement, "requirement");
     require(result, "result");
     Selection chosen(arguments.choice);
-    CallRun running(arguments.run);
+    CallSettings running(arguments.run);
     auto found = std::make_unique<lostbits_result>();
     const bool meets =
         find(*found, arguments.scene->scene, requirement_of(*arguments.requirement, default_at), chosen, running);
@@ -215,12 +216,13 @@ int lostbits_sweep(const char* sweep, int is_text, const char* data, const lostb
         require(sweep, "sweep");
         require(result, "result");
         Selection chosen(choice);
-        CallRun running(run);
+        CallSettings running(run);
         const std::string folder = selection::data_folder(data ? data : "").string();
         if (is_text == 0)
             return hand_over(sweep_of(scene::sweep::find_sweep(sweep, folder), folder, chosen, running), result);
         const TextFile file(sweep);
-        return hand_over(file.with_places([&] { return sweep_of(file.path(), folder, chosen, running); }), result);
+        return hand_over(file.run_with_text_positions([&] { return sweep_of(file.path(), folder, chosen, running); }),
+                         result);
     });
 }
 
@@ -242,7 +244,7 @@ int lostbits_study(const char* study, const lostbits_scene* scene, const lostbit
         require(scene, "scene");
         require(result, "result");
         const auto option_texts = options ? texts_of(*options, "options") : std::vector<std::string>{};
-        CallRun running(run);
+        CallSettings running(run);
         auto found = study::with_study(study, [&](auto adapter) {
             return study_of<decltype(adapter)>(scene->scene, option_texts, choice, running);
         });
@@ -258,7 +260,7 @@ int lostbits_trade(const lostbits_scene* scene, const char* shape, int quick, co
             throw InputError("shape: a scene is given, which has its own shapes; pass NULL for one of the two");
         if (shape != nullptr && *shape == '\0') throw InputError("shape is empty; name one, or pass NULL for a sphere");
         Selection chosen(choice);
-        CallRun running(run);
+        CallSettings running(run);
         return hand_over(trade_of(scene ? &scene->scene : nullptr, shape ? shape : "", quick != 0, chosen, running),
                          result);
     });
@@ -275,7 +277,7 @@ int lostbits_mend(const lostbits_scene* scene, const lostbits_requirement* requi
     return guarded(error, [&] {
         return answer_to({scene, requirement, choice, run}, "max", result,
                          [&](auto& found, const auto& target_scene, const auto& asked_requirement, Selection& chosen,
-                             CallRun& running) {
+                             CallSettings& running) {
                              return mend_into(found, target_scene, asked_requirement, two_words != 0, chosen, running);
                          });
     });

@@ -35,7 +35,7 @@ namespace {
 
 namespace page = output::page;
 
-std::vector<std::string> keys_of(const std::vector<TestedForm>& rows) {
+std::vector<std::string> row_keys(const std::vector<TestedForm>& rows) {
     std::vector<std::string> keys;
     for (const TestedForm& form_row : rows) keys.push_back(output::map::row_name(form_row));
     return keys;
@@ -46,7 +46,7 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
     measure::sweep::CaseRequest request{
         .file = file,
         .rows = {},
-        .metrics = selection::measured(
+        .metrics = selection::measured_metrics(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
         .limit = {.stop = stop}};
     for (TestedForm form_row : work.rows) {
@@ -61,7 +61,7 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
                    .title = file.title,
                    .note = file.note,
                    .source = file.source,
-                   .rows = keys_of(work.rows)};
+                   .rows = row_keys(work.rows)};
     for (std::size_t i = 0; i < file.size(); ++i) part.cases.push_back(file.name(i));
     part.json = page::case_json(request, cases);
     for (const auto& touching : file.conventions) {
@@ -79,15 +79,16 @@ std::vector<page::Chart> line_charts(const output::sweep::MeasuredSweep& sweep) 
     constexpr output::sweep::PlotSize size{900, 480};
     std::vector<page::Chart> charts;
     for (const Format& format : output::sweep::formats_of(sweep)) {
-        const std::string what = fmt::format("{}, {}", sweep.request.sweep.title, format.name);
+        const std::string subject = fmt::format("{}, {}", sweep.request.sweep.title, format.name);
         for (const auto& [q, title, name] : {std::tuple(0.99, "99th percentile of lost bits: ", "lost_bits_p99"),
                                              {0.5, "Median of lost bits: ", "lost_bits_p50"}})
-            charts.push_back({title + what, svg_text(lost_bits_plot(sweep, format, q, size)),
+            charts.push_back({title + subject, svg_text(lost_bits_plot(sweep, format, q, size)),
                               fmt::format("{}.{}", name, format.name)});
         for (const auto outcome : output::sweep::wrong_outcomes(sweep, format)) {
             if (!output::sweep::occurs(sweep, format, outcome)) continue;
             charts.push_back(
-                {output::sweep::wrong_title(outcome) + ": " + what, svg_text(wrong_plot(sweep, format, outcome, size)),
+                {output::sweep::wrong_title(outcome) + ": " + subject,
+                 svg_text(wrong_plot(sweep, format, outcome, size)),
                  fmt::format("{}_fraction.{}", measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
                              format.name)});
         }
@@ -110,7 +111,7 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
     measure::sweep::SweepRequest request{
         .sweep = sweep,
         .rows = work.rows,
-        .metrics = selection::measured(
+        .metrics = selection::measured_metrics(
             {measure::metric::find_metric("inherent_bits"), measure::metric::find_metric("excess_bits")}, work.rows),
         .limit = {.stop = stop}};
     for (TestedForm& form_row : request.rows) form_row.touching = sweep.convention;
@@ -120,7 +121,7 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
                    .title = sweep.title,
                    .note = sweep.note,
                    .source = sweep.source,
-                   .rows = keys_of(work.rows)};
+                   .rows = row_keys(work.rows)};
     if (sweep.axes.size() == 2) {
         const output::sweep::SweepGrid plane(request, steps);
         part.kind = SweepPart::Kind::plane;
@@ -182,7 +183,7 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
             .title = scene.title,
             .note = scene.note,
             .source = scene.source,
-            .rows = keys_of(work.rows),
+            .rows = row_keys(work.rows),
             .index = std::move(index),
             .blobs = data.blobs(summaries),
             .table = page::summary_table(request, summaries),
@@ -198,7 +199,7 @@ SweepPart sweep_part(const SweepWork& work, StopToken stop) {
     SweepPart part = scene::sweep::sweep_kind(work.path) == scene::sweep::SweepKind::cases ? case_part(work, stop)
                                                                                            : axes_part(work, stop);
     part.json["named"] = selection::name_of_sweep(work.path, work.data);
-    part.json["claimed"] = selection::sweep_in_claims(work.path, work.data);
+    part.json["claimed"] = selection::sweep_name_in_claims(work.path, work.data);
     return part;
 }
 
@@ -248,13 +249,13 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
     return part;
 }
 
-StudyWork study_of(const std::string& text, const std::string& size, const std::filesystem::path& data,
-                   StopToken stop) {
+StudyWork parse_study(const std::string& text, const std::string& size, const std::filesystem::path& data,
+                      StopToken stop) {
     const std::size_t colon = text.find(':');
     const std::string names = fmt::format("{}", fmt::join(study::study_names(), ", "));
     if (colon == std::string::npos)
         throw InputError(
-            fmt::format("--study {}: has no scene; write STUDY:SCENE with one of the studies {}", text, names));
+            fmt::format("--study {}: the scene is missing; write STUDY:SCENE, where STUDY is one of {}", text, names));
     static_cast<void>(study::StudiesByName().names(text.substr(0, colon)));  // throws for an unknown study
     auto scenes = selection::load_scenes({{text.substr(colon + 1)}, size, "", {}, stop}, data);
     if (scenes.size() != 1)

@@ -49,8 +49,8 @@ struct ChoiceWork {
 };
 /// Parses `SCENE:BITS` or `SCENE:BITS:AT` of the command line. An empty `size` is the scene's. Throws InputError, which
 /// says what to write, for other texts.
-ChoiceWork choice_of(const std::string& text, const std::string& size, const selection::SelectedRows& rows,
-                     const std::filesystem::path& data, StopToken stop);
+ChoiceWork parse_choice(const std::string& text, const std::string& size, const selection::SelectedRows& rows,
+                        const std::filesystem::path& data, StopToken stop);
 /// Chooses with short measurements, as `lostbits choose --quick` does.
 output::page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop);
 
@@ -61,8 +61,9 @@ struct MendWork {
     measure::evaluate::TestedForm row;
 };
 /// Parses `SCENE:FORM:BITS` or `SCENE:FORM:BITS:AT`, for binary32. Without AT every hit must keep the bits. Otherwise
-/// like `choice_of`.
-MendWork mend_of(const std::string& text, const std::string& size, const std::filesystem::path& data, StopToken stop);
+/// like `parse_choice`.
+MendWork parse_mend(const std::string& text, const std::string& size, const std::filesystem::path& data,
+                    StopToken stop);
 /// Repairs the form without measuring times, as `lostbits mend` does without --price.
 output::page::MendPart mend_part(const MendWork& work, StopToken stop);
 output::page::MendPart mend_part(const output::repair::RepairSummary& result);
@@ -73,7 +74,8 @@ struct StudyWork {
     scene::file::Scene scene;
 };
 /// Parses `STUDY:SCENE`. Throws InputError, which says what to write, for other texts.
-StudyWork study_of(const std::string& text, const std::string& size, const std::filesystem::path& data, StopToken stop);
+StudyWork parse_study(const std::string& text, const std::string& size, const std::filesystem::path& data,
+                      StopToken stop);
 /// Measures the study with these forms and formats; the usual ones of the study if none is named. Throws
 /// NothingSelected if none of the forms fits.
 output::page::StudyPart study_part(const StudyWork& work, const std::vector<std::string>& forms,

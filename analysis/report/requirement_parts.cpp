@@ -21,11 +21,11 @@ namespace page = output::page;
 /// Parses the value `REST:BITS` or `REST:BITS:AT` of an option.
 class RequirementText {
 public:
-    /// `usual` is the requirement of a text without AT. Throws InputError if the bits, or the part before them, are
-    /// missing.
+    /// `default_requirement` is the requirement of a text without AT. Throws InputError if the bits, or the part before
+    /// them, are missing.
     RequirementText(std::string option, std::string parts, std::string example, const std::string& text,
-                    measure::choice::Requirement usual)
-        : requirement(usual),
+                    measure::choice::Requirement default_requirement)
+        : requirement(default_requirement),
           rest(text),
           option_(std::move(option)),
           parts_(std::move(parts)),
@@ -42,8 +42,8 @@ public:
         }
         if (rest.empty())
             refuse(text.find(':') == std::string::npos ? "the bits are missing" : "the scene or the bits are missing");
-        const auto [end, trouble] = std::from_chars(bits.data(), bits.data() + bits.size(), requirement.bits);
-        if (trouble != std::errc{} || end != bits.data() + bits.size() ||
+        const auto [end, error] = std::from_chars(bits.data(), bits.data() + bits.size(), requirement.bits);
+        if (error != std::errc{} || end != bits.data() + bits.size() ||
             !(requirement.bits >= 0 && requirement.bits <= 53))
             refuse("\"" + bits + "\" is not a number of bits from 0 to 53");
     }
@@ -70,15 +70,16 @@ private:
 
 }  // namespace
 
-ChoiceWork choice_of(const std::string& text, const std::string& size, const selection::SelectedRows& rows,
-                     const std::filesystem::path& data, StopToken stop) {
+ChoiceWork parse_choice(const std::string& text, const std::string& size, const selection::SelectedRows& rows,
+                        const std::filesystem::path& data, StopToken stop) {
     const RequirementText parsed("--choose", "a scene", "near-benign", text, {});
     auto scene = selection::load_one_scene({{parsed.rest}, size, "", {}, stop}, data);
-    auto timed_rows = selection::timed_on(scene, rows);
+    auto timed_rows = selection::select_timed_rows(scene, rows);
     return {std::move(scene), parsed.requirement, std::move(timed_rows)};
 }
 
-MendWork mend_of(const std::string& text, const std::string& size, const std::filesystem::path& data, StopToken stop) {
+MendWork parse_mend(const std::string& text, const std::string& size, const std::filesystem::path& data,
+                    StopToken stop) {
     RequirementText parsed("--mend", "a scene, a form", "near-benign:sphere.half_b", text, {.quantile = 1});
     const std::string form = parsed.take_last();
     if (parsed.rest.empty()) parsed.refuse("the scene or the form is missing");

@@ -39,7 +39,7 @@ using output::attribution::shell_word;
 namespace {
 
 /// The forms of a library that is loaded in another process of this program.
-std::vector<ForeignForm> forms_of_isolated(const std::filesystem::path& library, PipeTerms terms) {
+std::vector<ForeignForm> load_isolated_forms(const std::filesystem::path& library, PipeTerms terms) {
     terms.message_prefix = library.string() + " in a process of its own";
     terms.is_lostbits = true;
     return open_pipe(this_program("plugin serve " + shell_word(library.string())), terms);
@@ -47,7 +47,7 @@ std::vector<ForeignForm> forms_of_isolated(const std::filesystem::path& library,
 
 /// The forms of a shader. Another process of this program holds the driver, with its compiler, its threads and its
 /// faults.
-std::vector<ForeignForm> forms_of_shader(const std::string& shader, const std::string& device, PipeTerms terms) {
+std::vector<ForeignForm> load_shader_forms(const std::string& shader, const std::string& device, PipeTerms terms) {
     terms.message_prefix = "--shader " + shader + (device.empty() ? "" : " --device " + shell_word(device));
     terms.is_lostbits = true;
     return open_pipe(
@@ -56,16 +56,16 @@ std::vector<ForeignForm> forms_of_shader(const std::string& shader, const std::s
 }
 
 /// The forms of a shader on each named device; for `all`, on each available one.
-std::vector<ForeignForm> forms_on_devices(const std::string& shader, const ExternalOptions& options,
-                                          const PipeTerms& terms) {
-    const bool all = std::ranges::find(options.devices, "all") != options.devices.end();
+std::vector<ForeignForm> load_forms_on_devices(const std::string& shader, const ExternalOptions& options,
+                                               const PipeTerms& terms) {
+    const bool wants_all = std::ranges::find(options.devices, "all") != options.devices.end();
     std::vector<ForeignForm> forms;
     std::string problems;
-    for (const std::string& device : devices_of(options.devices)) {
+    for (const std::string& device : select_devices(options.devices)) {
         try {
-            std::ranges::move(forms_of_shader(shader, device, terms), std::back_inserter(forms));
+            std::ranges::move(load_shader_forms(shader, device, terms), std::back_inserter(forms));
         } catch (const EnvironmentError& missing) {
-            if (!all) throw;
+            if (!wants_all) throw;
             problems += std::string("\n  ") + missing.what();
         }
     }
@@ -94,8 +94,8 @@ std::vector<std::string> external_names(bool only_in_process = false) {
     return names;
 }
 
-/// The item itself and, for `FORM+FORM`, `FORM@WAY` and `FORM^BOX~WAY`, each of its parts.
-std::vector<std::string> names_in(const std::string& item) {
+/// The item itself and, for `FORM+FORM`, `FORM@TRANSFORM` and `FORM^BOX~METHOD`, each of its parts.
+std::vector<std::string> names_in_pattern(const std::string& item) {
     std::vector<std::string> names{item};
     for (std::size_t begin = 0, end = 0; begin <= item.size(); begin = end + 1) {
         end = std::min(item.find_first_of("+@^~", begin), item.size());
@@ -104,7 +104,7 @@ std::vector<std::string> names_in(const std::string& item) {
     return names;
 }
 
-std::string_view primitives_of(Shape shape) {
+std::string_view primitives_text(Shape shape) {
     return is_primitive(shape) ? row_of(shape).plural : "fields of distances";
 }
 
@@ -120,7 +120,7 @@ std::string this_program(const std::string& arguments) {
     return fmt::format("exec {} {}", shell_word(program.string()), arguments);
 }
 
-std::vector<std::string> devices_of(const std::vector<std::string>& names) {
+std::vector<std::string> select_devices(const std::vector<std::string>& names) {
     std::vector<std::string> kinds;
     const auto add = [&kinds](std::string_view kind) { add_once(kinds, std::string(kind)); };
     for (const std::string& name : names) {
@@ -176,15 +176,16 @@ ExternalForms load_external_forms(const ExternalOptions& options, int threads) {
     const int processes = threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     const PipeTerms terms{
         .seconds = options.seconds, .processes = static_cast<unsigned>(processes), .stop = options.stop};
-    ExternalForms found;
+    ExternalForms external_forms;
     const auto add = [](auto items, auto& list) { std::ranges::move(items, std::back_inserter(list)); };
     std::string plugin_options;
-    std::map<std::string, std::string> library_of;  // by name of the formula
+    std::map<std::string, std::string> library_by_formula;  // by name of the formula
     for (const std::string& plugin : options.plugins) {
         const auto library = intersect::external::find_plugin(plugin);
         scene::toml::note_read(library);
         const bool is_in_own_process = is_isolated(library, options);
-        auto forms = is_in_own_process ? forms_of_isolated(library, terms) : intersect::external::load_plugin(library);
+        auto forms =
+            is_in_own_process ? load_isolated_forms(library, terms) : intersect::external::load_plugin(library);
         auto formulas = is_in_own_process ? std::vector<intersect::external::Formula>()
                                           : intersect::external::load_formulas(library);
         if (const std::string prefix = intersect::external::prefix_of_plugin(plugin); !prefix.empty()) {
@@ -193,36 +194,36 @@ ExternalForms load_external_forms(const ExternalOptions& options, int threads) {
         }
         for (const auto& formula : formulas) {
             const std::string form(formula.row.info->name);
-            if (const auto [known, is_new] = library_of.try_emplace(form, library.string()); !is_new)
+            if (const auto [known, is_new] = library_by_formula.try_emplace(form, library.string()); !is_new)
                 throw InputError(fmt::format(
                     "{0}: {1} and {2} both have a form of this name; give one library a name: --plugin new={2} calls "
                     "its form new.{0}",
                     form, known->second, library.string()));
         }
-        add(std::move(forms), found.forms);
-        add(std::move(formulas), found.formulas);
+        add(std::move(forms), external_forms.forms);
+        add(std::move(formulas), external_forms.formulas);
         plugin_options += " --plugin " + shell_word(plugin);
     }
     for (const std::string& command : options.pipes) {
-        add(open_pipe(command, terms), found.forms);
+        add(open_pipe(command, terms), external_forms.forms);
         plugin_options += " --pipe " + shell_word(command);
     }
     for (const std::string& shader : options.shaders) {
         for (std::size_t end = shader.size(); end != std::string::npos && end > 0; end = shader.rfind(':', end - 1))
             scene::toml::note_read(shader.substr(0, end));  // FILE:FUNCTION
-        add(forms_on_devices(shader, options, terms), found.forms);
+        add(load_forms_on_devices(shader, options, terms), external_forms.forms);
         plugin_options += " --shader " + shell_word(shader);
     }
     for (const std::string& function : options.functions) plugin_options += " --function " + shell_word(function);
     for (const std::string& device : options.devices) plugin_options += " --device " + shell_word(device);
     output::attribution::set_plugin_options(plugin_options);
-    return found;
+    return external_forms;
 }
 
 namespace {
 
 /// `adds x + (y + z) in place of (x + y) + z`, or how far the first operation is off.
-std::string difference_in_words(const measure::tape::DriverDifference& found) {
+std::string difference_text(const measure::tape::DriverDifference& found) {
     std::vector<std::string> parts;
     for (const auto& rewriting : found.rewritings)
         parts.push_back(rewriting.name + (rewriting.sites.size() > 1
@@ -235,7 +236,7 @@ std::string difference_in_words(const measure::tape::DriverDifference& found) {
 }
 
 /// If a function is also given to `--shader`, compares it with the answers of the drivers.
-void note_drivers(const intersect::function::UserFunction& function) {
+void note_driver_differences(const intersect::function::UserFunction& function) {
     const auto& program = function.row;
     const std::string source_prefix =
         fmt::format("{}:{} on ", std::filesystem::path(function.path).filename().string(), function.line);
@@ -269,7 +270,7 @@ void note_drivers(const intersect::function::UserFunction& function) {
             }
             const std::string line =
                 intersect::function::quoted_line(*program.info, *find_format("f32"), found.first());
-            fmt::print(stderr, "{}: it {}\n{}", difference, difference_in_words(found),
+            fmt::print(stderr, "{}: it {}\n{}", difference, difference_text(found),
                        line.empty() ? "" : "first here: " + line);
         }
     }
@@ -278,17 +279,17 @@ void note_drivers(const intersect::function::UserFunction& function) {
 }  // namespace
 
 void open_external(const ExternalOptions& options, int threads) {
-    ExternalForms found = load_external_forms(options, threads);
+    ExternalForms external_forms = load_external_forms(options, threads);
     // A library with formulas has the C interface too, for --isolate and `plugin check`; the formulas are used here.
-    std::erase_if(found.forms, [&found](const ForeignForm& form) {
-        return std::ranges::any_of(found.formulas,
+    std::erase_if(external_forms.forms, [&external_forms](const ForeignForm& form) {
+        return std::ranges::any_of(external_forms.formulas,
                                    [&form](const auto& f) { return f.row.info->name == form.contract.name; });
     });
-    intersect::external::register_formulas(found.formulas);
-    intersect::external::register_forms(std::move(found.forms));
+    intersect::external::register_formulas(external_forms.formulas);
+    intersect::external::register_forms(std::move(external_forms.forms));
     for (const std::string& function_name : options.functions) {
         auto function = load_shown_function(function_name, options);
-        if (!options.quiet) note_drivers(*function);
+        if (!options.quiet) note_driver_differences(*function);
         intersect::function::register_forms(std::move(function));
     }
 }
@@ -324,10 +325,11 @@ std::vector<std::string> form_patterns_or(const std::vector<std::string>& given,
 void note_unmeasured(const std::vector<std::string>& patterns, const std::vector<measure::evaluate::TestedForm>& rows,
                      bool quiet) {
     if (quiet) return;
-    const std::vector<std::string> added = external_names();
+    const std::vector<std::string> external_form_names = external_names();
     const auto is_wanted = [&](const std::string& name) {
         if (std::ranges::find(patterns, name) != patterns.end()) return true;
-        return std::ranges::find(added, name) != added.end() && (patterns.empty() || matches_any(patterns, name));
+        return std::ranges::find(external_form_names, name) != external_form_names.end() &&
+               (patterns.empty() || matches_any(patterns, name));
     };
     std::map<std::string, std::vector<std::string_view>> left_out;  // by the shapes and formats that they take
     for (const auto& form : intersect::table::intersectors()) {
@@ -338,7 +340,7 @@ void note_unmeasured(const std::vector<std::string>& patterns, const std::vector
         };
         if (std::ranges::any_of(rows, measures_form)) continue;
         const std::string formats = formats_of(form);
-        left_out[fmt::format("for {} in {}", primitives_of(form.shape), formats == "all" ? "every format" : formats)]
+        left_out[fmt::format("for {} in {}", primitives_text(form.shape), formats == "all" ? "every format" : formats)]
             .push_back(form.info->name);
     }
     for (const auto& [shapes_and_formats, names] : left_out)
@@ -354,8 +356,8 @@ void note_unselected(const shell::Command& command) {
     std::vector<std::string> patterns;
     for (const shell::Option& option : {forms, beside, command.option("--against")}) {
         for (const std::string& value : option ? option.given_values() : std::vector<std::string>())
-            for (const std::string& item : shell::items_in(value, option.name()))
-                std::ranges::move(names_in(item), std::back_inserter(patterns));
+            for (const std::string& item : shell::split_items(value, option.name()))
+                std::ranges::move(names_in_pattern(item), std::back_inserter(patterns));
     }
     if (std::ranges::none_of(names, [&patterns](const auto& name) { return matches_any(patterns, name); }))
         fmt::print(stderr, "lostbits: {} {} loaded but not selected; add -i {}\n", fmt::join(names, ", "),

@@ -55,7 +55,7 @@ std::string this_program(const std::string& arguments);
 
 /// The devices of these names, each once; `all` stands for every kind of device. Without names, one empty name, which
 /// stands for the first available device. Throws InputError.
-std::vector<std::string> devices_of(const std::vector<std::string>& names);
+std::vector<std::string> select_devices(const std::vector<std::string>& names);
 
 /// Loads the libraries and starts the processes that the options name: at most `threads` processes per command, 0 for
 /// one per core. Sets `output::attribution::plugin_options`, with which advice on later commands names the same

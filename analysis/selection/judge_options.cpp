@@ -81,13 +81,15 @@ void add_ray_options(const shell::Command& command, RayFileOptions& options) {
     command.add("--answer-format", options.format,
                 "Format that the answers were computed in (default: the format of the file, f64 for CSV)");
     options.primitives.add_to(command, "The primitive of all rays");
-    for (const RayFileOption& o : ray_file_options())
-        command.add(o.name, options.*o.value, o.help, o.known.empty() ? shell::ValueRule() : shell::one_of(o.known));
+    for (const RayFileOption& option : ray_file_options())
+        command.add(option.name, options.*option.value, option.help,
+                    option.known.empty() ? shell::ValueRule() : shell::one_of(option.known));
 }
 
-std::optional<scene::file::Scene> scene_of(const RayFileOptions& o, const std::filesystem::path& data) {
-    if (o.scene.empty()) return {};
-    auto scene = load_one_scene({{o.scene}, "", "", {}, o.stop}, data);
+std::optional<scene::file::Scene> load_primitive_scene(const RayFileOptions& options,
+                                                       const std::filesystem::path& data) {
+    if (options.scene.empty()) return {};
+    auto scene = load_one_scene({{options.scene}, "", "", {}, options.stop}, data);
     constexpr std::size_t max_primitives = 1024;
     const std::size_t beside_meshes = scene.primitive_count() - (scene.mesh ? scene.mesh->faces.size() : 0);
     if (beside_meshes > max_primitives)
@@ -95,47 +97,51 @@ std::optional<scene::file::Scene> scene_of(const RayFileOptions& o, const std::f
             fmt::format("--scene {}: has {} primitives besides its meshes; every ray is tested with each of them, and "
                         "at most {} are allowed; give each ray the primitive that it meets in columns of the file, or "
                         "write the scene as a mesh of triangles",
-                        o.scene, beside_meshes, max_primitives));
+                        options.scene, beside_meshes, max_primitives));
     return scene;
 }
 
-std::optional<Shape> shape_given(const RayFileOptions& o, const std::optional<scene::file::Scene>& scene) {
-    const auto shapes = scene ? scene->shapes() : o.primitives.shapes();
-    if (scene && !o.primitives.empty())
-        throw InputError("--scene gives the primitives of all rays, but " + o.primitives.names() +
+std::optional<Shape> shared_shape(const RayFileOptions& options, const std::optional<scene::file::Scene>& scene) {
+    const auto shapes = scene ? scene->shapes() : options.primitives.shapes();
+    if (scene && !options.primitives.empty())
+        throw InputError("--scene gives the primitives of all rays, but " + options.primitives.names() +
                          " gives primitives too; leave out one of the two");
     return shapes.empty() ? std::nullopt : std::optional(shapes.front());
 }
 
-std::vector<Primitive<double>> primitives_given(const RayFileOptions& o, const std::optional<scene::file::Scene>& scene,
-                                                const Format& format) {
+std::vector<Primitive<double>> shared_primitives(const RayFileOptions& options,
+                                                 const std::optional<scene::file::Scene>& scene, const Format& format) {
     if (scene) return scene::rays::stored_beside_mesh(*scene, format.parameters);
     std::vector<Primitive<double>> primitives;
-    for (const auto& [shape, text] : o.primitives.given()) primitives.push_back(parse_primitive(shape, text, format));
+    for (const auto& [shape, text] : options.primitives.in_given_order())
+        primitives.push_back(parse_primitive(shape, text, format));
     return primitives;
 }
 
-std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& o, const std::string& file,
+std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& options, const std::string& file,
                                              std::optional<Shape> primitive, bool keep_own_columns) {
     static const std::map<std::string, Container> containers{
         {"auto", Container::by_name}, {"csv", Container::csv}, {"npy", Container::npy}, {"raw", Container::raw}};
-    DumpOptions options{.container = containers.at(o.container), .columns = o.columns, .skip = o.skip, .stop = o.stop};
-    if (containers.contains(o.format))
+    DumpOptions dump_options{.container = containers.at(options.container),
+                             .columns = options.columns,
+                             .skip = options.skip,
+                             .stop = options.stop};
+    if (containers.contains(options.format))
         throw InputError(
-            "--answer-format " + o.format +
+            "--answer-format " + options.format +
             ": this is a kind of file, and --answer-format is the number format of its answers; for the kind "
             "of file see --container");
-    if (!o.format.empty()) {
-        const auto formats = select_formats({o.format}, "--answer-format");
+    if (!options.format.empty()) {
+        const auto formats = select_formats({options.format}, "--answer-format");
         if (formats.size() > 1)
-            throw InputError("--answer-format " + o.format + ": all answers have the same format; name one");
-        options.format = formats.front();
+            throw InputError("--answer-format " + options.format + ": all answers have the same format; name one");
+        dump_options.format = formats.front();
     }
-    options.miss = parse_miss_rule(o.miss);
-    options.primitive = primitive;
-    options.keep = keep_own_columns;
-    options.open = open_ends_named(o.open_ends);
-    return scene::dump::open_dump(file, options);
+    dump_options.miss = parse_miss_rule(options.miss);
+    dump_options.primitive = primitive;
+    dump_options.keep = keep_own_columns;
+    dump_options.open = open_ends_named(options.open_ends);
+    return scene::dump::open_dump(file, dump_options);
 }
 
 Shapes shapes_of_rays(const scene::dump::Layout& layout, const std::vector<Primitive<double>>& given) {
@@ -153,44 +159,46 @@ void put_under_matrices(scene::dump::Dump& dump, const std::vector<Primitive<dou
     dump.put_under_matrices(given.front());
 }
 
-intersect::Info contract_of(const RayFileOptions& o, const scene::dump::Dump& dump) {
+intersect::Info answer_contract(const RayFileOptions& options, const scene::dump::Dump& dump) {
     for (const RayFileOption& option : ray_file_options())
-        if (option.is_about_answers && option.is_given(o) && dump.layout().answers() == scene::dump::AnswerKind::none)
+        if (option.is_about_answers && option.is_given(options) &&
+            dump.layout().answers() == scene::dump::AnswerKind::none)
             throw InputError(
                 fmt::format("{} {} is about the answers of {}, which has none (columns hit or t); leave {} out: forms "
                             "are judged by their own contract",
-                            option.name, o.*option.value, dump.name(), option.name));
+                            option.name, options.*option.value, dump.name(), option.name));
     intersect::Info info{};
-    info.direction = o.direction == "unit" ? intersect::Direction::unit : intersect::Direction::any;
-    info.touching = o.touching == "miss" ? intersect::Touching::miss : intersect::Touching::hit;
+    info.direction = options.direction == "unit" ? intersect::Direction::unit : intersect::Direction::any;
+    info.touching = options.touching == "miss" ? intersect::Touching::miss : intersect::Touching::hit;
     const auto index_of = [](const auto& names, const std::string& word) {
         return std::ranges::find(names, word) - names.begin();
     };
-    info.at_origin = static_cast<intersect::AtOrigin>(index_of(intersect::at_origin_names, o.at_origin));
-    info.inside = static_cast<intersect::Inside>(index_of(intersect::inside_names, o.inside));
-    info.facing = static_cast<intersect::Facing>(index_of(intersect::facing_names, o.facing));
+    info.at_origin = static_cast<intersect::AtOrigin>(index_of(intersect::at_origin_names, options.at_origin));
+    info.inside = static_cast<intersect::Inside>(index_of(intersect::inside_names, options.inside));
+    info.facing = static_cast<intersect::Facing>(index_of(intersect::facing_names, options.facing));
     return info;
 }
 
-std::optional<std::size_t> group_of(const JudgeOptions& o, const scene::dump::Layout& layout) {
-    if (o.by.empty()) return {};
+std::optional<std::size_t> group_column(const JudgeOptions& options, const scene::dump::Layout& layout) {
+    if (options.by.empty()) return {};
     const auto own_columns = layout.kept();
-    const auto found = std::ranges::find(own_columns, o.by);
+    const auto found = std::ranges::find(own_columns, options.by);
     if (found != own_columns.end()) return static_cast<std::size_t>(found - own_columns.begin());
-    throw InputError(fmt::format("--by {}: {} has no column of its own with that name; {}", o.by, o.file,
+    throw InputError(fmt::format("--by {}: {} has no column of its own with that name; {}", options.by, options.file,
                                  own_columns.empty() ? "all its columns belong to the ray, its primitive or the answer"
                                                      : fmt::format("it has {}", fmt::join(own_columns, ", "))));
 }
 
-void add_requirement(const JudgeOptions& o, measure::metric::MetricSet& metric_set,
+void add_requirement(const JudgeOptions& options, measure::metric::MetricSet& metric_set,
                      std::vector<const measure::metric::Metric*>& metrics) {
     std::vector<std::string> metric_names;
-    if (o.bits >= 0) metric_names.push_back(fmt::format("enough_bits:{}", o.bits));
-    if (!o.tolerance.empty())
-        metric_names.insert(metric_names.end(),
-                            {"distance_error", fmt::format("tolerance:{}", tolerance_in_units(o.tolerance, o.unit))});
-    else if (!o.unit.empty())
-        throw InputError("--unit " + o.unit + " is the unit of --tolerance, which is missing; write both");
+    if (options.bits >= 0) metric_names.push_back(fmt::format("enough_bits:{}", options.bits));
+    if (!options.tolerance.empty())
+        metric_names.insert(
+            metric_names.end(),
+            {"distance_error", fmt::format("tolerance:{}", tolerance_in_units(options.tolerance, options.unit))});
+    else if (!options.unit.empty())
+        throw InputError("--unit " + options.unit + " is the unit of --tolerance, which is missing; write both");
     for (const measure::metric::Metric* m : select_metrics(metric_names, metric_set)) add_once(metrics, m);
 }
 

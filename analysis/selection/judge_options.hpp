@@ -59,18 +59,19 @@ struct JudgeOptions : RayFileOptions {
 
 /// The scene whose primitives the rays are tested with; nothing if none is named. Throws InputError for several scenes,
 /// and for one with too many primitives.
-std::optional<scene::file::Scene> scene_of(const RayFileOptions& o, const std::filesystem::path& data);
+std::optional<scene::file::Scene> load_primitive_scene(const RayFileOptions& options,
+                                                       const std::filesystem::path& data);
 
 /// The shape of the first primitive that is given for all rays; nothing if there is none.
-std::optional<Shape> shape_given(const RayFileOptions& o, const std::optional<scene::file::Scene>& scene);
+std::optional<Shape> shared_shape(const RayFileOptions& options, const std::optional<scene::file::Scene>& scene);
 
 /// The primitives that are given for all rays, with numbers in the format. The primitives of a scene have the numbers
 /// that a map of the scene gives them.
-std::vector<Primitive<double>> primitives_given(const RayFileOptions& o, const std::optional<scene::file::Scene>& scene,
-                                                const Format& format);
+std::vector<Primitive<double>> shared_primitives(const RayFileOptions& options,
+                                                 const std::optional<scene::file::Scene>& scene, const Format& format);
 
 /// Opens the file as the options say. `keep_own_columns`: also keep the user's own columns.
-std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& o, const std::string& file,
+std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& options, const std::string& file,
                                              std::optional<Shape> primitive, bool keep_own_columns = false);
 
 /// The shapes of the primitives of the rays, from columns or given for all rays.
@@ -84,13 +85,13 @@ void put_under_matrices(scene::dump::Dump& dump, const std::vector<Primitive<dou
 inline Placement<double> any_matrix() { return {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, false, 1}; }
 
 /// The index, among the file's own columns, of the column to group rays by; nothing if none is asked for.
-std::optional<std::size_t> group_of(const JudgeOptions& o, const scene::dump::Layout& layout);
+std::optional<std::size_t> group_column(const JudgeOptions& options, const scene::dump::Layout& layout);
 
 /// Adds the metrics that count the rays that fail `--bits` or `--tolerance`.
-void add_requirement(const JudgeOptions& o, measure::metric::MetricSet& metric_set,
+void add_requirement(const JudgeOptions& options, measure::metric::MetricSet& metric_set,
                      std::vector<const measure::metric::Metric*>& metrics);
 
 /// The contract of the answers. Throws InputError for an option about answers if the file has none.
-intersect::Info contract_of(const RayFileOptions& o, const scene::dump::Dump& dump);
+intersect::Info answer_contract(const RayFileOptions& options, const scene::dump::Dump& dump);
 
 }  // namespace lostbits::analysis::selection

@@ -44,7 +44,7 @@ bool marches_in(const Format& format, const std::vector<TestedForm>& rows) {
     });
 }
 
-void add_group(const RayGroup& group, bool marches, const LostLengths::Where& where, LostLengths& lost) {
+void add_lost_numbers(const RayGroup& group, bool marches, const LostLengths::Where& where, LostLengths& lost) {
     lost.add_point(group.rays[0].origin, "a coordinate of the eye", where);
     for (const Primitive<double>& primitive : group.primitives) lost.add(primitive, where);
     if (!marches || !group.march) return;
@@ -83,7 +83,7 @@ void note_lost_numbers(const scene::sweep::SweepFile& sweep, const std::vector<T
             const std::vector<double> values = has_two_axes ? std::vector{first, second} : std::vector{first};
             const auto where = [&] { return position_text(sweep, values); };
             for (const RayGroup& group : sweep.rays(values)) {
-                for (std::size_t i = 0; i < lost.size(); ++i) add_group(group, marches[i], where, lost[i]);
+                for (std::size_t i = 0; i < lost.size(); ++i) add_lost_numbers(group, marches[i], where, lost[i]);
             }
         }
     }

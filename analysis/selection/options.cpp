@@ -66,13 +66,13 @@ void add_scenes(const shell::Command& command, SharedOptions& shared, const std:
     command.add("SCENE", shared.scenes.names, "Scene files or names in data/scenes" + kinds).required();
 }
 
-void add_forms(const shell::Command& command, std::vector<std::string>& forms, const std::string& usual) {
-    command.add_list("-i,--form", forms, "Forms, by name or glob (default: " + usual + ")");
+void add_forms(const shell::Command& command, std::vector<std::string>& forms, const std::string& default_text) {
+    command.add_list("-i,--form", forms, "Forms, by name or glob (default: " + default_text + ")");
 }
 
-void add_formats(const shell::Command& command, std::vector<std::string>& formats, const std::string& usual) {
+void add_formats(const shell::Command& command, std::vector<std::string>& formats, const std::string& default_text) {
     command.add_list("-f,--format", formats,
-                     "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: " + usual + ")");
+                     "Formats: f32, f64, fp16, bf16, tf32, pN, pA..pB (default: " + default_text + ")");
 }
 
 void add_pixels(const shell::Command& command, SharedOptions& shared) {
@@ -91,7 +91,7 @@ void add_out(const shell::Command& command, std::string& out, const std::string&
     command.add("-o,--out", out, "Folder for " + contents + " (default: " + out + ")" + table);
 }
 
-void add_changes(const shell::Command& command, SceneChoice& scenes, const std::string& example) {
+void add_changes(const shell::Command& command, SceneOptions& scenes, const std::string& example) {
     command.add("--size", scenes.size, "Picture size, WxH in pixels (default: the scene's)");
     command.add("--variant", scenes.variant, "One variant of a scene that has several (default: all)");
     command.add_set(scenes.set, "Change a number of the scene first: " + example);
@@ -130,7 +130,7 @@ using measure::metric::Ramp;
 
 namespace {
 
-std::optional<double> finite_number(std::string_view text) {
+std::optional<double> parse_finite(std::string_view text) {
     double value = 0;
     const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     const bool is_number = error == std::errc{} && stop == text.data() + text.size() && std::isfinite(value);
@@ -139,17 +139,18 @@ std::optional<double> finite_number(std::string_view text) {
 
 }  // namespace
 
-std::optional<output::map::BarRange> parse_range(const std::string& text, const std::vector<const Metric*>& drawn) {
+std::optional<output::map::BarRange> parse_range(const std::string& text,
+                                                 const std::vector<const Metric*>& drawn_metrics) {
     if (text.empty()) return std::nullopt;
     const std::size_t colon = text.find(':');
-    const auto lo = finite_number(std::string_view(text).substr(0, colon));
-    const auto hi = colon == std::string::npos ? std::nullopt : finite_number(std::string_view(text).substr(colon + 1));
+    const auto lo = parse_finite(std::string_view(text).substr(0, colon));
+    const auto hi = colon == std::string::npos ? std::nullopt : parse_finite(std::string_view(text).substr(colon + 1));
     if (!lo || !hi || !(*lo < *hi))
         throw InputError(fmt::format(
             "--range {} is not a range; write its ends in the unit of the metric, the lower one first, like 0:24",
             text));
     const Metric* first = nullptr;
-    for (const Metric* m : drawn) {
+    for (const Metric* m : drawn_metrics) {
         if (m->ramp == Ramp::categories) continue;
         if (first && (m->unit != first->unit || (m->ramp == Ramp::magnitude) != (first->ramp == Ramp::magnitude)))
             throw InputError(
@@ -187,7 +188,7 @@ std::vector<std::string> split_shell_words(const std::string& command) {
 
 TypedCommand typed_command(const shell::Command& program) {
     TypedCommand result;
-    for (const shell::Command& command : program.given()) {
+    for (const shell::Command& command : program.given_commands()) {
         result.command_name += (result.command_name.empty() ? "" : " ") + command.name();
         add_given_options(command, result);
     }

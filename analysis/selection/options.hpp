@@ -16,16 +16,16 @@ bool matches_any(const std::vector<std::string>& patterns, const std::string& na
 
 /// The options of the commands that test forms on scenes.
 struct SharedOptions {
-    SceneChoice scenes = {};
+    SceneOptions scenes = {};
     std::vector<std::string> forms = {}, formats = {};
     std::string pixels = "none", pictures = "sheets", out = {};
 };
 /// Adds SCENE; `kinds` says in the help which scenes it takes, if not all.
 void add_scenes(const shell::Command& command, SharedOptions& shared, const std::string& kinds = "");
-/// Adds -i; `usual` is the text of the help for the default.
-void add_forms(const shell::Command& command, std::vector<std::string>& forms, const std::string& usual = "all");
-/// Adds -f; `usual` is the text of the help for the default.
-void add_formats(const shell::Command& command, std::vector<std::string>& formats, const std::string& usual);
+/// Adds -i; `default_text` is the text of the help for the default.
+void add_forms(const shell::Command& command, std::vector<std::string>& forms, const std::string& default_text = "all");
+/// Adds -f; `default_text` is the text of the help for the default.
+void add_formats(const shell::Command& command, std::vector<std::string>& formats, const std::string& default_text);
 /// Adds --pixels.
 void add_pixels(const shell::Command& command, SharedOptions& shared);
 /// Adds --pictures. Only `--pictures all` also draws each picture of a contact sheet as its own file.
@@ -33,7 +33,7 @@ void add_pictures(const shell::Command& command, std::string& pictures);
 /// Adds -o, by default out/COMMAND. `contents` says in the help what the folder is for.
 void add_out(const shell::Command& command, std::string& out, const std::string& contents = "the results");
 /// Adds --size, --variant and --set for a command that takes scenes; `example` is an assignment for the help.
-void add_changes(const shell::Command& command, SceneChoice& scenes, const std::string& example);
+void add_changes(const shell::Command& command, SceneOptions& scenes, const std::string& example);
 
 /// The command that was typed, quoted for a shell: the arguments, and the options in the order of the help. Options
 /// that change no result are left out: the folder, the number of threads, what is printed.
@@ -60,7 +60,7 @@ void find_in_data(const shell::Command& command, const std::string& data);
 /// not a range, for metrics with different units or without a colour bar, and for an end of at most 0 on a logarithmic
 /// bar.
 std::optional<output::map::BarRange> parse_range(const std::string& text,
-                                                 const std::vector<const measure::metric::Metric*>& drawn);
+                                                 const std::vector<const measure::metric::Metric*>& drawn_metrics);
 
 /// Splits a command whose words were quoted by `shell_word` into these words, without the quotes.
 std::vector<std::string> split_shell_words(const std::string& command);

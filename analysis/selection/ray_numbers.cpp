@@ -18,7 +18,7 @@ namespace lostbits::analysis::selection {
 
 namespace {
 
-std::vector<std::string> parts_of(const std::string& text) {
+std::vector<std::string> split_at_commas(const std::string& text) {
     std::vector<std::string> parts{""};
     for (const char c : text) {
         if (c == ',') parts.emplace_back();
@@ -28,7 +28,7 @@ std::vector<std::string> parts_of(const std::string& text) {
 }
 
 /// The exact number in the value of an option; nothing if it is above the largest binary64.
-std::optional<Real> number_of(const std::string& text, const std::string& option) {
+std::optional<Real> parse_exact_number(const std::string& text, const std::string& option) {
     const auto parsed = scene::toml::parse_number(text);
     const auto* const fault = std::get_if<scene::toml::NumberFault>(&parsed);
     if (fault && !fault->is_too_large) throw InputError(fmt::format("{}: \"{}\" {}", option, text, fault->why));
@@ -41,16 +41,16 @@ std::optional<Real> number_of(const std::string& text, const std::string& option
 std::vector<Shape> PrimitiveOptions::shapes() const {
     std::vector<Shape> given;
     for (const ShapeRow& shape_row : shape_rows)
-        if (!texts_of(shape_row.shape).empty()) given.push_back(shape_row.shape);
+        if (!values_of(shape_row.shape).empty()) given.push_back(shape_row.shape);
     return given;
 }
 
-std::vector<std::pair<Shape, std::string>> PrimitiveOptions::given() const {
+std::vector<std::pair<Shape, std::string>> PrimitiveOptions::in_given_order() const {
     std::vector<std::pair<Shape, std::string>> primitives;
     std::array<std::size_t, shape_rows.size()> next_index{};
     for (const std::size_t index : order_()) {
         const Shape shape = shape_rows[index].shape;
-        primitives.emplace_back(shape, texts_of(shape).at(next_index[index]++));
+        primitives.emplace_back(shape, values_of(shape).at(next_index[index]++));
     }
     return primitives;
 }
@@ -61,17 +61,17 @@ std::string PrimitiveOptions::names() const {
     return output::file::enumerated(options);
 }
 
-std::vector<Real> numbers_of(const std::string& text, const WantedNumbers& wanted,
-                             const std::optional<Format>& format) {
+std::vector<Real> parse_numbers(const std::string& text, const NumberOption& wanted,
+                                const std::optional<Format>& format) {
     const char* const option = wanted.option;
     const FloatFormat parameters = format ? format->parameters : binary64;
     std::vector<Real> numbers;
-    for (const std::string& part : parts_of(text)) {
-        if (wanted.special && (part == "nan" || part == "inf" || part == "-inf")) {
+    for (const std::string& part : split_at_commas(text)) {
+        if (wanted.allows_special && (part == "nan" || part == "inf" || part == "-inf")) {
             numbers.emplace_back(part == "nan" ? std::nan("") : part == "inf" ? HUGE_VAL : -HUGE_VAL);
             continue;
         }
-        const auto exact = number_of(part, option);
+        const auto exact = parse_exact_number(part, option);
         const double rounded = exact ? scene::toml::round_to_format(*exact, parameters) : HUGE_VAL;
         if (!std::isfinite(rounded)) {
             const double largest = std::ldexp(2 - std::ldexp(1.0, 1 - parameters.precision), parameters.emax);
@@ -93,16 +93,17 @@ double stored_number(const Real& x) {
 
 namespace {
 
-Placement<double> placement_in(const std::string& text, const char* option, const std::optional<Format>& format) {
+Placement<double> parse_placement(const std::string& text, const char* option, const std::optional<Format>& format) {
     const bool is_inverse = text.starts_with('/');
-    const auto x = numbers_of(text.substr(is_inverse ? 1 : 0),
-                              {option,
-                               "a matrix; write after the @ its three rows of four numbers, with commas between "
-                               "them, and a / before the rows of a stored inverse",
-                               Affine<double>::numbers},
-                              format);
+    const auto exact_numbers =
+        parse_numbers(text.substr(is_inverse ? 1 : 0),
+                      {option,
+                       "a matrix; write after the @ its three rows of four numbers, with commas between "
+                       "them, and a / before the rows of a stored inverse",
+                       Affine<double>::numbers},
+                      format);
     std::array<double, Affine<double>::numbers> numbers;
-    std::ranges::transform(x, numbers.begin(), stored_number);
+    std::ranges::transform(exact_numbers, numbers.begin(), stored_number);
     const Placement<double> placement = placement_of(numbers, is_inverse);
     if (!placement.is_proper()) throw InputError(fmt::format("{} …@{}: the matrix {}", option, text, singular_words));
     return placement;
@@ -117,9 +118,10 @@ Primitive<double> parse_primitive(Shape shape, const std::string& text, const st
     const std::string expected =
         fmt::format("{}; write its {}: {}, {} numbers with commas between them", with_article(shape), key_phrase(shape),
                     option_placeholder(shape), primitive.used().size());
-    const auto x = numbers_of(numbers_text, {option.c_str(), expected.c_str(), primitive.used().size()}, format);
-    std::ranges::transform(x, primitive.numbers.begin(), stored_number);
-    if (at_sign < text.size()) primitive.placed = placement_in(text.substr(at_sign + 1), option.c_str(), format);
+    const auto exact_numbers =
+        parse_numbers(numbers_text, {option.c_str(), expected.c_str(), primitive.used().size()}, format);
+    std::ranges::transform(exact_numbers, primitive.numbers.begin(), stored_number);
+    if (at_sign < text.size()) primitive.placed = parse_placement(text.substr(at_sign + 1), option.c_str(), format);
     if (const auto broken = broken_limit(primitive))
         throw InputError(
             fmt::format("{} {}: {} {}", option, numbers_text, broken->key->name, limit_phrase(shape, *broken->key)));
@@ -128,28 +130,29 @@ Primitive<double> parse_primitive(Shape shape, const std::string& text, const st
 
 std::pair<int, int> parse_size(const std::string& text) {
     int size[2] = {0, 0};
-    const auto x = text.find('x');
+    const auto separator = text.find('x');
     const auto parse_int = [&text](std::size_t begin, std::size_t end, int& value) {
         const auto [stop, error] = std::from_chars(text.data() + begin, text.data() + end, value);
         return error == std::errc{} && stop == text.data() + end;
     };
-    if (x == std::string::npos || !parse_int(0, x, size[0]) || !parse_int(x + 1, text.size(), size[1])) {
+    if (separator == std::string::npos || !parse_int(0, separator, size[0]) ||
+        !parse_int(separator + 1, text.size(), size[1])) {
         throw InputError(fmt::format("--size {} is not a size; write width and height in pixels, like 512x384", text));
     }
     return {size[0], size[1]};
 }
 
-std::pair<int, int> pixel_named(const std::string& text) {
-    std::vector<double> x;
-    for (const std::string& part : parts_of(text)) {
-        const auto parsed = number_of(part, "--pixel");
-        x.push_back(parsed ? static_cast<double>(*parsed) : HUGE_VAL);
+std::pair<int, int> parse_pixel(const std::string& text) {
+    std::vector<double> indices;
+    for (const std::string& part : split_at_commas(text)) {
+        const auto parsed = parse_exact_number(part, "--pixel");
+        indices.push_back(parsed ? static_cast<double>(*parsed) : HUGE_VAL);
     }
     constexpr double max_index = 1e9;  // more than any picture has, less than an int
-    if (x.size() != 2 ||
-        std::ranges::any_of(x, [](double v) { return v != std::floor(v) || std::fabs(v) > max_index; }))
+    if (indices.size() != 2 ||
+        std::ranges::any_of(indices, [](double v) { return v != std::floor(v) || std::fabs(v) > max_index; }))
         throw InputError("--pixel " + text + " is not a pixel; write its column and row, like 17,42");
-    return {static_cast<int>(x[0]), static_cast<int>(x[1])};
+    return {static_cast<int>(indices[0]), static_cast<int>(indices[1])};
 }
 
 namespace {
@@ -175,20 +178,20 @@ double tolerance_in_units(const std::string& text, const std::string& unit) {
     double length = 0;
     const char* const end = text.data() + text.size();
     const char* const unit_text = std::from_chars(text.data(), end, length).ptr;
-    const std::string_view own_unit(unit_text, static_cast<std::size_t>(end - unit_text));
+    const std::string_view text_unit(unit_text, static_cast<std::size_t>(end - unit_text));
     if (unit_text == text.data() || !(length >= 0) || !std::isfinite(length) ||
-        (!own_unit.empty() && !find_unit(own_unit)))
+        (!text_unit.empty() && !find_unit(text_unit)))
         throw InputError(fmt::format(
             "--tolerance {} is not a length; write a number of at least 0 in the scene's unit of length, such as "
             "0.001, or with --unit a length such as 1mm",
             text));
-    if (own_unit.empty()) return length;
+    if (text_unit.empty()) return length;
     if (scene_unit == nullptr)
         throw InputError(fmt::format(
             "--tolerance {}: scenes and files of rays do not say what their unit of length is; write a number without "
             "a unit, or name the unit of the scene, as in --unit m",
             text));
-    return length * find_unit(own_unit)->micrometres / scene_unit->micrometres;
+    return length * find_unit(text_unit)->micrometres / scene_unit->micrometres;
 }
 
 }  // namespace lostbits::analysis::selection

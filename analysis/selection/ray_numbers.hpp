@@ -16,18 +16,18 @@
 
 namespace lostbits::analysis::selection {
 
-/// An option that takes `count` numbers; `expected` completes the message "is not …".
-struct WantedNumbers {
+/// An option that takes `count` numbers. `expected` completes the message "OPTION VALUE is not …".
+struct NumberOption {
     const char *option, *expected;
     std::size_t count;
-    bool special = false;  ///< nan and inf are allowed
+    bool allows_special = false;  ///< nan and inf are allowed
 };
 
 /// The values of `--sphere`, `--box` and so on, one option per shape.
 class PrimitiveOptions {
 public:
-    [[nodiscard]] std::vector<std::string>& texts_of(Shape shape) { return texts_[static_cast<std::size_t>(shape)]; }
-    [[nodiscard]] const std::vector<std::string>& texts_of(Shape shape) const {
+    [[nodiscard]] std::vector<std::string>& values_of(Shape shape) { return texts_[static_cast<std::size_t>(shape)]; }
+    [[nodiscard]] const std::vector<std::string>& values_of(Shape shape) const {
         return texts_[static_cast<std::size_t>(shape)];
     }
     /// Declares the options, which the help shows below a heading.
@@ -36,7 +36,7 @@ public:
     [[nodiscard]] std::vector<Shape> shapes() const;
     [[nodiscard]] bool empty() const { return shapes().empty(); }
     /// The primitives in the order in which they were given, which is the order of their indices.
-    [[nodiscard]] std::vector<std::pair<Shape, std::string>> given() const;
+    [[nodiscard]] std::vector<std::pair<Shape, std::string>> in_given_order() const;
     /// The options that are given: `--sphere and --box`.
     [[nodiscard]] std::string names() const;
 
@@ -48,13 +48,14 @@ private:
 /// The numbers between the commas of a ray or a primitive, exact or, with `format`, rounded to that format. Throws
 /// InputError, which names the option, for a part that is not a number or is out of the range of `format` (without it,
 /// of binary64), and for a wrong count.
-std::vector<Real> numbers_of(const std::string& text, const WantedNumbers& wanted, const std::optional<Format>& format);
+std::vector<Real> parse_numbers(const std::string& text, const NumberOption& wanted,
+                                const std::optional<Format>& format);
 
 /// Rounds a number once to binary64; NaN and infinities stay.
 double stored_number(const Real& x);
 
 /// Parses a primitive from its numbers, `CX,CY,CZ,R`. They may be followed by `@` and the twelve numbers of a matrix,
-/// row by row, or by `@/` and the twelve numbers of a stored inverse. `numbers_of` reads all these numbers. Throws
+/// row by row, or by `@/` and the twelve numbers of a stored inverse. `parse_numbers` reads all these numbers. Throws
 /// InputError, which names the option of the shape.
 Primitive<double> parse_primitive(Shape shape, const std::string& text, const std::optional<Format>& format);
 
@@ -62,7 +63,7 @@ Primitive<double> parse_primitive(Shape shape, const std::string& text, const st
 std::pair<int, int> parse_size(const std::string& text);
 
 /// Parses `17,42`, the column and the row of a pixel. Throws InputError for other texts.
-std::pair<int, int> pixel_named(const std::string& text);
+std::pair<int, int> parse_pixel(const std::string& text);
 
 /// Parses a length, in the scene's unit of length: `0.001`, or `1mm` if `unit` names the scene's unit (m, km, cm, mm,
 /// um, in or ft). Throws InputError for other texts, and for a length with a unit if the scene's unit is not given.

@@ -34,11 +34,11 @@ using scene::rays::RayGroup;
 namespace {
 
 /// The format of `--as`; nothing without it.
-std::optional<Format> format_named(const std::string& name) {
+std::optional<Format> rounding_format(const std::string& name) {
     return name.empty() ? std::nullopt : std::optional(select_formats({name}, "--as").front());
 }
 
-Ray<double> stored(const Ray<Real>& ray) {
+Ray<double> to_double_ray(const Ray<Real>& ray) {
     const auto to_doubles = [](const Vec<Real>& v) {
         return Vec<double>(stored_number(v.x), stored_number(v.y), stored_number(v.z));
     };
@@ -47,14 +47,14 @@ Ray<double> stored(const Ray<Real>& ray) {
 
 /// Parses --ray. With primitives given as options, the numbers need not be a proper ray (NaN, a zero direction), as in
 /// a file of cases: the answer of a form to such a ray is explained too.
-Ray<Real> given_ray(const RayOptions& options) {
+Ray<Real> parse_ray(const RayOptions& options) {
     const bool has_own_primitives = options.subject.empty();
-    const auto x = numbers_of(
+    const auto x = parse_numbers(
         options.ray,
         {"--ray", "a ray; write origin and direction, six numbers with commas between them", 6, has_own_primitives},
-        format_named(options.format));
+        rounding_format(options.format));
     const Ray<Real> ray{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
-    if (!has_own_primitives && !measure::truth::is_proper(stored(ray)))
+    if (!has_own_primitives && !measure::truth::is_proper(to_double_ray(ray)))
         throw InputError("--ray " + options.ray +
                          " is not a ray; its numbers must be finite and its direction not zero");
     return ray;
@@ -63,7 +63,7 @@ Ray<Real> given_ray(const RayOptions& options) {
 /// The row for these primitives; the form gets the usual transform if matrices place the primitives. Throws InputError
 /// if the form does not take the primitives.
 template <class ShapePredicate>
-TestedForm row_for(const TestedForm& form_row, const std::string& subject, const ShapePredicate& meets) {
+TestedForm row_for_primitives(const TestedForm& form_row, const std::string& subject, const ShapePredicate& meets) {
     const Shape shape = form_row.form->shape;
     if (meets(form_row.form->shapes())) return form_row;
     if (is_primitive(shape) && !form_row.form->is_set() && !scene::rays::generator_of(*form_row.form) &&
@@ -91,7 +91,7 @@ TestedForm row_for(const TestedForm& form_row, const std::string& subject, const
 }
 
 /// Loads the scene. Throws InputError if its file has variants and none is named.
-Scene load_one(const RayOptions& options, const std::filesystem::path& data) {
+Scene load_single_scene(const RayOptions& options, const std::filesystem::path& data) {
     const scene::file::SceneName name = scene::file::find_scene(options.subject, data);
     scene::file::LoadOptions load_options{.variant = name.variant, .stop = options.stop};
     if (!options.variant.empty()) load_options.variant = options.variant;
@@ -104,23 +104,24 @@ Scene load_one(const RayOptions& options, const std::filesystem::path& data) {
     return std::move(scenes.front());
 }
 
-OneRay pixel_of(const RayOptions& options, const Scene& scene) {
-    const auto [x, y] = pixel_named(options.pixel);
+OneRay select_pixel(const RayOptions& options, const Scene& scene) {
+    const auto [x, y] = parse_pixel(options.pixel);
     return {scene, x, y, {.stop = options.stop}};
 }
 
-SelectedRay ray_of_scene(const RayOptions& options, const TestedForm& given_row, const std::filesystem::path& data) {
+SelectedRay find_ray_in_scene(const RayOptions& options, const TestedForm& given_row,
+                              const std::filesystem::path& data) {
     const auto* const generator = scene::rays::generator_of(*given_row.form);
     if (generator && !options.ray.empty())
         throw InputError(fmt::format(
             "-i {}: the part after the @ is a camera's ray generator, but no camera makes the ray of --ray; "
             "give --pixel instead of --ray, or leave out the @ and the ray generator",
             given_row.form->info->name));
-    Scene loaded = load_one(options, data);
+    Scene loaded = load_single_scene(options, data);
     const auto scene =
         std::make_shared<const Scene>(generator ? with_rays(std::move(loaded), *generator) : std::move(loaded));
     const TestedForm form_row =
-        row_for(given_row, "scene " + scene->id, [&](Shapes forms) { return scene->meets(forms); });
+        row_for_primitives(given_row, "scene " + scene->id, [&](Shapes forms) { return scene->meets(forms); });
     std::vector<std::string> given_options;
     if (options.worst) given_options.emplace_back("--worst");
     if (!options.pixel.empty()) given_options.emplace_back("--pixel");
@@ -133,13 +134,13 @@ SelectedRay ray_of_scene(const RayOptions& options, const TestedForm& given_row,
             "explain: the ray is missing; give --worst or --pixel X,Y for a scene, --ray OX,OY,OZ,DX,DY,DZ, or --case "
             "NAME "
             "for a file of cases");
-    if (options.worst) return worst_of_scene(scene, form_row, options.stop);
-    return {
-        scene,
-        options.ray.empty() ? pixel_of(options, *scene) : OneRay(*scene, given_ray(options), {.stop = options.stop}),
-        form_row.form,
-        {},
-        options.ray.empty() ? std::optional(pixel_named(options.pixel)) : std::nullopt};
+    if (options.worst) return find_worst_in_scene(scene, form_row, options.stop);
+    return {scene,
+            options.ray.empty() ? select_pixel(options, *scene)
+                                : OneRay(*scene, parse_ray(options), {.stop = options.stop}),
+            form_row.form,
+            {},
+            options.ray.empty() ? std::optional(parse_pixel(options.pixel)) : std::nullopt};
 }
 
 /// A case, and a ray of it: NAME or NAME:K. A text that is itself the name of a case names no ray.
@@ -148,7 +149,7 @@ struct NamedRay {
     std::optional<int> ray;
 };
 
-NamedRay named_ray(const scene::sweep::CaseFile& file, const std::string& text) {
+NamedRay parse_named_ray(const scene::sweep::CaseFile& file, const std::string& text) {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < file.size(); ++i) names.push_back(file.name(i));
     const auto index_of = [&](const std::string& name) {
@@ -165,15 +166,16 @@ NamedRay named_ray(const scene::sweep::CaseFile& file, const std::string& text) 
 }
 
 /// The convention to judge by: that of --convention, else each form's own if the file has it, else the file's first.
-std::optional<intersect::Touching> convention_of(const RayOptions& options, const scene::sweep::CaseFile& file) {
+std::optional<intersect::Touching> judging_convention(const RayOptions& options, const scene::sweep::CaseFile& file) {
     if (!options.convention.empty()) return scene::sweep::convention_named(options.convention);
-    const bool has_own = std::ranges::any_of(file.conventions, [](const auto& convention) { return !convention; });
-    return has_own ? std::nullopt : file.conventions[0];
+    const bool has_array_primitives =
+        std::ranges::any_of(file.conventions, [](const auto& convention) { return !convention; });
+    return has_array_primitives ? std::nullopt : file.conventions[0];
 }
 
 /// The worst of all rays of a sweep. --size, --steps and --set change the sweep as in `lostbits sweep`.
-SelectedRay worst_of_sweep(const RayOptions& options, TestedForm form_row, const std::filesystem::path& path,
-                           const std::filesystem::path& data) {
+SelectedRay find_worst_of_sweep_or_cases(const RayOptions& options, TestedForm form_row,
+                                         const std::filesystem::path& path, const std::filesystem::path& data) {
     using scene::sweep::SweepKind;
     const SweepKind kind = scene::sweep::sweep_kind(path);
     for (const auto& [given, option, why] :
@@ -186,22 +188,23 @@ SelectedRay worst_of_sweep(const RayOptions& options, TestedForm form_row, const
     if (kind == SweepKind::cases || kind == SweepKind::axes) check_changes(changes, kind, options.subject);
     if (kind == SweepKind::cases) {
         const scene::sweep::CaseFile file(path);
-        form_row = row_for(form_row, "the file of cases " + file.id, [&](Shapes forms) { return file.meets(forms); });
-        form_row.touching = convention_of(options, file);
-        return worst_of_cases(file, form_row, options.stop);
+        form_row = row_for_primitives(form_row, "the file of cases " + file.id,
+                                      [&](Shapes forms) { return file.meets(forms); });
+        form_row.touching = judging_convention(options, file);
+        return find_worst_in_cases(file, form_row, options.stop);
     }
     if (kind != SweepKind::axes)
         throw InputError("--worst: " + options.subject +
                          " is a sweep over every float, or a search, which takes long; run `lostbits sweep` on it: its "
                          "tables have the command that explains the worst ray");
     const scene::sweep::SweepFile sweep(path, data, read_changes(changes), options.stop);
-    form_row = row_for(form_row, "the sweep " + sweep.id, [&](Shapes forms) { return sweep.meets(forms); });
+    form_row = row_for_primitives(form_row, "the sweep " + sweep.id, [&](Shapes forms) { return sweep.meets(forms); });
     form_row.touching =
         options.convention.empty() ? sweep.convention : scene::sweep::convention_named(options.convention);
-    return worst_along(sweep, form_row, options.stop);
+    return find_worst_in_sweep(sweep, form_row, options.stop);
 }
 
-SelectedRay ray_of_case(const RayOptions& options, TestedForm form_row, const std::filesystem::path& data) {
+SelectedRay find_ray_in_case(const RayOptions& options, TestedForm form_row, const std::filesystem::path& data) {
     const auto path = scene::sweep::find_sweep(options.subject, data);
     if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::cases)
         throw InputError(
@@ -209,17 +212,18 @@ SelectedRay ray_of_case(const RayOptions& options, TestedForm form_row, const st
             ": has no [[case]] tables for --case; use --worst for its worst ray, or a command in the column "
             "worst_explain of its samples.csv");
     const scene::sweep::CaseFile file(path);
-    form_row = row_for(form_row, "the file of cases " + file.id, [&](Shapes forms) { return file.meets(forms); });
-    const auto [case_index, ray_index] = named_ray(file, options.named_case);
-    form_row.touching = convention_of(options, file);
+    form_row =
+        row_for_primitives(form_row, "the file of cases " + file.id, [&](Shapes forms) { return file.meets(forms); });
+    const auto [case_index, ray_index] = parse_named_ray(file, options.named_case);
+    form_row.touching = judging_convention(options, file);
     const int rays = file.rays_of(case_index);
     auto groups = file.rays(case_index, form_row.format.parameters);
     const int count = rays * static_cast<int>(groups.size());
     if (ray_index && *ray_index >= count)
         throw InputError(fmt::format("--case {}: the case has {}, counted from 0", options.named_case,
                                      scene::toml::count_with_noun(count, "ray")));
-    const int k = ray_index ? *ray_index : worst_of(groups, rays, form_row, options.stop);
-    SelectedRay found{nullptr, OneRay(ray_of(std::move(groups), rays, k)), form_row.form,
+    const int k = ray_index ? *ray_index : worst_ray_index(groups, rays, form_row, options.stop);
+    SelectedRay found{nullptr, OneRay(pick_ray(std::move(groups), rays, k)), form_row.form,
                       fmt::format("Case \"{}\", ray {} of {}{}.\n", file.name(case_index), k, count,
                                   ray_index || count == 1 ? " (counted from 0)"
                                                           : " (counted from 0), the worst of them for this form")};
@@ -228,7 +232,7 @@ SelectedRay ray_of_case(const RayOptions& options, TestedForm form_row, const st
 }
 
 /// The constants of a march: those of `--set march.…`, else the defaults of a scene. Numbers are rounded to binary64.
-intersect::MarchConstants<double> march_of(const std::vector<std::string>& set) {
+intersect::MarchConstants<double> parse_march(const std::vector<std::string>& set) {
     scene::toml::Node root, table;
     root.kind = table.kind = scene::toml::Node::Kind::table;
     root.entries.push_back({"march", {}, table});
@@ -257,10 +261,10 @@ void require_range(const RayOptions& options, const Range<double>& range) {
                      ": leaves no t between tmin and tmax; write a tmax above tmin, or leave out --tmin or --tmax");
 }
 
-SelectedRay ray_of_own_primitives(const RayOptions& options, const TestedForm& given_row) {
+SelectedRay make_ray_from_options(const RayOptions& options, const TestedForm& given_row) {
     std::vector<Primitive<double>> primitives;
-    for (const auto& [shape, text] : options.primitives.given())
-        primitives.push_back(parse_primitive(shape, text, format_named(options.format)));
+    for (const auto& [shape, text] : options.primitives.in_given_order())
+        primitives.push_back(parse_primitive(shape, text, rounding_format(options.format)));
     const bool placed =
         std::ranges::any_of(primitives, [](const auto& primitive) { return primitive.placed.has_value(); });
     const auto form_takes = [&given_row](const Primitive<double>& primitive) {
@@ -269,24 +273,24 @@ SelectedRay ray_of_own_primitives(const RayOptions& options, const TestedForm& g
     const TestedForm form_row =
         std::ranges::all_of(primitives, form_takes) && placed == given_row.form->shapes().are_placed()
             ? given_row
-            : row_for(given_row, "the ray", [shapes = shapes_of(primitives).placed(placed)](Shapes forms) {
+            : row_for_primitives(given_row, "the ray", [shapes = shapes_of(primitives).placed(placed)](Shapes forms) {
                   return (forms == Shape::sdf && !shapes.are_placed()) || forms == shapes;
               });
     if (options.ray.empty()) throw InputError("explain: the ray is missing; give --ray OX,OY,OZ,DX,DY,DZ");
-    const Ray<Real> ray = given_ray(options);
-    RayGroup group = scene::rays::group_of(stored(ray));
+    const Ray<Real> ray = parse_ray(options);
+    RayGroup group = scene::rays::group_of(to_double_ray(ray));
     group.primitives = std::move(primitives);
     const auto add_end = [&](const std::string& text, const char* option, const char* expected,
                              std::vector<double>& ends) {
         if (!text.empty())
             ends.push_back(
-                stored_number(numbers_of(text, {option, expected, 1, true}, format_named(options.format))[0]));
+                stored_number(parse_numbers(text, {option, expected, 1, true}, rounding_format(options.format))[0]));
     };
     add_end(options.tmin, "--tmin", "a start of a range; write one number", group.rays.tmin);
     add_end(options.tmax, "--tmax", "an end of a range; write one number", group.rays.tmax);
     group.rays.open = open_ends_named(options.open_ends);
     require_range(options, group.rays.range(0));
-    group.march = march_of(options.set);
+    group.march = parse_march(options.set);
     return {nullptr, OneRay(std::move(group)), form_row.form};
 }
 
@@ -304,7 +308,7 @@ void require_compatible(const RayOptions& options) {
     const char* const needs_own_primitives = "primitives given as options (for a scene, --set rays.tmin=VALUE)";
     struct Rule {
         const char* option;
-        bool given, fits;
+        bool is_given, is_allowed;
         const char* needs;
     };
     const Rule rules[] = {
@@ -324,13 +328,13 @@ void require_compatible(const RayOptions& options) {
         {"--steps", !options.steps.empty(), is_scene, "a sweep and --worst"},
         {"--set", !options.set.empty(), has_own_primitives || is_scene, "a scene, or primitives given as options"}};
     for (const Rule& rule : rules)
-        if (rule.given && !rule.fits)
+        if (rule.is_given && !rule.is_allowed)
             throw InputError(fmt::format("{} needs {}; add it, or leave {} out", rule.option, rule.needs, rule.option));
 }
 
 }  // namespace
 
-std::optional<std::filesystem::path> sweep_named(const std::string& subject, const std::filesystem::path& data) {
+std::optional<std::filesystem::path> find_sweep_file(const std::string& subject, const std::filesystem::path& data) {
     if (std::filesystem::is_regular_file(subject)) {
         if (scene::sweep::is_sweep_file(subject)) return subject;
         return {};
@@ -352,16 +356,16 @@ SelectedRay find_ray(const RayOptions& options, const TestedForm& form_row, cons
                             "form of sdf.*",
                             assignment, form_row.form->info->name));
     }
-    if (!options.named_case.empty()) return ray_of_case(options, form_row, data);
-    if (const auto sweep = options.worst ? sweep_named(options.subject, data) : std::nullopt)
-        return worst_of_sweep(options, form_row, *sweep, data);
+    if (!options.named_case.empty()) return find_ray_in_case(options, form_row, data);
+    if (const auto sweep = options.worst ? find_sweep_file(options.subject, data) : std::nullopt)
+        return find_worst_of_sweep_or_cases(options, form_row, *sweep, data);
     TestedForm judged_row = form_row;
     judged_row.touching = scene::sweep::convention_named(options.convention);
     if (!options.steps.empty())
         throw InputError("--steps " + options.steps +
                          " is for the worst ray of a sweep; add --worst, or leave --steps out");
-    SelectedRay found =
-        options.subject.empty() ? ray_of_own_primitives(options, form_row) : ray_of_scene(options, judged_row, data);
+    SelectedRay found = options.subject.empty() ? make_ray_from_options(options, form_row)
+                                                : find_ray_in_scene(options, judged_row, data);
     found.ray.judge_by(judged_row.touching);
     return found;
 }
@@ -371,10 +375,10 @@ void PrimitiveOptions::add_to(const shell::Command& command, const std::string& 
     for (const ShapeRow& shape_row : shape_rows)
         options.push_back(
             command
-                .add(fmt::format("--{}", shape_row.name), texts_of(shape_row.shape),
+                .add(fmt::format("--{}", shape_row.name), values_of(shape_row.shape),
                      fmt::format("{}: {}", with_article(shape_row.shape), option_placeholder(shape_row.shape)))
-                .below(heading));
-    order_ = command.order_of(options);
+                .under_heading(heading));
+    order_ = command.value_order(options);
 }
 
 }  // namespace lostbits::analysis::selection

@@ -20,7 +20,7 @@ namespace lostbits::analysis::selection {
 /// The options of the command line that name a ray and its primitives.
 struct RayOptions {
     std::string subject;  ///< a scene, a sweep or a file of cases; empty if `primitives` has the primitives
-    std::string pixel, size, variant;  ///< of a scene; the size also for the scene of a sweep
+    std::string pixel, size, variant;  ///< of a scene; `size` also applies to the scene of a sweep
     std::string steps;                 ///< of a sweep
     bool worst = false;                ///< the worst of all pixels of a scene, or of all rays of a sweep
     std::string named_case;            ///< NAME or NAME:K, in a file of cases
@@ -47,21 +47,21 @@ SelectedRay find_ray(const RayOptions& options, const measure::evaluate::TestedF
                      const std::filesystem::path& data);
 
 /// The file of a sweep if the subject is one: its path, or its name, unless a scene has that name.
-std::optional<std::filesystem::path> sweep_named(const std::string& subject, const std::filesystem::path& data);
+std::optional<std::filesystem::path> find_sweep_file(const std::string& subject, const std::filesystem::path& data);
 
 /// Ray `k` of a case. Each of its groups has `rays_per_group` rays; `k` counts the rays of all groups.
-scene::rays::RayGroup ray_of(std::vector<scene::rays::RayGroup> groups, int rays_per_group, int k);
+scene::rays::RayGroup pick_ray(std::vector<scene::rays::RayGroup> groups, int rays_per_group, int k);
 /// The index of the worst of these rays, which is the ray that cases.csv names.
-int worst_of(std::vector<scene::rays::RayGroup> groups, int rays_per_group,
-             const measure::evaluate::TestedForm& form_row, intersect::process::StopToken stop);
+int worst_ray_index(std::vector<scene::rays::RayGroup> groups, int rays_per_group,
+                    const measure::evaluate::TestedForm& form_row, intersect::process::StopToken stop);
 
 /// The worst ray of all pixels of a scene, of all steps of a sweep, or of all cases of a file, with a note that names
 /// it. Throws InputError if every decision is right and no hit has an error of t, as in a scene that no ray hits.
-SelectedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene,
-                           const measure::evaluate::TestedForm& form_row, intersect::process::StopToken stop);
-SelectedRay worst_along(const scene::sweep::SweepFile& sweep, const measure::evaluate::TestedForm& form_row,
-                        intersect::process::StopToken stop);
-SelectedRay worst_of_cases(const scene::sweep::CaseFile& file, const measure::evaluate::TestedForm& form_row,
-                           intersect::process::StopToken stop);
+SelectedRay find_worst_in_scene(std::shared_ptr<const scene::file::Scene> scene,
+                                const measure::evaluate::TestedForm& form_row, intersect::process::StopToken stop);
+SelectedRay find_worst_in_sweep(const scene::sweep::SweepFile& sweep, const measure::evaluate::TestedForm& form_row,
+                                intersect::process::StopToken stop);
+SelectedRay find_worst_in_cases(const scene::sweep::CaseFile& file, const measure::evaluate::TestedForm& form_row,
+                                intersect::process::StopToken stop);
 
 }  // namespace lostbits::analysis::selection

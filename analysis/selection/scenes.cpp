@@ -19,10 +19,10 @@ namespace lostbits::analysis::selection {
 
 using scene::file::Scene;
 
-std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem::path& data) {
-    scene::file::LoadOptions options{.stop = choice.stop};
-    if (!choice.size.empty()) options.size = parse_size(choice.size);
-    for (const auto& assignment : choice.set) options.overrides.push_back(scene::toml::parse_override(assignment));
+std::vector<Scene> load_scenes(const SceneOptions& choice, const std::filesystem::path& data) {
+    scene::file::LoadOptions load_options{.stop = choice.stop};
+    if (!choice.size.empty()) load_options.size = parse_size(choice.size);
+    for (const auto& assignment : choice.set) load_options.overrides.push_back(scene::toml::parse_override(assignment));
     std::vector<Scene> scenes;
     std::set<std::string> ids;
     for (const std::string& given_name : choice.names) {
@@ -30,8 +30,8 @@ std::vector<Scene> load_scenes(const SceneChoice& choice, const std::filesystem:
         if (name.variant && !choice.variant.empty() && *name.variant != choice.variant)
             throw InputError(
                 fmt::format("--variant {}: {} names another variant; leave out --variant", choice.variant, given_name));
-        options.variant = choice.variant.empty() ? name.variant : std::optional(choice.variant);
-        for (auto& scene : scene::file::load_scene(name.path, options)) {
+        load_options.variant = choice.variant.empty() ? name.variant : std::optional(choice.variant);
+        for (auto& scene : scene::file::load_scene(name.path, load_options)) {
             if (choice.refuses_ranges && !scene.range.is_whole())
                 throw InputError(
                     fmt::format("{}: the rays of {} have a range, but this command tests rays without end from t = 0; "
@@ -61,24 +61,24 @@ std::string name_of_scene(const Scene& scene, const std::filesystem::path& data)
 }
 
 std::string name_of_sweep(const std::filesystem::path& path, const std::filesystem::path& data) {
-    return output::attribution::shell_word(sweep_in_claims(path, data));
+    return output::attribution::shell_word(sweep_name_in_claims(path, data));
 }
 
-std::string scene_in_claims(const Scene& scene, const std::filesystem::path& data) {
+std::string scene_name_in_claims(const Scene& scene, const std::filesystem::path& data) {
     if (scene.path.parent_path() == data / "scenes") return scene.id;
     const std::string stem = scene.path.stem().string();
     return scene.path.string() + (scene.id == stem ? "" : scene.id.substr(stem.size()));
 }
 
-std::string sweep_in_claims(const std::filesystem::path& path, const std::filesystem::path& data) {
+std::string sweep_name_in_claims(const std::filesystem::path& path, const std::filesystem::path& data) {
     const auto inside = path.lexically_relative(data / "sweeps");
-    const bool in_data = !inside.empty() && *inside.begin() != "..";
-    return (in_data ? std::filesystem::path(inside).replace_extension() : path).string();
+    const bool is_in_data = !inside.empty() && *inside.begin() != "..";
+    return (is_in_data ? std::filesystem::path(inside).replace_extension() : path).string();
 }
 
-std::filesystem::path data_folder(const std::string& given) {
+std::filesystem::path data_folder(const std::string& data_option) {
     namespace fs = std::filesystem;
-    if (!given.empty()) return given;
+    if (!data_option.empty()) return data_option;
     if (const char* variable = intersect::process::own_environment("LOSTBITS_DATA")) return variable;
     if (fs::is_directory("data/scenes")) return "data";
     std::error_code error;
@@ -101,7 +101,7 @@ std::filesystem::path form_flags_folder() {
 
 bool is_emulated(const Format& format) { return format.engine == Format::Engine::rounded; }
 
-scene::file::Scene load_one_scene(const SceneChoice& choice, const std::filesystem::path& data) {
+scene::file::Scene load_one_scene(const SceneOptions& choice, const std::filesystem::path& data) {
     auto scenes = load_scenes(choice, data);
     if (scenes.size() == 1) return std::move(scenes.front());
     std::string names;
@@ -110,12 +110,13 @@ scene::file::Scene load_one_scene(const SceneChoice& choice, const std::filesyst
                                  choice.names.front(), scenes.size(), names));
 }
 
-std::vector<measure::evaluate::TestedForm> timed_on(const scene::file::Scene& scene, const SelectedRows& chosen) {
-    return timed_on(scene.id, chosen, [&scene](Shapes forms) { return scene.meets(forms); });
+std::vector<measure::evaluate::TestedForm> select_timed_rows(const scene::file::Scene& scene,
+                                                             const SelectedRows& chosen) {
+    return select_timed_rows(scene.id, chosen, [&scene](Shapes forms) { return scene.meets(forms); });
 }
 
-std::vector<measure::evaluate::TestedForm> timed_on(const std::string& id, const SelectedRows& chosen,
-                                                    const ShapePredicate& meets) {
+std::vector<measure::evaluate::TestedForm> select_timed_rows(const std::string& id, const SelectedRows& chosen,
+                                                             const ShapePredicate& meets) {
     // A march tests all primitives at once, and its time depends on its steps, so a time per ray and primitive says
     // nothing.
     const ShapePredicate can_be_timed = [&meets](Shapes forms) { return are_primitives(forms) && meets(forms); };
@@ -125,8 +126,8 @@ std::vector<measure::evaluate::TestedForm> timed_on(const std::string& id, const
                           fitting_forms_advice(chosen.rows, can_be_timed));
 }
 
-bool are_files(const RayFileOptions& o, const std::vector<std::string>& subjects) {
-    if (o.container != "auto" || !o.columns.empty()) return true;
+bool are_ray_files(const RayFileOptions& options, const std::vector<std::string>& subjects) {
+    if (options.container != "auto" || !options.columns.empty()) return true;
     const auto is_file = [](const std::string& name) {
         std::string ending = std::filesystem::path(name).extension().string();
         std::ranges::transform(ending, ending.begin(),
@@ -136,19 +137,22 @@ bool are_files(const RayFileOptions& o, const std::vector<std::string>& subjects
     return std::ranges::all_of(subjects, is_file);
 }
 
-void refuse_others(const RayFileOptions& o, const std::vector<std::string>& subjects,
-                   const std::vector<std::pair<const char*, bool>>& scene_options, const char* command) {
-    std::vector<std::pair<std::string, bool>> file_options{{"--answer-format", !o.format.empty()},
-                                                           {"--skip", o.skip != 0}};
-    for (const RayFileOption& option : ray_file_options()) file_options.emplace_back(option.name, option.is_given(o));
+void refuse_misplaced_options(const RayFileOptions& options, const std::vector<std::string>& subjects,
+                              const std::vector<std::pair<const char*, bool>>& scene_options, const char* command) {
+    std::vector<std::pair<std::string, bool>> file_options{{"--answer-format", !options.format.empty()},
+                                                           {"--skip", options.skip != 0}};
+    for (const RayFileOption& option : ray_file_options())
+        file_options.emplace_back(option.name, option.is_given(options));
     for (const ShapeRow& shape_row : shape_rows)
-        file_options.emplace_back(fmt::format("--{}", shape_row.name), !o.primitives.texts_of(shape_row.shape).empty());
-    const auto refuse = [](const auto& options, const std::string& why, const std::string& remedy) {
-        for (const auto& [name, given] : options) {
-            if (given) throw InputError(fmt::format("{0} {1}; leave out {0}{2}", name, why, remedy));
+        file_options.emplace_back(fmt::format("--{}", shape_row.name),
+                                  !options.primitives.values_of(shape_row.shape).empty());
+    const auto refuse = [](const auto& misplaced_options, const std::string& why, const std::string& remedy) {
+        for (const auto& [name, is_given] : misplaced_options) {
+            if (is_given) throw InputError(fmt::format("{0} {1}; leave out {0}{2}", name, why, remedy));
         }
     };
-    if (are_files(o, subjects)) return refuse(scene_options, "is for a scene, but these are files of rays", "");
+    if (are_ray_files(options, subjects))
+        return refuse(scene_options, "is for a scene, but these are files of rays", "");
     refuse(file_options, fmt::format("is for files of rays, but {} is taken for a scene", subjects.front()),
            ", or add --container csv, npy or raw");
     if (subjects.size() > 1)
@@ -166,20 +170,20 @@ std::string answers_column(const scene::dump::Layout& layout) {
 
 }  // namespace
 
-OpenedRays open_rays(const RayFileOptions& o, const std::vector<std::string>& files,
+OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::string>& files,
                      const std::filesystem::path& data) {
-    const auto target_scene = scene_of(o, data);
+    const auto target_scene = load_primitive_scene(options, data);
     constexpr std::size_t max_primitives = 1024;
     if (target_scene && target_scene->primitive_count() > max_primitives)
         throw InputError(fmt::format(
             "--scene {}: has {} primitives; a sample of the rays is tested with each of them many times, and at most "
             "{} are allowed; use judge, which takes meshes of any size, or give each ray the primitive that it meets "
             "in columns of the file",
-            o.scene, target_scene->primitive_count(), max_primitives));
+            options.scene, target_scene->primitive_count(), max_primitives));
     OpenedRays result{.id = {}, .quoted_files = {}, .dump = {}, .terms = {}, .shapes = Shapes()};
     std::vector<std::unique_ptr<scene::dump::Dump>> dumps;
     for (const std::string& file : files) {
-        dumps.push_back(open_file(o, file, shape_given(o, target_scene)));
+        dumps.push_back(open_file(options, file, shared_shape(options, target_scene)));
         if (dumps.back()->layout().answers() > scene::dump::AnswerKind::first_hit)
             throw InputError(
                 fmt::format("{}: has answers about the whole surface of a mesh (column {}), which only judge "
@@ -190,8 +194,8 @@ OpenedRays open_rays(const RayFileOptions& o, const std::vector<std::string>& fi
     }
     result.dump = scene::dump::join_dumps(std::move(dumps));
     result.terms = {.id = result.id,
-                    .primitives = primitives_given(o, target_scene, result.dump->format()),
-                    .contract = contract_of(o, *result.dump)};
+                    .primitives = shared_primitives(options, target_scene, result.dump->format()),
+                    .contract = answer_contract(options, *result.dump)};
     if (target_scene) result.terms.mesh = scene::rays::stored_mesh(*target_scene, result.dump->format().parameters);
     const std::vector<Primitive<double>> representatives = result.terms.representatives();
     put_under_matrices(*result.dump, representatives);

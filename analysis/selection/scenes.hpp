@@ -18,17 +18,17 @@
 namespace lostbits::analysis::selection {
 
 /// The options of the command line that name scenes and change them.
-struct SceneChoice {
+struct SceneOptions {
     std::vector<std::string> names;  ///< files, or ids of scenes or of variants
     std::string size, variant;       ///< empty: the scene's own size, all variants
-    std::vector<std::string> set;
+    std::vector<std::string> set;    ///< assignments of --set
     intersect::process::StopToken stop = {};
     bool refuses_ranges =
         false;  ///< for a command whose rays go from t = 0 to infinity: scenes whose rays have a range are refused
 };
 
 /// Loads the scenes. Throws InputError if a scene is given twice, since its results go to a folder with its name.
-std::vector<scene::file::Scene> load_scenes(const SceneChoice& choice, const std::filesystem::path& data);
+std::vector<scene::file::Scene> load_scenes(const SceneOptions& choice, const std::filesystem::path& data);
 
 /// The name of a scene for later commands, quoted for a shell: its id if it is in the data folder, else its path and
 /// variant.
@@ -36,12 +36,12 @@ std::string name_of_scene(const scene::file::Scene& scene, const std::filesystem
 /// The name of a sweep for later commands, quoted for a shell.
 std::string name_of_sweep(const std::filesystem::path& path, const std::filesystem::path& data);
 /// The names of scenes and sweeps in claims. A variant of a file outside the data folder is `mine.toml.VARIANT`.
-std::string scene_in_claims(const scene::file::Scene& scene, const std::filesystem::path& data);
-std::string sweep_in_claims(const std::filesystem::path& path, const std::filesystem::path& data);
+std::string scene_name_in_claims(const scene::file::Scene& scene, const std::filesystem::path& data);
+std::string sweep_name_in_claims(const std::filesystem::path& path, const std::filesystem::path& data);
 
 /// The data folder: `--data`, else $LOSTBITS_DATA, else ./data, else the one of the program (beside it, in the tree in
 /// which it was built, or installed).
-std::filesystem::path data_folder(const std::string& given);
+std::filesystem::path data_folder(const std::string& data_option);
 
 /// The folder of the compiler flags for forms: `form.flags` and one file per register width. It is the build folder of
 /// this program, or the library folder of an installed one.
@@ -51,22 +51,23 @@ std::filesystem::path form_flags_folder();
 [[nodiscard]] bool is_emulated(const Format& format);
 
 /// Loads one scene. Throws InputError if its file has several variants and none is named.
-scene::file::Scene load_one_scene(const SceneChoice& choice, const std::filesystem::path& data);
+scene::file::Scene load_one_scene(const SceneOptions& choice, const std::filesystem::path& data);
 
 /// The rows that can be timed on the scene: forms for its primitives, or sets of such forms (`rows_meeting`), but no
 /// forms that march. Throws NothingSelected if there are none.
-std::vector<measure::evaluate::TestedForm> timed_on(const scene::file::Scene& scene, const SelectedRows& chosen);
+std::vector<measure::evaluate::TestedForm> select_timed_rows(const scene::file::Scene& scene,
+                                                             const SelectedRows& chosen);
 /// The same for any subject with primitives; `id` is its name in messages.
-std::vector<measure::evaluate::TestedForm> timed_on(const std::string& id, const SelectedRows& chosen,
-                                                    const ShapePredicate& meets);
+std::vector<measure::evaluate::TestedForm> select_timed_rows(const std::string& id, const SelectedRows& chosen,
+                                                             const ShapePredicate& meets);
 
 /// True if the subjects are files of rays: by their extension, or because --container or --columns is given.
-bool are_files(const RayFileOptions& options, const std::vector<std::string>& subjects);
+bool are_ray_files(const RayFileOptions& options, const std::vector<std::string>& subjects);
 
 /// Throws InputError for an option of files with a scene, for an option of scenes with files, and for several scenes.
 /// `scene_options` has the options of scenes, each with true if it was given. `command` names the command: `a choice`.
-void refuse_others(const RayFileOptions& options, const std::vector<std::string>& subjects,
-                   const std::vector<std::pair<const char*, bool>>& scene_options, const char* command);
+void refuse_misplaced_options(const RayFileOptions& options, const std::vector<std::string>& subjects,
+                              const std::vector<std::pair<const char*, bool>>& scene_options, const char* command);
 
 /// Several files of rays as one, ready to be read.
 struct OpenedRays {

@@ -28,7 +28,7 @@ constexpr std::pair<std::string_view, const char*> formats_elsewhere[] = {
     {"double", "f64"},   {"float64", "f64"},   {"binary64", "f64"}, {"half", "fp16"},
     {"float16", "fp16"}, {"binary16", "fp16"}, {"bfloat16", "bf16"}};
 
-[[noreturn]] void unknown_format(const std::string& name, const char* option) {
+[[noreturn]] void refuse_unknown_format(const std::string& name, const char* option) {
     if (name.size() > 1 && name.front() == 'p' && name.find_first_not_of("0123456789", 1) == std::string::npos)
         throw InputError(fmt::format("{} {}: unknown format; in pN, N is the number of significand bits, from 2 to 53",
                                      option, name));
@@ -45,8 +45,8 @@ constexpr std::pair<std::string_view, const char*> formats_elsewhere[] = {
 
 bool is_glob(const std::string& text) { return text.find_first_of("*?[") != std::string::npos; }
 
-std::vector<std::size_t> indices_named(const std::vector<std::string>& patterns, const std::vector<std::string>& names,
-                                       const std::string& noun, const char* option) {
+std::vector<std::size_t> find_indices(const std::vector<std::string>& patterns, const std::vector<std::string>& names,
+                                      const std::string& noun, const char* option) {
     std::vector<bool> chosen(names.size());
     for (const std::string& pattern : patterns) {
         bool is_matched = false;
@@ -81,7 +81,7 @@ std::vector<const Intersector*> select_forms(const std::vector<std::string>& glo
             form_patterns.push_back(pattern);
             continue;
         }
-        for (const Intersector* const set : is_set ? sets_named(pattern, option) : select_composed(pattern, option))
+        for (const Intersector* const set : is_set ? select_sets(pattern, option) : select_composed(pattern, option))
             add_once(composed_forms, set);
     }
     forms = select_rows(intersect::table::intersectors(), form_patterns, "form", option);
@@ -129,11 +129,11 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& globs,
 
 namespace {
 
-bool any_against(const std::vector<TestedForm>& rows) {
+bool compares_any(const std::vector<TestedForm>& rows) {
     return std::ranges::any_of(rows, [](const TestedForm& form_row) { return form_row.against != nullptr; });
 }
 
-bool any_marches(const std::vector<TestedForm>& rows) {
+bool marches_any(const std::vector<TestedForm>& rows) {
     return std::ranges::any_of(rows, [](const TestedForm& form_row) { return !is_primitive(form_row.form->shape); });
 }
 
@@ -141,61 +141,63 @@ bool any_marches(const std::vector<TestedForm>& rows) {
 
 std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> metrics, const std::vector<TestedForm>& rows,
                                               const std::string& subject) {
-    if (!any_against(rows) && !metrics.empty()) {
+    if (!compares_any(rows) && !metrics.empty()) {
         std::erase_if(metrics, compares_forms);
         if (metrics.empty())
             throw InputError("--metric against, apart: need --against FORM, the form to compare the others with");
     }
     if (metrics.empty()) return metrics;
-    const std::string first = fmt::format("--metric {}: ", metrics.front()->name);
-    // Drops the metrics that `is_about` selects if no row `has` what they need. It is an error if none is left.
-    const auto keep_where = [&](const auto& has, const auto& is_about, const std::string& lack) {
+    const std::string message_prefix = fmt::format("--metric {}: ", metrics.front()->name);
+    // Drops the metrics for which `is_about` is true if no row `has` what they need. It is an error if none is left.
+    const auto drop_unless = [&](const auto& has, const auto& is_about, const std::string& lack) {
         if (std::ranges::any_of(rows, has)) return;
         std::erase_if(metrics, is_about);
-        if (metrics.empty()) throw InputError(first + lack);
+        if (metrics.empty()) throw InputError(message_prefix + lack);
     };
     using namespace measure::metric;
-    keep_where(
+    drop_unless(
         [](const TestedForm& form_row) { return form_row.form->filter_arithmetic != nullptr; },
         [](const Metric* m) { return (m->needs & needs_filter_arithmetic) != 0; },
         fmt::format(
             "none of the selected forms in {} filters, that is, uses a wider format if it must; add -i '*.filtered'",
             subject));
-    keep_where([](const TestedForm& form_row) { return form_row.form->shapes().are_placed(); },
-               [](const Metric* m) { return (m->needs & needs_steps) != 0; },
-               fmt::format("no primitive of {} is placed by a matrix, so no ray has steps of a transform", subject));
-    keep_where([](const TestedForm& form_row) { return intersect::bounding_box::has_box(*form_row.form); },
-               [](const Metric* m) { return m->name == "lost_to" || m->name == "end_margin"; },
-               fmt::format("none of the selected forms in {} is behind a box; select FORM^BOX", subject));
-    keep_where([](const TestedForm& form_row) { return !is_primitive(form_row.form->shape); },
-               [](const Metric* m) { return m->domain == MetricDomain::marches; },
-               fmt::format("none of the selected forms marches in {}; add -i 'sdf.*', or a [march] table", subject));
+    drop_unless([](const TestedForm& form_row) { return form_row.form->shapes().are_placed(); },
+                [](const Metric* m) { return (m->needs & needs_steps) != 0; },
+                fmt::format("no primitive of {} is placed by a matrix, so no ray has steps of a transform", subject));
+    drop_unless([](const TestedForm& form_row) { return intersect::bounding_box::has_box(*form_row.form); },
+                [](const Metric* m) { return m->name == "lost_to" || m->name == "end_margin"; },
+                fmt::format("none of the selected forms in {} is behind a box; select FORM^BOX", subject));
+    drop_unless([](const TestedForm& form_row) { return !is_primitive(form_row.form->shape); },
+                [](const Metric* m) { return m->domain == MetricDomain::marches; },
+                fmt::format("none of the selected forms marches in {}; add -i 'sdf.*', or a [march] table", subject));
     return metrics;
 }
 
 void compare_against(std::vector<TestedForm>& rows, const std::string& name, bool quiet) {
-    const auto found = select_forms({name}, "--against");
-    if (found.size() != 1)
+    const auto matching_forms = select_forms({name}, "--against");
+    if (matching_forms.size() != 1)
         throw InputError(fmt::format("--against {}: this pattern names several forms; name one form", name));
-    const Intersector& other = *found.front();
-    const auto fits = [&other](const TestedForm& form_row) {
+    const Intersector& against_form = *matching_forms.front();
+    const auto is_comparable = [&against_form](const TestedForm& form_row) {
         // Keep single forms that may become parts of a set.
-        const bool can_be_part = other.is_set() && !form_row.form->is_set() && other.shapes().has(form_row.form->shape);
-        return (can_be_part || form_row.form->shapes() == other.shapes()) && other.exists_in(form_row.format);
+        const bool can_be_part =
+            against_form.is_set() && !form_row.form->is_set() && against_form.shapes().has(form_row.form->shape);
+        return (can_be_part || form_row.form->shapes() == against_form.shapes()) &&
+               against_form.exists_in(form_row.format);
     };
-    std::erase_if(rows, [&fits](const TestedForm& form_row) { return !fits(form_row); });
-    const std::string formats = formats_of(other);
+    std::erase_if(rows, [&is_comparable](const TestedForm& form_row) { return !is_comparable(form_row); });
+    const std::string formats = formats_of(against_form);
     if (rows.empty())
         throw InputError(
             fmt::format("--against {}: this form intersects {}, in {}; no selected form can be compared with it; "
                         "select forms for the same shapes and formats with -i and -f",
-                        name, other.is_set() ? "a scene of several shapes" : with_article(other.shape),
+                        name, against_form.is_set() ? "a scene of several shapes" : with_article(against_form.shape),
                         formats == "all" ? "all formats" : formats));
     for (TestedForm& form_row : rows) {
-        form_row.against = &other;
-        if (quiet || measure::answer::are_comparable(*form_row.form->info, *other.info)) continue;
+        form_row.against = &against_form;
+        if (quiet || measure::answer::are_comparable(*form_row.form->info, *against_form.info)) continue;
         const bool without_t = form_row.form->info->roots == intersect::Roots::none,
-                   other_without_t = other.info->roots == intersect::Roots::none;
+                   other_without_t = against_form.info->roots == intersect::Roots::none;
         const bool has_unit_directions = form_row.form->info->direction == intersect::Direction::unit;
         const std::string reason =
             without_t || other_without_t
@@ -208,7 +210,7 @@ void compare_against(std::vector<TestedForm>& rows, const std::string& name, boo
     }
 }
 
-void add_pairs(std::vector<const Metric*>& metrics) {
+void add_comparison_metrics(std::vector<const Metric*>& metrics) {
     for (const Metric& m : measure::metric::metrics())
         if (compares_forms(&m)) add_once(metrics, &m);
 }
@@ -221,23 +223,25 @@ void note_without_formula(const std::vector<const Metric*>& metrics, const std::
             forms += (forms.empty() ? "" : ", ") + name;
     }
     if (forms.empty()) return;
-    const bool all =
+    const bool all_lack_operations =
         std::ranges::none_of(rows, [](const TestedForm& form_row) { return form_row.form->is_template(); });
     for (const Metric* m : metrics) {
         if (!(m->needs & (measure::metric::needs_unrounded | measure::metric::needs_attribution))) continue;
         const std::string why =
             fmt::format("--metric {}: cannot be measured for {}, whose operations are not known", m->name, forms);
-        if (all) throw InputError(why + "; a form over any number shows its operations (docs/your-own-form.md)");
+        if (all_lack_operations)
+            throw InputError(why + "; a form over any number shows its operations (docs/your-own-form.md)");
         if (!quiet) fmt::print(stderr, "lostbits: {}\n", why);
     }
 }
 
-std::vector<const Metric*> measured(const std::vector<const Metric*>& given, const std::vector<TestedForm>& rows) {
-    const bool marches = any_marches(rows);
+std::vector<const Metric*> measured_metrics(const std::vector<const Metric*>& given,
+                                            const std::vector<TestedForm>& rows) {
+    const bool marches = marches_any(rows);
     std::vector<const Metric*> all;
     for (const Metric& m : measure::metric::metrics()) {
         const bool is_given = std::ranges::find(given, &m) != given.end();
-        if (compares_forms(&m) && !any_against(rows)) continue;
+        if (compares_forms(&m) && !compares_any(rows)) continue;
         if ((m.by_default || is_given) && (marches || m.domain != measure::metric::MetricDomain::marches))
             all.push_back(&m);
     }
@@ -249,7 +253,7 @@ std::vector<Format> select_formats(const std::vector<std::string>& names, const 
     std::vector<Format> formats;
     const auto add = [&formats, option](const std::string& name) {
         const auto format = find_format(name);
-        if (!format) unknown_format(name, option);
+        if (!format) refuse_unknown_format(name, option);
         add_once(formats, *format);
     };
     for (const std::string& name : names) {
@@ -260,7 +264,8 @@ std::vector<Format> select_formats(const std::vector<std::string>& names, const 
         }
         const auto first = find_format(name.substr(0, dots)), last = find_format(name.substr(dots + 2));
         const bool are_widths = first && last && first->name.front() == 'p' && last->name.front() == 'p';
-        if (!are_widths || first->parameters.precision > last->parameters.precision) unknown_format(name, option);
+        if (!are_widths || first->parameters.precision > last->parameters.precision)
+            refuse_unknown_format(name, option);
         for (int p = first->parameters.precision; p <= last->parameters.precision; ++p) add("p" + std::to_string(p));
     }
     return formats;

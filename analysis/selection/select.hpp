@@ -35,9 +35,9 @@ void add_once(std::vector<T>& list, const std::type_identity_t<T>& item) {
 }
 
 /// The forms whose names match any of the patterns (`sphere.*`, `*press*`), in the order of the catalogue. After them
-/// come the sets of words such as `sphere.press+box.*` (`sets_named`) and the rows of words such as `sphere.*@pbrt` and
-/// `sphere.*^box.signs` (`select_composed`). Throws InputError, which names the `option` and suggests a name, for an
-/// unknown name, and NothingSelected for a pattern that matches nothing.
+/// come the sets of words such as `sphere.press+box.*` (`select_sets`) and the rows of words such as `sphere.*@pbrt`
+/// and `sphere.*^box.signs` (`select_composed`). Throws InputError, which names the `option` and suggests a name, for
+/// an unknown name, and NothingSelected for a pattern that matches nothing.
 std::vector<const intersect::table::Intersector*> select_forms(const std::vector<std::string>& globs,
                                                                const char* option = "-i");
 
@@ -47,8 +47,8 @@ bool is_glob(const std::string& text);
 /// Returns the indices of the names that match one of the patterns. `noun` names one item, such as `form`; the plural
 /// of its last word is the list of `lostbits list` that a message advises. Throws InputError, which names the `option`
 /// and suggests a name, for an unknown name, and NothingSelected for a pattern that matches nothing.
-std::vector<std::size_t> indices_named(const std::vector<std::string>& patterns, const std::vector<std::string>& names,
-                                       const std::string& noun, const char* option);
+std::vector<std::size_t> find_indices(const std::vector<std::string>& patterns, const std::vector<std::string>& names,
+                                      const std::string& noun, const char* option);
 
 /// The items of a list, such as `intersect::transform::transform_methods()`, that the patterns name, in the order of
 /// the list.
@@ -61,7 +61,7 @@ std::vector<const Row*> select_rows(std::span<const Row> list, const std::vector
         else names.emplace_back(row.name);
     }
     std::vector<const Row*> rows;
-    for (const std::size_t index : indices_named(patterns, names, noun, option)) rows.push_back(&list[index]);
+    for (const std::size_t index : find_indices(patterns, names, noun, option)) rows.push_back(&list[index]);
     return rows;
 }
 
@@ -85,7 +85,7 @@ std::vector<const measure::metric::Metric*> applicable_metrics(std::vector<const
 void compare_against(std::vector<measure::evaluate::TestedForm>& rows, const std::string& form, bool quiet);
 
 /// Adds the metrics that compare a row with another form, if they are not in the list yet.
-void add_pairs(std::vector<const measure::metric::Metric*>& metrics);
+void add_comparison_metrics(std::vector<const measure::metric::Metric*>& metrics);
 
 /// Prints on stderr which metrics leave out which forms because the operations of the forms are not known. Throws
 /// InputError if a metric leaves out all rows.
@@ -93,8 +93,8 @@ void note_without_formula(const std::vector<const measure::metric::Metric*>& met
                           const std::vector<measure::evaluate::TestedForm>& rows, bool quiet);
 
 /// The default metrics and the given ones, as far as they apply, in the order of the table.
-std::vector<const measure::metric::Metric*> measured(const std::vector<const measure::metric::Metric*>& given,
-                                                     const std::vector<measure::evaluate::TestedForm>& rows);
+std::vector<const measure::metric::Metric*> measured_metrics(const std::vector<const measure::metric::Metric*>& given,
+                                                             const std::vector<measure::evaluate::TestedForm>& rows);
 
 /// The formats in which a form exists, in words: `all`, `f32`, `f64`, `f32 and f64`.
 std::string formats_of(const intersect::table::Intersector& form);
@@ -105,36 +105,36 @@ std::vector<measure::evaluate::TestedForm> cross(const std::vector<const interse
 
 /// The rows whose forms are for shapes that `meets(Shapes)` accepts.
 template <class ShapePredicate>
-std::vector<measure::evaluate::TestedForm> fitting(const std::vector<measure::evaluate::TestedForm>& rows,
-                                                   const ShapePredicate& meets) {
+std::vector<measure::evaluate::TestedForm> fitting_rows(const std::vector<measure::evaluate::TestedForm>& rows,
+                                                        const ShapePredicate& meets) {
     std::vector<measure::evaluate::TestedForm> chosen;
     std::ranges::copy_if(rows, std::back_inserter(chosen),
                          [&](const measure::evaluate::TestedForm& form_row) { return meets(form_row.form->shapes()); });
     return chosen;
 }
 
-/// Drops the things (scenes or sweeps) that no selected form handles, and prints each on stderr unless quiet.
-/// `meets(thing, shapes)` is true if forms for these shapes can handle a thing; `name_of` is its name. For things with
-/// several shapes it first adds sets of forms (`rows_meeting`). Returns the rows that can handle one of the things that
-/// are left. Throws NothingSelected if none is left.
-template <class Things, class MeetsThing, class NameOf>
-std::vector<measure::evaluate::TestedForm> drop_unfitting(Things& things, const SelectedRows& chosen, MeetsThing meets,
-                                                          NameOf name_of) {
+/// Drops the subjects (scenes or sweeps) that no selected form handles, and prints each on stderr unless quiet.
+/// `meets(subject, shapes)` is true if forms for these shapes can handle a subject; `name_of` returns its name. For
+/// subjects with several shapes it first adds sets of forms (`rows_meeting`). Returns the rows that can handle one of
+/// the subjects that are left. Throws NothingSelected if none is left.
+template <class Subjects, class MeetsSubject, class NameOf>
+std::vector<measure::evaluate::TestedForm> drop_unfitting(Subjects& subjects, const SelectedRows& chosen,
+                                                          MeetsSubject meets, NameOf name_of) {
     const std::vector<measure::evaluate::TestedForm>& rows = chosen.rows;
     std::vector<std::string> messages;
-    std::erase_if(things, [&](const auto& thing) {
-        const ShapePredicate meets_thing = [&](Shapes forms) { return meets(thing, forms); };
-        if (!rows_meeting(chosen, std::string(name_of(thing)), meets_thing).empty()) return false;
-        messages.push_back("no selected form handles " + std::string(name_of(thing)) +
-                           fitting_forms_advice(rows, meets_thing));
+    std::erase_if(subjects, [&](const auto& subject) {
+        const ShapePredicate meets_subject = [&](Shapes forms) { return meets(subject, forms); };
+        if (!rows_meeting(chosen, std::string(name_of(subject)), meets_subject).empty()) return false;
+        messages.push_back("no selected form handles " + std::string(name_of(subject)) +
+                           fitting_forms_advice(rows, meets_subject));
         return true;
     });
-    if (things.empty()) throw NothingSelected(messages.front());
+    if (subjects.empty()) throw NothingSelected(messages.front());
     for (const std::string& message : messages) {
         if (!chosen.quiet) std::fprintf(stderr, "lostbits: left out: %s\n", message.c_str());
     }
-    return fitting(rows, [&](Shapes forms) {
-        return std::ranges::any_of(things, [&](const auto& thing) { return meets(thing, forms); });
+    return fitting_rows(rows, [&](Shapes forms) {
+        return std::ranges::any_of(subjects, [&](const auto& subject) { return meets(subject, forms); });
     });
 }
 

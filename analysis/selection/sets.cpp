@@ -23,7 +23,7 @@ namespace {
 
 using Forms = std::vector<const Intersector*>;
 
-std::vector<Shape> shapes_in(Shapes shapes) {
+std::vector<Shape> list_shapes(Shapes shapes) {
     std::vector<Shape> result;
     for (const ShapeRow& shape_row : shape_rows)
         if (shapes.has(shape_row.shape)) result.push_back(shape_row.shape);
@@ -31,37 +31,38 @@ std::vector<Shape> shapes_in(Shapes shapes) {
 }
 
 /// "spheres, boxes and cones"
-std::string joined_plurals(const std::vector<Shape>& shapes) {
+std::string plurals_text(const std::vector<Shape>& shapes) {
     std::vector<std::string> names;
     for (const Shape shape : shapes) names.emplace_back(row_of(shape).plural);
     return output::file::enumerated(names);
 }
 
 /// "22 of spheres and 11 of boxes make 242 sets"
-std::string set_counts_text(const std::vector<Forms>& by_shape, std::size_t count) {
+std::string set_counts_text(const std::vector<Forms>& forms_by_shape, std::size_t count) {
     std::vector<std::string> parts;
-    for (const Forms& forms : by_shape)
+    for (const Forms& forms : forms_by_shape)
         parts.push_back(fmt::format("{} of {}", forms.size(), row_of(forms.front()->shape).plural));
     return fmt::format("{} make {} sets, one form for each shape", output::file::enumerated(parts), count);
 }
 
 /// Every combination of one form of each list that can be a set. Throws InputError, which begins with `prefix`, for too
 /// many combinations, and if none of them can be a set.
-Forms combinations(const std::vector<Forms>& by_shape, const std::string& prefix) {
+Forms combinations(const std::vector<Forms>& forms_by_shape, const std::string& prefix) {
     std::size_t count = 1;
-    for (const Forms& forms : by_shape) count *= forms.size();
+    for (const Forms& forms : forms_by_shape) count *= forms.size();
     if (count > most_sets)
         throw InputError(fmt::format("{}: {}, and at most {} are allowed; name fewer forms, such as -i '{}.*' -i {}",
-                                     prefix, set_counts_text(by_shape, count), most_sets,
-                                     name_of(by_shape.front().front()->shape), by_shape.back().front()->info->name));
+                                     prefix, set_counts_text(forms_by_shape, count), most_sets,
+                                     name_of(forms_by_shape.front().front()->shape),
+                                     forms_by_shape.back().front()->info->name));
     Forms sets;
     std::string refusal;
     for (std::size_t i = 0; i < count; ++i) {
         Forms parts;
-        std::size_t rest = i;
-        for (auto forms = by_shape.rbegin(); forms != by_shape.rend(); ++forms) {
-            parts.insert(parts.begin(), (*forms)[rest % forms->size()]);
-            rest /= forms->size();
+        std::size_t remaining = i;
+        for (auto forms = forms_by_shape.rbegin(); forms != forms_by_shape.rend(); ++forms) {
+            parts.insert(parts.begin(), (*forms)[remaining % forms->size()]);
+            remaining /= forms->size();
         }
         const std::string why = intersect::table::refusal_of_set(parts);
         if (why.empty()) sets.push_back(&intersect::table::set_of(parts));
@@ -71,7 +72,7 @@ Forms combinations(const std::vector<Forms>& by_shape, const std::string& prefix
     return sets;
 }
 
-/// The forms of the rows for which `which` is true, each once.
+/// The forms of the rows for which `is_wanted` is true, each once.
 Forms forms_in(const std::vector<TestedForm>& rows, const std::function<bool(const Intersector&)>& is_wanted) {
     Forms forms;
     for (const TestedForm& form_row : rows)
@@ -138,7 +139,7 @@ void add_rows(std::vector<TestedForm>& rows, const Forms& sets) {
 std::string missing_shapes_text(const std::vector<TestedForm>& rows, Shapes shapes) {
     std::vector<Shape> missing;
     std::string example;
-    for (const Shape shape : shapes_in(shapes)) {
+    for (const Shape shape : list_shapes(shapes)) {
         const Forms forms = forms_for(rows, Shapes(shape).placed(shapes.are_placed()));
         if (forms.empty()) missing.push_back(shape);
         example +=
@@ -146,7 +147,7 @@ std::string missing_shapes_text(const std::vector<TestedForm>& rows, Shapes shap
     }
     if (missing.empty()) return fmt::format("try -i {}", example);
     return fmt::format("it has {}, and no selected form is for {}; try -i {}", selection::plurals(shapes),
-                       joined_plurals(missing), example);
+                       plurals_text(missing), example);
 }
 
 /// Adds the sets that `rows_meeting` adds for these shapes.
@@ -154,17 +155,17 @@ void add_sets(const SelectedRows& chosen, const std::string& name, Shapes shapes
     for (const Intersector* const set : forms_in(chosen.rows, [](const Intersector& form) { return form.is_set(); })) {
         std::vector<TestedForm> parts;
         for (const Intersector* const part : set->parts) parts.push_back({part, chosen.rows.front().format});
-        for (const Shape shape : shapes_in(shapes))
+        for (const Shape shape : list_shapes(shapes))
             if (!set->shapes().has(shape))
                 throw InputError(
                     fmt::format("-i {}: {}: {}", set->info->name, name, missing_shapes_text(parts, shapes)));
     }
-    std::vector<Forms> by_shape;
-    for (const Shape shape : shapes_in(shapes))
-        by_shape.push_back(forms_for(chosen.rows, Shapes(shape).placed(shapes.are_placed())));
-    if (std::ranges::any_of(by_shape, &Forms::empty)) return;
+    std::vector<Forms> forms_by_shape;
+    for (const Shape shape : list_shapes(shapes))
+        forms_by_shape.push_back(forms_for(chosen.rows, Shapes(shape).placed(shapes.are_placed())));
+    if (std::ranges::any_of(forms_by_shape, &Forms::empty)) return;
     const bool chose_all = std::ranges::find(chosen.form_patterns, "*") != chosen.form_patterns.end();
-    if (!chose_all) return add_rows(chosen.rows, combinations(by_shape, fmt::format("-i: on {}", name)));
+    if (!chose_all) return add_rows(chosen.rows, combinations(forms_by_shape, fmt::format("-i: on {}", name)));
     if (std::ranges::any_of(chosen.rows,
                             [&meets](const TestedForm& form_row) { return meets(form_row.form->shapes()); }))
         return;
@@ -191,7 +192,7 @@ std::optional<Shapes> several_shapes(const ShapePredicate& meets) {
     return std::nullopt;
 }
 
-std::string plurals(Shapes shapes) { return joined_plurals(shapes_in(shapes)); }
+std::string plurals(Shapes shapes) { return plurals_text(list_shapes(shapes)); }
 
 bool names_set(const std::string& pattern) {
     const auto all = intersect::table::intersectors();
@@ -199,7 +200,7 @@ bool names_set(const std::string& pattern) {
            std::ranges::none_of(all, [&pattern](const Intersector& form) { return form.info->name == pattern; });
 }
 
-Forms sets_named(const std::string& pattern, const char* option) {
+Forms select_sets(const std::string& pattern, const char* option) {
     std::vector<Forms> parts;
     for (const std::string& part : scene::rays::forms_in_name(pattern)) {
         if (part.empty())
@@ -215,7 +216,7 @@ Forms sets_named(const std::string& pattern, const char* option) {
 
 const Intersector& plain_set(Shapes shapes) {
     Forms parts;
-    for (const Shape shape : shapes_in(shapes)) {
+    for (const Shape shape : list_shapes(shapes)) {
         const Intersector& plain = plain_form(shape);
         parts.push_back(shapes.are_placed()
                             ? &intersect::transform::through(intersect::transform::usual_transform_method(), plain)
@@ -315,7 +316,7 @@ void refuse_generated_rays(const std::vector<scene::file::Scene>& scenes, const 
 std::vector<TestedForm> rows_meeting(const SelectedRows& chosen, const std::string& name, const ShapePredicate& meets) {
     if (const auto placed = placed_shapes(meets)) add_placed(chosen.rows, *placed);
     if (const auto several = several_shapes(meets)) add_sets(chosen, name, *several, meets);
-    return fitting(chosen.rows, meets);
+    return fitting_rows(chosen.rows, meets);
 }
 
 std::string globs_of(const ShapePredicate& meets) {
@@ -332,7 +333,7 @@ std::string fitting_forms_advice(const std::vector<TestedForm>& rows, const Shap
     std::vector<Shape> primitives;
     for (const Shape shape : all_shapes)
         if (is_primitive(shape) && (meets(shape) || meets(Shapes(shape).placed()))) primitives.push_back(shape);
-    const std::string reason = primitives.size() == 1 ? ": it has " + joined_plurals(primitives) : "";
+    const std::string reason = primitives.size() == 1 ? ": it has " + plurals_text(primitives) : "";
     return reason + "; try -i '" + globs_of(meets) + "'";
 }
 

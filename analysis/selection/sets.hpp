@@ -21,9 +21,9 @@ template <class List>
 Shapes shapes_of(const List& primitives) {
     Shapes all;
     for (const auto& primitive : primitives) {
-        const bool placed = all.are_placed() || primitive.placed;
+        const bool is_placed = all.are_placed() || primitive.placed;
         all |= primitive.shape;
-        all = all.placed(placed);
+        all = all.placed(is_placed);
     }
     return all;
 }
@@ -44,7 +44,7 @@ std::string plurals(Shapes shapes);
 bool names_set(const std::string& pattern);
 /// The sets that such a pattern names; the parts between the + are patterns too. Throws InputError for parts that
 /// cannot form a set and for more than `most_sets` sets, NothingSelected for a part that matches nothing.
-std::vector<const intersect::table::Intersector*> sets_named(const std::string& pattern, const char* option);
+std::vector<const intersect::table::Intersector*> select_sets(const std::string& pattern, const char* option);
 
 /// The rows of a pattern such as `sphere.*@pbrt` (a form with a transform) or `sphere.*^box.signs~nearest` (a form
 /// behind a bounding box), or of a pattern with several such parts. Throws InputError and NothingSelected as the

@@ -52,8 +52,8 @@ struct ArgumentKinds {
     std::initializer_list<Kind> kinds;
 };
 /// The argument of every command that is not in the table.
-const ArgumentKinds usual_row{"", "SCENE", "", {Kind::scene}};
-const ArgumentKinds taken_rows[] = {
+const ArgumentKinds default_row{"", "SCENE", "", {Kind::scene}};
+const ArgumentKinds argument_rows[] = {
     {"check", "CLAIMS", "", {Kind::claims}},
     {"choose", "SCENE", "", {Kind::scene, Kind::rays}},
     {"choose", "--scene", "", {Kind::scene}},
@@ -158,7 +158,7 @@ std::string nouns_of(std::initializer_list<Kind> kinds) {
 /// The options with which the command takes that kind.
 std::vector<std::string> options_taking(const ArgumentKinds& refused, Kind kind) {
     std::vector<std::string> options;
-    for (const ArgumentKinds& row : taken_rows) {
+    for (const ArgumentKinds& row : argument_rows) {
         if (std::string_view(row.command) == refused.command && std::string_view(row.argument) == refused.argument &&
             row.option[0] != '\0' && std::ranges::find(row.kinds, kind) != row.kinds.end())
             options.emplace_back(row.option);
@@ -206,24 +206,24 @@ std::optional<SubjectKind> kind_of_file(const fs::path& path) {
 }
 
 void refuse_other_kinds(const shell::Command& command, const fs::path& data) {
-    const std::vector<shell::Command> given = command.given();
-    const shell::Command& last = given.back();
+    const std::vector<shell::Command> given_commands = command.given_commands();
+    const shell::Command& last_command = given_commands.back();
     std::vector<std::string> decided_arguments;  // arguments whose row was found
-    for (const ArgumentKinds& row : taken_rows) {
-        if (given.size() < 2 || given[1].name() != row.command ||
+    for (const ArgumentKinds& row : argument_rows) {
+        if (given_commands.size() < 2 || given_commands[1].name() != row.command ||
             std::ranges::find(decided_arguments, row.argument) != decided_arguments.end())
             continue;
-        if (row.option[0] != '\0' && last.option(row.option).given_values().empty()) continue;
+        if (row.option[0] != '\0' && last_command.option(row.option).given_values().empty()) continue;
         decided_arguments.emplace_back(row.argument);
-        const shell::Option argument = last.option(row.argument);
+        const shell::Option argument = last_command.option(row.argument);
         if (!argument) continue;
         for (const std::string& word : argument.given_values())
             refuse_other_kind(word, row, command.command_path(), data);
     }
-    if (std::ranges::find(decided_arguments, usual_row.argument) != decided_arguments.end()) return;
-    if (const shell::Option argument = last.option(usual_row.argument))
+    if (std::ranges::find(decided_arguments, default_row.argument) != decided_arguments.end()) return;
+    if (const shell::Option argument = last_command.option(default_row.argument))
         for (const std::string& word : argument.given_values())
-            refuse_other_kind(word, usual_row, command.command_path(), data);
+            refuse_other_kind(word, default_row, command.command_path(), data);
 }
 
 }  // namespace lostbits::analysis::selection

@@ -16,16 +16,16 @@ namespace {
 
 std::vector<long long> read_steps(const std::string& text) {
     std::vector<long long> steps;
-    for (std::size_t at = 0; at <= text.size();) {
-        const std::size_t end = std::min(text.find(',', at), text.size());
-        const std::string part = text.substr(at, end - at);
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        const std::string part = text.substr(begin, end - begin);
         const bool is_number =
             !part.empty() && part.size() < 10 && std::ranges::all_of(part, [](char c) { return c >= '0' && c <= '9'; });
         if (!is_number)
             throw InputError(fmt::format(
                 "--steps {} is not a number of steps; write one for all axes or one for each: 40 or 40,20", text));
         steps.push_back(std::stoll(part));
-        at = end + 1;
+        begin = end + 1;
     }
     return steps;
 }
@@ -69,12 +69,12 @@ void check_changes(const SweepChangeOptions& options, SweepKind kind, const std:
     };
     const auto other_format =
         std::ranges::find_if(options.formats, [](const std::string& format) { return format != "f32"; });
-    const bool draws_none = kind == SweepKind::cases && options.seeds == 0;  // cases never draw rays
+    const bool seeds_have_no_effect = kind == SweepKind::cases && options.seeds == 0;  // cases never draw rays
     /// An option, its value (empty: it is not given), and for each kind of sweep the message that refuses the option;
     /// null if the kind takes it.
     struct Row {
         const char* option;
-        std::string given;
+        std::string value;
         const char *cases, *search, *edges, *every_float;
     };
     const Row rows[] = {
@@ -95,7 +95,7 @@ void check_changes(const SweepChangeOptions& options, SweepKind kind, const std:
          "searches for the nearest cracks and double hits, not by a metric; leave out --metric",
          "tries every float and measures only outcomes and ulp errors; leave out --metric, and use `lostbits explain` "
          "for single floats"},
-        {"--seeds", options.seeds && !draws_none ? std::to_string(*options.seeds) : "",
+        {"--seeds", options.seeds && !seeds_have_no_effect ? std::to_string(*options.seeds) : "",
          "lists its rays and draws none at random; leave out --seeds",
          "has no onsets, and its file has the seed of its rays; leave out --seeds, and try --set seed=N",
          "has no onsets, and its file has the seed of its rays; leave out --seeds, and try --set seed=N",
@@ -107,13 +107,13 @@ void check_changes(const SweepChangeOptions& options, SweepKind kind, const std:
          "has no contact sheet; leave out --pictures", "has no contact sheet; leave out --pictures",
          "has no contact sheet; leave out --pictures"}};
     for (const Row& row : rows) {
-        const char* const why = kind == SweepKind::cases         ? row.cases
-                                : kind == SweepKind::search      ? row.search
-                                : kind == SweepKind::edge_search ? row.edges
-                                                                 : row.every_float;
-        if (row.given.empty() || why == nullptr) continue;
-        const std::string text = fmt::format(fmt::runtime(why), row.given);
-        throw InputError(fmt::format("{} {}: {} {}", row.option, row.given, name, text));
+        const char* const reason = kind == SweepKind::cases         ? row.cases
+                                   : kind == SweepKind::search      ? row.search
+                                   : kind == SweepKind::edge_search ? row.edges
+                                                                    : row.every_float;
+        if (row.value.empty() || reason == nullptr) continue;
+        const std::string text = fmt::format(fmt::runtime(reason), row.value);
+        throw InputError(fmt::format("{} {}: {} {}", row.option, row.value, name, text));
     }
 }
 

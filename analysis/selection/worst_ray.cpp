@@ -26,23 +26,24 @@ std::vector<const measure::metric::Metric*> lost_bits() { return {measure::metri
 
 /// The worst ray of several summaries, by the same rule as of one. If there are wrong decisions, it is the first ray
 /// with the most frequent kind of them in all summaries; else the ray with the largest error.
-struct WorstOfAll {
+struct OverallWorst {
     std::size_t summary_index = 0;
     const WorstRay* ray = nullptr;  ///< null if there is none
     std::uint64_t rays = 0;
-    std::string why = "the largest error";
-    bool any_hit = false;  ///< some decision is a correct hit
+    std::string reason = "the largest error";
+    bool has_hit = false;  ///< at least one decision is a correct hit
 
-    explicit WorstOfAll(const std::vector<FormSummary>& summaries) {
+    explicit OverallWorst(const std::vector<FormSummary>& summaries) {
         FormSummary all;
         for (const FormSummary& s : summaries) {
             rays += s.rays;
             for (std::size_t o = 0; o < all.outcomes.size(); ++o) all.outcomes[o] += s.outcomes[o];
         }
-        any_hit = all.count(Outcome::agree_hit) > 0;
+        has_hit = all.count(Outcome::agree_hit) > 0;
         const auto wrong = all.wrong();
         if (wrong)
-            why = fmt::format("{}, the first of {}", measure::answer::wrong_decision_phrase(*wrong), all.count(*wrong));
+            reason =
+                fmt::format("{}, the first of {}", measure::answer::wrong_decision_phrase(*wrong), all.count(*wrong));
         for (std::size_t i = 0; i < summaries.size(); ++i) {
             const WorstRay* const candidate = wrong                      ? summaries[i].first_of(*wrong)
                                               : summaries[i].worst.x < 0 ? nullptr
@@ -54,12 +55,13 @@ struct WorstOfAll {
     }
 };
 
-[[noreturn]] void refuse(const TestedForm& form_row, const std::string& where, const WorstOfAll& worst) {
+[[noreturn]] void refuse_without_worst(const TestedForm& form_row, const std::string& where,
+                                       const OverallWorst& worst) {
     throw InputError(fmt::format(
         "--worst: {} in {} has no worst ray in {}: it decides every ray correctly, and {}; name a ray, as with --pixel "
         "X,Y",
         form_row.form->info->name, form_row.format.name, where,
-        worst.any_hit ? "it returns no t that could have an error" : "none of the rays hits anything"));
+        worst.has_hit ? "it returns no t that could have an error" : "none of the rays hits anything"));
 }
 
 /// The index of a ray among all rays of a step, which are in groups.
@@ -71,39 +73,39 @@ std::size_t index_among(const std::vector<RayGroup>& groups, const WorstRay& ray
 
 }  // namespace
 
-RayGroup ray_of(std::vector<RayGroup> groups, int rays_per_group, int k) {
-    RayGroup& group = groups[static_cast<std::size_t>(k / rays_per_group)];
-    const auto index = static_cast<std::size_t>(k % rays_per_group);
+RayGroup pick_ray(std::vector<RayGroup> groups, int rays_per_group, int ray_index) {
+    RayGroup& group = groups[static_cast<std::size_t>(ray_index / rays_per_group)];
+    const auto index = static_cast<std::size_t>(ray_index % rays_per_group);
     RayGroup single_ray = scene::rays::group_of(group.rays[index]);
     single_ray.primitives = std::move(group.primitives);
     single_ray.rays.push_range(group.rays, index);
     return single_ray;
 }
 
-int worst_of(std::vector<RayGroup> groups, int rays_per_group, const TestedForm& form_row, StopToken stop) {
+int worst_ray_index(std::vector<RayGroup> groups, int rays_per_group, const TestedForm& form_row, StopToken stop) {
     const auto summaries =
         measure::evaluate::measure_groups(std::move(groups), {form_row}, lost_bits(), {.stop = stop});
     const WorstRay* const worst = summaries.front().worst_ray();
     return worst ? worst->group * rays_per_group + static_cast<int>(worst->x) : 0;
 }
 
-SelectedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, const TestedForm& form_row,
-                           StopToken stop) {
+SelectedRay find_worst_in_scene(std::shared_ptr<const scene::file::Scene> scene, const TestedForm& form_row,
+                                StopToken stop) {
     const measure::evaluate::MapStudy request{
         .scene = scene.get(), .rows = {form_row}, .metrics = lost_bits(), .limit = {.stop = stop}};
     const auto summaries = measure::evaluate::run_map(request);
-    const WorstOfAll worst(summaries);
-    if (worst.ray == nullptr) refuse(form_row, "scene " + scene->id, worst);
+    const OverallWorst worst(summaries);
+    if (worst.ray == nullptr) refuse_without_worst(form_row, "scene " + scene->id, worst);
     const auto x = static_cast<int>(worst.ray->x);
     SelectedRay found{
         scene, OneRay(*scene, x, worst.ray->y, {.stop = stop}), form_row.form,
-        fmt::format("Pixel {},{}, the worst of {} for this form: {}.\n", x, worst.ray->y, worst.rays, worst.why),
+        fmt::format("Pixel {},{}, the worst of {} for this form: {}.\n", x, worst.ray->y, worst.rays, worst.reason),
         std::pair{x, worst.ray->y}};
     found.ray.judge_by(form_row.touching);
     return found;
 }
 
-SelectedRay worst_along(const scene::sweep::SweepFile& sweep, const TestedForm& form_row, StopToken stop) {
+SelectedRay find_worst_in_sweep(const scene::sweep::SweepFile& sweep, const TestedForm& form_row, StopToken stop) {
     const measure::sweep::SweepRequest request{
         .sweep = sweep, .rows = {form_row}, .metrics = lost_bits(), .limit = {.stop = stop}};
     std::vector<FormSummary> summaries;
@@ -112,9 +114,9 @@ SelectedRay worst_along(const scene::sweep::SweepFile& sweep, const TestedForm& 
         summaries.push_back(std::move(step.rows.front()));
         values.push_back(std::move(step.values));
     }
-    const WorstOfAll worst(summaries);
+    const OverallWorst worst(summaries);
     const WorstRay* const ray = worst.ray;
-    if (ray == nullptr) refuse(form_row, "sweep " + sweep.id, worst);
+    if (ray == nullptr) refuse_without_worst(form_row, "sweep " + sweep.id, worst);
     if (!ray->given)
         throw InputError(
             fmt::format("--worst: the worst ray of sweep {} cannot be explained by itself, since it has too many "
@@ -129,26 +131,27 @@ SelectedRay worst_along(const scene::sweep::SweepFile& sweep, const TestedForm& 
         fmt::format("Ray {} (counted from 0) of the {} of the step {}, the worst of {} in {} steps for this "
                     "form: {}.\n",
                     index_among(sweep.rays(values[worst.summary_index]), *ray), summaries[worst.summary_index].rays,
-                    step, worst.rays, summaries.size(), worst.why)};
+                    step, worst.rays, summaries.size(), worst.reason)};
     found.ray.judge_by(form_row.touching);
     return found;
 }
 
-SelectedRay worst_of_cases(const scene::sweep::CaseFile& file, const TestedForm& form_row, StopToken stop) {
+SelectedRay find_worst_in_cases(const scene::sweep::CaseFile& file, const TestedForm& form_row, StopToken stop) {
     std::vector<FormSummary> summaries;
     for (std::size_t i = 0; i < file.size(); ++i)
         summaries.push_back(std::move(measure::evaluate::measure_groups(file.rays(i, form_row.format.parameters),
                                                                         {form_row}, lost_bits(), {.stop = stop})
                                           .front()));
-    const WorstOfAll worst(summaries);
-    if (worst.ray == nullptr) refuse(form_row, "the file of cases " + file.id, worst);
+    const OverallWorst worst(summaries);
+    if (worst.ray == nullptr) refuse_without_worst(form_row, "the file of cases " + file.id, worst);
     const int rays_per_group = file.rays_of(worst.summary_index),
-              k = worst.ray->group * rays_per_group + static_cast<int>(worst.ray->x);
+              ray_index = worst.ray->group * rays_per_group + static_cast<int>(worst.ray->x);
     SelectedRay found{
-        nullptr, OneRay(ray_of(file.rays(worst.summary_index, form_row.format.parameters), rays_per_group, k)),
+        nullptr,
+        OneRay(pick_ray(file.rays(worst.summary_index, form_row.format.parameters), rays_per_group, ray_index)),
         form_row.form,
         fmt::format("Case \"{}\", ray {} (counted from 0), the worst of {} in {} cases for this form: {}.\n",
-                    file.name(worst.summary_index), k, worst.rays, summaries.size(), worst.why)};
+                    file.name(worst.summary_index), ray_index, worst.rays, summaries.size(), worst.reason)};
     found.ray.judge_by(form_row.touching);
     return found;
 }

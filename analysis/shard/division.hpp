@@ -51,6 +51,7 @@ private:
     std::vector<output::shard::StateFileReader> files_;
 };
 
+/// The part of the work that a process does, and the records that it writes or joins.
 class Division {
 public:
     /// A whole run.
@@ -73,8 +74,8 @@ public:
 
     /// Records what a shard found, under the name of a job. Call it only in a shard.
     template <class... T>
-    void put(const std::string& job, const T&... found) {
-        file_->put(job, output::shard::bits_of(found...));
+    void put(const std::string& job, const T&... results) {
+        file_->put(job, output::shard::bits_of(results...));
     }
     /// Calls `take` for the records of the job, in the order of the shards. Call it only in a run that joins shards.
     void for_each_record(const std::string& job, const std::function<void(output::shard::BitReader&)>& take) {
@@ -130,7 +131,7 @@ private:
     std::shared_ptr<Shards> shards_to_join_;
 };
 
-/// Runs the command that the arguments name with the measurements of the shards.
+/// Runs the command that the arguments name, with the measurements of the shards in place of its own.
 using RunOfShards = std::function<Exit(std::vector<std::string> arguments, std::shared_ptr<Shards> shards)>;
 
 /// Registers the subcommand; `version` is the program's.

@@ -15,12 +15,12 @@ struct MergeOptions {
 };
 
 /// The arguments of the command whose shards are joined, with the folder of this run.
-std::vector<std::string> arguments_of_run(const std::string& command, const MergeOptions& o) {
+std::vector<std::string> arguments_of_run(const std::string& command, const MergeOptions& options) {
     std::vector<std::string> arguments = selection::split_shell_words(command);
     const bool is_check = arguments.size() > 1 && arguments[1] == "check";
-    arguments.insert(arguments.end(), {is_check ? "--report" : "-o", o.out});
+    arguments.insert(arguments.end(), {is_check ? "--report" : "-o", options.out});
     for (const auto& [option, file] :
-         {std::pair("--junit", o.junit), {"--export-csv", o.csv}, {"--export-json", o.json}}) {
+         {std::pair("--junit", options.junit), {"--export-csv", options.csv}, {"--export-json", options.json}}) {
         if (file.empty()) continue;
         if (!is_check)
             throw InputError(std::string(option) + " " + file + " is for claims, but these are shards of `" + command +
@@ -35,15 +35,15 @@ std::vector<std::string> arguments_of_run(const std::string& command, const Merg
 void add_merge(const shell::Command& program, const std::string& version, const RunOfShards& run_again) {
     auto command =
         program.add_command("merge", "Join the shards of a run into the files that an unsharded run would write");
-    const auto o = std::make_shared<MergeOptions>();
-    command.add("DIR", o->folders, "Folders of shards, or folders that contain them, in any order").required();
-    selection::add_out(command, o->out);
-    command.add("--junit", o->junit, "Write JUnit XML, for claims");
-    command.add("--export-csv", o->csv, "Write CSV, one row per claim");
-    command.add("--export-json", o->json, "Write JSON, one object per claim");
-    command.runs([o, version, run_again] {
-        const auto shards = std::make_shared<Shards>(o->folders, version);
-        return run_again(arguments_of_run(shards->command(), *o), shards);
+    const auto options = std::make_shared<MergeOptions>();
+    command.add("DIR", options->folders, "Folders of shards, or folders that contain them, in any order").required();
+    selection::add_out(command, options->out);
+    command.add("--junit", options->junit, "Write JUnit XML, for claims");
+    command.add("--export-csv", options->csv, "Write CSV, one row per claim");
+    command.add("--export-json", options->json, "Write JSON, one object per claim");
+    command.set_action([options, version, run_again] {
+        const auto shards = std::make_shared<Shards>(options->folders, version);
+        return run_again(arguments_of_run(shards->command(), *options), shards);
     });
 }
 

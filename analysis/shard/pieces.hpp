@@ -42,9 +42,9 @@ bool pass_piece(output::shard::BitReader& bits, Files& files) {
 /// - A run that joins shards does not call `measure`. It passes the pieces that the shards recorded to `files`, and
 ///   returns the sum of the recorded results.
 ///
-/// `none` is the result of no work, with which the sum begins.
+/// `sum` begins as the result of no work.
 template <class Result, class Files, class Measure>
-std::optional<Result> result_with_files(Result none, Files& files, Division& division, const std::string& job,
+std::optional<Result> result_with_files(Result sum, Files& files, Division& division, const std::string& job,
                                         const Measure& measure) {
     if (!division.joins()) {
         Result result = measure();
@@ -56,9 +56,9 @@ std::optional<Result> result_with_files(Result none, Files& files, Division& div
         if (pass_piece(bits, files)) return;
         Result part;
         bits(part);
-        measure::study::add_up(none, std::move(part));
+        measure::study::add_up(sum, std::move(part));
     });
-    return none;
+    return sum;
 }
 
 /// Findings of a study: a summary of each row, and how many truths each stage settled.
@@ -68,8 +68,8 @@ struct StudyResult {
     measure::truth::StageCounts stages = {};
 };
 template <class Bits, class Summary>
-void fields(Bits& bits, StudyResult<Summary>& found) {
-    auto& [rows, stages] = found;
+void fields(Bits& bits, StudyResult<Summary>& study_result) {
+    auto& [rows, stages] = study_result;
     bits(rows, stages);
 }
 
@@ -80,16 +80,16 @@ std::optional<std::vector<typename S::Summary>> run_divided(S study, Files& file
                                                             const std::string& job) {
     using Result = StudyResult<typename S::Summary>;
     study.share = division.share();
-    std::optional<Result> found =
+    std::optional<Result> study_result =
         result_with_files(Result{measure::study::begin_all(study)}, files, division, job, [&] {
             Result result{measure::study::run_share(study, files.show())};
             if constexpr (requires { result.stages = *study.stages; }) result.stages = *study.stages;
             return result;
         });
-    if (!found) return std::nullopt;
-    if constexpr (requires { *study.stages = found->stages; }) *study.stages = found->stages;
-    measure::study::seal_all(found->rows);
-    return std::move(found->rows);
+    if (!study_result) return std::nullopt;
+    if constexpr (requires { *study.stages = study_result->stages; }) *study.stages = study_result->stages;
+    measure::study::seal_all(study_result->rows);
+    return std::move(study_result->rows);
 }
 
 }  // namespace lostbits::analysis::shard

@@ -20,7 +20,8 @@ namespace {
 
 constexpr const char* list_type = "TEXT,TEXT";  ///< in the help of an option
 
-std::string not_one_of(const std::string& option, const std::string& value, const std::vector<std::string>& known) {
+std::string not_one_of_text(const std::string& option, const std::string& value,
+                            const std::vector<std::string>& known) {
     const auto suggestion = scene::toml::closest(value, known);
     // The name of a positional argument, such as WHAT, means nothing to a user.
     const std::string subject = option.starts_with('-') ? option + " " + value : "\"" + value + "\"";
@@ -29,7 +30,7 @@ std::string not_one_of(const std::string& option, const std::string& value, cons
 }
 
 template <class T>
-ValueRule in_range(T low, T high) {
+ValueRule range_rule(T low, T high) {
     const auto text = [](T end) { return fmt::format("{:.10g}", static_cast<double>(end)); };  // every int in full
     const auto problem_of = [=](const std::string& option, const std::string& value) {
         T number{};
@@ -39,24 +40,24 @@ ValueRule in_range(T low, T high) {
     return {problem_of, fmt::format("{} in [{} - {}]", CLI::detail::type_name<T>(), text(low), text(high))};
 }
 
-std::string trimmed(const std::string& word) {
+std::string trim(const std::string& word) {
     const char* const blanks = " \t\n\v\f\r";
     const std::size_t begin = std::min(word.find_first_not_of(blanks), word.size());
     return word.substr(begin, word.find_last_not_of(blanks) + 1 - begin);
 }
 
 template <class Split>
-CLI::Option* add_split(CLI::App& app, const std::string& names, std::vector<std::string>& into, const Split& split,
-                       const std::string& help) {
-    const auto store = [&into, split](const std::vector<std::string>& values) {
-        into.clear();
-        for (const std::string& value : values) std::ranges::move(split(value), std::back_inserter(into));
+CLI::Option* add_splitting_option(CLI::App& app, const std::string& names, std::vector<std::string>& target,
+                                  const Split& split, const std::string& help) {
+    const auto store = [&target, split](const std::vector<std::string>& values) {
+        target.clear();
+        for (const std::string& value : values) std::ranges::move(split(value), std::back_inserter(target));
     };
     return app.add_option_function<std::vector<std::string>>(names, store, help)->allow_extra_args(false);
 }
 
 /// Sets the option to take one value each time and to check it. Returns the option.
-Option with_check(CLI::Option* option, const ValueRule& check) {
+Option set_check(CLI::Option* option, const ValueRule& check) {
     if (!option->get_positional() && option->get_expected_max() > 1) option->allow_extra_args(false);
     const auto check_value = [problem_of = check.problem_of, option](const std::string& value) {
         // Throw: the parser would put the option's name in front of a returned text.
@@ -83,19 +84,19 @@ CommandLineError::Kind kind_of(const CLI::ParseError& error) {
 
 ValueRule one_of(const std::vector<std::string>& known) {
     const auto problem_of = [known](const std::string& option, const std::string& value) {
-        return std::ranges::find(known, value) == known.end() ? not_one_of(option, value, known) : "";
+        return std::ranges::find(known, value) == known.end() ? not_one_of_text(option, value, known) : "";
     };
     return {problem_of, fmt::format("{{{}}}", fmt::join(known, ","))};
 }
 
-ValueRule whole_from(int low, int high) { return in_range(low, high); }
-ValueRule number_from(double low, double high) { return in_range(low, high); }
+ValueRule whole_number_between(int low, int high) { return range_rule(low, high); }
+ValueRule number_between(double low, double high) { return range_rule(low, high); }
 
-std::vector<std::string> items_in(const std::string& value, const std::string& option) {
+std::vector<std::string> split_items(const std::string& value, const std::string& option) {
     std::vector<std::string> all;
     for (std::size_t begin = 0; begin <= value.size();) {
         const std::size_t end = std::min(value.find(',', begin), value.size());
-        all.push_back(trimmed(value.substr(begin, end - begin)));
+        all.push_back(trim(value.substr(begin, end - begin)));
         if (all.back().empty())
             throw InputError(
                 value.find(',') == std::string::npos
@@ -107,7 +108,7 @@ std::vector<std::string> items_in(const std::string& value, const std::string& o
     return all;
 }
 
-std::vector<std::string> assignments_in(const std::string& value) {
+std::vector<std::string> split_assignments(const std::string& value) {
     std::vector<std::string> all;
     std::size_t begin = 0;
     int depth = 0;
@@ -121,17 +122,17 @@ std::vector<std::string> assignments_in(const std::string& value) {
                 fmt::format("--set {}: the text after the comma is not an assignment; write several numbers in "
                             "brackets, as in {}",
                             value, "'box[0].lo=[9, 9, 9]'"));
-        all.push_back(trimmed(value.substr(begin, i - begin)));
+        all.push_back(trim(value.substr(begin, i - begin)));
         begin = i + 1;
     }
-    all.push_back(trimmed(value.substr(begin)));
+    all.push_back(trim(value.substr(begin)));
     return all;
 }
 
 Option Option::required() const { return Option(option_->required()); }
 Option Option::excludes(Option other) const { return Option(option_->excludes(other.option_)); }
 Option Option::needs(Option other) const { return Option(option_->needs(other.option_)); }
-Option Option::below(const std::string& heading) const { return Option(option_->group(heading)); }
+Option Option::under_heading(const std::string& heading) const { return Option(option_->group(heading)); }
 
 std::string Option::name() const { return option_->get_name(); }
 const std::vector<std::string>& Option::short_names() const { return option_->get_snames(); }
@@ -156,15 +157,15 @@ void Option::replace(const std::vector<std::string>& values) const {
 }
 
 template <class T>
-Option Command::add(const std::string& names, T& into, const std::string& help, const ValueRule& check) const {
+Option Command::add(const std::string& names, T& target, const std::string& help, const ValueRule& check) const {
     if constexpr (std::is_unsigned_v<T>) {  // the parser reads -1 as the largest number
         const auto refuse_minus = [](const std::string& option, const std::string& value) {
             return value.starts_with('-') ? fmt::format("{} {} is not a whole number of at least 0", option, value)
                                           : "";
         };
-        return with_check(app_->add_option(names, into, help), check.problem_of ? check : ValueRule{refuse_minus, ""});
+        return set_check(app_->add_option(names, target, help), check.problem_of ? check : ValueRule{refuse_minus, ""});
     }
-    return with_check(app_->add_option(names, into, help), check);
+    return set_check(app_->add_option(names, target, help), check);
 }
 template Option Command::add(const std::string&, std::string&, const std::string&, const ValueRule&) const;
 template Option Command::add(const std::string&, std::vector<std::string>&, const std::string&, const ValueRule&) const;
@@ -173,29 +174,29 @@ template Option Command::add(const std::string&, int&, const std::string&, const
 template Option Command::add(const std::string&, std::optional<int>&, const std::string&, const ValueRule&) const;
 template Option Command::add(const std::string&, std::size_t&, const std::string&, const ValueRule&) const;
 
-Option Command::add(const std::string& names, bool& into, const std::string& help) const {
-    return Option(app_->add_flag(names, into, help));
+Option Command::add(const std::string& names, bool& target, const std::string& help) const {
+    return Option(app_->add_flag(names, target, help));
 }
 
-Option Command::add_list(const std::string& names, std::vector<std::string>& into, const std::string& help,
+Option Command::add_list(const std::string& names, std::vector<std::string>& target, const std::string& help,
                          const ValueRule& check) const {
     const auto items = [option = names.substr(0, names.find(','))](const std::string& value) {
-        return items_in(value, option);
+        return split_items(value, option);
     };
     // The parser's own delimiter would drop empty items and keep blanks.
-    auto* const list = add_split(*app_, names, into, items, help)->type_name(list_type);
+    auto* const list = add_splitting_option(*app_, names, target, items, help)->type_name(list_type);
     if (!check.problem_of) return Option(list);
     const auto check_items = [check](const std::string& option, const std::string& value) {
-        for (const std::string& item : items_in(value, option)) {
+        for (const std::string& item : split_items(value, option)) {
             if (std::string problem = check.problem_of(option, item); !problem.empty()) return problem;
         }
         return std::string();
     };
-    return with_check(list, {check_items, check.description});
+    return set_check(list, {check_items, check.description});
 }
 
-Option Command::add_set(std::vector<std::string>& into, const std::string& help) const {
-    return with_check(add_split(*app_, "--set", into, assignments_in, help), {});
+Option Command::add_set(std::vector<std::string>& target, const std::string& help) const {
+    return set_check(add_splitting_option(*app_, "--set", target, split_assignments, help), {});
 }
 
 Option Command::add_named(const std::string& option, const std::vector<std::string>& names,
@@ -205,7 +206,7 @@ Option Command::add_named(const std::string& option, const std::vector<std::stri
     const CLI::CheckedTransformer to_index(indices);
     const auto validate = [=](std::string& value) {
         if (!to_index(value).empty())
-            throw CommandLineError(CommandLineError::finished_text, not_one_of(option, value, names));
+            throw CommandLineError(CommandLineError::finished_text, not_one_of_text(option, value, names));
         return std::string();
     };
     return Option(app_->add_option_function<int>(option, take, help)
@@ -218,16 +219,16 @@ Command Command::add_command(const std::string& name, const std::string& help) c
     app_->require_subcommand(1);
     CLI::App* const added = app_->add_subcommand(name, help);
     added->footer("")->group("Subcommands");  // inherit neither the examples of the command above nor that it is hidden
-    return {added, chosen_};
+    return {added, action_};
 }
 
 Command Command::add_group(const std::string& name, const std::string& help) const {
     auto* const group = app_->add_option_group(name, help);
     group->require_option(0, 1);
-    return {group, chosen_};
+    return {group, action_};
 }
 
-std::function<std::vector<std::size_t>()> Command::order_of(const std::vector<Option>& options) const {
+std::function<std::vector<std::size_t>()> Command::value_order(const std::vector<Option>& options) const {
     return [app = app_, options] {
         std::vector<std::size_t> indices;
         for (CLI::Option* const given : app->parse_order()) {
@@ -238,8 +239,8 @@ std::function<std::vector<std::size_t>()> Command::order_of(const std::vector<Op
     };
 }
 
-void Command::runs(const std::function<Exit()>& run) const {
-    app_->callback([run, chosen = chosen_] { *chosen = run; });
+void Command::set_action(const std::function<Exit()>& run) const {
+    app_->callback([run, action = action_] { *action = run; });
 }
 
 const std::string& Command::name() const { return app_->get_name(); }
@@ -270,31 +271,31 @@ std::vector<Option> Command::options() const {
 
 Option Command::option(const std::string& name) const { return Option(app_->get_option_no_throw(name)); }
 
-std::vector<Command> Command::inner(bool named) const {
+std::vector<Command> Command::nested_commands(bool named) const {
     std::vector<Command> all;
     for (CLI::App* app :
          app_->get_subcommands([named](CLI::App* inner_app) { return inner_app->get_name().empty() != named; }))
-        all.push_back({app, chosen_});
+        all.push_back({app, action_});
     return all;
 }
 
-std::vector<std::string> Command::names_of_commands() const {
+std::vector<std::string> Command::command_names() const {
     std::vector<std::string> names;
-    for (const Command& command : inner(true))
+    for (const Command& command : nested_commands(true))
         if (!command.is_hidden()) names.push_back(command.name());
     return names;
 }
 
-std::vector<Command> Command::given() const {
+std::vector<Command> Command::given_commands() const {
     std::vector<Command> all{*this};
     while (!all.back().app_->get_subcommands().empty())
-        all.push_back({all.back().app_->get_subcommands().front(), chosen_});
+        all.push_back({all.back().app_->get_subcommands().front(), action_});
     return all;
 }
 
 std::string Command::command_path() const {
     std::string path;
-    for (const Command& command : given()) path += (path.empty() ? "" : " ") + command.name();
+    for (const Command& command : given_commands()) path += (path.empty() ? "" : " ") + command.name();
     return path;
 }
 
@@ -315,8 +316,9 @@ CommandLine::Parsed CommandLine::parse(const std::vector<std::string>& words) {
         return Parsed::command;
     } catch (const CLI::CallForHelp& request) {
         // A word that should name a command, but does not, has no help.
-        const std::vector<std::string> words_left = leftover();
-        if (!words_left.empty() && !words_left.front().starts_with('-') && !given().back().names_of_commands().empty())
+        const std::vector<std::string> unused_words = leftover_words();
+        if (!unused_words.empty() && !unused_words.front().starts_with('-') &&
+            !given_commands().back().command_names().empty())
             throw CommandLineError(CommandLineError::unknown_word, request.what());
         return Parsed::help;
     } catch (const CLI::Success& request) {  // --version
@@ -327,7 +329,7 @@ CommandLine::Parsed CommandLine::parse(const std::vector<std::string>& words) {
     }
 }
 
-std::vector<std::string> CommandLine::leftover() const { return app_->remaining(true); }
+std::vector<std::string> CommandLine::leftover_words() const { return app_->remaining(true); }
 
 /// The absolute path of a file, which need not exist. (weakly_canonical alone leaves a relative path as it is if none
 /// of its folders exists.)

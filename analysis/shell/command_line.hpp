@@ -27,16 +27,16 @@ struct ValueRule {
 };
 ValueRule one_of(const std::vector<std::string>& known);
 /// A number from `low` to `high`, both included. NaN is refused.
-ValueRule whole_from(int low, int high);
-ValueRule number_from(double low, double high);
+ValueRule whole_number_between(int low, int high);
+ValueRule number_between(double low, double high);
 
 /// The items between the commas of a list, without the blanks around them. Throws InputError, which names the `option`,
 /// for an empty item.
-std::vector<std::string> items_in(const std::string& value, const std::string& option);
+std::vector<std::string> split_items(const std::string& value, const std::string& option);
 /// The assignments in a value: `a=1,b=[2,3]` has two.
-std::vector<std::string> assignments_in(const std::string& value);
+std::vector<std::string> split_assignments(const std::string& value);
 
-/// An option of a command, or an argument if its name has no hyphen. A copy refers to the same option.
+/// An option of a command, or an argument if its name has no hyphen. A copy of this object refers to the same option.
 class Option {
 public:
     explicit Option(CLI::Option* option = nullptr) : option_(option) {}
@@ -47,7 +47,7 @@ public:
     Option excludes(Option other) const;
     Option needs(Option other) const;
     /// Shows the option in the help below this heading, together with the other options of that heading.
-    Option below(const std::string& heading) const;
+    Option under_heading(const std::string& heading) const;
 
     [[nodiscard]] std::string name() const;
     [[nodiscard]] const std::vector<std::string>& short_names() const;  ///< without hyphens
@@ -73,21 +73,21 @@ struct Example {
     std::string line, description;
 };
 
-/// A command, the program, or a group of options. A copy refers to the same command.
+/// A command, the program, or a group of options. A copy of this object refers to the same command.
 class Command {
 public:
     /// Adds an option or an argument. T is std::string, its vector, double, int, std::optional<int> or std::size_t. An
     /// option takes one value each time; with a vector it may be repeated. An argument with a vector takes all words
     /// that follow.
     template <class T>
-    Option add(const std::string& names, T& into, const std::string& help, const ValueRule& check = {}) const;
-    Option add(const std::string& names, bool& into, const std::string& help) const;  ///< takes no value
+    Option add(const std::string& names, T& target, const std::string& help, const ValueRule& check = {}) const;
+    Option add(const std::string& names, bool& target, const std::string& help) const;  ///< takes no value
     /// Adds an option that may be repeated and takes several values between commas: `-f f32 -f f64` is `-f f32,f64`.
     /// Each value is checked.
-    Option add_list(const std::string& names, std::vector<std::string>& into, const std::string& help,
+    Option add_list(const std::string& names, std::vector<std::string>& target, const std::string& help,
                     const ValueRule& check = {}) const;
     /// Adds `--set`, which takes assignments, repeated or between commas.
-    Option add_set(std::vector<std::string>& into, const std::string& help) const;
+    Option add_set(std::vector<std::string>& target, const std::string& help) const;
     /// Adds an option whose value is one of these names, by default the first. `take` gets the index of the name.
     Option add_named(const std::string& option, const std::vector<std::string>& names,
                      const std::function<void(int)>& take, const std::string& help) const;
@@ -98,7 +98,7 @@ public:
     Command add_group(const std::string& name, const std::string& help) const;
     /// A function to call after parsing. It returns, for each value of these options in the order in which they were
     /// given, the index of its option in the list.
-    [[nodiscard]] std::function<std::vector<std::size_t>()> order_of(const std::vector<Option>& options) const;
+    [[nodiscard]] std::function<std::vector<std::size_t>()> value_order(const std::vector<Option>& options) const;
 
     /// Adds the examples that the help shows.
     void set_examples(const std::vector<Example>& examples) const;
@@ -106,7 +106,7 @@ public:
     void hide() const;
 
     /// Sets the function that runs if this command is given.
-    void runs(const std::function<Exit()>& run) const;
+    void set_action(const std::function<Exit()>& run) const;
 
     [[nodiscard]] const std::string& name() const;  ///< empty: a group
     [[nodiscard]] std::string help() const;
@@ -114,19 +114,19 @@ public:
     [[nodiscard]] bool is_hidden() const;
     [[nodiscard]] std::vector<Option> options() const;           ///< without those of groups
     [[nodiscard]] Option option(const std::string& name) const;  ///< empty if the command has no such option
-    [[nodiscard]] std::vector<Command> commands() const { return inner(true); }  ///< its own subcommands
-    [[nodiscard]] std::vector<Command> groups() const { return inner(false); }
-    [[nodiscard]] std::vector<std::string> names_of_commands() const;  ///< without hidden ones
-    [[nodiscard]] std::vector<Command> given() const;  ///< itself, its subcommand that was given, and so on
-    [[nodiscard]] std::string command_path() const;    ///< their names: `lostbits plugin check`
+    [[nodiscard]] std::vector<Command> commands() const { return nested_commands(true); }  ///< its subcommands
+    [[nodiscard]] std::vector<Command> groups() const { return nested_commands(false); }
+    [[nodiscard]] std::vector<std::string> command_names() const;  ///< without hidden ones
+    [[nodiscard]] std::vector<Command> given_commands() const;     ///< itself, its subcommand that was given, and so on
+    [[nodiscard]] std::string command_path() const;                ///< their names: `lostbits plugin check`
 
 protected:
-    Command(CLI::App* app, std::function<Exit()>* chosen) : app_(app), chosen_(chosen) {}
+    Command(CLI::App* app, std::function<Exit()>* action) : app_(app), action_(action) {}
     CLI::App* app_;
-    std::function<Exit()>* chosen_;  ///< the action of the program's chosen command
+    std::function<Exit()>* action_;  ///< runs the command that was given
 
 private:
-    [[nodiscard]] std::vector<Command> inner(bool named) const;
+    [[nodiscard]] std::vector<Command> nested_commands(bool named) const;
 };
 
 /// An error in the words of a command line, with the text of the parser.
@@ -136,6 +136,7 @@ struct CommandLineError : std::runtime_error {
     Kind kind;  ///< `finished_text`: the text is already a finished message
 };
 
+/// The whole program: its parser, and the command that was given.
 class CommandLine : public Command {
 public:
     CommandLine(const std::string& name, const std::string& version, const std::string& help);
@@ -148,14 +149,14 @@ public:
     /// Runs the command that was given.
     [[nodiscard]] Exit run() const { return run_(); }
 
-    [[nodiscard]] std::vector<std::string> leftover() const;  ///< words that no option or argument takes
+    [[nodiscard]] std::vector<std::string> leftover_words() const;  ///< words that no option or argument takes
 
 private:
     std::unique_ptr<CLI::App> parser_;
     std::function<Exit()> run_;
 };
 
-/// A message for what the parser threw: what is wrong, why, and what to try.
+/// Turns an error of the parser into a message that says what is wrong, why, and what to try.
 std::string describe_error(const CommandLine& program, const CommandLineError& error);
 
 /// The message, with line breaks that come from one of the words written as `\n`. The line breaks of the message itself

@@ -135,7 +135,7 @@ std::string bash_completion(const Command& program) {
                             bash_cases(command.options, "                "));
         std::string set_offers = fmt::format("options=\"{}\"", fmt::join(names_of(command.options), " "));
         if (!command.commands.empty())
-            set_offers += fmt::format("; words=\"{}\"", fmt::join(command.names_of_commands(), " "));
+            set_offers += fmt::format("; words=\"{}\"", fmt::join(command.command_names(), " "));
         else if (!command.arguments.empty()) set_offers += "; " + bash_values(command.arguments.front().values);
         // A subject can be given by its name or as a file.
         if (!command.arguments.empty()) set_offers += "; files=-f";
@@ -198,7 +198,7 @@ std::string zsh_completion(const Command& program) {
         text += fmt::format("        {})\n        _arguments{}{} \\\n            '1:command:({})'", command.name,
                             zsh_specs(command.options), common, command.name);
         if (!command.commands.empty())
-            text += fmt::format(" \\\n            '2:command:({})'", fmt::join(command.names_of_commands(), " "));
+            text += fmt::format(" \\\n            '2:command:({})'", fmt::join(command.command_names(), " "));
         for (const OptionRow& argument : command.arguments)
             text += fmt::format(" \\\n            '{}:{}:{}'", argument.takes_several ? "*" : "",
                                 argument.names.front(), zsh_action(argument));
@@ -225,8 +225,8 @@ std::string fish_completion(const Command& program) {
         const std::string condition = fmt::format(" -n '__fish_seen_subcommand_from {}'", command.name);
         for (const OptionRow& option : command.options) text += fish_option(condition, option);
         if (!command.commands.empty())
-            text += fmt::format("complete -c lostbits{} -f -a '{}'\n", condition,
-                                fmt::join(command.names_of_commands(), " "));
+            text +=
+                fmt::format("complete -c lostbits{} -f -a '{}'\n", condition, fmt::join(command.command_names(), " "));
         for (const OptionRow& argument : command.arguments) {
             if (argument.values.kind == Kind::names)
                 text += fmt::format("complete -c lostbits{} -a '(__lostbits_names {})'\n", condition,

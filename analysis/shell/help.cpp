@@ -13,23 +13,23 @@ constexpr std::size_t help_width = 110, help_column = 30;
 
 /// Wraps the text, with `indent` blanks in front of each line but the first. The first line has `started` characters
 /// already.
-std::string wrapped(const std::string& text, std::size_t indent, std::size_t started) {
-    std::string out;
+std::string wrap(const std::string& text, std::size_t indent, std::size_t started) {
+    std::string wrapped_text;
     std::size_t column = started;
     for (std::size_t begin = 0; begin < text.size();) {
         const std::size_t end = std::min(text.find(' ', begin), text.size());
         if (column > indent && column + 1 + (end - begin) > help_width) {
-            out += "\n" + std::string(indent, ' ');
+            wrapped_text += "\n" + std::string(indent, ' ');
             column = indent;
         } else if (column > indent) {
-            out += ' ';
+            wrapped_text += ' ';
             ++column;
         }
-        out += text.substr(begin, end - begin);
+        wrapped_text += text.substr(begin, end - begin);
         column += end - begin;
         begin = end + 1;
     }
-    return out;
+    return wrapped_text;
 }
 
 /// `  -f,--format NAME,...       Formats: …`
@@ -38,7 +38,7 @@ std::string help_line(const std::string& subject, const std::string& help) {
     if (help.empty()) return line + "\n";
     if (line.size() + 2 > help_column) line += "\n" + std::string(help_column, ' ');
     else line.resize(help_column, ' ');
-    return line + wrapped(help, help_column, help_column) + "\n";
+    return line + wrap(help, help_column, help_column) + "\n";
 }
 
 std::string option_text(const OptionRow& option) {
@@ -77,7 +77,7 @@ std::string common_lines(const std::vector<OptionRow>& common) {
     for (const OptionRow& option : common)
         if (option.names.back() != "--help" && option.names.back() != "--version")
             names += (names.empty() ? "" : ", ") + option_text(option);
-    return "\nOptions of every command:\n  " + wrapped(names, 2, 2) + "\n";
+    return "\nOptions of every command:\n  " + wrap(names, 2, 2) + "\n";
 }
 
 std::string command_list(const std::vector<CommandRow>& commands) {
@@ -88,7 +88,7 @@ std::string command_list(const std::vector<CommandRow>& commands) {
 
 /// The row of the command that was given, which may be a subcommand.
 CommandRow given_command_row(const Command& program) {
-    const std::vector<Command> given = program.given();
+    const std::vector<Command> given = program.given_commands();
     std::vector<CommandRow> rows = command_table(given[given.size() - 2], true);
     return *std::ranges::find(rows, given.back().name(), &CommandRow::name);
 }
@@ -97,16 +97,16 @@ CommandRow given_command_row(const Command& program) {
 
 std::string help_page(const Command& program, const std::string& footer) {
     const std::vector<OptionRow> common = common_options(program);
-    if (program.given().size() == 1)
+    if (program.given_commands().size() == 1)
         return program.help() + "\nUsage: lostbits COMMAND [OPTIONS]\n" + command_list(command_table(program)) +
                option_sections(common) + "\n" + footer;
     const CommandRow row = given_command_row(program);
-    std::string text = wrapped(row.help, 0, 0) + "\nUsage: " + program.command_path();
+    std::string text = wrap(row.help, 0, 0) + "\nUsage: " + program.command_path();
     if (!row.commands.empty()) text += " COMMAND";
     else
         for (const OptionRow& argument : row.arguments) text += " " + argument_text(argument);
     // The examples of `plugin check` are stored with `plugin`.
-    const std::vector<Command> given = program.given();
+    const std::vector<Command> given = program.given_commands();
     text += " [OPTIONS]\n" + example_lines(given[1].examples()) + command_list(row.commands);
     if (row.commands.empty() && !row.arguments.empty()) {
         text += "\nArguments:\n";

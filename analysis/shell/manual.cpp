@@ -10,23 +10,25 @@ namespace lostbits::analysis::shell {
 namespace {
 
 /// The text escaped for roff: hyphens that can be copied, backslashes, and no line that looks like a request.
-std::string roff(const std::string& text) {
-    std::string out;
+std::string escape_roff(const std::string& text) {
+    std::string escaped;
     for (const char c : text) {
-        if (c == '\\') out += "\\e";
-        else if (c == '-') out += "\\-";
-        else if ((c == '.' || c == '\'') && (out.empty() || out.back() == '\n')) out += std::string("\\&") + c;
-        else out += c;
+        if (c == '\\') escaped += "\\e";
+        else if (c == '-') escaped += "\\-";
+        else if ((c == '.' || c == '\'') && (escaped.empty() || escaped.back() == '\n'))
+            escaped += std::string("\\&") + c;
+        else escaped += c;
     }
-    return out;
+    return escaped;
 }
 
 /// `-i, --form VALUE`
-std::string heading(const OptionRow& option) {
+std::string heading_text(const OptionRow& option) {
     std::string text;
-    for (const std::string& name : option.names) text += (text.empty() ? "" : ", ") + ("\\fB" + roff(name) + "\\fR");
+    for (const std::string& name : option.names)
+        text += (text.empty() ? "" : ", ") + ("\\fB" + escape_roff(name) + "\\fR");
     const bool is_option = option.names.front().front() == '-';
-    if (is_option && option.takes_value) text += " \\fI" + roff(option.value) + "\\fR";
+    if (is_option && option.takes_value) text += " \\fI" + escape_roff(option.value) + "\\fR";
     return text;
 }
 
@@ -35,9 +37,9 @@ std::string paragraphs(const std::vector<OptionRow>& options) {
     std::string previous_heading;
     for (const OptionRow& option : options) {
         if (option.heading != previous_heading && !option.heading.empty())
-            text += ".PP\n" + roff(option.heading) + ":\n";
+            text += ".PP\n" + escape_roff(option.heading) + ":\n";
         previous_heading = option.heading;
-        text += ".TP\n" + heading(option) + "\n" + roff(option.help) + "\n";
+        text += ".TP\n" + heading_text(option) + "\n" + escape_roff(option.help) + "\n";
     }
     return text;
 }
@@ -57,7 +59,7 @@ std::vector<std::string> synopsis(const CommandRow& command) {
     const std::string name = "\\fBlostbits " + command.name;
     if (command.commands.empty()) return {name + "\\fR" + arguments_text(command)};
     if (command.arguments.empty())
-        return {name + fmt::format("\\fR {} [\\fIOPTION\\fR]...", fmt::join(command.names_of_commands(), "|"))};
+        return {name + fmt::format("\\fR {} [\\fIOPTION\\fR]...", fmt::join(command.command_names(), "|"))};
     std::vector<std::string> lines;
     for (const CommandRow& inner : command.commands)
         lines.push_back(name + " " + inner.name + "\\fR" + arguments_text(inner));
@@ -72,15 +74,15 @@ std::string manual_page(const Command& program, const std::string& version, cons
     text += ".SH NAME\nlostbits \\- a precision laboratory for ray intersectors\n.SH SYNOPSIS\n";
     for (const CommandRow& command : commands)
         text += fmt::format("{}\n.br\n", fmt::join(synopsis(command), "\n.br\n"));
-    text += ".SH DESCRIPTION\n" + roff(program.help()) + "\n.SH COMMANDS\n";
+    text += ".SH DESCRIPTION\n" + escape_roff(program.help()) + "\n.SH COMMANDS\n";
     for (const CommandRow& command : commands) {
-        text += fmt::format(".SS {}\n{}.\n", fmt::join(synopsis(command), "\n.SS "), roff(command.help));
+        text += fmt::format(".SS {}\n{}.\n", fmt::join(synopsis(command), "\n.SS "), escape_roff(command.help));
         for (const CommandRow& inner : command.commands)
-            text += ".TP\n\\fB" + inner.name + "\\fR\n" + roff(inner.help) + "\n";
+            text += ".TP\n\\fB" + inner.name + "\\fR\n" + escape_roff(inner.help) + "\n";
         text += paragraphs(command.arguments) + paragraphs(command.options);
         if (!command.examples.empty()) text += ".PP\nExamples:\n";
         for (const Example& example : command.examples)
-            text += ".TP\n\\fB" + roff(example.line) + "\\fR\n" + roff(example.description) + "\n";
+            text += ".TP\n\\fB" + escape_roff(example.line) + "\\fR\n" + escape_roff(example.description) + "\n";
     }
     text += ".SH OPTIONS OF EVERY COMMAND\n" + paragraphs(common_options(program));
     // Adds the sections of the footer; their headings end with a colon.
@@ -95,10 +97,10 @@ std::string manual_page(const Command& program, const std::string& version, cons
             continue;
         }
         const auto begin = line.find_first_not_of(' '), end = line.find("  ", begin);
-        if (end == std::string::npos) text += roff(line.substr(begin)) + "\n";
+        if (end == std::string::npos) text += escape_roff(line.substr(begin)) + "\n";
         else
-            text += ".TP\n\\fB" + roff(line.substr(begin, end - begin)) + "\\fR\n" +
-                    roff(line.substr(line.find_first_not_of(' ', end))) + "\n";
+            text += ".TP\n\\fB" + escape_roff(line.substr(begin, end - begin)) + "\\fR\n" +
+                    escape_roff(line.substr(line.find_first_not_of(' ', end))) + "\n";
     }
     return text;
 }

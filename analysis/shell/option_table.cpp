@@ -44,12 +44,12 @@ std::vector<std::string> allowed_values(const Option& option) {
     const std::string type = option.type();
     const auto open = type.find('{'), close = type.find('}');
     if (open == std::string::npos || close == std::string::npos) return {};
-    std::vector<std::string> values = items_in(type.substr(open + 1, close - open - 1), option.name());
+    std::vector<std::string> values = split_items(type.substr(open + 1, close - open - 1), option.name());
     for (std::string& value : values) value.erase(std::min(value.find("->"), value.size()));
     return values;
 }
 
-std::string joined(const std::vector<std::string>& words, const char* between) {
+std::string join_words(const std::vector<std::string>& words, const char* between) {
     return fmt::format("{}", fmt::join(words, between));
 }
 
@@ -62,7 +62,7 @@ std::string value_text(const OptionRow& option_row, const std::string& type) {
         {"--pixel", "X,Y"},          {"--range", "LO:HI"},  {"--by", "COLUMN"},     {"--unit", "UNIT"},
         {"--function", "FILE:NAME"}, {"--case", "NAME[:K]"}};
     const char* const suffix = option_row.takes_several ? ",..." : "";
-    if (option_row.values.kind == Kind::words) return joined(option_row.values.words, "|") + suffix;
+    if (option_row.values.kind == Kind::words) return join_words(option_row.values.words, "|") + suffix;
     if (const auto placeholder = placeholders.find(option_row.names.back()); placeholder != placeholders.end())
         return placeholder->second;
     static const std::regex limits(R"(.* in \[(.*) - (.*)\])");
@@ -76,7 +76,7 @@ std::string value_text(const OptionRow& option_row, const std::string& type) {
     return noun + suffix;
 }
 
-OptionRow row_of(const Option& option) {
+OptionRow make_option_row(const Option& option) {
     OptionRow option_row;
     option_row.help = option.help();
     option_row.takes_value = option.takes_value();
@@ -96,13 +96,13 @@ OptionRow row_of(const Option& option) {
         if (option_row.values.kind == Values::Kind::anything) option_row.values = known_values(name);
     }
     if (!option.is_argument()) option_row.value = value_text(option_row, option.type());
-    else if (option_row.values.kind == Values::Kind::words) option_row.value = joined(option_row.values.words, "|");
+    else if (option_row.values.kind == Values::Kind::words) option_row.value = join_words(option_row.values.words, "|");
     return option_row;
 }
 
 void add_options(const Command& command, std::vector<OptionRow>& options, std::vector<OptionRow>& arguments) {
     for (const Option& option : command.options())
-        (option.is_argument() ? arguments : options).push_back(row_of(option));
+        (option.is_argument() ? arguments : options).push_back(make_option_row(option));
     for (const Command& group : command.groups()) {
         const std::size_t first = options.size();
         add_options(group, options, arguments);
@@ -114,8 +114,8 @@ void add_options(const Command& command, std::vector<OptionRow>& options, std::v
 }
 
 /// Adds the options that are not in the list yet.
-void add_new(const std::vector<OptionRow>& more, std::vector<OptionRow>& options) {
-    for (const OptionRow& option_row : more) {
+void add_new(const std::vector<OptionRow>& added_options, std::vector<OptionRow>& options) {
+    for (const OptionRow& option_row : added_options) {
         if (std::ranges::find(options, option_row.names, &OptionRow::names) == options.end())
             options.push_back(option_row);
     }
@@ -123,7 +123,7 @@ void add_new(const std::vector<OptionRow>& more, std::vector<OptionRow>& options
 
 }  // namespace
 
-std::vector<std::string> CommandRow::names_of_commands() const {
+std::vector<std::string> CommandRow::command_names() const {
     std::vector<std::string> names;
     for (const CommandRow& command : commands) names.push_back(command.name);
     return names;
@@ -135,10 +135,10 @@ std::vector<OptionRow> common_options(const Command& program) {
     return options;
 }
 
-std::vector<CommandRow> command_table(const Command& program, bool hidden_too) {
+std::vector<CommandRow> command_table(const Command& program, bool includes_hidden) {
     std::vector<CommandRow> rows;
     for (const Command& command : program.commands()) {
-        if (command.is_hidden() && !hidden_too) continue;
+        if (command.is_hidden() && !includes_hidden) continue;
         CommandRow row{command.name(), command.help(), command.examples(), {}, {}, command_table(command)};
         add_options(command, row.options, row.arguments);
         for (const CommandRow& inner : row.commands) {

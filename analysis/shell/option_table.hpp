@@ -33,13 +33,13 @@ struct CommandRow {
     std::vector<OptionRow> options, arguments;  ///< with those of its subcommands
     std::vector<CommandRow> commands;           ///< subcommands: `plugin check`
 
-    [[nodiscard]] std::vector<std::string> names_of_commands() const;
+    [[nodiscard]] std::vector<std::string> command_names() const;
 };
 
 /// The options that every command takes.
 std::vector<OptionRow> common_options(const Command& program);
-/// The commands of the program, or the subcommands of a command; with hidden ones if `hidden_too`.
-std::vector<CommandRow> command_table(const Command& program, bool hidden_too = false);
+/// The commands of the program, or the subcommands of a command; with hidden ones if `includes_hidden`.
+std::vector<CommandRow> command_table(const Command& program, bool includes_hidden = false);
 
 /// Text that `--help` prints for the command that was given, or for the program. `footer` is printed below the text of
 /// the program.

@@ -24,7 +24,7 @@ void ask_to_stop(int, siginfo_t* info, void*) {
     std::atomic<bool>& asked = is_from_supervisor(info->si_pid) ? asked_by_supervisor : asked_directly;
     if (!asked.exchange(true)) return;
     output::file::remove_partial_files();
-    tell_status(static_cast<int>(Exit::interrupted));
+    report_status(static_cast<int>(Exit::interrupted));
     _exit(static_cast<int>(Exit::interrupted));
 }
 
@@ -36,7 +36,7 @@ void clean_up_and_end(int signal, siginfo_t*, void*) {
     raise(signal);
 }
 
-void handle(int signal, void (*handler)(int, siginfo_t*, void*)) {
+void install_handler(int signal, void (*handler)(int, siginfo_t*, void*)) {
     struct sigaction action {};
     if (sigaction(signal, nullptr, &action) != 0 || (action.sa_flags & SA_SIGINFO) != 0 || action.sa_handler != SIG_DFL)
         return;
@@ -48,10 +48,10 @@ void handle(int signal, void (*handler)(int, siginfo_t*, void*)) {
 }  // namespace
 
 void open_standard_streams() {
-    constexpr std::array<int, 3> other_way_round{O_WRONLY, O_RDONLY, O_RDONLY};
+    constexpr std::array<int, 3> unusable_modes{O_WRONLY, O_RDONLY, O_RDONLY};
     for (int fd = 0; fd < 3; ++fd) {
         if (::fcntl(fd, F_GETFD) >= 0 || errno != EBADF) continue;
-        const int opened = ::open("/dev/null", other_way_round[static_cast<unsigned>(fd)]);
+        const int opened = ::open("/dev/null", unusable_modes[static_cast<unsigned>(fd)]);
         // open takes the lowest free number, which is fd. If /dev/null does not exist, a folder does as well.
         if (opened < 0) static_cast<void>(::open("/", O_RDONLY | O_DIRECTORY));
     }
@@ -60,10 +60,10 @@ void open_standard_streams() {
 intersect::process::StopToken stop_by_signal() { return intersect::process::StopToken(asked_to_stop); }
 
 void install_signal_handlers() {
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGXCPU}) handle(signal, ask_to_stop);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGXCPU}) install_handler(signal, ask_to_stop);
     for (const int signal : {SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGPIPE, SIGIO, SIGPWR, SIGSTKFLT,
                              SIGSYS, SIGTRAP, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
-        handle(signal, clean_up_and_end);
+        install_handler(signal, clean_up_and_end);
     output::file::ignore_file_size_signal();
 }
 

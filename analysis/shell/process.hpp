@@ -27,7 +27,7 @@ intersect::process::StopToken stop_by_signal();
 
 /// Splits the program in two processes, once. The call returns in the worker, which does the work; the supervisor waits
 /// for the worker and never returns. Call it before any thread is started. The supervisor
-///   - exits with the status that `tell_status` was given;
+///   - exits with the status that `report_status` was given;
 ///   - if the worker ends without a status, in any way: says so, names `libraries`, removes partial files and exits
 ///     with Exit::environment;
 ///   - passes on signals that are sent to it alone;
@@ -36,12 +36,12 @@ intersect::process::StopToken stop_by_signal();
 /// It protects from accidents only: code that looks for the pipe between the two can write to it.
 void supervise(const std::string& libraries, double seconds);
 
-/// Tells the supervisor, if there is one, that the work ends now with this status and that all messages are printed.
-/// Async-signal-safe.
-void tell_status(int status) noexcept;
-/// Tells the supervisor of an uncaught exception; this status replaces one that was told before. The supervisor prints
-/// the message. Returns false if there is no supervisor.
-bool tell_broken(int status) noexcept;
+/// Reports to the supervisor, if there is one, that the work ends now with this status and that all messages are
+/// printed. Async-signal-safe.
+void report_status(int status) noexcept;
+/// Reports an uncaught exception to the supervisor. Its status replaces a status that was reported before. The
+/// supervisor prints the message. Returns false if there is no supervisor.
+bool report_uncaught_exception(int status) noexcept;
 
 /// True if the signal was passed on by the supervisor. A signal that was sent to both processes arrives twice.
 [[nodiscard]] bool is_from_supervisor(int sender) noexcept;

@@ -42,18 +42,18 @@ std::size_t index_of_command(const Command& program, const std::vector<std::stri
 
 std::span<const RenamedOption> renamed_options() { return renamed; }
 
-UpdatedArguments with_new_names(const Command& program, const std::vector<std::string>& arguments) {
+UpdatedArguments update_names(const Command& program, const std::vector<std::string>& arguments) {
     UpdatedArguments result{arguments, {}};
     const std::size_t command = index_of_command(program, arguments);
     if (command >= arguments.size()) return result;
     for (std::size_t i = command + 1; i < result.arguments.size() && result.arguments[i] != "--"; ++i) {
         std::string& argument = result.arguments[i];
-        const std::size_t end = std::min(argument.find('='), argument.size());
+        const std::size_t name_end = std::min(argument.find('='), argument.size());
         const auto row = std::ranges::find_if(renamed, [&](const RenamedOption& option) {
             const bool is_of_command = option.command == every_command || arguments[command] == option.command;
-            return is_of_command && argument.substr(0, end) == option.old_name;
+            return is_of_command && argument.substr(0, name_end) == option.old_name;
         });
-        if (row == std::end(renamed)) continue;
+        if (row == std::name_end(renamed)) continue;
         const bool is_value = row->old_name[0] != '-', is_argument = !is_value && row->new_name[0] != '-';
         std::string sentence = is_value ? fmt::format("{} {}: the list has been renamed to {}", arguments[command],
                                                       row->old_name, row->new_name)
@@ -64,8 +64,8 @@ UpdatedArguments with_new_names(const Command& program, const std::vector<std::s
                                                  row->old_name, row->new_name);
         if (std::ranges::find(result.advice, sentence) == result.advice.end())
             result.advice.push_back(std::move(sentence));
-        if (!is_argument) argument.replace(0, end, row->new_name);
-        else if (end < argument.size()) argument.erase(0, end + 1);
+        if (!is_argument) argument.replace(0, name_end, row->new_name);
+        else if (name_end < argument.size()) argument.erase(0, name_end + 1);
         else result.arguments.erase(result.arguments.begin() + static_cast<std::ptrdiff_t>(i)), --i;
     }
     return result;

@@ -1,4 +1,4 @@
-// Old names of options: they are still read, and a line of advice tells the new name.
+// Old names of options. They still work, and a line of advice gives the new name.
 #pragma once
 
 #include <span>
@@ -17,10 +17,10 @@ struct RenamedOption {
 /// All renamed options; CHANGELOG.md has the same table.
 std::span<const RenamedOption> renamed_options();
 
-/// Arguments with the names of today, and a sentence for each old name among them.
+/// Arguments with the present names of options, and a sentence of advice for each old name among them.
 struct UpdatedArguments {
     std::vector<std::string> arguments, advice;
 };
-UpdatedArguments with_new_names(const Command& program, const std::vector<std::string>& arguments);
+UpdatedArguments update_names(const Command& program, const std::vector<std::string>& arguments);
 
 }  // namespace lostbits::analysis::shell

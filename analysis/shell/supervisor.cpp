@@ -62,7 +62,7 @@ void send_message(Message::Kind kind, std::uint32_t value, const char* path = nu
     errno = saved_errno;
 }
 
-void tell_partial(const char* path) noexcept {
+void report_partial_file(const char* path) noexcept {
     send_message(Message::partial_file, static_cast<std::uint32_t>(std::strlen(path)), path);
 }
 
@@ -269,16 +269,16 @@ void supervise(const std::string& libraries, double seconds) {
     worker_link.worker = getpid();
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != link.supervisor) _exit(static_cast<int>(Exit::environment));
-    output::file::listen_to_partial_files(tell_partial);
+    output::file::listen_to_partial_files(report_partial_file);
     sigprocmask(SIG_SETMASK, &previous_mask, nullptr);
 }
 
-bool tell_broken(int status) noexcept {
+bool report_uncaught_exception(int status) noexcept {
     send_message(Message::broken, static_cast<std::uint32_t>(status));
     return worker_link.pipe >= 0;
 }
 
-void tell_status(int status) noexcept { send_message(Message::status, static_cast<std::uint32_t>(status)); }
+void report_status(int status) noexcept { send_message(Message::status, static_cast<std::uint32_t>(status)); }
 
 bool is_from_supervisor(int sender) noexcept { return worker_link.supervisor != 0 && sender == worker_link.supervisor; }
 

@@ -20,55 +20,55 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array outputs{"--out", "--export-csv", "--export-json", "--junit"};
+constexpr std::array output_options{"--out", "--export-csv", "--export-json", "--junit"};
 
 /// The tables of runs. The table of a run is the first of these that it wrote.
-constexpr std::array<std::string_view, 9> tables{"summary.csv", "samples.csv",    "cases.csv",
-                                                 "worst.csv",   "statements.csv", "pareto.csv",
-                                                 "choose.csv",  "mend.csv",       "claims.csv"};
+constexpr std::array<std::string_view, 9> table_names{"summary.csv", "samples.csv",    "cases.csv",
+                                                      "worst.csv",   "statements.csv", "pareto.csv",
+                                                      "choose.csv",  "mend.csv",       "claims.csv"};
 
 }  // namespace
 
 TableOnStdout::TableOnStdout(const Command& program) {
-    const Command command = program.given().back();
+    const Command command = program.given_commands().back();
     command_ = command.name();
-    Option chosen;
-    for (const char* name : outputs) {
+    Option table_option;
+    for (const char* name : output_options) {
         const Option option = command.option(name);
         if (!option || option.given_values() != std::vector<std::string>{"-"}) continue;
-        if (chosen) throw InputError(std::string(name) + " -: standard output takes one table, not two");
-        chosen = option;
+        if (table_option) throw InputError(std::string(name) + " -: standard output takes one table, not two");
+        table_option = option;
         is_folder_ = std::string_view(name) == "--out";
     }
-    if (!chosen) return;
+    if (!table_option) return;
     if (is_folder_ && command_ == "report")
         throw InputError("-o -: a page is not a table; name a folder for index.html");
     if (const Option shard = command.option("--shard"); shard && !shard.given_values().empty())
         throw InputError(
             "-o -: a shard has no table; name the folder of the shards, and give -o - to `lostbits merge`");
     redirect(is_folder_);
-    scratch_ = intersect::device::make_temporary_folder("lostbits");
-    chosen.replace({(is_folder_ ? scratch_ : scratch_ / "table").string()});
+    temporary_folder_ = intersect::device::make_temporary_folder("lostbits");
+    table_option.replace({(is_folder_ ? temporary_folder_ : temporary_folder_ / "table").string()});
 }
 
 TableOnStdout::~TableOnStdout() {
     std::error_code ignored;
-    if (!scratch_.empty()) fs::remove_all(scratch_, ignored);
+    if (!temporary_folder_.empty()) fs::remove_all(temporary_folder_, ignored);
 }
 
-void TableOnStdout::redirect(bool to_nothing) {
+void TableOnStdout::redirect(bool discards_text) {
     std::fflush(stdout);
     stdout_ = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3);
-    const int replacement = to_nothing ? ::open("/dev/null", O_WRONLY | O_CLOEXEC) : STDERR_FILENO;
+    const int replacement = discards_text ? ::open("/dev/null", O_WRONLY | O_CLOEXEC) : STDERR_FILENO;
     if (stdout_ < 0 || replacement < 0 || dup2(replacement, STDOUT_FILENO) < 0)
         throw EnvironmentError("standard output: is closed, so the table cannot be written to it");
 }
 
-fs::path TableOnStdout::table() const {
-    if (!is_folder_) return scratch_ / "table";
-    for (const std::string_view name : tables) {
+fs::path TableOnStdout::find_table() const {
+    if (!is_folder_) return temporary_folder_ / "table";
+    for (const std::string_view name : table_names) {
         std::vector<fs::path> found;
-        for (const auto& entry : fs::recursive_directory_iterator(scratch_)) {
+        for (const auto& entry : fs::recursive_directory_iterator(temporary_folder_)) {
             if (entry.path().filename() == name) found.push_back(entry.path());
         }
         if (found.size() > 1)
@@ -82,22 +82,22 @@ fs::path TableOnStdout::table() const {
 }
 
 void TableOnStdout::write() {
-    if (scratch_.empty()) return;
+    if (temporary_folder_.empty()) return;
     std::fflush(stdout);
     if (dup2(stdout_, STDOUT_FILENO) < 0) throw EnvironmentError("standard output: cannot write");
     ::close(stdout_);
-    const fs::path file = table();
-    std::ifstream in(file, std::ios::binary);
+    const fs::path file = find_table();
+    std::ifstream input(file, std::ios::binary);
     // If the reader has ended (`| head`), end with SIGPIPE, but remove the folder first.
     const auto previous_handler = std::signal(SIGPIPE, SIG_IGN);
     std::array<char, 65536> bytes{};
-    while (in.read(bytes.data(), bytes.size()), in.gcount() > 0)
-        std::fwrite(bytes.data(), 1, static_cast<std::size_t>(in.gcount()), stdout);
-    const bool is_gone = std::fflush(stdout) != 0 && errno == EPIPE;
+    while (input.read(bytes.data(), bytes.size()), input.gcount() > 0)
+        std::fwrite(bytes.data(), 1, static_cast<std::size_t>(input.gcount()), stdout);
+    const bool reader_is_gone = std::fflush(stdout) != 0 && errno == EPIPE;
     std::signal(SIGPIPE, previous_handler);
-    if (!is_gone || previous_handler == SIG_IGN) return;
+    if (!reader_is_gone || previous_handler == SIG_IGN) return;
     std::error_code ignored;
-    fs::remove_all(scratch_, ignored);
+    fs::remove_all(temporary_folder_, ignored);
     std::signal(SIGPIPE, SIG_DFL);
     std::raise(SIGPIPE);
 }

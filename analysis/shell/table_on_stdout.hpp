@@ -23,13 +23,13 @@ public:
     void write();
 
 private:
-    void redirect(bool to_nothing);
-    [[nodiscard]] std::filesystem::path table() const;
+    void redirect(bool discards_text);
+    [[nodiscard]] std::filesystem::path find_table() const;
 
     std::string command_;
     bool is_folder_ = false;
-    std::filesystem::path scratch_;  // empty: no output is called `-`
-    int stdout_ = -1;                // the descriptor that was standard output
+    std::filesystem::path temporary_folder_;  // empty: no output is called `-`
+    int stdout_ = -1;                         // the descriptor that was standard output
 };
 
 }  // namespace lostbits::analysis::shell

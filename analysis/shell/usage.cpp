@@ -17,13 +17,13 @@ namespace {
 
 /// Usage of an option that only one command has: `lostbits explain --pixel X,Y`; empty if several commands have it, or
 /// none.
-std::string usage_elsewhere(const Command& program, const std::string& bare) {
+std::string usage_elsewhere(const Command& program, const std::string& bare_name) {
     std::vector<std::string> lines;
     for (const CommandRow& command : command_table(program)) {
         for (const OptionRow& option : command.options) {
-            if (option.names.back() != "--" + bare) continue;
-            lines.push_back(
-                fmt::format("lostbits {} --{}{}{}", command.name, bare, option.takes_value ? " " : "", option.value));
+            if (option.names.back() != "--" + bare_name) continue;
+            lines.push_back(fmt::format("lostbits {} --{}{}{}", command.name, bare_name, option.takes_value ? " " : "",
+                                        option.value));
         }
     }
     return lines.size() == 1 ? lines.front() : "";
@@ -31,16 +31,17 @@ std::string usage_elsewhere(const Command& program, const std::string& bare) {
 
 /// A message about an unknown option such as `--metrik`.
 std::string unknown_option(const Command& program, const std::string& word) {
-    const Command command = program.given().back();
+    const Command command = program.given_commands().back();
     std::vector<std::string> names;
     std::vector<Command> searched = command.groups();
     searched.insert(searched.end(), {command, program});
     for (const Command& owner : searched) {
         for (const Option& option : owner.options()) std::ranges::copy(option.long_names(), std::back_inserter(names));
     }
-    const std::string bare = word.substr(word.find_first_not_of('-'), word.find('=') - word.find_first_not_of('-'));
-    const auto suggestion = scene::toml::closest(bare, names);
-    const std::string hint = usage_elsewhere(program, bare);
+    const std::string bare_name =
+        word.substr(word.find_first_not_of('-'), word.find('=') - word.find_first_not_of('-'));
+    const auto suggestion = scene::toml::closest(bare_name, names);
+    const std::string hint = usage_elsewhere(program, bare_name);
     return fmt::format("{} is not an option of `{}`{}", word, program.command_path(),
                        !hint.empty() ? "; try `" + hint + "`"
                        : suggestion  ? "; did you mean --" + *suggestion + "?"
@@ -61,22 +62,23 @@ std::string missing_text(const Option& option) {
 
 /// A message about the first word that no option or argument takes.
 std::string leftover_text(const CommandLine& program, const std::string& fallback) {
-    const Command command = program.given().back();
-    const bool is_program = program.given().size() == 1;
-    const std::vector<std::string> words = program.leftover();
+    const Command command = program.given_commands().back();
+    const bool is_program = program.given_commands().size() == 1;
+    const std::vector<std::string> words = program.leftover_words();
     if (words.empty()) return fallback;
     const std::string& word = words.front();
     if (word.size() > 1 && word.front() == '-' && word.find_first_not_of('-') != std::string::npos)
         return unknown_option(program, word);
     if (word == "help") return fmt::format("help is not a command; write `{} --help`", program.command_path());
     if (is_program && word == "version") return "version is not a command; write `lostbits --version`";
-    const std::vector<std::string> inner = command.names_of_commands();
-    if (is_program) return fmt::format("\"{}\" is not a command; {}", word, scene::toml::did_you_mean(word, inner));
-    const auto suggestion = scene::toml::closest(word, inner);
-    if (!inner.empty())
-        return fmt::format(
-            "`{} {}`: unknown command; {}", command.name(), word,
-            suggestion ? "did you mean `" + *suggestion + "`?" : fmt::format("known here: {}", fmt::join(inner, ", ")));
+    const std::vector<std::string> subcommands = command.command_names();
+    if (is_program)
+        return fmt::format("\"{}\" is not a command; {}", word, scene::toml::did_you_mean(word, subcommands));
+    const auto suggestion = scene::toml::closest(word, subcommands);
+    if (!subcommands.empty())
+        return fmt::format("`{} {}`: unknown command; {}", command.name(), word,
+                           suggestion ? "did you mean `" + *suggestion + "`?"
+                                      : fmt::format("known here: {}", fmt::join(subcommands, ", ")));
     return fmt::format(
         "{}: `{}` does not take this argument; an option takes one value at a time: repeat the option, or write "
         "commas (-i A,B)",
@@ -89,21 +91,21 @@ std::string describe_error(const CommandLine& program, const CommandLineError& e
     const std::string text = output::file::terminal_line(error.what());
     // A misspelt name makes something else seem to be missing, so the name is reported.
     if (error.kind == CommandLineError::unknown_word ||
-        (error.kind == CommandLineError::missing && !program.leftover().empty()))
+        (error.kind == CommandLineError::missing && !program.leftover_words().empty()))
         return leftover_text(program, text);
-    const Command command = program.given().back();
+    const Command command = program.given_commands().back();
     std::smatch part;
     const auto matches = [&](CommandLineError::Kind kind, const char* pattern) {
         return error.kind == kind && std::regex_match(text, part, std::regex(pattern));
     };
     /// The option that the first part of the match names: an option of the command, or else of the program.
     const auto option = [&] {
-        const Option own = command.option(part[1]);
-        return own ? own : program.option(part[1]);
+        const Option command_option = command.option(part[1]);
+        return command_option ? command_option : program.option(part[1]);
     };
     if (matches(CommandLineError::missing, "A subcommand.*"))
-        return fmt::format("name a command: {}{}", fmt::join(command.names_of_commands(), ", "),
-                           program.given().size() == 1 ? "; start with map, explain or judge" : "");
+        return fmt::format("name a command: {}{}", fmt::join(command.command_names(), ", "),
+                           program.given_commands().size() == 1 ? "; start with map, explain or judge" : "");
     if (matches(CommandLineError::missing, R"(.*at most 1 options be given from \[(.*)\])"))
         return std::regex_replace(part[1].str(), std::regex(","), ", ") + ": give only one of them";
     if (matches(CommandLineError::missing, "(.*) is required")) return missing_text(option());
@@ -118,22 +120,23 @@ std::string describe_error(const CommandLine& program, const CommandLineError& e
 }
 
 std::string escape_line_breaks(const std::string& message, const std::vector<std::string>& words) {
-    std::string out;
-    for (std::size_t at = 0; at < message.size(); ++at) {
+    std::string escaped;
+    for (std::size_t position = 0; position < message.size(); ++position) {
         // A line break comes from a word if the characters around it are the same in the word, which also holds for a
         // part cut out of the word.
         const auto comes_from = [&](const std::string& word) {
             for (std::size_t i = 0; (i = word.find('\n', i)) != std::string::npos; ++i) {
-                const bool same_before = i == 0 || (at > 0 && message[at - 1] == word[i - 1]);
-                const bool same_after = i + 1 == word.size() || message.substr(at + 1, 1) == word.substr(i + 1, 1);
+                const bool same_before = i == 0 || (position > 0 && message[position - 1] == word[i - 1]);
+                const bool same_after =
+                    i + 1 == word.size() || message.substr(position + 1, 1) == word.substr(i + 1, 1);
                 if (same_before && same_after) return true;
             }
             return false;
         };
-        if (message[at] == '\n' && std::ranges::any_of(words, comes_from)) out += "\\n";
-        else out += message[at];
+        if (message[position] == '\n' && std::ranges::any_of(words, comes_from)) escaped += "\\n";
+        else escaped += message[position];
     }
-    return out;
+    return escaped;
 }
 
 }  // namespace lostbits::analysis::shell

@@ -22,8 +22,8 @@ measure::evaluate::MapStudy map_of(const scene::file::Scene& scene, std::vector<
                                    const std::vector<const Metric*>& metrics, measure::metric::MetricSet& metric_set,
                                    intersect::process::StopToken stop) {
     measure::evaluate::MapStudy map{.scene = &scene, .rows = std::move(rows), .metrics = {}, .limit = {.stop = stop}};
-    map.metrics = metric_set.for_forms(selection::measured(metrics, map.rows), measure::evaluate::forms_of(map.rows),
-                                       [&scene] { return OwnedSetting(scene); });
+    map.metrics = metric_set.for_forms(selection::measured_metrics(metrics, map.rows),
+                                       measure::evaluate::forms_of(map.rows), [&scene] { return OwnedSetting(scene); });
     map.metrics = measure::evaluate::order_culprits(map, metric_set);
     return map;
 }
@@ -39,9 +39,9 @@ measure::sweep::SweepRequest sweep_of(const scene::sweep::SweepFile& sweep, std:
         for (const char* name : {"model_error", "rounding_error"})
             metrics.push_back(measure::metric::find_metric(name));
     }
-    request.metrics =
-        metric_set.for_forms(selection::measured(metrics, request.rows), measure::evaluate::forms_of(request.rows),
-                             [&sweep] { return OwnedSetting(sweep.first_rays()); });
+    request.metrics = metric_set.for_forms(selection::measured_metrics(metrics, request.rows),
+                                           measure::evaluate::forms_of(request.rows),
+                                           [&sweep] { return OwnedSetting(sweep.first_rays()); });
     for (TestedForm& form_row : request.rows) form_row.touching = sweep.convention;
     request.further_draws = 2;
     request.recoveries = request.both_ends = true;
@@ -62,9 +62,9 @@ std::vector<TestedForm> rows_of_shape(const std::string& given_name, const std::
             fmt::format("shape \"{}\" is unknown; {}", shape_name, scene::toml::did_you_mean(shape_name, names)));
     }
     const Shape shape = *parsed;
-    const auto rows = selection::fitting(all, [shape](Shapes forms) { return forms == shape; });
+    const auto rows = selection::fitting_rows(all, [shape](Shapes forms) { return forms == shape; });
     if (rows.empty() &&
-        !selection::fitting(all, [shape](Shapes forms) { return forms == Shapes(shape).placed(); }).empty())
+        !selection::fitting_rows(all, [shape](Shapes forms) { return forms == Shapes(shape).placed(); }).empty())
         throw NothingSelected(fmt::format(
             "--shape {}: its primitive is not placed by a matrix, so a form with a transform has nothing to do; name "
             "a scene with matrices, as in `lostbits trade instance-far.{}`",
@@ -95,7 +95,7 @@ void require_timeable(const std::vector<TestedForm>& rows) {
 measure::speed::TradeRequest trade_of(const scene::file::Scene* scene, const std::string& shape,
                                       const selection::SelectedRows& all) {
     require_timeable(all.rows);
-    const auto rows = scene ? selection::timed_on(*scene, all) : rows_of_shape(shape, all.rows);
+    const auto rows = scene ? selection::select_timed_rows(*scene, all) : rows_of_shape(shape, all.rows);
     return {.shape = rows.front().form->shape,
             .scene = scene,
             .kernels = measure::speed::trade_kernels(rows),

@@ -72,7 +72,7 @@ std::optional<output::page::StudyPart> part_of(const scene::file::Scene& scene, 
     std::erase_if(rows, [](const auto& form_row) { return !Adapter::can_measure(*form_row.form); });
     StudyQuestion question{
         .scene = scene,
-        .rows = selection::fitting(
+        .rows = selection::fitting_rows(
             rows, [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.meets(shapes); }),
         .stop = stop};
     if (question.rows.empty()) return std::nullopt;

@@ -175,7 +175,7 @@ void fuzz_ray(std::string_view bytes) {
     const std::optional<Format> as = find_format(lines[3]);
     answer_or_error([&] { static_cast<void>(numbers_of(lines[0], {"--ray", "a ray", 6, as.has_value()}, as)); });
     answer_or_error([&] { static_cast<void>(numbers_of(lines[1], {"--sphere", "a sphere", 4}, as)); });
-    answer_or_error([&] { static_cast<void>(pixel_named(lines[2])); });
+    answer_or_error([&] { static_cast<void>(parse_pixel(lines[2])); });
 }
 
 }  // namespace lostbits::fuzz
