@@ -81,7 +81,7 @@ struct SceneWork {
 SceneWork plan_scene(const Scene& scene, const MapOptions& options, const std::vector<TestedForm>& rows,
                      const std::vector<const Metric*>& metrics, measure::metric::MetricSet& metric_set) {
     auto scene_rows = selection::fitting_rows(rows, [&](Shapes forms) { return scene.meets(forms); });
-    SceneWork work{study::map_of(scene, std::move(scene_rows), metrics, metric_set, options.scenes.stop), {}};
+    SceneWork work{study::map_study(scene, std::move(scene_rows), metrics, metric_set, options.scenes.stop), {}};
     if (options.bits_needed > 0) selection::refuse_generators(rows, "--bits");
     if (options.bits_needed > 0)
         work.needed.emplace(NeededStudy{.scene = scene,

@@ -229,9 +229,9 @@ void add_study(const shell::Command& program, const CommonOptions& common) {
     command.add_list("-i,--form", options->forms, Adapter::form_help);
     selection::add_formats(command, options->formats, study::usual_format);
     for (const study::StudyOption& option : Adapter::options()) {
-        auto& values = options->values[option.name] = option.usual;
+        auto& values = options->values[option.name] = option.default_values;
         command.add_list("--" + option.name, values, option.help,
-                         option.known.empty() ? shell::ValueRule{} : shell::one_of(option.known));
+                         option.allowed_values.empty() ? shell::ValueRule{} : shell::one_of(option.allowed_values));
     }
     selection::add_changes(command, options->scenes, Adapter::example);
     if constexpr (requires { Adapter::View::pixel_title; }) selection::add_pixels(command, *options);

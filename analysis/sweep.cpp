@@ -80,9 +80,9 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     const CommonOptions& common = chosen.common;
     scene::sweep::SweepFile sweep(path, chosen.data(), selection::read_changes(chosen.options), common.stop);
     sweep.title += chosen.options.title_suffix();
-    auto request =
-        study::sweep_of(sweep, selection::fitting_rows(chosen.rows, [&](Shapes forms) { return sweep.meets(forms); }),
-                        chosen.extra_metrics, chosen.metric_set, common.stop);
+    auto request = study::sweep_request(
+        sweep, selection::fitting_rows(chosen.rows, [&](Shapes forms) { return sweep.meets(forms); }),
+        chosen.extra_metrics, chosen.metric_set, common.stop);
     if (chosen.options.seeds) request.further_draws = *chosen.options.seeds;
     selection::note_without_formula(chosen.extra_metrics, request.rows, common.quiet);
     output::sweep::SweepFiles::require_own_columns(request);

@@ -48,7 +48,7 @@ Exit run(const TradeOptions& options, const CommonOptions& common) {
         scene =
             selection::load_one_scene({{options.scene}, options.size, options.variant, options.set, common.stop}, data);
     TradeRequest request =
-        study::trade_of(scene ? &*scene : nullptr, options.shape, {rows, options.forms, common.quiet});
+        study::trade_request(scene ? &*scene : nullptr, options.shape, {rows, options.forms, common.quiet});
     const auto fits = [&](Shapes forms) { return scene ? scene->meets(forms) : forms == request.shape; };
     selection::note_unmeasured(options.forms, selection::fitting_rows(rows, fits), common.quiet);
     request.plan = timing_plan(options);

@@ -24,7 +24,7 @@ std::vector<std::string> names_of(const std::vector<ArrayColumn>& columns) {
 }
 
 /// The format of t; without t, the format of the widest column.
-Format own_format(const std::vector<ArrayColumn>& columns) {
+Format default_format(const std::vector<ArrayColumn>& columns) {
     const auto t = std::ranges::find(columns, "t", &ArrayColumn::name);
     const bool is_wide =
         t != columns.end() ? t->type == ArrayColumn::Type::f64 : std::ranges::any_of(columns, [](const ArrayColumn& c) {
@@ -54,14 +54,14 @@ std::string text_at(const ArrayColumn& column, std::size_t i) {
 
 }  // namespace
 
-void append_columns(std::vector<ArrayColumn>& into, const lostbits_array& array, std::span<const std::string> names) {
+void append_columns(std::vector<ArrayColumn>& target, const lostbits_array& array, std::span<const std::string> names) {
     if (array.data == nullptr) return;
     using Type = ArrayColumn::Type;
     if (array.bits != 8 && array.bits != 32 && array.bits != 64)
         throw InputError("an array of " + names.front() + " has items of " + std::to_string(array.bits) +
                          " bits; give 32 or 64, or 8 for decisions");
     for (std::size_t k = 0; k < names.size(); ++k)
-        into.push_back(
+        target.push_back(
             {.name = names[k],
              .data = static_cast<const std::byte*>(array.data) + static_cast<std::ptrdiff_t>(k) * array.item_step,
              .stride = array.step,
@@ -98,9 +98,9 @@ ArrayDump::ArrayDump(const std::string& name, std::vector<ArrayColumn> columns, 
       columns_(std::move(columns)),
       count_(count),
       layout_(names_of(columns_),
-              [&name](std::size_t, const std::string& why) { throw InputError(name + ": " + why); }),
+              [&name](std::size_t, const std::string& problem) { throw InputError(name + ": " + problem); }),
       stop_(options.stop) {
-    settle(options, layout_, own_format(columns_));
+    settle(options, layout_, default_format(columns_));
 }
 
 bool ArrayDump::next(std::size_t max_records, Records& records) {

@@ -21,7 +21,7 @@ struct ArrayColumn {
 };
 
 /// Appends one column for each of the names from an array of the caller. Appends nothing if the array is not given.
-void append_columns(std::vector<ArrayColumn>& into, const lostbits_array& array, std::span<const std::string> names);
+void append_columns(std::vector<ArrayColumn>& target, const lostbits_array& array, std::span<const std::string> names);
 /// Throws InputError if an array with that many rows and columns spans more bytes than any memory has. Otherwise the
 /// offset of every item fits in a ptrdiff_t.
 void require_addressable(const lostbits_array& array, std::size_t rows, std::size_t columns, const char* name);

@@ -10,14 +10,14 @@ using intersect::table::WrittenFormula;
 namespace {
 
 /// A form that runs a function of the caller in this process.
-ForeignForm foreign_of(const lb_form& given) {
-    ForeignForm foreign{intersect::external::contract_of(given, "form"), "form", {}};
-    const auto run = given.run;
-    void* const own = given.own;
-    foreign.answer = [run, own, name = foreign.contract.name](const lb_batch& given_batch) {
+ForeignForm make_foreign_form(const lb_form& caller_form) {
+    ForeignForm foreign{intersect::external::contract_of(caller_form, "form"), "form", {}};
+    const auto run = caller_form.run;
+    void* const caller_data = caller_form.own;
+    foreign.answer = [run, caller_data, name = foreign.contract.name](const lb_batch& given_batch) {
         const intersect::process::FloatingPointGuard guard;
         lb_batch batch = given_batch;
-        batch.own = own;
+        batch.own = caller_data;
         if (const char* const reason = run(&batch)) throw EnvironmentError("form " + name + ": " + reason);
     };
     return foreign;
@@ -44,18 +44,18 @@ void update_rows(lostbits_form& form) {
 }  // namespace
 
 Selection::Selection(const lostbits_choice* given, bool may_be_empty) : choice(given ? *given : lostbits_choice{}) {
-    forms = texts_of(choice.forms, "forms");
-    std::vector<std::string> formats = texts_of(choice.formats, "formats");
+    forms = to_strings(choice.forms, "forms");
+    std::vector<std::string> formats = to_strings(choice.formats, "formats");
     if (formats.empty()) formats = {"f32", "f64"};
     if (forms.empty() && choice.own_count == 0 && !may_be_empty) forms = {"*"};
     std::vector<const intersect::table::Intersector*> selected;
-    for (const lostbits_form* const own_form : array_of(choice.own, choice.own_count, "own")) {
+    for (const lostbits_form* const own_form : to_span(choice.own, choice.own_count, "own")) {
         require(own_form, "a form of `own`");
         selected.push_back(choice.written != 0 ? &own_form->written_row : &own_form->row);
     }
     if (!forms.empty()) std::ranges::copy(selection::select_forms(forms, "forms"), std::back_inserter(selected));
     if (!selected.empty()) rows = selection::cross(selected, selection::select_formats(formats, "formats"));
-    extra_metrics = selection::select_metrics(texts_of(choice.metrics, "metrics"), metric_set);
+    extra_metrics = selection::select_metrics(to_strings(choice.metrics, "metrics"), metric_set);
 }
 
 void Selection::keep_rows_for(const std::string& name, const selection::ShapePredicate& meets) {
@@ -74,13 +74,13 @@ using namespace lostbits::analysis::library;
 extern "C" {
 
 int lostbits_form_make(const lb_form* forms, size_t count, lostbits_form** form, lostbits_error* error) {
-    return guarded(error, [&] {
+    return run_guarded(error, [&] {
         require(forms, "forms");
         require(form, "form");
         if (count != 1 && count != 2) throw InputError("count must be 1, or 2 to give a form for each of two formats");
         auto created = std::make_unique<lostbits_form>();
-        created->foreign_row = std::make_unique<intersect::external::ForeignRow>(foreign_of(forms[0]));
-        if (count == 2) created->foreign_row->add(foreign_of(forms[1]));
+        created->foreign_row = std::make_unique<intersect::external::ForeignRow>(make_foreign_form(forms[0]));
+        if (count == 2) created->foreign_row->add(make_foreign_form(forms[1]));
         update_rows(*created);
         *form = created.release();
         return Exit::done;
@@ -89,7 +89,7 @@ int lostbits_form_make(const lb_form* forms, size_t count, lostbits_form** form,
 
 int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation* operations, size_t count, int32_t hit,
                         int32_t t, lostbits_error* error) {
-    return guarded(error, [&] {
+    return run_guarded(error, [&] {
         require(form, "form");
         require(operations, "operations");
         if (form->foreign_row == nullptr)
@@ -102,11 +102,12 @@ int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation*
                                .operations = {},
                                .hit = hit,
                                .t = t};
-        for (const lostbits_operation& o : array_of(operations, count, "operations"))
-            formula.operations.push_back({.op = parse_operation(o.op),
-                                          .operands = {o.operands[0], o.operands[1], o.operands[2]},
-                                          .value = o.value,
-                                          .label = o.label ? o.label : ""});
+        for (const lostbits_operation& operation : to_span(operations, count, "operations"))
+            formula.operations.push_back(
+                {.op = parse_operation(operation.op),
+                 .operands = {operation.operands[0], operation.operands[1], operation.operands[2]},
+                 .value = operation.value,
+                 .label = operation.label ? operation.label : ""});
         require_sense(formula);
         form->formulas[bits == 32 ? 0 : 1] = std::make_shared<const WrittenFormula>(std::move(formula));
         update_rows(*form);
@@ -116,7 +117,7 @@ int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation*
 
 int lostbits_form_function(const char* named, lostbits_form** form, const lostbits_run* run, lostbits_result** result,
                            lostbits_error* error) {
-    return guarded(error, [&] {
+    return run_guarded(error, [&] {
         require(named, "named");
         require(form, "form");
         require(result, "result");
@@ -125,8 +126,8 @@ int lostbits_form_function(const char* named, lostbits_form** form, const lostbi
         const auto& function = *created->function;
         created->row = function.row;
         created->written_row = function.written->row(function.answers->info);
-        auto found = std::make_unique<lostbits_result>();
-        found->tables
+        auto signature_result = std::make_unique<lostbits_result>();
+        signature_result->tables
             .emplace_back("function",
                           std::vector<output::file::Column>{
                               {"name", "string", "", "name of the form"},
@@ -137,7 +138,7 @@ int lostbits_form_function(const char* named, lostbits_form** form, const lostbi
             .add(name_of(function.row.shape))
             .add(function.shown)
             .end_row();
-        hand_over(std::move(found), result);
+        hand_over(std::move(signature_result), result);
         *form = created.release();
         return Exit::done;
     });

@@ -39,7 +39,7 @@ namespace lostbits::analysis::library {
 /// One column of a table, with a value for each row. The values are codes of categories if `names` is not empty, texts
 /// if the type is string, and numbers otherwise.
 struct ResultColumn {
-    output::file::Column about;
+    output::file::Column description;
     std::vector<double> numbers = {};
     std::vector<std::optional<std::string>> texts = {};
     std::vector<std::uint8_t> codes = {};
@@ -90,7 +90,7 @@ public:
     /// The index, which is made on first use. Several threads may call this at once.
     [[nodiscard]] const measure::culling::Culler& culler() const;
 
-    std::vector<Primitive<double>> beside_mesh;
+    std::vector<Primitive<double>> primitives_beside_mesh;
     std::shared_ptr<const scene::rays::MeshColumns> mesh;  ///< its triangles come after the others; null: no mesh
 
 private:
@@ -125,9 +125,8 @@ struct lostbits_result {
 
 struct lostbits_scene {
     lostbits::scene::file::Scene scene;
-    std::string explain_arguments;  ///< arguments of `lostbits explain` that name this scene; empty if none can
-    bool has_array_primitives =
-        false;  ///< the primitives came as arrays, and replaced those that the scene was read with
+    std::string explain_arguments;      ///< arguments of `lostbits explain` that name this scene; empty if none can
+    bool has_array_primitives = false;  ///< arrays gave the primitives, and replaced those that the scene was read with
     /// The scene in the numbers of each format that was asked for. A call that changes the scene clears this.
     std::unique_ptr<lostbits::analysis::library::StoredScenes> stored =
         std::make_unique<lostbits::analysis::library::StoredScenes>();
@@ -148,25 +147,26 @@ namespace lostbits::analysis::library {
 inline int put_error(lostbits_error* error, Exit code, const std::string& text) {
     if (error != nullptr) {
         error->code = static_cast<int>(code);
-        std::size_t n = std::min(text.size(), sizeof error->text - 1);
+        std::size_t length = std::min(text.size(), sizeof error->text - 1);
         // Do not cut within a UTF-8 character: its bytes after the first are 10xxxxxx.
-        while (n < text.size() && n > 0 && (static_cast<unsigned char>(text[n]) & 0xc0) == 0x80) --n;
-        std::memcpy(error->text, text.data(), n);
-        error->text[n] = '\0';
+        while (length < text.size() && length > 0 && (static_cast<unsigned char>(text[length]) & 0xc0) == 0x80)
+            --length;
+        std::memcpy(error->text, text.data(), length);
+        error->text[length] = '\0';
     }
     return static_cast<int>(code);
 }
 
 /// Replaces the options in a message of the program by the names of arguments: `--metric culprit` by `metrics culprit`.
-std::string name_arguments(std::string text);
+std::string replace_options_by_arguments(std::string text);
 
-inline constexpr std::string_view no_memory =
+inline constexpr std::string_view no_memory_text =
     "there is not enough memory; ask for fewer rays, forms, metrics or triangles";
 
-/// Runs `act()`, which returns an Exit, in the floating-point environment of IEEE 754. Turns what it throws into a code
+/// Runs `act()`, which returns an Exit, in the floating-point environment of IEEE 754. Turns an exception into a code
 /// and a text.
 template <class Act>
-int guarded(lostbits_error* error, const Act& act) {
+int run_guarded(lostbits_error* error, const Act& act) {
     const intersect::process::FloatingPointGuard guard;
     intersect::process::FloatingPoint::standard().set();
     try {
@@ -174,11 +174,11 @@ int guarded(lostbits_error* error, const Act& act) {
     } catch (const Interrupted&) {
         return put_error(error, Exit::interrupted, "interrupted: the call was asked to stop");
     } catch (const Error& e) {
-        return put_error(error, e.code(), name_arguments(e.what()));
+        return put_error(error, e.code(), replace_options_by_arguments(e.what()));
     } catch (const std::bad_alloc&) {
-        return put_error(error, Exit::environment, std::string(no_memory));
+        return put_error(error, Exit::environment, std::string(no_memory_text));
     } catch (const std::length_error&) {  // more items than any memory holds
-        return put_error(error, Exit::environment, std::string(no_memory));
+        return put_error(error, Exit::environment, std::string(no_memory_text));
     } catch (const std::filesystem::filesystem_error& e) {
         return put_error(error, Exit::bad_input, scene::toml::error_phrase(e));
     } catch (const std::exception& e) {
@@ -201,7 +201,7 @@ inline void require(const void* argument, const char* name) {
 /// An argument of `count` rows with `items` items each. Throws InputError if there are rows but no array, or more items
 /// than memory can have.
 template <class T>
-std::span<const T> array_of(const T* first, std::size_t count, const std::string& name, std::size_t items = 1) {
+std::span<const T> to_span(const T* first, std::size_t count, const std::string& name, std::size_t items = 1) {
     if (count > static_cast<std::size_t>(PTRDIFF_MAX) / (items * sizeof(T)))
         throw InputError(name + ": the count is " + std::to_string(count) + ", more than any memory holds");
     if (count > 0 && first == nullptr)
@@ -211,9 +211,9 @@ std::span<const T> array_of(const T* first, std::size_t count, const std::string
 }
 
 /// The texts of a list. Throws InputError, which names the list, if one of the texts is NULL.
-inline std::vector<std::string> texts_of(const lostbits_words& list, const std::string& name) {
+inline std::vector<std::string> to_strings(const lostbits_words& list, const std::string& name) {
     std::vector<std::string> texts;
-    for (const char* const text : array_of(list.words, list.count, name)) {
+    for (const char* const text : to_span(list.words, list.count, name)) {
         require(text, ("a text of " + name).c_str());
         texts.emplace_back(text);
     }
@@ -228,7 +228,7 @@ inline intersect::process::StopToken make_stop_token(const unsigned char* byte) 
                 : intersect::process::StopToken();
 }
 
-/// The optional settings of a call: threads, stop flag, progress.
+/// The optional settings of a call: threads, stop flag, progress. They apply as long as this object lives.
 class CallSettings {
 public:
     explicit CallSettings(const lostbits_run* run) : run_(run ? *run : lostbits_run{}), limit_(threads_of(run_)) {}
@@ -271,7 +271,7 @@ struct Selection {
     void keep_rows_for(const std::string& name, const selection::ShapePredicate& meets);
 };
 
-/// A file in memory that holds a text, for as long as the object lives.
+/// A file in memory that holds a text, as long as this object lives.
 class TextFile {
 public:
     explicit TextFile(const std::string& text);

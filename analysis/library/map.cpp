@@ -12,36 +12,38 @@ using measure::metric::Metric;
 
 namespace {
 
-std::unique_ptr<lostbits_result> map_of(const lostbits_scene& given, Selection& chosen, CallSettings& running) {
-    const scene::file::Scene& scene = given.scene;
+std::unique_ptr<lostbits_result> map_result(const lostbits_scene& scene_handle, Selection& chosen,
+                                            CallSettings& settings) {
+    const scene::file::Scene& scene = scene_handle.scene;
     chosen.keep_rows_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     std::vector<const Metric*> metrics{measure::metric::find_metric("lost_bits")};
     std::ranges::copy(chosen.extra_metrics, std::back_inserter(metrics));
     static_cast<void>(selection::applicable_metrics(metrics, chosen.rows, "scene " + scene.id));
-    auto request = study::map_of(scene, chosen.rows, metrics, chosen.metric_set, running.stop());
-    request.progress = running.advance_callback(scene.pixels() * request.rows.size());
+    auto request = study::map_result(scene, chosen.rows, metrics, chosen.metric_set, settings.stop());
+    request.progress = settings.advance_callback(scene.pixels() * request.rows.size());
 
     auto result = std::make_unique<lostbits_result>();
     const auto summary = output::map::summary_table(request.metrics, scene.shapes(), scene.mesh != nullptr);
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
-    std::deque<RayTable> rays;
+    std::deque<RayTable> ray_tables;
     for (const TestedForm& form_row : request.rows) {
         if (chosen.choice.rows == 0) break;
         ResultTable& ray_table = result->tables.emplace_back(
             std::string(form_row.form->info->name) + "." + std::string(form_row.format.name),
             RayTable::columns(request.metrics));
-        rays.emplace_back(ray_table, form_row, request.metrics);
+        ray_tables.emplace_back(ray_table, form_row, request.metrics);
     }
-    const auto show = rays.empty() ? measure::evaluate::ShowRows() : measure::evaluate::show_to_each(rays);
+    const auto show = ray_tables.empty() ? measure::evaluate::ShowRows() : measure::evaluate::show_to_each(ray_tables);
     const auto summaries = measure::evaluate::run_map(request, show);
     auto csv = table.writer();
-    const auto name_of = [&](const measure::evaluate::WorstRay& ray) {
-        return given.explain_arguments.empty() ? std::string()
-                                               : output::attribution::explain_pixel_arguments(
-                                                     given.explain_arguments, static_cast<int>(ray.x), ray.y);
+    const auto name_worst_ray = [&](const measure::evaluate::WorstRay& ray) {
+        return scene_handle.explain_arguments.empty()
+                   ? std::string()
+                   : output::attribution::explain_pixel_arguments(scene_handle.explain_arguments,
+                                                                  static_cast<int>(ray.x), ray.y);
     };
     for (std::size_t r = 0; r < request.rows.size(); ++r)
-        summary.add_row(csv, {request.rows[r], &summaries[r], name_of});
+        summary.add_row(csv, {request.rows[r], &summaries[r], name_worst_ray});
     result->texts = selection::suspicions_of(
         request.rows, [&scene](const TestedForm& form_row) { return measure::contract::suspicion(scene, form_row); });
     return result;
@@ -55,11 +57,11 @@ using namespace lostbits::analysis::library;
 
 extern "C" int lostbits_map(const lostbits_scene* scene, const lostbits_choice* choice, const lostbits_run* run,
                             lostbits_result** result, lostbits_error* error) {
-    return guarded(error, [&] {
+    return run_guarded(error, [&] {
         require(scene, "scene");
         require(result, "result");
         Selection chosen(choice);
-        CallSettings running(run);
-        return hand_over(map_of(*scene, chosen, running), result);
+        CallSettings settings(run);
+        return hand_over(map_result(*scene, chosen, settings), result);
     });
 }

@@ -15,7 +15,7 @@ namespace {
 constexpr const char* answers_name = "answers";
 
 /// The kind of answers that a column of this name has.
-AnswerKind kind_named(const char* column) {
+AnswerKind parse_answer_kind(const char* column) {
     const std::string name = column ? column : "";
     for (const auto& [known_name, kind] :
          {std::pair("hit_index", AnswerKind::all_hits), std::pair("crossings", AnswerKind::crossings),
@@ -24,22 +24,22 @@ AnswerKind kind_named(const char* column) {
     throw InputError("column is \"" + name + "\"; write hit_index, crossings, parity or inside");
 }
 
-intersect::Facing facing_of(int value) {
+intersect::Facing parse_facing(int value) {
     if (value == 0) return intersect::Facing::both;
     if (value == LB_FACING_FRONT) return intersect::Facing::front;
     if (value == LB_FACING_BACK) return intersect::Facing::back;
     throw InputError("facing is " + std::to_string(value) + "; give 0, LB_FACING_FRONT or LB_FACING_BACK");
 }
 
-bool may_miss_touches(int value) {
+bool parse_touching(int value) {
     if (value != LB_HIT && value != LB_MISS)
         throw InputError("touching is " + std::to_string(value) + "; give LB_HIT or LB_MISS");
     return value == LB_MISS;
 }
 
-std::unique_ptr<ArrayDump> dump_of(const lostbits_rays& rays, const lostbits_mesh_answers& answers,
-                                   const CallSettings& running) {
-    const AnswerKind kind = kind_named(answers.column);
+std::unique_ptr<ArrayDump> make_dump(const lostbits_rays& rays, const lostbits_mesh_answers& answers,
+                                     const CallSettings& settings) {
+    const AnswerKind kind = parse_answer_kind(answers.column);
     const bool are_points = kind == AnswerKind::inside;
     if (rays.origin.data == nullptr || answers.values.data == nullptr || (rays.direction.data == nullptr) != are_points)
         throw InputError(are_points ? "answers: points need origin and values, and have no direction"
@@ -54,7 +54,7 @@ std::unique_ptr<ArrayDump> dump_of(const lostbits_rays& rays, const lostbits_mes
     else append(rays.origin, {"ox", "oy", "oz"}), append(rays.direction, {"dx", "dy", "dz"});
     append(rays.tmin, {"tmin"}), append(rays.tmax, {"tmax"}), append(rays.t, {"t"});
     append(answers.objects, {"object"}), append(answers.values, {answers.column});
-    scene::dump::DumpOptions options{.stop = running.stop()};
+    scene::dump::DumpOptions options{.stop = settings.stop()};
     options.primitive = scene::triangle::Mesh::shape;
     if (rays.open_ends != nullptr) options.open = parse_open_ends(rays.open_ends);
     if (rays.format != nullptr) options.format = selection::select_formats({rays.format}, "format").front();
@@ -62,30 +62,30 @@ std::unique_ptr<ArrayDump> dump_of(const lostbits_rays& rays, const lostbits_mes
 }
 
 std::unique_ptr<lostbits_result> judge_answers(const lostbits_rays& rays, const lostbits_mesh_answers& answers,
-                                               CallSettings& running) {
+                                               CallSettings& settings) {
     require(rays.scene, "scene");
-    const auto dump = dump_of(rays, answers, running);
+    const auto dump = make_dump(rays, answers, settings);
     const AnswerKind kind = dump->layout().answers();
     const auto stored = rays.scene->stored->get(rays.scene->scene, dump->format().parameters);
-    if (!stored->mesh || !stored->beside_mesh.empty())
+    if (!stored->mesh || !stored->primitives_beside_mesh.empty())
         throw InputError("answers: the scene must have meshes and no other primitives; give mesh=(vertices, faces)");
     measure::judge::MeshAnswersRequest request{.mesh = stored->mesh,
                                                .contract = {.has_t = rays.t.data != nullptr,
                                                             .unit = rays.unit != 0,
-                                                            .touching_may_miss = may_miss_touches(rays.touching),
-                                                            .facing = facing_of(rays.facing)},
-                                               .limit = {.stop = running.stop()}};
+                                                            .touching_may_miss = parse_touching(rays.touching),
+                                                            .facing = parse_facing(rays.facing)},
+                                               .limit = {.stop = settings.stop()}};
     if (kind == AnswerKind::inside) measure::judge::require_inside(stored->mesh->mesh(), answers_name);
     std::vector<measure::judge::JudgedAnswer> rows;
-    const auto advance = running.advance_callback(0);
-    const auto found = measure::judge::judge_mesh_answers(*dump, request, [&](const auto& judged_rows) {
+    const auto advance = settings.advance_callback(0);
+    const auto judgement = measure::judge::judge_mesh_answers(*dump, request, [&](const auto& judged_rows) {
         if (answers.rows != 0) rows.insert(rows.end(), judged_rows.begin(), judged_rows.end());
         advance(judged_rows.size());
     });
     auto result = std::make_unique<lostbits_result>();
     result->add_table<output::judge::MeshSummaryRow>(
         "summary", output::judge::mesh_summary_table(kind),
-        {{measure::judge::name_of_answers("arrays"), std::string(dump->format().name), &found}});
+        {{measure::judge::name_of_answers("arrays"), std::string(dump->format().name), &judgement}});
     if (answers.rows != 0) result->add_table("rows", output::judge::mesh_answer_table(kind), rows);
     return result;
 }
@@ -100,12 +100,12 @@ extern "C" {
 
 int lostbits_judge_mesh(const lostbits_rays* rays, const lostbits_mesh_answers* answers, const lostbits_run* run,
                         lostbits_result** result, lostbits_error* error) {
-    return guarded(error, [&] {
+    return run_guarded(error, [&] {
         require(rays, "rays");
         require(answers, "answers");
         require(result, "result");
-        CallSettings running(run);
-        return hand_over(judge_answers(*rays, *answers, running), result);
+        CallSettings settings(run);
+        return hand_over(judge_answers(*rays, *answers, settings), result);
     });
 }
 }

@@ -26,7 +26,7 @@ namespace {
 
 constexpr const char* rays_name = "rays";
 
-/// The arrays as a dump, and the primitives that all rays share.
+/// The rays of the caller: the arrays as a dump, and the primitives that all rays share.
 struct GivenRays {
     std::unique_ptr<ArrayDump> dump;
     /// Primitives that all rays share. Without a mesh, an empty list means that each ray has its own primitive.
@@ -41,7 +41,7 @@ struct GivenRays {
 };
 
 /// The primitives of an array that all rays share, in its order.
-std::vector<Primitive<double>> shared_primitives_of(const lostbits_rays& rays, Shape shape, const Format& format) {
+std::vector<Primitive<double>> read_shared_primitives(const lostbits_rays& rays, Shape shape, const Format& format) {
     std::vector<ArrayColumn> columns;
     append_columns(columns, rays.primitives, column_names(shape));
     std::vector<Primitive<double>> primitives;
@@ -60,7 +60,7 @@ std::vector<Primitive<double>> shared_primitives_of(const lostbits_rays& rays, S
     return primitives;
 }
 
-GivenRays read_rays(const lostbits_rays& rays, const CallSettings& running) {
+GivenRays read_rays(const lostbits_rays& rays, const CallSettings& settings) {
     if (rays.origin.data == nullptr || rays.direction.data == nullptr)
         throw InputError("rays: origin and direction are arrays of three numbers per ray; give both");
     for (const auto* const array : {&rays.origin, &rays.direction})
@@ -79,7 +79,7 @@ GivenRays read_rays(const lostbits_rays& rays, const CallSettings& running) {
     append_columns(columns, rays.by, std::array<std::string, 1>{"`by`"});  // quoted: cylinders have a column named by
     append_columns(columns, rays.matrix,
                    std::vector<std::string>(scene::dump::matrix_columns.begin(), scene::dump::matrix_columns.end()));
-    scene::dump::DumpOptions options{.stop = running.stop()};
+    scene::dump::DumpOptions options{.stop = settings.stop()};
     if (rays.open_ends != nullptr) options.open = parse_open_ends(rays.open_ends);
     if (rays.format != nullptr) options.format = selection::select_formats({rays.format}, "format").front();
     GivenRays result;
@@ -106,17 +106,17 @@ GivenRays read_rays(const lostbits_rays& rays, const CallSettings& running) {
     const Format& format = result.dump->format();
     if (rays.scene != nullptr) {
         result.stored = rays.scene->stored->get(rays.scene->scene, format.parameters);
-        result.primitives = result.stored->beside_mesh;
+        result.primitives = result.stored->primitives_beside_mesh;
         result.mesh = result.stored->mesh;
     } else if (rays.paired == 0) {
-        result.primitives = shared_primitives_of(rays, result.shape, format);
+        result.primitives = read_shared_primitives(rays, result.shape, format);
     }
     selection::put_under_matrices(*result.dump, result.representatives());
     return result;
 }
 
 /// The contract that the arguments of the call state, for primitives of a shape.
-intersect::Info contract_of_arrays(const lostbits_rays& rays, Shape shape) {
+intersect::Info read_contract(const lostbits_rays& rays, Shape shape) {
     lb_form form{};
     form.name = "own.arrays";
     form.format = LB_F64;
@@ -139,25 +139,26 @@ intersect::Info contract_of_arrays(const lostbits_rays& rays, Shape shape) {
 }
 
 /// Selects the forms whose shapes are exactly those of the rays' primitives.
-selection::ShapePredicate shape_filter_of(const GivenRays& given) {
-    const Shapes shapes = selection::shapes_of_rays(given.dump->layout(), given.representatives());
+selection::ShapePredicate shape_filter(const GivenRays& given_rays) {
+    const Shapes shapes = selection::shapes_of_rays(given_rays.dump->layout(), given_rays.representatives());
     return [shapes](Shapes forms) { return forms == shapes; };
 }
 
-std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Selection& chosen, CallSettings& running) {
-    GivenRays given = read_rays(rays, running);
+std::unique_ptr<lostbits_result> judgement_result(const lostbits_rays& rays, Selection& chosen,
+                                                  CallSettings& settings) {
+    GivenRays given_rays = read_rays(rays, settings);
     measure::judge::JudgeRequest request{
-        .primitives = given.primitives, .mesh = given.mesh, .limit = {.stop = running.stop()}};
+        .primitives = given_rays.primitives, .mesh = given_rays.mesh, .limit = {.stop = settings.stop()}};
     if (rays.by.data != nullptr) request.by = 0;
-    intersect::Info contract = contract_of_arrays(rays, given.shape);
-    if (given.dump->layout().decides_only()) contract.roots = intersect::Roots::none;
-    const measure::judge::FileForm answers("arrays", given.shape, contract);
-    if (!chosen.rows.empty()) chosen.keep_rows_for(rays_name, shape_filter_of(given));
-    else if (!given.dump->layout().has_answers())
+    intersect::Info contract = read_contract(rays, given_rays.shape);
+    if (given_rays.dump->layout().decides_only()) contract.roots = intersect::Roots::none;
+    const measure::judge::FileForm answers("arrays", given_rays.shape, contract);
+    if (!chosen.rows.empty()) chosen.keep_rows_for(rays_name, shape_filter(given_rays));
+    else if (!given_rays.dump->layout().has_answers())
         throw NothingSelected("rays: there are neither answers (t or hit) nor forms; give one of them");
-    if (given.dump->layout().has_answers()) {
+    if (given_rays.dump->layout().has_answers()) {
         request.file_form = &answers.form();
-        request.rows.push_back({request.file_form, given.dump->format()});
+        request.rows.push_back({request.file_form, given_rays.dump->format()});
     }
     request.rows.insert(request.rows.end(), chosen.rows.begin(), chosen.rows.end());
     std::vector<const Metric*> metrics{measure::metric::find_metric("lost_bits")};
@@ -165,27 +166,28 @@ std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Sel
     request.metrics = selection::measured_metrics(metrics, request.rows);
     if (!chosen.rows.empty()) {
         RayGroup group;
-        group.primitives = given.representatives();
-        if (group.primitives.empty()) group.primitives.emplace_back(given.shape);
-        if (given.dump->layout().has_matrix()) group.primitives.front().placed = selection::any_matrix();
+        group.primitives = given_rays.representatives();
+        if (group.primitives.empty()) group.primitives.emplace_back(given_rays.shape);
+        if (given_rays.dump->layout().has_matrix()) group.primitives.front().placed = selection::any_matrix();
         request.metrics = chosen.metric_set.for_forms(request.metrics, measure::evaluate::forms_of(chosen.rows),
                                                       [&group] { return measure::attribution::OwnedSetting(group); });
     }
-    const auto advance = running.advance_callback(rays.count);
+    const auto advance = settings.advance_callback(rays.count);
     request.progress = [&advance](std::uint64_t done, std::uint64_t) { advance(done); };
 
     auto result = std::make_unique<lostbits_result>();
     std::vector<Shape> shapes;
-    const std::vector<Primitive<double>> representatives = given.representatives();
+    const std::vector<Primitive<double>> representatives = given_rays.representatives();
     for (const ShapeRow& shape_row : shape_rows) {
         const auto has_shape = [&shape_row](const Primitive<double>& primitive) {
             return primitive.shape == shape_row.shape;
         };
-        if (representatives.empty() ? shape_row.shape == given.shape : std::ranges::any_of(representatives, has_shape))
+        if (representatives.empty() ? shape_row.shape == given_rays.shape
+                                    : std::ranges::any_of(representatives, has_shape))
             shapes.push_back(shape_row.shape);
     }
     const auto summary =
-        output::map::summary_table(request.metrics, shapes, given.mesh != nullptr, request.by ? "by" : "");
+        output::map::summary_table(request.metrics, shapes, given_rays.mesh != nullptr, request.by ? "by" : "");
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> rows;
     for (const TestedForm& form_row : request.rows) {
@@ -196,7 +198,7 @@ std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Sel
         rows.emplace_back(ray_table, form_row, request.metrics);
     }
     const auto judgement = measure::judge::run_judge(
-        *given.dump, request, [&rows](std::size_t r, const auto&, const measure::evaluate::BandResult& band) {
+        *given_rays.dump, request, [&rows](std::size_t r, const auto&, const measure::evaluate::BandResult& band) {
             if (!rows.empty()) rows[r].band(band);
         });
     auto csv = table.writer();
@@ -224,35 +226,36 @@ std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Sel
 /// their primitives. The culler finds the primitives that a ray can meet; it is null unless there is a mesh or at least
 /// `culling_threshold` primitives.
 template <class Act>
-void for_each_piece(GivenRays& given, CallSettings& running, std::size_t count, std::size_t culling_threshold,
+void for_each_piece(GivenRays& given_rays, CallSettings& settings, std::size_t count, std::size_t culling_threshold,
                     const Act& act) {
-    constexpr std::size_t piece = 8192;
-    const auto advance = running.advance_callback(count);
+    constexpr std::size_t rays_per_piece = 8192;
+    const auto advance = settings.advance_callback(count);
     std::optional<measure::culling::Culler> own_culler;
     const measure::culling::Culler* shared_culler = nullptr;
-    if (given.mesh || given.primitives.size() >= culling_threshold)
-        shared_culler =
-            given.stored ? &given.stored->culler() : &own_culler.emplace(primitive_list(given.primitives, given.mesh));
-    intersect::process::in_parallel(std::size_t{0}, (count + piece - 1) / piece, [&](std::size_t p) {
-        const std::size_t first = p * piece, n = std::min(piece, count - first);
-        scene::dump::Chunk chunk = given.dump->decode({.first = first, .count = n, .bytes = {}});
-        RayGroup group;
-        group.paired = !chunk.primitives.empty();
-        group.primitives = group.paired ? std::move(chunk.primitives) : given.primitives;
-        group.mesh = group.paired ? nullptr : given.mesh;
-        group.rays = std::move(chunk.rays);
-        group.rays.width = static_cast<int>(n);
-        group.rays.y1 = 1;
-        std::optional<measure::culling::Culler> culler;
-        if (shared_culler && !group.paired) culler.emplace(*shared_culler, group.rays);
-        act(first, std::move(group), culler ? &*culler : nullptr);
-        advance(n);
-    });
+    if (given_rays.mesh || given_rays.primitives.size() >= culling_threshold)
+        shared_culler = given_rays.stored ? &given_rays.stored->culler()
+                                          : &own_culler.emplace(primitive_list(given_rays.primitives, given_rays.mesh));
+    intersect::process::in_parallel(
+        std::size_t{0}, (count + rays_per_piece - 1) / rays_per_piece, [&](std::size_t piece_index) {
+            const std::size_t first = piece_index * rays_per_piece, ray_count = std::min(rays_per_piece, count - first);
+            scene::dump::Chunk chunk = given_rays.dump->decode({.first = first, .count = ray_count, .bytes = {}});
+            RayGroup group;
+            group.paired = !chunk.primitives.empty();
+            group.primitives = group.paired ? std::move(chunk.primitives) : given_rays.primitives;
+            group.mesh = group.paired ? nullptr : given_rays.mesh;
+            group.rays = std::move(chunk.rays);
+            group.rays.width = static_cast<int>(ray_count);
+            group.rays.y1 = 1;
+            std::optional<measure::culling::Culler> culler;
+            if (shared_culler && !group.paired) culler.emplace(*shared_culler, group.rays);
+            act(first, std::move(group), culler ? &*culler : nullptr);
+            advance(ray_count);
+        });
 }
 
-std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Selection& chosen, CallSettings& running) {
-    GivenRays given = read_rays(rays, running);
-    chosen.keep_rows_for(rays_name, shape_filter_of(given));
+std::unique_ptr<lostbits_result> answers_result(const lostbits_rays& rays, Selection& chosen, CallSettings& settings) {
+    GivenRays given_rays = read_rays(rays, settings);
+    chosen.keep_rows_for(rays_name, shape_filter(given_rays));
     auto result = std::make_unique<lostbits_result>();
     for (const TestedForm& form_row : chosen.rows) {
         ResultTable& table = result->tables.emplace_back(
@@ -261,8 +264,8 @@ std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Sel
                                               {"t", "number", "t", "t of the form, in its own unit"}});
         for (ResultColumn& column : table.columns) column.numbers.resize(rays.count);
     }
-    for_each_piece(given, running, rays.count, SIZE_MAX, [&](std::size_t first, RayGroup group, auto* culler) {
-        const measure::truth::Band band(std::move(group), {.stop = running.stop()}, culler);
+    for_each_piece(given_rays, settings, rays.count, SIZE_MAX, [&](std::size_t first, RayGroup group, auto* culler) {
+        const measure::truth::Band band(std::move(group), {.stop = settings.stop()}, culler);
         for (std::size_t r = 0; r < chosen.rows.size(); ++r) {
             const TestedForm& form_row = chosen.rows[r];
             const auto inputs = band.inputs_for(form_row.format, *form_row.form->info);
@@ -278,14 +281,14 @@ std::unique_ptr<lostbits_result> answers_of_forms(const lostbits_rays& rays, Sel
 }
 
 /// A certified number as a sum of two doubles.
-std::pair<double, double> as_two_doubles(const measure::truth::Certified& t) {
-    const int e = static_cast<int>(std::clamp<std::int64_t>(t.exponent, -3000, 3000));
-    return {std::ldexp(t.hi, e), std::ldexp(t.lo, e)};
+std::pair<double, double> to_two_doubles(const measure::truth::Certified& t) {
+    const int exponent = static_cast<int>(std::clamp<std::int64_t>(t.exponent, -3000, 3000));
+    return {std::ldexp(t.hi, exponent), std::ldexp(t.lo, exponent)};
 }
 
-std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, CallSettings& running) {
-    GivenRays given = read_rays(rays, running);
-    const intersect::Info contract = contract_of_arrays(rays, given.shape);
+std::unique_ptr<lostbits_result> truth_result(const lostbits_rays& rays, CallSettings& settings) {
+    GivenRays given_rays = read_rays(rays, settings);
+    const intersect::Info contract = read_contract(rays, given_rays.shape);
     auto result = std::make_unique<lostbits_result>();
     ResultTable& table = result->tables.emplace_back(
         "truth",
@@ -294,36 +297,37 @@ std::unique_ptr<lostbits_result> truth_of_rays(const lostbits_rays& rays, CallSe
                                           {"t_hi", "number", "t", "t*, rounded to the nearest binary64"},
                                           {"t_lo", "number", "t", "t* - t_hi, to 2^-72 of t*"}});
     for (ResultColumn& column : table.columns) column.numbers.assign(rays.count, measure::truth::missing);
-    const bool unit = contract.direction == intersect::Direction::unit;
-    for_each_piece(given, running, rays.count, measure::culling::least_primitives,
+    const bool is_unit = contract.direction == intersect::Direction::is_unit;
+    for_each_piece(given_rays, settings, rays.count, measure::culling::least_primitives,
                    [&](std::size_t first, RayGroup group, auto* culler) {
-                       const bool paired = group.paired;
-                       const measure::truth::Band band(std::move(group), {.stop = running.stop()}, culler);
+                       const bool is_paired = group.paired;
+                       const measure::truth::Band band(std::move(group), {.stop = settings.stop()}, culler);
                        for (std::size_t i = 0; i < band.pixels(); ++i) {
                            const measure::truth::Truth truth = band.truth(i, contract.convention());
                            table.columns[0].numbers[first + i] = static_cast<double>(truth.decision);
                            if (!truth.is_hit()) continue;
-                           table.columns[1].numbers[first + i] = static_cast<double>(paired ? first + i : truth.object);
+                           table.columns[1].numbers[first + i] =
+                               static_cast<double>(is_paired ? first + i : truth.object);
                            std::tie(table.columns[2].numbers[first + i], table.columns[3].numbers[first + i]) =
-                               as_two_doubles(unit ? truth.distance : truth.t);
+                               to_two_doubles(is_unit ? truth.distance : truth.t);
                        }
                    });
     return result;
 }
 
-std::unique_ptr<lostbits_result> hits_of_rays(const lostbits_rays& rays, CallSettings& running) {
-    GivenRays given = read_rays(rays, running);
+std::unique_ptr<lostbits_result> crossings_result(const lostbits_rays& rays, CallSettings& settings) {
+    GivenRays given_rays = read_rays(rays, settings);
     const auto is_triangle = [](const auto& primitive) { return primitive.shape == scene::triangle::Mesh::shape; };
-    if (rays.paired != 0 || !std::ranges::all_of(given.representatives(), is_triangle))
+    if (rays.paired != 0 || !std::ranges::all_of(given_rays.representatives(), is_triangle))
         throw InputError("rays: crossings need triangles that all rays share; give a mesh, or an array of triangles");
-    std::vector<measure::crossing::MeshCrossings> found(rays.count);
-    for_each_piece(given, running, rays.count, measure::culling::least_primitives,
+    std::vector<measure::crossing::MeshCrossings> crossings_by_ray(rays.count);
+    for_each_piece(given_rays, settings, rays.count, measure::culling::least_primitives,
                    [&](std::size_t first, RayGroup group, auto* culler) {
                        const auto primitives = scene::rays::primitive_list_of(group);
                        for (std::size_t i = 0; i < group.rays.size(); ++i)
-                           found[first + i] = measure::crossing::crossings_of(
+                           crossings_by_ray[first + i] = measure::crossing::crossings_of(
                                group.rays[i], {primitives, culler ? culler->for_truth() : nullptr}, group.rays.range(i),
-                               {.stop = running.stop()});
+                               {.stop = settings.stop()});
                    });
     auto result = std::make_unique<lostbits_result>();
     ResultTable& table = result->tables.emplace_back(
@@ -338,13 +342,13 @@ std::unique_ptr<lostbits_result> hits_of_rays(const lostbits_rays& rays, CallSet
             {"at_rim", "boolean", "", "the ray passes through an edge or a vertex"}});
     ResultTable& resolved = result->tables.emplace_back(
         "rays", std::vector<output::file::Column>{{"resolved", "boolean", "", "every decision is proved"}});
-    for (std::size_t i = 0; i < found.size(); ++i) {
-        resolved.columns[0].numbers.push_back(found[i].is_resolved ? 1 : 0);
-        for (const measure::crossing::MeshCrossing& crossing : found[i].in_order) {
+    for (std::size_t i = 0; i < crossings_by_ray.size(); ++i) {
+        resolved.columns[0].numbers.push_back(crossings_by_ray[i].is_resolved ? 1 : 0);
+        for (const measure::crossing::MeshCrossing& crossing : crossings_by_ray[i].in_order) {
             table.columns[0].numbers.push_back(static_cast<double>(i));
             table.columns[1].numbers.push_back(crossing.rank);
             table.columns[2].numbers.push_back(crossing.triangle);
-            const auto [hi, lo] = as_two_doubles(crossing.t);
+            const auto [hi, lo] = to_two_doubles(crossing.t);
             table.columns[3].numbers.push_back(hi), table.columns[4].numbers.push_back(lo);
             table.columns[5].numbers.push_back(crossing.front ? 1 : 0);
             table.columns[6].numbers.push_back(crossing.at_rim ? 1 : 0);
@@ -369,31 +373,33 @@ void add_edges(const scene::triangle::MeshEdges& edges, lostbits_result& result)
     csv.add(edges.duplicates).end_row();
 }
 
-std::unique_ptr<lostbits_result> places_of_points(const lostbits_scene& scene, const lostbits_array& points,
-                                                  std::size_t count, CallSettings& running) {
+std::unique_ptr<lostbits_result> points_result(const lostbits_scene& scene, const lostbits_array& points,
+                                               std::size_t count, CallSettings& settings) {
     if (points.data == nullptr) throw InputError("points: the array is missing; give three numbers per point");
     require_addressable(points, count, 3, "points");
     const auto stored = scene.stored->get(scene.scene, binary64);
-    if (!stored->mesh || !stored->beside_mesh.empty())
+    if (!stored->mesh || !stored->primitives_beside_mesh.empty())
         throw InputError("inside: the scene must have meshes and no other primitives; give mesh=(vertices, faces)");
     const Format format = *find_format("f64");
     std::vector<ArrayColumn> columns;
     append_columns(columns, points, std::array<std::string, 3>{"x", "y", "z"});
-    std::vector<measure::crossing::PointInMesh> found(count);
+    std::vector<measure::crossing::PointInMesh> points_in_mesh(count);
     const measure::crossing::Triangles triangles{stored->culler().shared(), stored->culler().for_truth()};
-    const auto advance = running.advance_callback(count);
-    constexpr std::size_t piece = 1024;
-    intersect::process::in_parallel(std::size_t{0}, (count + piece - 1) / piece, [&](std::size_t p) {
-        const std::size_t first = p * piece, n = std::min(piece, count - first);
-        for (std::size_t i = first; i < first + n; ++i) {
-            Vec<double> point;
-            for (int k = 0; k < 3; ++k) point[k] = number_at(columns[static_cast<std::size_t>(k)], i, format);
-            if (!measure::truth::is_proper(Ray<double>{point, {1, 1, 1}}))
-                throw InputError("point " + std::to_string(i) + " has a number that is not finite");
-            found[i] = measure::crossing::place_in_mesh(point, triangles, {.stop = running.stop()});
-        }
-        advance(n);
-    });
+    const auto advance = settings.advance_callback(count);
+    constexpr std::size_t points_per_piece = 1024;
+    intersect::process::in_parallel(
+        std::size_t{0}, (count + points_per_piece - 1) / points_per_piece, [&](std::size_t piece_index) {
+            const std::size_t first = piece_index * points_per_piece,
+                              point_count = std::min(points_per_piece, count - first);
+            for (std::size_t i = first; i < first + point_count; ++i) {
+                Vec<double> point;
+                for (int k = 0; k < 3; ++k) point[k] = number_at(columns[static_cast<std::size_t>(k)], i, format);
+                if (!measure::truth::is_proper(Ray<double>{point, {1, 1, 1}}))
+                    throw InputError("point " + std::to_string(i) + " has a number that is not finite");
+                points_in_mesh[i] = measure::crossing::place_in_mesh(point, triangles, {.stop = settings.stop()});
+            }
+            advance(point_count);
+        });
     auto result = std::make_unique<lostbits_result>();
     ResultTable& table = result->tables.emplace_back(
         "points", std::vector<output::file::Column>{
@@ -401,7 +407,7 @@ std::unique_ptr<lostbits_result> places_of_points(const lostbits_scene& scene, c
                       {"crossings", "integer", "", "crossings of the ray by which the layers are counted"},
                       {"on_surface", "boolean", "", "the point lies on a triangle"},
                       {"resolved", "boolean", "", "the other columns are proved"}});
-    for (const measure::crossing::PointInMesh& point : found) {
+    for (const measure::crossing::PointInMesh& point : points_in_mesh) {
         table.columns[0].numbers.push_back(point.winding);
         table.columns[1].numbers.push_back(point.crossings);
         table.columns[2].numbers.push_back(point.on_surface ? 1 : 0);
@@ -413,7 +419,7 @@ std::unique_ptr<lostbits_result> places_of_points(const lostbits_scene& scene, c
 
 template <class Find>
 int run_call(lostbits_result** result, lostbits_error* error, const lostbits_rays* rays, const Find& find) {
-    return guarded(error, [&] {
+    return run_guarded(error, [&] {
         require(rays, "rays");
         require(result, "result");
         return hand_over(find(), result);
@@ -432,8 +438,8 @@ int lostbits_judge(const lostbits_rays* rays, const lostbits_choice* choice, con
                    lostbits_result** result, lostbits_error* error) {
     return run_call(result, error, rays, [&] {
         Selection chosen(choice, true);
-        CallSettings running(run);
-        return judge_given_rays(*rays, chosen, running);
+        CallSettings settings(run);
+        return judgement_result(*rays, chosen, settings);
     });
 }
 
@@ -441,34 +447,34 @@ int lostbits_answers(const lostbits_rays* rays, const lostbits_choice* choice, c
                      lostbits_result** result, lostbits_error* error) {
     return run_call(result, error, rays, [&] {
         Selection chosen(choice);
-        CallSettings running(run);
-        return answers_of_forms(*rays, chosen, running);
+        CallSettings settings(run);
+        return answers_result(*rays, chosen, settings);
     });
 }
 
 int lostbits_truth(const lostbits_rays* rays, const lostbits_run* run, lostbits_result** result,
                    lostbits_error* error) {
     return run_call(result, error, rays, [&] {
-        CallSettings running(run);
-        return truth_of_rays(*rays, running);
+        CallSettings settings(run);
+        return truth_result(*rays, settings);
     });
 }
 
 int lostbits_hits(const lostbits_rays* rays, const lostbits_run* run, lostbits_result** result, lostbits_error* error) {
     return run_call(result, error, rays, [&] {
-        CallSettings running(run);
-        return hits_of_rays(*rays, running);
+        CallSettings settings(run);
+        return crossings_result(*rays, settings);
     });
 }
 
 int lostbits_inside(const lostbits_scene* scene, const lostbits_array* points, size_t count, const lostbits_run* run,
                     lostbits_result** result, lostbits_error* error) {
-    return guarded(error, [&] {
+    return run_guarded(error, [&] {
         require(scene, "scene");
         require(points, "points");
         require(result, "result");
-        CallSettings running(run);
-        return hand_over(places_of_points(*scene, *points, count, running), result);
+        CallSettings settings(run);
+        return hand_over(points_result(*scene, *points, count, settings), result);
     });
 }
 }

@@ -29,22 +29,22 @@ std::uint8_t code_of(double category) {
 }  // namespace
 
 ResultTable::ResultTable(std::string title, const std::vector<Column>& descriptions) : name(std::move(title)) {
-    for (const Column& column : descriptions) columns.push_back({.about = column});
+    for (const Column& column : descriptions) columns.push_back({.description = column});
 }
 
 output::file::CsvWriter ResultTable::writer() {
     std::vector<Column> descriptions;
-    for (const ResultColumn& column : columns) descriptions.push_back(column.about);
+    for (const ResultColumn& column : columns) descriptions.push_back(column.description);
     return {descriptions, [this](std::size_t k, const Cell& cell) {
                 ResultColumn& column = columns[k];
-                if (column.about.type != "string") return column.numbers.push_back(cell.number());
+                if (column.description.type != "string") return column.numbers.push_back(cell.number());
                 std::string text = cell.text();
                 column.texts.push_back(text.empty() ? std::nullopt : std::optional(std::move(text)));
             }};
 }
 
 ResultColumn& ResultTable::operator[](const std::string& column) {
-    return *std::ranges::find_if(columns, [&](const ResultColumn& c) { return c.about.name == column; });
+    return *std::ranges::find_if(columns, [&](const ResultColumn& c) { return c.description.name == column; });
 }
 
 std::size_t ResultTable::rows() const {
@@ -80,12 +80,12 @@ void RayTable::band(const measure::evaluate::BandResult& result) {
     const std::size_t n = result.outcomes.size();
     auto& columns = table_.columns;
     for (std::size_t i = 0; i < n; ++i) {
-        const bool hit = result.answers->hit[i] != 0;
+        const bool is_hit = result.answers->hit[i] != 0;
         const measure::truth::Truth truth = result.truth(i);
         columns[0].codes.push_back(static_cast<std::uint8_t>(result.outcomes[i]));
-        columns[1].numbers.push_back(hit ? result.answers->object[i] : measure::truth::missing);
+        columns[1].numbers.push_back(is_hit ? result.answers->object[i] : measure::truth::missing);
         columns[2].numbers.push_back(truth.is_hit() ? truth.object : measure::truth::missing);
-        columns[3].numbers.push_back(hit ? result.answers->t[i] : measure::truth::missing);
+        columns[3].numbers.push_back(is_hit ? result.answers->t[i] : measure::truth::missing);
         columns[4].numbers.push_back(
             truth.is_hit() ? result.band->rounded_truth(i, binary64, row_.form->info->direction, result.convention)
                            : measure::truth::missing);
@@ -108,8 +108,8 @@ extern "C" {
 int lostbits_result_table(const lostbits_result* result, size_t table, lostbits_table* into) {
     if (into == nullptr) return LOSTBITS_BAD_INPUT;
     if (result == nullptr || table >= result->tables.size()) return LOSTBITS_NOTHING;
-    const ResultTable& found = result->tables[table];
-    *into = {found.name.c_str(), found.columns.size(), found.rows()};
+    const ResultTable& found_table = result->tables[table];
+    *into = {found_table.name.c_str(), found_table.columns.size(), found_table.rows()};
     return LOSTBITS_OK;
 }
 
@@ -117,18 +117,19 @@ int lostbits_result_column(const lostbits_result* result, size_t table, size_t c
     if (into == nullptr) return LOSTBITS_BAD_INPUT;
     if (result == nullptr || table >= result->tables.size() || column >= result->tables[table].columns.size())
         return LOSTBITS_NOTHING;
-    const ResultColumn& c = result->tables[table].columns[column];
-    const bool is_coded = !c.names.empty(), is_text = !is_coded && c.about.type == "string";
-    *into = {.name = c.about.name.c_str(),
-             .type = c.about.type.c_str(),
-             .unit = c.about.unit.c_str(),
-             .meaning = c.about.meaning.c_str(),
-             .numbers = is_coded || is_text ? nullptr : c.numbers.data(),
-             .texts = is_text ? c.text_pointers.data() : nullptr,
-             .categories = is_coded ? c.codes.data() : nullptr,
-             .names = is_coded ? c.name_pointers.data() : nullptr,
-             .name_count = c.names.size(),
-             .colours = c.colours};
+    const ResultColumn& result_column = result->tables[table].columns[column];
+    const bool is_coded = !result_column.names.empty(),
+               is_text = !is_coded && result_column.description.type == "string";
+    *into = {.name = result_column.description.name.c_str(),
+             .type = result_column.description.type.c_str(),
+             .unit = result_column.description.unit.c_str(),
+             .meaning = result_column.description.meaning.c_str(),
+             .numbers = is_coded || is_text ? nullptr : result_column.numbers.data(),
+             .texts = is_text ? result_column.text_pointers.data() : nullptr,
+             .categories = is_coded ? result_column.codes.data() : nullptr,
+             .names = is_coded ? result_column.name_pointers.data() : nullptr,
+             .name_count = result_column.names.size(),
+             .colours = result_column.colours};
     return LOSTBITS_OK;
 }
 

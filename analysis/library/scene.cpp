@@ -26,14 +26,14 @@ Scene load_scene(const std::string& name, const lostbits_where& where, const std
     selection::SceneOptions choice{.names = {name},
                                    .size = {},
                                    .variant = {},
-                                   .set = texts_of(where.set, "set"),
+                                   .set = to_strings(where.set, "set"),
                                    .stop = make_stop_token(where.stop)};
     if (where.width != 0 || where.height != 0)
         choice.size = std::to_string(where.width) + "x" + std::to_string(where.height);
     return selection::load_one_scene(choice, data);
 }
 
-std::string data_of(const lostbits_where& where) {
+std::string data_folder_of(const lostbits_where& where) {
     return selection::data_folder(where.data ? where.data : "").string();
 }
 
@@ -58,7 +58,7 @@ Shape parse_shape(const char* name) {
 }
 
 /// A primitive from its numbers. Throws InputError, as for a file, if the ideal or the stored numbers break a limit.
-Primitive<Real> primitive_of(Shape shape, const double* numbers, const Scene& scene, const std::string& subject) {
+Primitive<Real> make_primitive(Shape shape, const double* numbers, const Scene& scene, const std::string& subject) {
     Primitive<double> primitive(shape);
     std::copy_n(numbers, primitive.used().size(), primitive.used().begin());
     for (std::size_t k = 0; k < primitive.used().size(); ++k) {
@@ -66,9 +66,9 @@ Primitive<Real> primitive_of(Shape shape, const double* numbers, const Scene& sc
             throw InputError(subject + ": " + number_names(shape)[k] + " is " + std::to_string(primitive.numbers[k]) +
                              ", which is not a finite number");
     }
-    const bool shared = scene.inputs == scene::file::Inputs::shared;
+    const bool is_shared = scene.inputs == scene::file::Inputs::is_shared;
     for (const Primitive<double>& candidate :
-         {primitive, shared ? scene::rays::round_primitive(primitive, binary32) : primitive}) {
+         {primitive, is_shared ? scene::rays::round_primitive(primitive, binary32) : primitive}) {
         if (const auto broken = broken_limit(candidate))
             throw InputError(subject + ": " + std::string(broken->key->name) + " " + limit_phrase(shape, *broken->key));
     }
@@ -85,8 +85,9 @@ void add_rays(const Scene& scene, lostbits_result& result) {
                                                   {"dx", "number", "", "coordinate of the ray's direction"},
                                                   {"dy", "number", "", "coordinate of the ray's direction"},
                                                   {"dz", "number", "", "coordinate of the ray's direction"}});
-    auto rays = scene.inputs == scene::file::Inputs::shared ? scene::rays::make_shared_rays(scene, 0, scene.height)
-                                                            : scene::rays::input_rays(scene, 0, scene.height, binary64);
+    auto rays = scene.inputs == scene::file::Inputs::is_shared
+                    ? scene::rays::make_shared_rays(scene, 0, scene.height)
+                    : scene::rays::input_rays(scene, 0, scene.height, binary64);
     for (std::uint64_t i = 0; i < scene.pixels(); ++i) {
         table.columns[0].numbers.push_back(static_cast<double>(i % static_cast<std::uint64_t>(scene.width)));
         table.columns[1].numbers.push_back(static_cast<double>(i / static_cast<std::uint64_t>(scene.width)));
@@ -144,50 +145,52 @@ int lostbits_abi(void) { return LOSTBITS_ABI; }
 const char* lostbits_version(void) { return LOSTBITS_VERSION; }
 
 int lostbits_scene_open(const char* name, const lostbits_where* where, lostbits_scene** scene, lostbits_error* error) {
-    return guarded(error, [&] {
+    return run_guarded(error, [&] {
         require(name, "name");
         require(scene, "scene");
         const lostbits_where given = where ? *where : lostbits_where{};
-        const std::string data = data_of(given);
-        auto found = std::make_unique<lostbits_scene>(
+        const std::string data = data_folder_of(given);
+        auto created = std::make_unique<lostbits_scene>(
             lostbits_scene{.scene = load_scene(name, given, data), .explain_arguments = {}});
-        found->explain_arguments = selection::name_of_scene(found->scene, data);
-        for (const std::string& set : texts_of(given.set, "set")) found->explain_arguments += " --set '" + set + "'";
+        created->explain_arguments = selection::name_of_scene(created->scene, data);
+        for (const std::string& assignment : to_strings(given.set, "set"))
+            created->explain_arguments += " --set '" + assignment + "'";
         if (given.width != 0)
-            found->explain_arguments += " --size " + std::to_string(given.width) + "x" + std::to_string(given.height);
-        *scene = found.release();
+            created->explain_arguments += " --size " + std::to_string(given.width) + "x" + std::to_string(given.height);
+        *scene = created.release();
         return Exit::done;
     });
 }
 
 int lostbits_scene_text(const char* text, const lostbits_where* where, lostbits_scene** scene, lostbits_error* error) {
-    return guarded(error, [&] {
+    return run_guarded(error, [&] {
         require(text, "text");
         require(scene, "scene");
         const TextFile file(text);
-        auto found = std::make_unique<lostbits_scene>(
+        auto created = std::make_unique<lostbits_scene>(
             lostbits_scene{.scene = file.run_with_text_positions(
                                [&] { return load_scene(file.path(), where ? *where : lostbits_where{}, ""); }),
                            .explain_arguments = {}});
-        found->scene.id = "text";
-        found->scene.path.clear();
-        *scene = found.release();
+        created->scene.id = "text";
+        created->scene.path.clear();
+        *scene = created.release();
         return Exit::done;
     });
 }
 
 int lostbits_scene_primitives(lostbits_scene* scene, const char* shape, const double* numbers, size_t count,
                               lostbits_error* error) {
-    return guarded(error, [&] {
+    return run_guarded(error, [&] {
         require(scene, "scene");
         const Shape parsed_shape = parse_shape(shape);
         if (count == 0) throw InputError("the list of primitives is empty; give at least one");
         require(numbers, "numbers");
-        const std::span<const double> all = array_of(numbers, count, "numbers", row_of(parsed_shape).numbers);
+        const std::span<const double> all_numbers = to_span(numbers, count, "numbers", row_of(parsed_shape).numbers);
         std::vector<Primitive<Real>> primitives;
         for (std::size_t i = 0; i < count; ++i)
-            primitives.push_back(primitive_of(parsed_shape, &all[i * row_of(parsed_shape).numbers], scene->scene,
-                                              std::string(row_of(parsed_shape).name) + " " + std::to_string(i)));
+            primitives.push_back(make_primitive(parsed_shape, &all_numbers[i * row_of(parsed_shape).numbers],
+                                                scene->scene,
+                                                std::string(row_of(parsed_shape).name) + " " + std::to_string(i)));
         remove_primitives(*scene);
         auto& listed = scene->scene.listed;
         listed.insert(listed.end(), primitives.begin(), primitives.end());
@@ -197,13 +200,13 @@ int lostbits_scene_primitives(lostbits_scene* scene, const char* shape, const do
 
 int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t vertex_count, const uint32_t* faces,
                         size_t face_count, lostbits_error* error) {
-    return guarded(error, [&] {
+    return run_guarded(error, [&] {
         require(scene, "scene");
         require(vertices, "vertices");
         require(faces, "faces");
-        const std::span<const double> all_vertices = array_of(vertices, vertex_count, "vertices", 3);
-        const std::span<const uint32_t> all_faces = array_of(faces, face_count, "faces", 3);
-        const FloatFormat& stored = scene->scene.inputs == scene::file::Inputs::shared ? binary32 : binary64;
+        const std::span<const double> all_vertices = to_span(vertices, vertex_count, "vertices", 3);
+        const std::span<const uint32_t> all_faces = to_span(faces, face_count, "faces", 3);
+        const FloatFormat& stored = scene->scene.inputs == scene::file::Inputs::is_shared ? binary32 : binary64;
         scene::triangle::Mesh mesh;
         for (std::size_t i = 0; i < vertex_count; ++i) {
             const double* const v = &all_vertices[3 * i];
@@ -234,19 +237,19 @@ int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t ve
 }
 
 int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int inverse, lostbits_error* error) {
-    return guarded(error, [&] {
+    return run_guarded(error, [&] {
         require(scene, "scene");
         require(matrix, "matrix");
         Scene& target = scene->scene;
         scene->stored->forget();
         if (target.flake) throw InputError("transform: a sphereflake is made in world space and takes no matrix");
-        const bool shared = target.inputs == scene::file::Inputs::shared;
+        const bool is_shared = target.inputs == scene::file::Inputs::is_shared;
         std::array<double, Affine<double>::numbers> numbers;
         for (std::size_t k = 0; k < numbers.size(); ++k) {
-            const double x = shared ? rounding::to_format(matrix[k], 0, binary32) : matrix[k];
+            const double x = is_shared ? rounding::to_format(matrix[k], 0, binary32) : matrix[k];
             if (!std::isfinite(x))
                 throw InputError("transform: number " + std::to_string(k) + " is not a finite number" +
-                                 (shared ? " of float32" : ""));
+                                 (is_shared ? " of float32" : ""));
             numbers[k] = x;
         }
         const Placement<double> placement = placement_of(numbers, inverse != 0);
@@ -260,21 +263,21 @@ int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int in
 }
 
 int lostbits_scene_rays(const lostbits_scene* scene, lostbits_result** result, lostbits_error* error) {
-    return guarded(error, [&] {
+    return run_guarded(error, [&] {
         require(scene, "scene");
         require(result, "result");
-        auto found = std::make_unique<lostbits_result>();
-        add_rays(scene->scene, *found);
-        add_primitives(scene->scene, *found);
-        return hand_over(std::move(found), result);
+        auto created = std::make_unique<lostbits_result>();
+        add_rays(scene->scene, *created);
+        add_primitives(scene->scene, *created);
+        return hand_over(std::move(created), result);
     });
 }
 
 int lostbits_shapes(lostbits_result** result, lostbits_error* error) {
-    return guarded(error, [&] {
+    return run_guarded(error, [&] {
         require(result, "result");
-        auto found = std::make_unique<lostbits_result>();
-        auto csv = found->tables
+        auto created = std::make_unique<lostbits_result>();
+        auto csv = created->tables
                        .emplace_back("shapes",
                                      std::vector<output::file::Column>{
                                          {"shape", "string", "", "name of the shape"},
@@ -283,7 +286,7 @@ int lostbits_shapes(lostbits_result** result, lostbits_error* error) {
                        .writer();
         for (const ShapeRow& shape_row : shape_rows)
             for (const Key& key : shape_row.keys) csv.add(shape_row.name).add(key.name).add(key.count()).end_row();
-        return hand_over(std::move(found), result);
+        return hand_over(std::move(created), result);
     });
 }
 

@@ -14,10 +14,11 @@ scene::rays::PrimitiveList<double> primitive_list(std::vector<Primitive<double>>
 }
 
 StoredScene::StoredScene(const Scene& scene, const FloatFormat& format)
-    : beside_mesh(scene::rays::stored_beside_mesh(scene, format)), mesh(scene::rays::stored_mesh(scene, format)) {}
+    : primitives_beside_mesh(scene::rays::stored_beside_mesh(scene, format)),
+      mesh(scene::rays::stored_mesh(scene, format)) {}
 
 const measure::culling::Culler& StoredScene::culler() const {
-    std::call_once(culler_made_, [this] { culler_.emplace(primitive_list(beside_mesh, mesh)); });
+    std::call_once(culler_made_, [this] { culler_.emplace(primitive_list(primitives_beside_mesh, mesh)); });
     return *culler_;
 }
 

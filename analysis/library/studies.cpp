@@ -24,24 +24,24 @@ using measure::evaluate::TestedForm;
 
 namespace {
 
-std::unique_ptr<lostbits_result> sweep_of(const std::filesystem::path& path, const std::string& data, Selection& chosen,
-                                          CallSettings& running) {
+std::unique_ptr<lostbits_result> sweep_result(const std::filesystem::path& path, const std::string& data,
+                                              Selection& chosen, CallSettings& settings) {
     if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::axes)
         throw InputError(path.string() +
                          ": is not a sweep along axes: it has cases, a search or every float of a range; `lostbits "
                          "sweep` measures those");
-    const scene::sweep::SweepFile sweep(path, data, {}, running.stop());
+    const scene::sweep::SweepFile sweep(path, data, {}, settings.stop());
     chosen.keep_rows_for("sweep " + sweep.id, [&sweep](Shapes forms) { return sweep.meets(forms); });
     std::vector<const measure::metric::Metric*> metrics = chosen.extra_metrics;
     for (const char* name : {"inherent_bits", "excess_bits"}) metrics.push_back(measure::metric::find_metric(name));
-    auto request = study::sweep_of(sweep, chosen.rows, std::move(metrics), chosen.metric_set, running.stop());
+    auto request = study::sweep_request(sweep, chosen.rows, std::move(metrics), chosen.metric_set, settings.stop());
     output::sweep::SweepFiles::require_own_columns(request);
-    request.progress = running.advance_callback(measure::sweep::sweep_units(request));
-    const auto found = measure::sweep::measure_sweep(request);
+    request.progress = settings.advance_callback(measure::sweep::sweep_units(request));
+    const auto measured_sweep = measure::sweep::measure_sweep(request);
     auto result = std::make_unique<lostbits_result>();
     result->add_table("samples", output::sweep::sample_table(request),
-                      output::sweep::sample_rows(request, found.steps));
-    if (sweep.axes.size() == 1) result->add_table("onsets", output::sweep::onset_table(request), found.onsets);
+                      output::sweep::sample_rows(request, measured_sweep.steps));
+    if (sweep.axes.size() == 1) result->add_table("onsets", output::sweep::onset_table(request), measured_sweep.onsets);
     return result;
 }
 
@@ -58,25 +58,25 @@ const TestedForm& only_row(const Selection& chosen, const std::string& context) 
     return form_row;
 }
 
-std::unique_ptr<lostbits_result> explanation_of(const scene::file::Scene& scene, int x, int y, Selection& chosen) {
+std::unique_ptr<lostbits_result> explanation_result(const scene::file::Scene& scene, int x, int y, Selection& chosen) {
     chosen.keep_rows_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     const TestedForm& form_row = only_row(chosen, "explain looks at one ray in one form and format");
     const auto* const generator = scene::rays::generator_of(*form_row.form);
     const scene::file::Scene generated = generator ? with_rays(scene, *generator) : scene;
     const measure::answer::OneRay ray(generated, x, y);
-    const auto found = measure::attribution::explain(*form_row.form, form_row.format, ray, {},
-                                                     measure::attribution::ScenePixel{&generated, x, y});
+    const auto explanation = measure::attribution::explain(*form_row.form, form_row.format, ray, {},
+                                                           measure::attribution::ScenePixel{&generated, x, y});
     const auto march = output::attribution::end_of_march(*form_row.form, form_row.format, ray);
     auto result = std::make_unique<lostbits_result>();
-    result->texts = {output::attribution::explain_text(found, false, march),
-                     output::attribution::explain_json(found, march)};
+    result->texts = {output::attribution::explain_text(explanation, false, march),
+                     output::attribution::explain_json(explanation, march)};
     return result;
 }
 
 /// Measures a study of a scene; the result has its summary.
 template <class Adapter>
-std::unique_ptr<lostbits_result> study_of(const scene::file::Scene& scene, const std::vector<std::string>& options,
-                                          const lostbits_choice* choice, CallSettings& running) {
+std::unique_ptr<lostbits_result> study_result(const scene::file::Scene& scene, const std::vector<std::string>& options,
+                                              const lostbits_choice* choice, CallSettings& settings) {
     lostbits_choice given = choice ? *choice : lostbits_choice{};
     const std::vector<std::string> default_forms = Adapter::usual_forms();
     std::vector<const char*> forms(default_forms.size());
@@ -91,29 +91,29 @@ std::unique_ptr<lostbits_result> study_of(const scene::file::Scene& scene, const
     chosen.keep_rows_for("scene " + scene.id,
                          [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.meets(shapes); });
     auto study =
-        Adapter::make_study(scene, chosen.rows, study::study_values(Adapter::options(), options), running.stop());
-    study.progress = running.advance_callback(scene.pixels() * study.rows.size());
+        Adapter::make_study(scene, chosen.rows, study::study_values(Adapter::options(), options), settings.stop());
+    study.progress = settings.advance_callback(scene.pixels() * study.rows.size());
     const auto summaries = measure::study::run_study(study);
     auto result = std::make_unique<lostbits_result>();
     result->add_table("summary", Adapter::View::summary_table(), Adapter::View::summary_rows(study, summaries));
     return result;
 }
 
-std::unique_ptr<lostbits_result> trade_of(const scene::file::Scene* scene, const std::string& shape, bool quick,
-                                          Selection& chosen, CallSettings& running) {
-    auto request = study::trade_of(scene, shape, {chosen.rows, chosen.forms, true});
+std::unique_ptr<lostbits_result> trade_result(const scene::file::Scene* scene, const std::string& shape, bool quick,
+                                              Selection& chosen, CallSettings& settings) {
+    auto request = study::trade_request(scene, shape, {chosen.rows, chosen.forms, true});
     if (quick) request.plan = study::quick_plan();
-    request.limit.stop = request.plan.stop = running.stop();
-    request.plan.progress = running.advance_callback(measure::speed::trade_units(request));
-    const auto found = measure::speed::run_trade(request);
+    request.limit.stop = request.plan.stop = settings.stop();
+    request.plan.progress = settings.advance_callback(measure::speed::trade_units(request));
+    const auto measured_trade = measure::speed::run_trade(request);
     auto result = std::make_unique<lostbits_result>();
-    result->add_table("trade", output::speed::time_table(), output::speed::time_rows(request, found));
-    result->add_table("pareto", output::speed::pareto_table(), output::speed::pareto_rows(request, found));
-    result->texts.push_back(output::speed::trade_text(request, found));
+    result->add_table("trade", output::speed::time_table(), output::speed::time_rows(request, measured_trade));
+    result->add_table("pareto", output::speed::pareto_table(), output::speed::pareto_rows(request, measured_trade));
+    result->texts.push_back(output::speed::trade_text(request, measured_trade));
     return result;
 }
 
-measure::choice::Requirement requirement_of(const lostbits_requirement& requirement, const char* default_at) {
+measure::choice::Requirement parse_requirement(const lostbits_requirement& requirement, const char* default_at) {
     if (!(requirement.bits >= 0 && requirement.bits <= 53)) throw InputError("bits must be from 0 to 53");
     if (!(requirement.wrong >= 0 && requirement.wrong <= 1))
         throw InputError("wrong is a share of the rays and must be from 0 to 1");
@@ -130,7 +130,7 @@ measure::choice::Requirement requirement_of(const lostbits_requirement& requirem
 /// Fills the result. Returns true if any form meets the requirement.
 bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
                const measure::choice::Requirement& requirement, bool two_words, Selection& chosen,
-               CallSettings& running) {
+               CallSettings& settings) {
     if (requirement.has_tolerance()) throw InputError("mend repairs a form to keep bits of t; give no tolerance");
     chosen.keep_rows_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     if (scene.is_placed())
@@ -142,25 +142,26 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
     selection::refuse_generated_rays({scene}, "mend");
     measure::repair::RepairRequest request{
         .scene = &scene, .row = form_row, .requirement = requirement, .two_words = two_words};
-    request.limit.stop = running.stop();
-    request.progress = running.advance_callback(0);
+    request.limit.stop = settings.stop();
+    request.progress = settings.advance_callback(0);
     const auto repair = measure::repair::repair_form(request);
-    const output::repair::RepairSummary found = output::repair::result_of(request, repair);
-    result.add_table("mend", output::repair::form_table(), output::repair::rows_of(found));
-    result.add_table("minimal", output::repair::minimal_table(), output::repair::minimal_rows(found));
-    result.add_table("probes", output::repair::probe_table(), output::repair::probe_rows(found));
-    result.texts.push_back(output::repair::in_words(found));
-    const bool is_better = output::repair::best_of(output::repair::proposals_of(found), found) != nullptr;
-    if (is_better) result.texts.push_back(output::repair::emitted(found, "mended.hpp", "lostbits_mend"));
+    const output::repair::RepairSummary repair_summary = output::repair::result_of(request, repair);
+    result.add_table("mend", output::repair::form_table(), output::repair::rows_of(repair_summary));
+    result.add_table("minimal", output::repair::minimal_table(), output::repair::minimal_rows(repair_summary));
+    result.add_table("probes", output::repair::probe_table(), output::repair::probe_rows(repair_summary));
+    result.texts.push_back(output::repair::in_words(repair_summary));
+    const bool is_better =
+        output::repair::best_of(output::repair::proposals_of(repair_summary), repair_summary) != nullptr;
+    if (is_better) result.texts.push_back(output::repair::emitted(repair_summary, "mended.hpp", "lostbits_mend"));
     return repair.set || is_better;
 }
 
 /// Fills the result. Returns true if any form meets the requirement.
 bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
-                 const measure::choice::Requirement& requirement, Selection& chosen, CallSettings& running) {
+                 const measure::choice::Requirement& requirement, Selection& chosen, CallSettings& settings) {
     measure::choice::ChoiceRequest request;
     request.requirement = requirement;
-    request.limit.stop = request.plan.stop = running.stop();
+    request.limit.stop = request.plan.stop = settings.stop();
     request.scene = &scene;
     request.rows = selection::select_timed_rows(scene.id, {chosen.rows, chosen.forms, true},
                                                 [&scene](Shapes forms) { return scene.meets(forms); });
@@ -168,14 +169,14 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
     if (request.rows.empty())
         throw InputError(
             "choose compares f32 and f64 only: the time of an emulated format says nothing; name one of them");
-    request.progress = running.advance_callback(scene.pixels() * request.rows.size());
+    request.progress = settings.advance_callback(scene.pixels() * request.rows.size());
     measure::choice::TimedRays timed_rays;
     const auto candidates = measure_candidates(request, timed_rays);
-    const auto found = output::choice::choose_among(request, candidates, timed_rays);
-    result.add_table("choose", output::choice::candidate_table(), output::choice::candidate_rows(found));
-    result.add_table("room", output::choice::margin_table(), found.margins);
-    result.texts.push_back(output::choice::in_words(found));
-    return found.cheapest_index.has_value();
+    const auto choice = output::choice::choose_among(request, candidates, timed_rays);
+    result.add_table("choose", output::choice::candidate_table(), output::choice::candidate_rows(choice));
+    result.add_table("room", output::choice::margin_table(), choice.margins);
+    result.texts.push_back(output::choice::in_words(choice));
+    return choice.cheapest_index.has_value();
 }
 
 /// The arguments of a call with a requirement.
@@ -188,17 +189,17 @@ struct RequirementArguments {
 /// Calls `find`, which fills a new result and returns true if the answer is yes. `default_at` is the requirement's `at`
 /// if none is given.
 template <class Find>
-Exit answer_to(const RequirementArguments& arguments, const char* default_at, lostbits_result** result,
-               const Find& find) {
+Exit run_with_requirement(const RequirementArguments& arguments, const char* default_at, lostbits_result** result,
+                          const Find& find) {
     require(arguments.scene, "scene");
     require(arguments.requirement, "requirement");
     require(result, "result");
     Selection chosen(arguments.choice);
-    CallSettings running(arguments.run);
-    auto found = std::make_unique<lostbits_result>();
-    const bool meets =
-        find(*found, arguments.scene->scene, requirement_of(*arguments.requirement, default_at), chosen, running);
-    return hand_over(std::move(found), result, meets ? Exit::done : Exit::answer_is_no);
+    CallSettings settings(arguments.run);
+    auto answer = std::make_unique<lostbits_result>();
+    const bool meets_requirement =
+        find(*answer, arguments.scene->scene, parse_requirement(*arguments.requirement, default_at), chosen, settings);
+    return hand_over(std::move(answer), result, meets_requirement ? Exit::done : Exit::answer_is_no);
 }
 
 }  // namespace
@@ -212,74 +213,77 @@ extern "C" {
 
 int lostbits_sweep(const char* sweep, int is_text, const char* data, const lostbits_choice* choice,
                    const lostbits_run* run, lostbits_result** result, lostbits_error* error) {
-    return guarded(error, [&] {
+    return run_guarded(error, [&] {
         require(sweep, "sweep");
         require(result, "result");
         Selection chosen(choice);
-        CallSettings running(run);
+        CallSettings settings(run);
         const std::string folder = selection::data_folder(data ? data : "").string();
         if (is_text == 0)
-            return hand_over(sweep_of(scene::sweep::find_sweep(sweep, folder), folder, chosen, running), result);
+            return hand_over(sweep_result(scene::sweep::find_sweep(sweep, folder), folder, chosen, settings), result);
         const TextFile file(sweep);
-        return hand_over(file.run_with_text_positions([&] { return sweep_of(file.path(), folder, chosen, running); }),
-                         result);
+        return hand_over(
+            file.run_with_text_positions([&] { return sweep_result(file.path(), folder, chosen, settings); }), result);
     });
 }
 
 int lostbits_explain(const lostbits_scene* scene, int x, int y, const lostbits_choice* choice, lostbits_result** result,
                      lostbits_error* error) {
-    return guarded(error, [&] {
+    return run_guarded(error, [&] {
         require(scene, "scene");
         require(result, "result");
         Selection chosen(choice);
-        return hand_over(explanation_of(scene->scene, x, y, chosen), result);
+        return hand_over(explanation_result(scene->scene, x, y, chosen), result);
     });
 }
 
 int lostbits_study(const char* study, const lostbits_scene* scene, const lostbits_words* options,
                    const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,
                    lostbits_error* error) {
-    return guarded(error, [&] {
+    return run_guarded(error, [&] {
         require(study, "study");
         require(scene, "scene");
         require(result, "result");
-        const auto option_texts = options ? texts_of(*options, "options") : std::vector<std::string>{};
-        CallSettings running(run);
-        auto found = study::with_study(study, [&](auto adapter) {
-            return study_of<decltype(adapter)>(scene->scene, option_texts, choice, running);
+        const auto option_texts = options ? to_strings(*options, "options") : std::vector<std::string>{};
+        CallSettings settings(run);
+        auto study_tables = study::with_study(study, [&](auto adapter) {
+            return study_result<decltype(adapter)>(scene->scene, option_texts, choice, settings);
         });
-        return hand_over(std::move(found), result);
+        return hand_over(std::move(study_tables), result);
     });
 }
 
 int lostbits_trade(const lostbits_scene* scene, const char* shape, int quick, const lostbits_choice* choice,
                    const lostbits_run* run, lostbits_result** result, lostbits_error* error) {
-    return guarded(error, [&] {
+    return run_guarded(error, [&] {
         require(result, "result");
         if (scene != nullptr && shape != nullptr)
             throw InputError("shape: a scene is given, which has its own shapes; pass NULL for one of the two");
         if (shape != nullptr && *shape == '\0') throw InputError("shape is empty; name one, or pass NULL for a sphere");
         Selection chosen(choice);
-        CallSettings running(run);
-        return hand_over(trade_of(scene ? &scene->scene : nullptr, shape ? shape : "", quick != 0, chosen, running),
-                         result);
+        CallSettings settings(run);
+        return hand_over(
+            trade_result(scene ? &scene->scene : nullptr, shape ? shape : "", quick != 0, chosen, settings), result);
     });
 }
 
 int lostbits_choose(const lostbits_scene* scene, const lostbits_requirement* requirement, const lostbits_choice* choice,
                     const lostbits_run* run, lostbits_result** result, lostbits_error* error) {
-    return guarded(error, [&] { return answer_to({scene, requirement, choice, run}, "p99", result, choose_into); });
+    return run_guarded(error, [&] {
+        return run_with_requirement({scene, requirement, choice, run}, "p99", result, choose_into);
+    });
 }
 
 int lostbits_mend(const lostbits_scene* scene, const lostbits_requirement* requirement, int two_words,
                   const lostbits_choice* choice, const lostbits_run* run, lostbits_result** result,
                   lostbits_error* error) {
-    return guarded(error, [&] {
-        return answer_to({scene, requirement, choice, run}, "max", result,
-                         [&](auto& found, const auto& target_scene, const auto& asked_requirement, Selection& chosen,
-                             CallSettings& running) {
-                             return mend_into(found, target_scene, asked_requirement, two_words != 0, chosen, running);
-                         });
+    return run_guarded(error, [&] {
+        return run_with_requirement({scene, requirement, choice, run}, "max", result,
+                                    [&](auto& filled_result, const auto& target_scene, const auto& asked_requirement,
+                                        Selection& chosen, CallSettings& settings) {
+                                        return mend_into(filled_result, target_scene, asked_requirement, two_words != 0,
+                                                         chosen, settings);
+                                    });
     });
 }
 }

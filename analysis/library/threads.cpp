@@ -7,7 +7,7 @@ using namespace lostbits;
 using namespace lostbits::analysis::library;
 
 extern "C" int lostbits_end_threads(lostbits_error* error) {
-    return guarded(error, [] {
+    return run_guarded(error, [] {
         tbb::task_scheduler_handle threads{tbb::attach{}};
         if (!tbb::finalize(threads, std::nothrow))
             throw EnvironmentError(

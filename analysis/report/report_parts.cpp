@@ -277,7 +277,8 @@ page::StudyPart study_part(const StudyWork& work, const std::vector<std::string>
 
 page::TradePart trade_part(Shape shape, const std::vector<TestedForm>& rows, StopToken stop) {
     std::vector<TestedForm> timed = rows;
-    measure::speed::TradeRequest request = study::trade_of(nullptr, std::string(name_of(shape)), {timed, {}, true});
+    measure::speed::TradeRequest request =
+        study::trade_request(nullptr, std::string(name_of(shape)), {timed, {}, true});
     request.plan = study::quick_plan();
     request.limit.stop = request.plan.stop = stop;
     const measure::speed::TradeResult result = measure::speed::run_trade(request);

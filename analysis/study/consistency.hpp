@@ -103,22 +103,23 @@ private:
 
     /// The result of one check of a row in words; empty if there is nothing to say.
     static std::string check_text(const measure::consistency::Check& check,
-                                  const measure::consistency::CheckSummary& s) {
+                                  const measure::consistency::CheckSummary& summary) {
         std::string text;
         const auto add = [&text](const std::string& sentence) { text += (text.empty() ? "" : "; ") + sentence; };
         if (check.name == "end") {
-            const auto yes = s.of(measure::consistency::CheckResult::second_alone);
-            if (s.asked() > 0 && yes > 0 && yes < s.asked())
-                add("a hit exactly at the end of the ray counts for " + part_text(yes, s.asked()));
+            const auto counted_hits = summary.of(measure::consistency::CheckResult::second_alone);
+            if (summary.asked() > 0 && counted_hits > 0 && counted_hits < summary.asked())
+                add("a hit exactly at the end of the ray counts for " + part_text(counted_hits, summary.asked()));
             return text;
         }
-        if (s.decisions() > 0) add("decisions differ for " + part_text(s.decisions(), s.asked()));
-        const double excess_ulps = s.excess.quantile(1);  // NaN if no numbers are compared
-        if (s.of(measure::consistency::CheckResult::other_number) > 0 && !(excess_ulps > 0))
-            add("numbers differ for " + part_text(s.of(measure::consistency::CheckResult::other_number), s.asked()));
-        if (s.of(measure::consistency::CheckResult::by_inputs) > 0 && !check.numbers)
+        if (summary.decisions() > 0) add("decisions differ for " + part_text(summary.decisions(), summary.asked()));
+        const double excess_ulps = summary.excess.quantile(1);  // NaN if no numbers are compared
+        if (summary.of(measure::consistency::CheckResult::other_number) > 0 && !(excess_ulps > 0))
+            add("numbers differ for " +
+                part_text(summary.of(measure::consistency::CheckResult::other_number), summary.asked()));
+        if (summary.of(measure::consistency::CheckResult::by_inputs) > 0 && !check.numbers)
             add("decisions differ because of rounded inputs, not the form, for " +
-                part_text(s.of(measure::consistency::CheckResult::by_inputs), s.asked()));
+                part_text(summary.of(measure::consistency::CheckResult::by_inputs), summary.asked()));
         if (excess_ulps > 0)
             add(fmt::format("{} are up to {:.3g} ulps further apart than the exact ones",
                             check.name == "placed" ? "both t" : "both ends", excess_ulps));

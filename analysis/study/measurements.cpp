@@ -18,9 +18,9 @@ using measure::attribution::OwnedSetting;
 using measure::evaluate::TestedForm;
 using measure::metric::Metric;
 
-measure::evaluate::MapStudy map_of(const scene::file::Scene& scene, std::vector<TestedForm> rows,
-                                   const std::vector<const Metric*>& metrics, measure::metric::MetricSet& metric_set,
-                                   intersect::process::StopToken stop) {
+measure::evaluate::MapStudy map_study(const scene::file::Scene& scene, std::vector<TestedForm> rows,
+                                      const std::vector<const Metric*>& metrics, measure::metric::MetricSet& metric_set,
+                                      intersect::process::StopToken stop) {
     measure::evaluate::MapStudy map{.scene = &scene, .rows = std::move(rows), .metrics = {}, .limit = {.stop = stop}};
     map.metrics = metric_set.for_forms(selection::measured_metrics(metrics, map.rows),
                                        measure::evaluate::forms_of(map.rows), [&scene] { return OwnedSetting(scene); });
@@ -28,9 +28,9 @@ measure::evaluate::MapStudy map_of(const scene::file::Scene& scene, std::vector<
     return map;
 }
 
-measure::sweep::SweepRequest sweep_of(const scene::sweep::SweepFile& sweep, std::vector<TestedForm> rows,
-                                      std::vector<const Metric*> metrics, measure::metric::MetricSet& metric_set,
-                                      intersect::process::StopToken stop) {
+measure::sweep::SweepRequest sweep_request(const scene::sweep::SweepFile& sweep, std::vector<TestedForm> rows,
+                                           std::vector<const Metric*> metrics, measure::metric::MetricSet& metric_set,
+                                           intersect::process::StopToken stop) {
     measure::sweep::SweepRequest request{
         .sweep = sweep, .rows = std::move(rows), .metrics = {}, .limit = {.stop = stop}};
     // Forms that march stop short on purpose, so the error alone says little: it is split in two.
@@ -52,7 +52,8 @@ namespace {
 
 constexpr std::string_view default_shape = "sphere";
 
-std::vector<TestedForm> rows_of_shape(const std::string& given_name, const std::vector<TestedForm>& all) {
+std::vector<TestedForm> select_rows_of_shape(const std::string& given_name,
+                                             const std::vector<TestedForm>& selected_rows) {
     const std::string shape_name = given_name.empty() ? std::string(default_shape) : given_name;
     const auto parsed = shape_named(shape_name);
     if (!parsed || !is_primitive(*parsed)) {
@@ -62,9 +63,10 @@ std::vector<TestedForm> rows_of_shape(const std::string& given_name, const std::
             fmt::format("shape \"{}\" is unknown; {}", shape_name, scene::toml::did_you_mean(shape_name, names)));
     }
     const Shape shape = *parsed;
-    const auto rows = selection::fitting_rows(all, [shape](Shapes forms) { return forms == shape; });
-    if (rows.empty() &&
-        !selection::fitting_rows(all, [shape](Shapes forms) { return forms == Shapes(shape).placed(); }).empty())
+    const auto rows = selection::fitting_rows(selected_rows, [shape](Shapes forms) { return forms == shape; });
+    if (rows.empty() && !selection::fitting_rows(selected_rows, [shape](Shapes forms) {
+                             return forms == Shapes(shape).placed();
+                         }).empty())
         throw NothingSelected(fmt::format(
             "--shape {}: its primitive is not placed by a matrix, so a form with a transform has nothing to do; name "
             "a scene with matrices, as in `lostbits trade instance-far.{}`",
@@ -92,10 +94,11 @@ void require_timeable(const std::vector<TestedForm>& rows) {
 
 }  // namespace
 
-measure::speed::TradeRequest trade_of(const scene::file::Scene* scene, const std::string& shape,
-                                      const selection::SelectedRows& all) {
-    require_timeable(all.rows);
-    const auto rows = scene ? selection::select_timed_rows(*scene, all) : rows_of_shape(shape, all.rows);
+measure::speed::TradeRequest trade_request(const scene::file::Scene* scene, const std::string& shape,
+                                           const selection::SelectedRows& selected_rows) {
+    require_timeable(selected_rows.rows);
+    const auto rows =
+        scene ? selection::select_timed_rows(*scene, selected_rows) : select_rows_of_shape(shape, selected_rows.rows);
     return {.shape = rows.front().form->shape,
             .scene = scene,
             .kernels = measure::speed::trade_kernels(rows),

@@ -16,22 +16,22 @@ namespace lostbits::analysis::study {
 
 /// The map of a scene with the given metrics and the default metrics of a map, as far as these apply to the rows.
 /// `metric_set` owns the metrics that are made for the map. The scene must outlive the result.
-measure::evaluate::MapStudy map_of(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
-                                   const std::vector<const measure::metric::Metric*>& metrics,
-                                   measure::metric::MetricSet& metric_set, intersect::process::StopToken stop);
-
-/// The request of a sweep along axes, with the metrics as in `map_of`. It is judged by the convention of the sweep's
-/// file, and has three draws of random rays for the spread of onsets. The sweep must outlive the result.
-measure::sweep::SweepRequest sweep_of(const scene::sweep::SweepFile& sweep,
-                                      std::vector<measure::evaluate::TestedForm> rows,
-                                      std::vector<const measure::metric::Metric*> metrics,
+measure::evaluate::MapStudy map_study(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> rows,
+                                      const std::vector<const measure::metric::Metric*>& metrics,
                                       measure::metric::MetricSet& metric_set, intersect::process::StopToken stop);
+
+/// The request of a sweep along axes, with the metrics as in `map_study`. It is judged by the convention of the sweep's
+/// file, and has three draws of random rays for the spread of onsets. The sweep must outlive the result.
+measure::sweep::SweepRequest sweep_request(const scene::sweep::SweepFile& sweep,
+                                           std::vector<measure::evaluate::TestedForm> rows,
+                                           std::vector<const measure::metric::Metric*> metrics,
+                                           measure::metric::MetricSet& metric_set, intersect::process::StopToken stop);
 
 /// The speed and accuracy of forms: on the rays of a scene or, if it is null, on rays of known kinds at a shape (empty:
 /// sphere). Throws InputError for forms that cannot be timed, and NothingSelected if none fits. The scene must outlive
 /// the result.
-measure::speed::TradeRequest trade_of(const scene::file::Scene* scene, const std::string& shape,
-                                      const selection::SelectedRows& all);
+measure::speed::TradeRequest trade_request(const scene::file::Scene* scene, const std::string& shape,
+                                           const selection::SelectedRows& selected_rows);
 
 /// Few and short measurements, for a first look.
 measure::speed::TimingPlan quick_plan();

@@ -91,7 +91,7 @@ struct OffsetsAdapter {
     static std::uint64_t unproved(const View::SummaryRow& row) { return row.summary->unresolved; }
 
     /// Leaves out the search for a quiet offset, which takes as long as all the rest, if no column is about it.
-    static void leave_out(Study& study, const std::set<std::string>& columns) {
+    static void skip_unneeded_work(Study& study, const std::set<std::string>& columns) {
         study.finds_quiet_offset = std::ranges::any_of(
             columns, [](const std::string& column) { return column.find("quiet") != std::string::npos; });
     }
@@ -101,15 +101,15 @@ struct OffsetsAdapter {
     static std::optional<measure::evaluate::WorstRay> witness(const View::SummaryRow& row, const std::string& column) {
         const auto bad = find_bad_ray(row.summary->side_summary(row.side).strategies[row.strategy_index], column);
         if (!bad) return std::nullopt;
-        const auto given = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(bad->ray.ray));
-        given->primitives = {bad->primitive};
+        const auto explained_rays = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(bad->ray.ray));
+        explained_rays->primitives = {bad->primitive};
         return measure::evaluate::WorstRay{.x = bad->x,
                                            .y = bad->y,
                                            .object = bad->object,
                                            .size = 0,
                                            .ray = bad->ray.ray,
                                            .primitive = bad->primitive,
-                                           .given = given};
+                                           .given = explained_rays};
     }
 
 private:

@@ -22,7 +22,7 @@ namespace lostbits::analysis::study {
 ///   print_results(study, summaries, verbose)  prints the results of a scene
 ///   unproved(summaries), unproved(row)  the number of pixels without a proof, of all rows and of a row of the summary
 ///   witness(row, column)          optional: a ray behind a number of a row of the summary, for claims
-///   leave_out(study, columns)     optional: leaves out the work that these columns of the summary do not need
+///   skip_unneeded_work(study, columns)  optional: skips the work that these columns of the summary do not need
 ///   note(scene, values)           optional: prints notes before the work
 using Studies = std::tuple<ConsistencyAdapter, OffsetsAdapter, RenderAdapter>;
 

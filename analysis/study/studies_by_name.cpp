@@ -20,19 +20,19 @@ namespace {
 
 /// The study that a claim asks. Work that no column of the question needs is left out.
 template <class Adapter>
-typename Adapter::View::Study study_on(const StudyQuestion& question) {
+typename Adapter::View::Study make_study(const StudyQuestion& question) {
     for (const measure::evaluate::TestedForm& form_row : question.rows)
         if (!Adapter::can_measure(*form_row.form))
             throw InputError(fmt::format("{}: is not a form for {}; {}", form_row.form->info->name, Adapter::name,
                                          Adapter::no_form_message));
     Adapter::require(question.scene);
-    std::vector<std::string> given;
+    std::vector<std::string> option_texts;
     for (const auto& [name, values] : question.options)
-        for (const std::string& value : values) given.push_back(name + "=" + value);
-    auto study =
-        Adapter::make_study(question.scene, question.rows, study_values(Adapter::options(), given), question.stop);
-    if constexpr (requires { Adapter::leave_out(study, question.columns); })
-        Adapter::leave_out(study, question.columns);
+        for (const std::string& value : values) option_texts.push_back(name + "=" + value);
+    auto study = Adapter::make_study(question.scene, question.rows, study_values(Adapter::options(), option_texts),
+                                     question.stop);
+    if constexpr (requires { Adapter::skip_unneeded_work(study, question.columns); })
+        Adapter::skip_unneeded_work(study, question.columns);
     return study;
 }
 
@@ -40,18 +40,18 @@ typename Adapter::View::Study study_on(const StudyQuestion& question) {
 template <class Adapter>
 StudyRow study_row(const output::table::Table<typename Adapter::View::SummaryRow>& table,
                    const typename Adapter::View::SummaryRow& row, const std::set<std::string>& columns) {
-    StudyRow found;
+    StudyRow row_values;
     for (const auto& column : table) {
         const output::file::Cell cell = column.value(row);
-        if (column.about.type == "string") found.words[column.about.name] = cell.text();
-        else found.numbers[column.about.name] = cell.number();
+        if (column.about.type == "string") row_values.words[column.about.name] = cell.text();
+        else row_values.numbers[column.about.name] = cell.number();
     }
-    found.unproved = Adapter::unproved(row);
+    row_values.unproved = Adapter::unproved(row);
     if constexpr (requires { Adapter::witness(row, ""); }) {
         for (const std::string& column : columns)
-            if (auto witness = Adapter::witness(row, column)) found.witnesses[column] = std::move(*witness);
+            if (auto witness = Adapter::witness(row, column)) row_values.witnesses[column] = std::move(*witness);
     }
-    return found;
+    return row_values;
 }
 
 /// Draws the sheet of a study, and returns its summaries.
@@ -64,8 +64,9 @@ auto draw_sheet(const typename Adapter::View::Study& study, const std::filesyste
 }
 
 template <class Adapter>
-std::optional<output::page::StudyPart> part_of(const scene::file::Scene& scene, std::vector<std::string> forms,
-                                               std::vector<std::string> formats, intersect::process::StopToken stop) {
+std::optional<output::page::StudyPart> measure_part(const scene::file::Scene& scene, std::vector<std::string> forms,
+                                                    std::vector<std::string> formats,
+                                                    intersect::process::StopToken stop) {
     if (forms.empty()) forms = Adapter::usual_forms();
     if (formats.empty()) formats = {usual_format};
     auto rows = selection::cross(selection::select_forms(forms), selection::select_formats(formats));
@@ -76,7 +77,7 @@ std::optional<output::page::StudyPart> part_of(const scene::file::Scene& scene, 
             rows, [&scene](Shapes shapes) { return selection::are_primitives(shapes) && scene.meets(shapes); }),
         .stop = stop};
     if (question.rows.empty()) return std::nullopt;
-    const auto study = study_on<Adapter>(question);
+    const auto study = make_study<Adapter>(question);
     typename std::vector<typename Adapter::View::Study::Summary> summaries;
     output::page::StudyPart part{
         .study = Adapter::name, .what = Adapter::title, .id = scene.id, .title = scene.title, .note = scene.note};
@@ -108,7 +109,7 @@ StudyNames StudiesByName::names(const std::string& study) const {
 std::vector<StudyRow> StudiesByName::measure(const std::string& study, const StudyQuestion& question) const {
     return with_study(study, [&](auto adapter) {
         using Adapter = decltype(adapter);
-        const auto study_to_measure = study_on<Adapter>(question);
+        const auto study_to_measure = make_study<Adapter>(question);
         const auto summaries = measure::study::run_study(study_to_measure);
         const auto table = Adapter::View::summary_table();
         std::vector<StudyRow> rows;
@@ -122,7 +123,7 @@ void StudiesByName::draw(const std::string& study, const StudyQuestion& question
                          const std::filesystem::path& file) const {
     with_study(study, [&](auto adapter) {
         using Adapter = decltype(adapter);
-        draw_sheet<Adapter>(study_on<Adapter>(question), file);
+        draw_sheet<Adapter>(make_study<Adapter>(question), file);
         return true;
     });
 }
@@ -135,7 +136,7 @@ std::optional<output::page::StudyPart> study_part(const std::string& study, cons
                                                   std::vector<std::string> forms, std::vector<std::string> formats,
                                                   intersect::process::StopToken stop) {
     return with_study(study, [&](auto adapter) {
-        return part_of<decltype(adapter)>(scene, std::move(forms), std::move(formats), stop);
+        return measure_part<decltype(adapter)>(scene, std::move(forms), std::move(formats), stop);
     });
 }
 

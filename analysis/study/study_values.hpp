@@ -12,8 +12,8 @@ namespace lostbits::analysis::study {
 struct StudyOption {
     std::string name;  ///< `check`, for --check
     std::string help;
-    std::vector<std::string> usual;       ///< its values if it is not given
-    std::vector<std::string> known = {};  ///< the values that it can have; empty: the study checks them
+    std::vector<std::string> default_values;       ///< its values if it is not given
+    std::vector<std::string> allowed_values = {};  ///< the values that it can have; empty: the study checks them
 };
 
 /// Values of the options of a study, by name.
@@ -21,7 +21,7 @@ using StudyValues = std::map<std::string, std::vector<std::string>>;
 
 /// Parses options, each `NAME=VALUE`; those that are not given get their usual values. Throws InputError for an unknown
 /// name or value.
-StudyValues study_values(const std::vector<StudyOption>& options, const std::vector<std::string>& given);
+StudyValues study_values(const std::vector<StudyOption>& options, const std::vector<std::string>& option_texts);
 
 /// The format of studies where none is named.
 inline constexpr const char* usual_format = "f32";
