@@ -18,6 +18,7 @@
 #include "output/file/escape.hpp"
 #include "output/file/number_text.hpp"
 #include "scene/toml/counted.hpp"
+#include "scene/toml/did_you_mean.hpp"
 #include "scene/toml/files_of_run.hpp"
 
 namespace lostbits::analysis {
@@ -44,6 +45,21 @@ struct CheckOptions {
     }
 };
 
+/// Throws InputError if the path of a claim file or of a folder does not exist. Suggests the claim file of the data
+/// folder with the nearest name.
+void require_claim_path(const std::string& path, const std::filesystem::path& data) {
+    std::error_code error;
+    if (std::filesystem::status(path, error).type() != std::filesystem::file_type::not_found) return;
+    const std::filesystem::path folder = data / "claims";
+    std::vector<std::string> names;
+    if (std::filesystem::is_directory(folder, error))
+        for (const auto& claim_file : scene::claim::claim_files(folder)) names.push_back(claim_file.stem().string());
+    const auto closest_name = scene::toml::closest(std::filesystem::path(path).stem().string(), names);
+    throw InputError(path + ": no such file or folder; " +
+                     (closest_name ? "did you mean \"" + (folder / (*closest_name + ".toml")).string() + "\"?"
+                                   : "name a claim file, or a folder of claim files such as " + folder.string()));
+}
+
 std::vector<Claim> load_claims(const CheckOptions& options, const std::filesystem::path& data) {
     std::vector<Claim> claims;
     std::set<std::string> ids;
@@ -54,6 +70,7 @@ std::vector<Claim> load_claims(const CheckOptions& options, const std::filesyste
     const auto claim_paths =
         options.files.empty() ? std::vector<std::string>{(data / "claims").string()} : options.files;
     for (const std::string& claim_path : claim_paths) {
+        require_claim_path(claim_path, data);
         for (const auto& path : scene::claim::claim_files(claim_path)) {
             for (Claim& claim : scene::claim::read_claims(path)) {
                 if (!ids.insert(claim.id).second)

@@ -114,7 +114,8 @@ Listing box_methods(const CommonOptions& /*common*/) {
 /// Ray generators, which make the ray of a pixel.
 Listing ray_generators(const CommonOptions& /*common*/) {
     return make_listing({"name", "title", "begins", "source"}, scene::camera::ray_generators(), [](const auto& m) {
-        return Cells<4>{m.info->name, m.info->title, m.info->from_near ? "near plane" : "eye", m.info->source};
+        return Cells<4>{m.info->name, m.info->title, m.info->starts_on_near_plane ? "near plane" : "eye",
+                        m.info->source};
     });
 }
 
@@ -249,7 +250,7 @@ Listing claims(const CommonOptions& common) {
     for (const auto& path : scene::claim::claim_files(root)) {
         for (const Claim& c : scene::claim::read_claims(path)) {
             list.rows.push_back({c.id, std::string(name_of(c.verdict)), std::string(scene::claim::name_of(c.profile)),
-                                 c.subject_name(), c.tested(), c.format, c.statement});
+                                 c.subject_name(), c.tested_name(), c.format, c.statement});
         }
     }
     return list;

@@ -111,9 +111,11 @@ std::vector<Claim> read_all_claims(const std::filesystem::path& data) {
     return claims;
 }
 
-bool is_about_scene(const Claim& c, const std::string& id) { return c.on<SceneSubject>() && c.subject_name() == id; }
+bool is_about_scene(const Claim& c, const std::string& id) {
+    return c.subject_if<SceneSubject>() && c.subject_name() == id;
+}
 bool is_about_sweep(const Claim& c, const std::string& id) {
-    return c.on<SweepSubject>() && std::filesystem::path(c.subject_name()).stem() == id;
+    return c.subject_if<SweepSubject>() && std::filesystem::path(c.subject_name()).stem() == id;
 }
 
 bool has_row(const std::vector<TestedForm>& rows, const Claim& c) {

@@ -100,7 +100,7 @@ ArrayDump::ArrayDump(const std::string& name, std::vector<ArrayColumn> columns, 
       layout_(names_of(columns_),
               [&name](std::size_t, const std::string& problem) { throw InputError(name + ": " + problem); }),
       stop_(options.stop) {
-    settle(options, layout_, default_format(columns_));
+    finish_header(options, layout_, default_format(columns_));
 }
 
 bool ArrayDump::next(std::size_t max_records, Records& records) {
@@ -114,7 +114,7 @@ bool ArrayDump::next(std::size_t max_records, Records& records) {
 Chunk ArrayDump::decode(const Records& records) const {
     Chunk chunk;
     chunk.first = records.first;
-    ChunkWriter writer(layout_, terms(), records.count, chunk);
+    ChunkWriter writer(layout_, settings(), records.count, chunk);
     for (std::size_t i = records.first; i < records.first + records.count; ++i) {
         for (std::size_t c = 0; c < columns_.size(); ++c) {
             const auto slot = layout_.columns()[c].slot;

@@ -62,7 +62,7 @@ std::unique_ptr<lostbits_result> explanation_result(const scene::file::Scene& sc
     chosen.keep_rows_for("scene " + scene.id, [&](Shapes forms) { return scene.meets(forms); });
     const TestedForm& form_row = only_row(chosen, "explain looks at one ray in one form and format");
     const auto* const generator = scene::rays::generator_of(*form_row.form);
-    const scene::file::Scene generated = generator ? with_rays(scene, *generator) : scene;
+    const scene::file::Scene generated = generator ? with_ray_generator(scene, *generator) : scene;
     const measure::answer::OneRay ray(generated, x, y);
     const auto explanation = measure::attribution::explain(*form_row.form, form_row.format, ray, {},
                                                            measure::attribution::ScenePixel{&generated, x, y});

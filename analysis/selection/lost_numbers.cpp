@@ -44,7 +44,8 @@ bool marches_in(const Format& format, const std::vector<TestedForm>& rows) {
     });
 }
 
-void add_lost_numbers(const RayGroup& group, bool marches, const LostLengths::Where& where, LostLengths& lost) {
+void add_lost_numbers(const RayGroup& group, bool marches, const LostLengths::DescribePosition& where,
+                      LostLengths& lost) {
     lost.add_point(group.rays[0].origin, "a coordinate of the eye", where);
     for (const Primitive<double>& primitive : group.primitives) lost.add(primitive, where);
     if (!marches || !group.march) return;
@@ -94,7 +95,7 @@ void note_lost_numbers(const scene::sweep::CaseFile& file, const std::vector<Tes
     for (const Format& format : formats_of(rows)) {
         LostLengths lost(format.parameters);
         for (std::size_t i = 0; i < file.size(); ++i) {
-            const std::vector<RayGroup> before = file.rays_before(i, format.parameters),
+            const std::vector<RayGroup> before = file.unrounded_rays(i, format.parameters),
                                         after = file.rays(i, format.parameters);
             for (std::size_t g = 0; g < after.size(); ++g) {
                 for (std::size_t s = 0; s < after[g].primitives.size(); ++s)

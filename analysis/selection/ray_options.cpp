@@ -118,8 +118,8 @@ SelectedRay find_ray_in_scene(const RayOptions& options, const TestedForm& given
             "give --pixel instead of --ray, or leave out the @ and the ray generator",
             given_row.form->info->name));
     Scene loaded = load_single_scene(options, data);
-    const auto scene =
-        std::make_shared<const Scene>(generator ? with_rays(std::move(loaded), *generator) : std::move(loaded));
+    const auto scene = std::make_shared<const Scene>(generator ? with_ray_generator(std::move(loaded), *generator)
+                                                               : std::move(loaded));
     const TestedForm form_row =
         row_for_primitives(given_row, "scene " + scene->id, [&](Shapes forms) { return scene->meets(forms); });
     std::vector<std::string> given_options;

@@ -28,6 +28,18 @@ constexpr std::pair<std::string_view, const char*> formats_elsewhere[] = {
     {"double", "f64"},   {"float64", "f64"},   {"binary64", "f64"}, {"half", "fp16"},
     {"float16", "fp16"}, {"binary16", "fp16"}, {"bfloat16", "bf16"}};
 
+/// Advice for an unknown name. If no name is near, it lists the names with the same first part: those of box forms for
+/// `box.slab`.
+std::string name_advice(const std::string& name, const std::vector<std::string>& names) {
+    if (scene::toml::closest(name, names)) return scene::toml::did_you_mean(name, names);
+    const std::size_t dot = name.find('.');
+    std::vector<std::string> names_of_group;
+    if (dot != std::string::npos)
+        std::ranges::copy_if(names, std::back_inserter(names_of_group),
+                             [&](const std::string& known) { return known.starts_with(name.substr(0, dot + 1)); });
+    return scene::toml::did_you_mean(name, names_of_group.empty() ? names : names_of_group);
+}
+
 [[noreturn]] void refuse_unknown_format(const std::string& name, const char* option) {
     if (name.size() > 1 && name.front() == 'p' && name.find_first_not_of("0123456789", 1) == std::string::npos)
         throw InputError(fmt::format("{} {}: unknown format; in pN, N is the number of significand bits, from 2 to 53",
@@ -64,7 +76,7 @@ std::vector<std::size_t> find_indices(const std::vector<std::string>& patterns, 
             throw NothingSelected(fmt::format("{} {}: no {} matches this pattern; `lostbits list {}` lists all", option,
                                               pattern, noun, list_name));
         throw InputError(fmt::format("{} {}: unknown {}; {} (`lostbits list {}` lists all)", option, pattern, noun,
-                                     scene::toml::did_you_mean(pattern, names), list_name));
+                                     name_advice(pattern, names), list_name));
     }
     std::vector<std::size_t> indices;
     for (std::size_t i = 0; i < names.size(); ++i)

@@ -69,8 +69,8 @@ struct RenderAdapter {
                             const StudyValues& values, intersect::process::StopToken stop) {
         std::set<scene::file::Stage> stages;
         for (const std::string& stage_name : values.at("stage"))
-            stages.insert(scene.appearance.last_up_to(parse_stage(stage_name)));
-        if (stages.empty()) stages.insert(scene.appearance.furthest());
+            stages.insert(scene.appearance.last_stage_up_to(parse_stage(stage_name)));
+        if (stages.empty()) stages.insert(scene.appearance.last_stage());
         return {
             .scene = scene, .stages = {stages.begin(), stages.end()}, .rows = std::move(rows), .limit = {.stop = stop}};
     }
@@ -78,7 +78,7 @@ struct RenderAdapter {
     /// Prints which stages a scene does not have.
     static void note(const scene::file::Scene& scene, const StudyValues& values) {
         for (const std::string& stage_name : values.at("stage")) {
-            const auto requested = parse_stage(stage_name), drawn = scene.appearance.last_up_to(requested);
+            const auto requested = parse_stage(stage_name), drawn = scene.appearance.last_stage_up_to(requested);
             if (drawn != requested)
                 fmt::print(stderr, "lostbits: scene {} has no stage {}; drawing stage {} instead\n", scene.id,
                            stage_name, name_of(drawn));

@@ -41,7 +41,7 @@ TEST_CASE("12 km from the origin only generators that subtract world points lose
                      : number_in(row.at("direction_lost_bits_p50")) > 6));
         // The eye consists of numbers of the format, but a point of the near plane does not.
         if (generator.info->name != "nvpro")
-            CHECK((number_in(row.at("origin_error_max")) > 0) == generator.info->from_near);
+            CHECK((number_in(row.at("origin_error_max")) > 0) == generator.info->starts_on_near_plane);
     }
 }
 

@@ -48,7 +48,7 @@ std::vector<std::string> answers_of(const Tape& made, const intersect::table::In
 }
 
 /// Every operation wider, every second one, or none.
-std::vector<NodeId> some_of(const Tape& made, int every) {
+std::vector<NodeId> sample_rays(const Tape& made, int every) {
     const auto all = tape::rounded_operations(made);
     std::vector<NodeId> some;
     for (std::size_t k = 0; every > 0 && k < all.size(); k += static_cast<std::size_t>(every)) some.push_back(all[k]);
@@ -81,7 +81,7 @@ TEST_CASE("shader bits: a mended form on the driver has the bits of its tape", "
                     if (wider == tape::two_floats && every == 1 && !is_half_b) continue;
                     if (fma && wider == binary64) continue;  // GLSL's own fma of doubles rounds as drivers like
                     const Tape made =
-                        tape::widened(plain, wider == binary32 ? some_of(plain, 0) : some_of(plain, every),
+                        tape::widened(plain, wider == binary32 ? sample_rays(plain, 0) : sample_rays(plain, every),
                                       wider == binary32 ? binary64 : wider);
                     std::string id = std::string(form_name).substr(std::string(form_name).find('.') + 1);
                     id += std::string("_") + arithmetic + std::to_string(every);
@@ -125,7 +125,7 @@ TEST_CASE("shader bits: a function that GLSL lacks is refused with a replacement
     const auto code = [&](const Tape& made) {
         return output::repair::shader_code(made, form, {.name = "f", .title = "f", .source = {}, .head = {}});
     };
-    CHECK_THROWS_WITH(code(tape::widened(plain, some_of(plain, 1), binary64)), Catch::Contains("fma of doubles"));
+    CHECK_THROWS_WITH(code(tape::widened(plain, sample_rays(plain, 1), binary64)), Catch::Contains("fma of doubles"));
     CHECK_THROWS_WITH(code(tape::tape_of(form, *find_format("f64"))), Catch::Contains("a shader computes in floats"));
 }
 

@@ -59,7 +59,7 @@ std::optional<Target<double>> target_of(const Intersector& form, const Setting& 
 std::optional<scene::rays::RecordedRay> record_some_ray(const Intersector& form, const Setting& setting) {
     const auto* const generator = scene::rays::generator_of(form);
     if (setting.scene == nullptr || !(generator || setting.scene->camera.rays)) return std::nullopt;
-    const scene::rays::GeneratedRays rays(generator ? with_rays(*setting.scene, *generator) : *setting.scene);
+    const scene::rays::GeneratedRays rays(generator ? with_ray_generator(*setting.scene, *generator) : *setting.scene);
     return rays.record(*find_format("f32"), {0, 0});
 }
 

@@ -198,7 +198,7 @@ void find_better_generators(Explanation& x, const OneRay& ray, const ScenePixel&
     for (const scene::camera::RayGenerator& generator : scene::camera::ray_generators()) {
         if (&generator == pixel.scene->camera.rays) continue;
         try {
-            const scene::file::Scene scene = with_rays(*pixel.scene, generator);
+            const scene::file::Scene scene = with_ray_generator(*pixel.scene, generator);
             const auto rays = pixels_around(pixel, scene, ray.touching());
             const FormResult result = result_of_other_form(x, ray, scene::rays::with_generator(generator, form),
                                                            rays.front(), around_pixel(x, rays));

@@ -76,7 +76,7 @@ std::optional<StretchedRays> primitives_larger(IdealRays ideal, const Real& k) {
     Real largest(0);
     for (std::size_t s = 0; s < ideal.primitives.size(); ++s) {
         const auto larger =
-            scene::file::grown(ideal.primitives[s], ideal.paired ? ideal.rays[s].origin : fixed_point, k);
+            scene::file::grow(ideal.primitives[s], ideal.paired ? ideal.rays[s].origin : fixed_point, k);
         if (!larger) return std::nullopt;
         ideal.primitives[s] = *larger;
         largest = std::max(largest, scene::file::size_of(*larger));
@@ -92,7 +92,7 @@ std::optional<StretchedRays> rays_moved(IdealRays ideal, const Real& k) {
     const Real distance = (k - 1) * Real(median(std::move(distances)));
     const Vec<Real> offset = (distance / length(scene::file::offset_direction())) * scene::file::offset_direction();
     for (std::size_t i = 0; i < ideal.rays.size(); ++i) set_origin(ideal.rays, i, ideal.rays[i].origin + offset);
-    for (Primitive<Real>& primitive : ideal.primitives) primitive = scene::file::moved(primitive, offset);
+    for (Primitive<Real>& primitive : ideal.primitives) primitive = scene::file::translate(primitive, offset);
     return StretchedRays{std::move(ideal), to_double(distance)};
 }
 

@@ -25,18 +25,18 @@ double double_of(const Real& x) { return static_cast<double>(x); }
 StretchedScene with_offset(const Scene& scene, const Real& k) {
     const Vec<Real> direction = scene::file::offset_direction();
     const Real distance = (k - 1) * length(scene::file::middle_of(scene) - scene.camera.eye);
-    return {scene::file::moved(scene, (distance / length(direction)) * direction), double_of(distance)};
+    return {scene::file::translate(scene, (distance / length(direction)) * direction), double_of(distance)};
 }
 
 std::optional<StretchedScene> with_distance(const Scene& scene, const Real& k) {
-    auto farther_scene = scene::file::farther(scene, k);
+    auto farther_scene = scene::file::move_farther(scene, k);
     if (!farther_scene) return std::nullopt;
     const Real distance = scene::file::view_share(scene) * length(scene.camera.look_at - scene.camera.eye);
     return StretchedScene{std::move(*farther_scene), double_of(k * distance)};
 }
 
 std::optional<StretchedScene> with_radius(const Scene& scene, const Real& k) {
-    auto larger_scene = scene::file::grown(scene, k);
+    auto larger_scene = scene::file::grow(scene, k);
     if (!larger_scene) return std::nullopt;
     Real largest(0);
     for (const Primitive<Real>& primitive : larger_scene->primitives())

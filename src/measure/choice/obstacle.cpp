@@ -189,8 +189,8 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& form_row,
         const auto& sample = request.rays->sample;
         const std::size_t primitives = sample.paired ? 1 : sample.primitives.size();
         const auto rays =
-            some_of(sample, std::min<std::size_t>(static_cast<std::size_t>(pixels),
-                                                  std::max<std::size_t>(64, most_trial_pairs / primitives)));
+            sample_rays(sample, std::min<std::size_t>(static_cast<std::size_t>(pixels),
+                                                      std::max<std::size_t>(64, most_trial_pairs / primitives)));
         band.emplace(rays, request.limit);
         ideal = ideal_of(rays);
     }

@@ -195,7 +195,8 @@ namespace {
 /// same work are measured together, without the other forms of their scene or sweep: one such metric of a row may take
 /// a hundred times as long as all default metrics.
 std::string slow_work(const Claim& claim) {
-    if (claim.on<scene::claim::SceneSubject>() == nullptr && claim.on<scene::claim::SweepSubject>() == nullptr)
+    if (claim.subject_if<scene::claim::SceneSubject>() == nullptr &&
+        claim.subject_if<scene::claim::SweepSubject>() == nullptr)
         return "";
     const metric::Metric* slow = nullptr;  // in worst_step_origin_fraction, both worst and worst_step may be metrics:
                                            // the longer name counts
@@ -225,7 +226,7 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
             [&]<class Kind>(const Kind&) {
                 SubjectClaims<Kind> subject_claims;
                 for (const std::size_t i : indices)
-                    subject_claims.push_back({claims[i], *claims[i].on<Kind>(), results[i]});
+                    subject_claims.push_back({claims[i], *claims[i].subject_if<Kind>(), results[i]});
                 measure(subject_claims, request);
             },
             claims[indices.front()].subject);

@@ -46,13 +46,13 @@ double trace_value(const Claim& claim, int step, const scene::file::Scene& scene
 /// Summary of the pixel of a claim, as if the map had no other pixel.
 evaluate::FormSummary summary_of_pixel(const Claim& claim, const scene::file::Scene& scene, const TestedForm& form_row,
                                        const std::vector<const metric::Metric*>& metrics, truth::TruthLimit limit) {
-    const auto [x, y] = *claim.on<SceneSubject>()->pixel;
+    const auto [x, y] = *claim.subject_if<SceneSubject>()->pixel;
     if (x >= scene.width || y >= scene.height)
         scene::toml::fail(claim.where, fmt::format("pixel [{}, {}] is outside the picture of {}, which has columns 0 "
                                                    "to {} and rows 0 to {}",
                                                    x, y, scene.id, scene.width - 1, scene.height - 1));
     const auto* const generator = scene::rays::generator_of(*form_row.form);
-    const scene::file::Scene generated_scene = generator ? with_rays(scene, *generator) : scene;
+    const scene::file::Scene generated_scene = generator ? with_ray_generator(scene, *generator) : scene;
     culling::Culler culler(generated_scene);
     truth::Band line(generated_scene, y, y + 1, limit, &culler);
     const evaluate::SharedBandTruth shared(line, {form_row}, metrics);

@@ -187,7 +187,7 @@ void measure_group(scene::rays::RayGroup rays, int group, const std::vector<Test
                              ": it makes camera rays, and the rays of this sweep do not come from a camera with a "
                              "projection; name a sweep over a scene that has [camera.projection]");
         const scene::file::Scene generated_scene =
-            forms.generator ? with_rays(*rays.scene, *forms.generator) : *rays.scene;
+            forms.generator ? with_ray_generator(*rays.scene, *forms.generator) : *rays.scene;
         Band band(generated_scene, 0, generated_scene.height, limit);
         measure_band(band, group, generator_rows, metrics, row_summaries);
     }

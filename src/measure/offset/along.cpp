@@ -37,15 +37,15 @@ Scene moved_along(const Scene& scene, SceneAxis axis, double factor) {
     }
     switch (axis) {
         case SceneAxis::distance: {
-            auto farther_scene = scene::file::farther(std::move(moved_scene), scale);
+            auto farther_scene = scene::file::move_farther(std::move(moved_scene), scale);
             if (!farther_scene)
                 throw InputError("--along distance: the middle of the primitives of scene " + scene.id +
                                  " lies behind its camera; try another scene");
             return std::move(*farther_scene);
         }
-        case SceneAxis::radius: return scene::file::enlarged(std::move(moved_scene), scale);
+        case SceneAxis::radius: return scene::file::enlarge(std::move(moved_scene), scale);
         case SceneAxis::world:
-            return scene::file::moved(std::move(moved_scene), scale * scene::file::offset_direction());
+            return scene::file::translate(std::move(moved_scene), scale * scene::file::offset_direction());
     }
     return moved_scene;
 }

@@ -11,21 +11,21 @@ namespace {
 
 struct Chunk {
     std::size_t begin, count;
-    bool tests_left_sphere;
+    bool tests_own_sphere;
 };
 
 /// Tests one chunk of shadow rays against all primitives, and sets the bits of `blocked`.
 template <class S, class Kernel>
 void test_chunk(const Kernel& kernel, const ShadowRays& shadow, std::span<const Primitive<double>> primitives,
                 const Chunk& chunk, std::vector<std::uint8_t>& blocked) {
-    const auto [begin, count, tests_left_sphere] = chunk;
+    const auto [begin, count, tests_own_sphere] = chunk;
     answer::KernelBuffers<S> buffers(shadow.rays, begin, count);
     for (std::size_t s = 0; s < primitives.size(); ++s) {
         kernel(buffers.rays(), lift_primitive<S>(primitives[s]), buffers.hits());
         for (std::size_t i = 0; i < count; ++i) {
             const std::size_t ray_index = begin + i;
             const bool is_left_sphere = shadow.left_sphere[ray_index] == static_cast<std::int32_t>(s);
-            if (buffers.hit[i] == 0 || (is_left_sphere && !tests_left_sphere)) continue;
+            if (buffers.hit[i] == 0 || (is_left_sphere && !tests_own_sphere)) continue;
             const auto t = static_cast<double>(buffers.t[i]);
             if (t > 0 && t < shadow.reach[ray_index])
                 blocked[ray_index] |= is_left_sphere ? blocked_by_left_sphere : blocked_by_other;
@@ -44,7 +44,7 @@ void ShadowRays::add(const Vec<double>& origin, const Vec<double>& direction, do
 
 std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& form, const Format& format,
                                         const ShadowRays& shadow, const truth::FormatInputs& inputs,
-                                        bool tests_left_sphere) {
+                                        bool tests_own_sphere) {
     std::vector<std::uint8_t> blocked(shadow.rays.size(), blocked_by_nothing);
     const intersect::simd::PackedRow native = intersect::simd::packed_kernels(form);
     constexpr std::size_t chunk_size = 4096;
@@ -53,7 +53,7 @@ std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& for
         inputs.stop.check();
         const std::size_t begin = c * chunk_size, count = std::min(chunk_size, blocked.size() - begin);
         with_kernel(form, native, format, [&]<class S>(const auto& kernel) {
-            test_chunk<S>(kernel, shadow, inputs.primitives.listed(), {begin, count, tests_left_sphere}, blocked);
+            test_chunk<S>(kernel, shadow, inputs.primitives.listed(), {begin, count, tests_own_sphere}, blocked);
         });
     });
     return blocked;

@@ -27,6 +27,6 @@ enum Blocked : std::uint8_t { blocked_by_nothing = 0, blocked_by_other = 1, bloc
 /// `tests_left_sphere`, a ray is also tested against the sphere that it leaves.
 std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& form, const Format& format,
                                         const ShadowRays& shadow, const truth::FormatInputs& inputs,
-                                        bool tests_left_sphere);
+                                        bool tests_own_sphere);
 
 }  // namespace lostbits::measure::picture

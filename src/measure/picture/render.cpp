@@ -165,7 +165,7 @@ private:
         const auto& rule = *appearance_.shadows;
         const Vec<T> light = lift_vec<T>(inputs_.look.light);
         Vec<T> start = hit(i) ? lift_vec<T>(point_[i]) : lift_vec<T>(inputs_.points[i]);
-        if (hit(i) && rule.tests_left_sphere)
+        if (hit(i) && rule.tests_own_sphere)
             start = shadow_origin<T>(start, lift_vec<T>(normal_[i]), rule.offset, static_cast<T>(inputs_.look.epsilon),
                                      rule.ulps);
         const Vec<T> to_light = light - start;
@@ -194,7 +194,7 @@ private:
             ray_pixels.push_back(i);
         }
         const auto blocked = find_blockers(*row_.form, row_.format, shadow_rays, inputs_.geometry,
-                                           appearance_.shadows->tests_left_sphere);
+                                           appearance_.shadows->tests_own_sphere);
         for (std::size_t k = 0; k < ray_pixels.size(); ++k) blocked_[ray_pixels[k]] = blocked[k];
 
         result_.shadow.assign(n_, Shadow::not_compared);

@@ -94,7 +94,8 @@ std::optional<GivenRays> given_rays(const RepairRequest& request, int rays) {
     const std::size_t max_rays = std::clamp<std::size_t>(max_pairs / primitives, 64, static_cast<std::size_t>(rays));
     if (!request.scene) {
         if (request.rays->sample.mesh) return std::nullopt;
-        return GivenRays{choice::ideal_of(some_of(request.rays->sample, max_rays)), request.rays->format.parameters};
+        return GivenRays{choice::ideal_of(sample_rays(request.rays->sample, max_rays)),
+                         request.rays->format.parameters};
     }
     if (request.scene->flake) return std::nullopt;
     const scene::file::Scene smaller_scene = choice::with_smaller_picture(*request.scene, static_cast<int>(max_rays));

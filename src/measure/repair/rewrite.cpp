@@ -191,7 +191,7 @@ RaySample::RaySample(const RepairRequest& request, int rays)
     if (request.scene) smaller_scene = choice::with_smaller_picture(*request.scene, rays);
     const truth::Band band =
         smaller_scene ? truth::Band(*smaller_scene, 0, smaller_scene->height, request.limit)
-                      : truth::Band(some_of(request.rays->sample, static_cast<std::size_t>(rays)), request.limit);
+                      : truth::Band(sample_rays(request.rays->sample, static_cast<std::size_t>(rays)), request.limit);
     const auto inputs = band.inputs_for(form_row.format, *form_row.form->info);
     const auto& form_rays = inputs.rays_for(*form_row.form->info);
     const bool takes_unit_directions = form_row.form->info->direction == intersect::Direction::unit;

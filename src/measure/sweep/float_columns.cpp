@@ -33,12 +33,12 @@ AxisColumns::AxisColumns(const scene::sweep::ExhaustiveFile& file, std::size_t r
     const Ray<float>& r = file.rays[ray].ray;
     ray_numbers_ = {r.origin.x, r.origin.y, r.origin.z, r.direction.x, r.direction.y, r.direction.z};
     primitive_numbers_ = file.primitive.numbers;
-    for (const std::size_t index : file.ray_places) ray_varies_[index] = true;
-    for (const std::size_t index : file.primitive_places) primitive_varies_[index] = true;
+    for (const std::size_t index : file.ray_indices) ray_varies_[index] = true;
+    for (const std::size_t index : file.primitive_indices) primitive_varies_[index] = true;
     direction_varies_ = ray_varies_[3] || ray_varies_[4] || ray_varies_[5];
     for (std::size_t k = 0; k < ray_columns_.size(); ++k)
         if (!ray_varies_[k]) ray_columns_[k].assign(capacity, ray_numbers_[k]);
-    for (std::size_t k = 0; k < primitive_columns_.size() && !file.primitive_places.empty(); ++k)
+    for (std::size_t k = 0; k < primitive_columns_.size() && !file.primitive_indices.empty(); ++k)
         if (!primitive_varies_[k]) primitive_columns_[k].assign(capacity, primitive_numbers_[k]);
     if (std::isfinite(file.rays[ray].tmax)) tmax_.assign(capacity, file.rays[ray].tmax);
 }
@@ -86,7 +86,7 @@ void AxisColumns::make_primitives() {
     has_primitives_ = true;
     primitives_.resize(values_.size(), file_.primitive);
     for (std::size_t i = 0; i < values_.size(); ++i)
-        for (const std::size_t index : file_.primitive_places) primitives_[i].numbers[index] = values_[i];
+        for (const std::size_t index : file_.primitive_indices) primitives_[i].numbers[index] = values_[i];
 }
 
 std::span<const float> AxisColumns::ray_column(std::size_t component, bool is_unit) const {
@@ -114,7 +114,7 @@ void AxisColumns::answer(const TestedForm& form_row, std::span<float> t, std::sp
                                 .dz = ray_column(5, is_unit),
                                 .tmax = tmax};
     const HitBatch<float> hits{t, std::span(near_).first(n), std::span(far_).first(n), hit};
-    if (file_.primitive_places.empty())
+    if (file_.primitive_indices.empty())
         intersect::simd::packed_kernels(*form_row.form).f32(batch, intersect::Target<float>(file_.primitive), hits);
     else answer_primitives(form_row, batch, hits);
 }
@@ -125,7 +125,7 @@ void AxisColumns::answer_primitives(const TestedForm& form_row, const RayBatch<f
                                     const HitBatch<float>& hits) {
     const std::size_t n = values_.size();
     const intersect::simd::ManyRow kernels = intersect::simd::many_kernels(*form_row.form);
-    if (!kernels.f32 || kernels.takes_tmax || !file_.ray_places.empty()) {
+    if (!kernels.f32 || kernels.takes_tmax || !file_.ray_indices.empty()) {
         make_primitives();
         return form_row.form->native32(rays, intersect::Target<float>(std::span<const Primitive<float>>(primitives_)),
                                        hits);

@@ -35,7 +35,7 @@ public:
     [[nodiscard]] Ray<float> ray_for(const evaluate::TestedForm& form_row, std::size_t i) const;
     [[nodiscard]] Primitive<float> primitive(std::size_t i) const { return file_.primitive_at(values_[i]); }
     /// True if the primitive differs from float to float.
-    [[nodiscard]] bool primitive_varies() const { return !file_.primitive_places.empty(); }
+    [[nodiscard]] bool primitive_varies() const { return !file_.primitive_indices.empty(); }
 
 private:
     void make_unit_directions();

@@ -29,7 +29,7 @@ PrimitiveList<double> primitives_of(const scene::rays::RayGroup& group, const cu
 
 /// True if binary32 holds every number of the group; `primitives` lists its primitives. Every format holds a NaN.
 bool fits_binary32(const scene::rays::RayGroup& group, const PrimitiveList<double>& primitives) {
-    bool fits = !group.mesh || primitives.unlisted().inputs == scene::file::Inputs::shared;
+    bool fits = !group.mesh || primitives.flake_and_mesh().inputs == scene::file::Inputs::shared;
     const auto check_number = [&fits](double x) {
         fits &= static_cast<double>(static_cast<float>(x)) == x || x != x;
         return x;

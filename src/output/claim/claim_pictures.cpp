@@ -69,7 +69,9 @@ std::string picture_link(const ShownSubject& shown, const std::string& title, co
 std::string picture_of(const SceneSubject& subject, const ShownSubject& shown) {
     const std::vector<TestedForm> rows = rows_of(shown.claims);
     const scene::file::Scene scene = shown_scene(subject.name, shown.run);
-    const auto is_about_march = [](const Claim* c) { return c->on<SceneSubject>() && c->on<SceneSubject>()->step; };
+    const auto is_about_march = [](const Claim* c) {
+        return c->subject_if<SceneSubject>() && c->subject_if<SceneSubject>()->step;
+    };
     if (std::ranges::all_of(shown.claims, is_about_march)) {
         const measure::answer::OneRay ray(scene, 0, 0, {.stop = shown.run.stop});
         std::string text;
@@ -95,7 +97,7 @@ std::string picture_of(const StudySubject& subject, const ShownSubject& shown) {
     const scene::file::Scene scene = shown_scene(subject.name, shown.run);
     measure::claim::StudyQuestion question{.scene = scene, .rows = rows_of(shown.claims), .stop = shown.run.stop};
     for (const Claim* const c : shown.claims) {
-        for (const auto& [option, value] : c->on<StudySubject>()->options) {
+        for (const auto& [option, value] : c->subject_if<StudySubject>()->options) {
             auto& values = question.options[option];
             if (std::ranges::find(values, value) == values.end()) values.push_back(value);
         }

@@ -94,12 +94,12 @@ std::string claim_row_text(const Claim& c, const ClaimResult& r) {
     const std::string position = words_of(c).place;
     const std::string quotation = c.quotation.empty() ? "" : " <br> \"" + file::markdown_text(c.quotation) + "\"";
     const std::string criterion = c.criterion ? "; says " + file::markdown_text(c.criterion->text) : "";
-    return fmt::format(
-        "| {}{} | {}{}{} | {} | {} = {}{} | {} |\n", verdict, scope.empty() ? "" : ": " + scope,
-        file::markdown_text(c.statement), quotation,
-        c.note.empty() ? "" : " <br> *" + file::markdown_text(c.note) + "*",
-        file::markdown_text(fmt::format("{}{}{}", c.tested(), " " + c.format, position.empty() ? "" : ", " + position)),
-        quantity_cell, measured + bounds_text(r) + spread_text(r), criterion, file::markdown_code(c.id));
+    return fmt::format("| {}{} | {}{}{} | {} | {} = {}{} | {} |\n", verdict, scope.empty() ? "" : ": " + scope,
+                       file::markdown_text(c.statement), quotation,
+                       c.note.empty() ? "" : " <br> *" + file::markdown_text(c.note) + "*",
+                       file::markdown_text(fmt::format("{}{}{}", c.tested_name(), " " + c.format,
+                                                       position.empty() ? "" : ", " + position)),
+                       quantity_cell, measured + bounds_text(r) + spread_text(r), criterion, file::markdown_code(c.id));
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ std::string witness_text(const ClaimResult& r) {
 std::string explain_witness(const Claim& c, const ClaimResult& r) {
     if (r.witness.x < 0) return "";
     const std::string name = r.witness.given ? attribution::explain_ray_arguments(r.witness.given.get())
-                             : c.on<scene::claim::SceneSubject>()
+                             : c.subject_if<scene::claim::SceneSubject>()
                                  ? attribution::explain_pixel_arguments(shell_word(c.subject_name()),
                                                                         static_cast<int>(r.witness.x), r.witness.y)
                                  : "";

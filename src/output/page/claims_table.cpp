@@ -94,8 +94,8 @@ std::optional<PagePosition> position_in(const SweepSubject& subject, const Claim
 }
 
 std::optional<PagePosition> position_of(const Claim& c, const ClaimResult& r, const Report& report) {
-    if (const auto* const scene = c.on<SceneSubject>()) return position_in(*scene, c, r, report);
-    if (const auto* const sweep = c.on<SweepSubject>()) return position_in(*sweep, c, report);
+    if (const auto* const scene = c.subject_if<SceneSubject>()) return position_in(*scene, c, r, report);
+    if (const auto* const sweep = c.subject_if<SweepSubject>()) return position_in(*sweep, c, report);
     return {};
 }
 
@@ -103,7 +103,7 @@ std::optional<PagePosition> position_of(const Claim& c, const ClaimResult& r, co
 std::string subject_cell(const Claim& c, const ClaimResult& r, const Report& report) {
     const claim::SubjectTexts texts = claim::words_of(c);
     const std::string text = html(texts.where),
-                      row = fmt::format("<br><small>{} {}</small>", html(c.tested()), html(c.format));
+                      row = fmt::format("<br><small>{} {}</small>", html(c.tested_name()), html(c.format));
     const auto position = position_of(c, r, report);
     if (!position)
         return fmt::format("{}{}<br><small>not on this page: <code>{}</code></small>", text, row, html(texts.command));

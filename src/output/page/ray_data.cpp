@@ -120,7 +120,7 @@ std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const f
 
 Json rays_json(const MapStudy& request, const TestedForm& form_row, const std::vector<ChosenRay>& rays) {
     const auto* const generator = scene::rays::generator_of(*form_row.form);
-    const scene::file::Scene scene = generator ? with_rays(*request.scene, *generator) : *request.scene;
+    const scene::file::Scene scene = generator ? with_ray_generator(*request.scene, *generator) : *request.scene;
     std::vector<Json> explained(rays.size());
     intersect::process::in_parallel(0, rays.size(), [&](std::size_t i) {
         measure::answer::OneRay ray(scene, rays[i].x, rays[i].y, request.limit);

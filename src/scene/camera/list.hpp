@@ -17,7 +17,7 @@ struct ThreeRay : InvertsProjection {
 
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
-        const Vec<T> point_ahead = multiplied_by_reciprocal_w(from_clip.point(clip_point(camera, pixel, T(1) / T(2))));
+        const Vec<T> point_ahead = multiply_by_reciprocal_w(from_clip.point(clip_point(camera, pixel, T(1) / T(2))));
         const Vec<T> eye = camera.to_world.shift();
         return {eye, unit_by_reciprocal(Vec<T>(camera.to_world.affine(point_ahead) - eye))};
     }
@@ -25,18 +25,18 @@ struct ThreeRay : InvertsProjection {
 
 /// A picking ray in Babylon.js. The second point has z = 1 - 1e-8 for every range of depths: the point is behind the
 /// near plane if z is reversed, and its z rounds to 1 in float.
-struct BabylonRay : InvertsBoth {
+struct BabylonRay : InvertsViewProjection {
     static constexpr RayGeneratorInfo info{
         .name = "babylon",
         .title = "(P V)^-1, product and inverse in the format; from the near plane to z = 1 - 1e-8",
         .source = "Babylon.js, packages/dev/core/src/Culling/ray.core.ts, unprojectRayToRef",
-        .from_near = true,
+        .starts_on_near_plane = true,
     };
 
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
         const auto point_at = [&](const T& z) {
-            return multiplied_by_reciprocal_w(from_clip.point(clip_point(camera, pixel, z)));
+            return multiply_by_reciprocal_w(from_clip.point(clip_point(camera, pixel, z)));
         };
         const Vec<T> near = point_at(camera.depth_near), far = point_at(T(1) - T(1) / T(100000000));
         return {near, unit_by_reciprocal(Vec<T>(far - near))};
@@ -44,17 +44,17 @@ struct BabylonRay : InvertsBoth {
 };
 
 /// Two calls of `unProject`, at the near plane and at the far plane, as in tutorials on picking.
-struct GlmRay : InvertsBoth {
+struct GlmRay : InvertsViewProjection {
     static constexpr RayGeneratorInfo info{
         .name = "glm",
         .title = "(P V)^-1, product and inverse in the format; from the near plane to the far one",
         .source = "GLM 0.9.9.8, glm/ext/matrix_projection.inl:46 unProjectZO and :63 unProjectNO at depths 0 and 1",
-        .from_near = true,
+        .starts_on_near_plane = true,
     };
 
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
-        const auto point_at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
+        const auto point_at = [&](const T& z) { return unproject(camera, from_clip, pixel, z); };
         const Vec<T> near = point_at(camera.depth_near), far = point_at(camera.depth_far);
         return {near, unit_by_reciprocal(Vec<T>(far - near))};
     }
@@ -62,7 +62,7 @@ struct GlmRay : InvertsBoth {
 
 /// A camera's ray in the samples of DirectX Raytracing. z = 0 is the near plane if z runs from 0 to 1, and the far
 /// plane if z is reversed.
-struct DxrRay : InvertsBoth {
+struct DxrRay : InvertsViewProjection {
     static constexpr RayGeneratorInfo info{
         .name = "dxr",
         .title = "z = 0 through (P V)^-1, product and inverse in the format; minus the eye",
@@ -71,7 +71,7 @@ struct DxrRay : InvertsBoth {
 
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
-        const Vec<T> world = unprojected(camera, from_clip, pixel, T(0));
+        const Vec<T> world = unproject(camera, from_clip, pixel, T(0));
         return {camera.eye, unit_of(Vec<T>(world - camera.eye))};
     }
 };
@@ -83,7 +83,7 @@ struct UnrealRay {
         .name = "unreal",
         .title = "(P V)^-1 inverted exactly and rounded once; from the near plane to reversed z = 0.01",
         .source = "Unreal Engine, FSceneView::DeprojectScreenToWorld, FCameraPoseMath::UnprojectFromScreen",
-        .from_near = true,
+        .starts_on_near_plane = true,
     };
 
     template <Number T>
@@ -92,7 +92,7 @@ struct UnrealRay {
     }
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
-        const auto point_at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
+        const auto point_at = [&](const T& z) { return unproject(camera, from_clip, pixel, z); };
         const Vec<T> start = point_at(camera.depth_near), end = point_at(depth_at(camera, T(1) / T(100)));
         return {start, unit_by_reciprocal(Vec<T>(end - start))};
     }
@@ -105,7 +105,7 @@ struct BevyRay {
         .name = "bevy",
         .title = "the camera's matrix times P^-1, in the format; from the near plane to reversed z = 2^-23",
         .source = "Bevy 0.9 to 0.16, crates/bevy_render/src/camera/camera.rs, Camera::viewport_to_world",
-        .from_near = true,
+        .starts_on_near_plane = true,
     };
 
     template <Number T>
@@ -114,7 +114,7 @@ struct BevyRay {
     }
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
-        const auto point_at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
+        const auto point_at = [&](const T& z) { return unproject(camera, from_clip, pixel, z); };
         const Vec<T> near = point_at(camera.depth_near), far = point_at(depth_at(camera, T(1) / T(8388608)));
         return {near, unit_of(Vec<T>(far - near))};
     }
@@ -126,12 +126,12 @@ struct BevyViewRay : InvertsProjection {
         .name = "bevy_view",
         .title = "both points through P^-1, inverted in the format; their difference rotated, the near one moved",
         .source = "Bevy 0.17, crates/bevy_camera/src/camera.rs, Camera::viewport_to_world (pull request 20700)",
-        .from_near = true,
+        .starts_on_near_plane = true,
     };
 
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel) {
-        const auto point_at = [&](const T& z) { return unprojected(camera, from_clip, pixel, z); };
+        const auto point_at = [&](const T& z) { return unproject(camera, from_clip, pixel, z); };
         const Vec<T> near = point_at(camera.depth_near), far = point_at(depth_at(camera, T(1) / T(8388608)));
         return {camera.to_world.affine(near), unit_of(camera.to_world.linear(Vec<T>(far - near)))};
     }
@@ -162,7 +162,7 @@ struct NvproRay {
 };
 
 /// The normal of a ray through a point of the viewport in Godot.
-struct GodotRay : AsStored {
+struct GodotRay : PreparesNothing {
     static constexpr RayGeneratorInfo info{
         .name = "godot",
         .title =
@@ -180,7 +180,7 @@ struct GodotRay : AsStored {
 };
 
 /// Three vectors across and into the picture, as in the samples of OptiX and many path tracers.
-struct OptixRay : AsStored {
+struct OptixRay : PreparesNothing {
     static constexpr RayGeneratorInfo info{
         .name = "optix",
         .title = "x U + y V + W, normalised; U and V are the tangents times the axes, in the format",
@@ -226,7 +226,7 @@ struct WeekendRay {
 };
 
 /// The ray of pbrt's perspective camera, with the world moved so that the eye is its origin.
-struct PbrtRay : AsStored {
+struct PbrtRay : PreparesNothing {
     static constexpr RayGeneratorInfo info{
         .name = "pbrt",
         .title =
@@ -237,13 +237,13 @@ struct PbrtRay : AsStored {
 
     /// The middle of a pixel on the near plane, in the space of the camera.
     template <Number T>
-    static Vec<T> on_near_plane(const CameraNumbers<T>& camera, const Pixel<T>& pixel) {
+    static Vec<T> point_on_near_plane(const CameraNumbers<T>& camera, const Pixel<T>& pixel) {
         const T half = T(1) / T(2);
-        return divided_by_w(camera.raster_to_camera.point({pixel.x + half, pixel.y + half, T(0)}));
+        return divide_by_w(camera.raster_to_camera.point({pixel.x + half, pixel.y + half, T(0)}));
     }
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel<T>& pixel) {
-        return {camera.eye, camera.to_world.linear(unit_of(on_near_plane(camera, pixel)))};
+        return {camera.eye, camera.to_world.linear(unit_of(point_on_near_plane(camera, pixel)))};
     }
 };
 
@@ -260,20 +260,20 @@ struct DifferentialsRay {
     template <Number T>
     static Vec<T> prepare(const CameraNumbers<T>& camera) {
         const auto near_plane_point = [&](int x) {
-            return divided_by_w(camera.raster_to_camera.point({T(x), T(0), T(0)}));
+            return divide_by_w(camera.raster_to_camera.point({T(x), T(0), T(0)}));
         };
         return near_plane_point(1) - near_plane_point(0);
     }
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, const Vec<T>& step, const Pixel<T>& pixel) {
-        const Vec<T> left = PbrtRay::on_near_plane(camera, Pixel<T>{pixel.left, pixel.y, pixel.left});
+        const Vec<T> left = PbrtRay::point_on_near_plane(camera, Pixel<T>{pixel.left, pixel.y, pixel.left});
         return {camera.eye, camera.to_world.linear(unit_of(Vec<T>(left + step)))};
     }
 };
 
 /// The inverse of projection and view without the position of the eye, which is added separately: camera-relative
 /// rendering.
-struct RelativeRay : AsStored {
+struct RelativeRay : PreparesNothing {
     static constexpr RayGeneratorInfo info{
         .name = "relative",
         .title = "(P R)^-1 inverted exactly and rounded once, R the view without its translation; the eye separate",
@@ -284,7 +284,7 @@ struct RelativeRay : AsStored {
 
     template <Number T>
     static Ray<T> ray(const CameraNumbers<T>& camera, int, const Pixel<T>& pixel) {
-        return {camera.eye, unit_of(unprojected(camera, camera.clip_to_offset, pixel, camera.depth_near))};
+        return {camera.eye, unit_of(unproject(camera, camera.clip_to_offset, pixel, camera.depth_near))};
     }
 };
 

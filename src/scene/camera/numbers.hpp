@@ -18,6 +18,7 @@ struct Homogeneous {
     T w;
 };
 
+/// A matrix of four rows, in the format T.
 template <class T>
 struct Matrix4 {
     std::array<std::array<T, 4>, 4> rows;
@@ -84,7 +85,7 @@ struct RayGeneratorInfo {
     std::string_view name;  ///< unique; `three` in `sphere.unified@ray-three`
     std::string_view title;
     std::string_view source;
-    bool from_near = false;  ///< true if the rays begin on the near plane, not at the eye
+    bool starts_on_near_plane = false;  ///< true if the rays begin on the near plane, not at the eye
 };
 
 /// A pinhole camera in a format. Every number is computed exactly from the numbers of the scene, and rounded once. In
@@ -140,7 +141,7 @@ struct Pixel {
 };
 
 /// Base of ray generators that make no matrix of their own. They ignore the value that `prepare` returns.
-struct AsStored {
+struct PreparesNothing {
     template <Number T>
     static int prepare(const CameraNumbers<T>&) {
         return 0;
@@ -156,7 +157,7 @@ struct InvertsProjection {
 };
 
 /// Base of ray generators that compute the product of both matrices and its inverse, (P V)^-1, in the format.
-struct InvertsBoth {
+struct InvertsViewProjection {
     template <Number T>
     static Matrix4<T> prepare(const CameraNumbers<T>& camera) {
         return inverse(camera.projection * camera.view);
@@ -181,19 +182,19 @@ Vec<T> quotient(const Vec<T>& v, const T& divisor) {
     return {v.x / divisor, v.y / divisor, v.z / divisor};
 }
 template <Number T>
-Vec<T> divided_by_w(const Homogeneous<T>& p) {
+Vec<T> divide_by_w(const Homogeneous<T>& p) {
     return quotient(p.xyz, p.w);
 }
 /// Multiplies by 1/w.
 template <Number T>
-Vec<T> multiplied_by_reciprocal_w(const Homogeneous<T>& p) {
+Vec<T> multiply_by_reciprocal_w(const Homogeneous<T>& p) {
     return T(1) / p.w * p.xyz;
 }
 
 /// Transforms the middle of a pixel at a depth by a matrix, and divides by w.
 template <Number T>
-Vec<T> unprojected(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel, const T& z) {
-    return divided_by_w(from_clip.point(clip_point(camera, pixel, z)));
+Vec<T> unproject(const CameraNumbers<T>& camera, const Matrix4<T>& from_clip, const Pixel<T>& pixel, const T& z) {
+    return divide_by_w(from_clip.point(clip_point(camera, pixel, z)));
 }
 
 /// v/|v|, computed as v multiplied by the rounded 1/|v|. `unit_of` divides each component by |v| instead.

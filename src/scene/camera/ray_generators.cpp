@@ -11,23 +11,23 @@ namespace lostbits::scene::camera {
 
 namespace {
 
-template <class M, class T>
-void make(const CameraNumbers<T>& camera, Rows rows, const std::function<void(const Ray<T>&)>& take) {
-    const auto prepared = M::prepare(camera);
+template <class Generator, class T>
+void make_rays(const CameraNumbers<T>& camera, RowRange rows, const std::function<void(const Ray<T>&)>& take) {
+    const auto prepared = Generator::prepare(camera);
     for (int y = rows.first; y < rows.last; ++y)
-        for (int x = 0; x < camera.width; ++x) take(M::ray(camera, prepared, Pixel<T>{T(x), T(y), T(x - 1)}));
+        for (int x = 0; x < camera.width; ++x) take(Generator::ray(camera, prepared, Pixel<T>{T(x), T(y), T(x - 1)}));
 }
 
-template <class M>
-std::array<NodeId, 6> record(const Format& format, const CameraNumbers<double>& stored, PixelCoordinates pixel,
-                             Tape& tape) {
+template <class Generator>
+std::array<NodeId, 6> record_ray(const Format& format, const CameraNumbers<double>& stored, PixelCoordinates pixel,
+                                 Tape& tape) {
     using T = Recorded;
     number::recorders::TapeRecorder recorder(tape, format.parameters);
     const auto input = [](double x) { return T(x); };
     const CameraNumbers<T> camera = stored.each(input);
     const T x = input(pixel.x), y = input(pixel.y), left = input(pixel.x - 1);
-    const auto prepared = M::prepare(camera);
-    const auto [o, d] = M::ray(camera, prepared, Pixel<T>{x, y, left});
+    const auto prepared = Generator::prepare(camera);
+    const auto [o, d] = Generator::ray(camera, prepared, Pixel<T>{x, y, left});
     return std::array{o.x.node(), o.y.node(), o.z.node(), d.x.node(), d.y.node(), d.z.node()};
 }
 
@@ -48,8 +48,9 @@ std::vector<std::string> camera_number_names() {
 std::span<const RayGenerator> ray_generators() {
     static const std::vector<RayGenerator> all = [] {
         std::vector<RayGenerator> rows;
-        for_each_generator([&rows]<class M>() {
-            rows.push_back({&M::info, make<M, float>, make<M, double>, make<M, RoundedAny>, make<M, Real>, record<M>});
+        for_each_generator([&rows]<class Generator>() {
+            rows.push_back({&Generator::info, make_rays<Generator, float>, make_rays<Generator, double>,
+                            make_rays<Generator, RoundedAny>, make_rays<Generator, Real>, record_ray<Generator>});
         });
         return rows;
     }();
@@ -57,7 +58,8 @@ std::span<const RayGenerator> ray_generators() {
 }
 
 const RayGenerator* find_ray_generator(std::string_view name) {
-    const auto found = std::ranges::find(ray_generators(), name, [](const RayGenerator& m) { return m.info->name; });
+    const auto found =
+        std::ranges::find(ray_generators(), name, [](const RayGenerator& generator) { return generator.info->name; });
     return found == ray_generators().end() ? nullptr : &*found;
 }
 

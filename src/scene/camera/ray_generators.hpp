@@ -15,13 +15,13 @@
 namespace lostbits::scene::camera {
 
 /// Rows [first, last) of a picture.
-struct Rows {
+struct RowRange {
     int first, last;
 };
 
 /// Makes the rays of every pixel of some rows, and calls `take` with each ray, in the order of the pixels.
 template <class T>
-using MakeIn = void (*)(const CameraNumbers<T>&, Rows, const std::function<void(const Ray<T>&)>& take);
+using MakeRays = void (*)(const CameraNumbers<T>&, RowRange, const std::function<void(const Ray<T>&)>& take);
 
 /// Column and row of a pixel.
 struct PixelCoordinates {
@@ -32,12 +32,13 @@ struct PixelCoordinates {
 /// order of `CameraNumbers::each`, and the x, y and left of the pixel. Returns the nodes of the ray's six numbers.
 using RecordRay = std::array<NodeId, 6> (*)(const Format&, const CameraNumbers<double>&, PixelCoordinates, Tape&);
 
+/// A row of the table: what a ray generator is, and the functions that make its rays in each arithmetic.
 struct RayGenerator {
     const RayGeneratorInfo* info;
-    MakeIn<float> f32;
-    MakeIn<double> f64;
-    MakeIn<RoundedAny> rounded;
-    MakeIn<Real> real;
+    MakeRays<float> f32;
+    MakeRays<double> f64;
+    MakeRays<RoundedAny> rounded;
+    MakeRays<Real> real;
     RecordRay record;
 };
 

@@ -39,7 +39,7 @@ constexpr std::pair<std::string_view, Evidence> evidences[] = {{"proof", Evidenc
 
 /// Returns an empty name for values that files cannot name.
 template <class E, std::size_t n>
-std::string_view name_in(const std::pair<std::string_view, E> (&names)[n], E value) {
+std::string_view find_name(const std::pair<std::string_view, E> (&names)[n], E value) {
     const auto found = std::ranges::find(names, value, &std::pair<std::string_view, E>::second);
     return found == std::end(names) ? "" : found->first;
 }
@@ -109,29 +109,29 @@ std::string comparison_of(const std::string& text) {
     return "";
 }
 
-Criterion compared(TableReader& table, const std::string& text) {
+Criterion parse_comparison(TableReader& table, const std::string& text) {
     const std::string comparison = comparison_of(text);
     const auto digits = text.find_first_not_of(' ', comparison.size());
     if (comparison.empty() || digits == std::string::npos)
         table.fail_at("criterion", "is \"" + text +
                                        "\"; write what the sentence says of the number, such as \"= 0\", \"> 0\" or "
                                        "\">= 10\", or the ends of an interval, [0.4, 0.6]");
-    const auto read = toml::parse_number(std::string_view(text).substr(digits));
-    if (const auto* fault = std::get_if<toml::NumberFault>(&read))
+    const auto parsed = toml::parse_number(std::string_view(text).substr(digits));
+    if (const auto* fault = std::get_if<toml::NumberFault>(&parsed))
         table.fail_at("criterion", "is \"" + text + "\", in which " + text.substr(digits) + " " + fault->why);
-    const auto x = static_cast<double>(std::get<Real>(read));
-    const std::string shown = comparison + " " + text.substr(digits);
-    if (comparison == "=") return {x, x, shown};
-    if (comparison == ">") return {std::nextafter(x, infinite), infinite, shown};
-    if (comparison == ">=") return {x, infinite, shown};
-    return {-infinite, comparison == "<" ? std::nextafter(x, -infinite) : x, shown};
+    const auto x = static_cast<double>(std::get<Real>(parsed));
+    const std::string normalised_text = comparison + " " + text.substr(digits);
+    if (comparison == "=") return {x, x, normalised_text};
+    if (comparison == ">") return {std::nextafter(x, infinite), infinite, normalised_text};
+    if (comparison == ">=") return {x, infinite, normalised_text};
+    return {-infinite, comparison == "<" ? std::nextafter(x, -infinite) : x, normalised_text};
 }
 
 /// Reads the key `criterion`: a comparison ("= 0", "< 1", "<= 1", "> 0", ">= 10"), or the two ends of an interval.
 /// Throws InputError for anything else.
 std::optional<Criterion> read_criterion(TableReader& table) {
     if (!table.has("criterion")) return std::nullopt;
-    if (table.node("criterion").kind != Node::Kind::array) return compared(table, table.string("criterion"));
+    if (table.node("criterion").kind != Node::Kind::array) return parse_comparison(table, table.string("criterion"));
     const auto ends = table.numbers("criterion", 2);
     const auto low = static_cast<double>(ends[0]), high = static_cast<double>(ends[1]);
     if (!(low <= high)) table.fail_at("criterion", "must be [low, high] with low <= high");
@@ -143,7 +143,7 @@ void read_expect(TableReader table, Claim& claim) {
     claim.onset = table.optional_string("onset").value_or("");
     if (claim.metric.empty() == claim.onset.empty())
         toml::fail(table.where(), "claim.expect names either a metric or an onset; write one of them");
-    const auto* const sweep = claim.on<SweepSubject>();
+    const auto* const sweep = claim.subject_if<SweepSubject>();
     const bool is_whole_sweep = sweep && sweep->part_if<SweepSubject::Along>(),
                is_every_float = sweep && sweep->part_if<SweepSubject::EveryFloat>();
     if (!claim.onset.empty()) {
@@ -164,35 +164,36 @@ void read_expect(TableReader table, Claim& claim) {
     claim.high = static_cast<double>(bounds[1]);
     if (!(claim.low <= claim.high)) table.fail_at("in", "must be [low, high] with low <= high");
     claim.criterion = read_criterion(table);
-    if (claim.criterion) claim.criterion->demand(table, name_of(claim.verdict), claim.low, claim.high);
+    if (claim.criterion) claim.criterion->require_verdict(table, name_of(claim.verdict), claim.low, claim.high);
     claim.draws = static_cast<int>(table.optional_integer("draws", 2, most_draws).value_or(0));
     table.reject_unknown_keys();
 }
 
 }  // namespace
 
-void Criterion::demand(const toml::TableReader& table, std::string_view verdict, double from, double to) const {
-    const bool is_met = is_met_by(from, to), failed = is_failed_by(from, to);
-    if (verdict == "holds" ? is_met : verdict == "refuted" ? failed : is_met || failed) return;
+void Criterion::require_verdict(const toml::TableReader& table, std::string_view verdict, double from,
+                                double to) const {
+    const bool is_met = is_met_by(from, to), is_failed = is_failed_by(from, to);
+    if (verdict == "holds" ? is_met : verdict == "refuted" ? is_failed : is_met || is_failed) return;
     table.fail_at("criterion", fmt::format("is {}, which is {} of the numbers in [{}, {}]: the verdict \"{}\" does not "
                                            "follow; change the verdict, the sentence or the interval",
                                            text,
-                                           is_met   ? "true"
-                                           : failed ? "false"
-                                                    : "true of some and false of others",
+                                           is_met      ? "true"
+                                           : is_failed ? "false"
+                                                       : "true of some and false of others",
                                            from, to, verdict));
 }
 
-std::string_view name_of(Claim::Verdict verdict) { return name_in(verdicts, verdict); }
-std::string_view name_of(Claim::Profile profile) { return name_in(profiles, profile); }
-std::string_view name_of(Claim::Evidence evidence) { return name_in(evidences, evidence); }
+std::string_view name_of(Claim::Verdict verdict) { return find_name(verdicts, verdict); }
+std::string_view name_of(Claim::Profile profile) { return find_name(profiles, profile); }
+std::string_view name_of(Claim::Evidence evidence) { return find_name(evidences, evidence); }
 
 const std::string& Claim::subject_name() const {
     return std::visit([](const auto& kind) -> const std::string& { return kind.name; }, subject);
 }
 
-const std::string& Claim::tested() const {
-    const auto* const table = on<TableSubject>();
+const std::string& Claim::tested_name() const {
+    const auto* const table = subject_if<TableSubject>();
     return table ? table->row : form;
 }
 

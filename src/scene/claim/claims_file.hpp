@@ -12,7 +12,7 @@
 
 namespace lostbits::scene::claim {
 
-/// The numbers for which a sentence is true. "No ray is missed" means = 0 for a share of misses.
+/// The numbers for which the sentence of a claim is true. "No ray is missed" means = 0 for a share of misses.
 struct Criterion {
     double low, high;  ///< both included; an excluded bound (`> 0`) is stored as the next double beyond it
     std::string text;  ///< as in tables: `>= 10`, `[0.4, 0.6]`
@@ -24,9 +24,10 @@ struct Criterion {
     /// Checks that the verdict follows if the criterion is applied to every number from `from` to `to`. Every
     /// measurement in this interval then confirms the verdict too. Throws InputError at the criterion if the verdict
     /// does not follow.
-    void demand(const toml::TableReader& table, std::string_view verdict, double from, double to) const;
+    void require_verdict(const toml::TableReader& table, std::string_view verdict, double from, double to) const;
 };
 
+/// A sentence with its citation, the measurement that tests it, and the expected result.
 struct Claim {
     /// `qualified`: true under a condition that the source does not state; it is in `condition`.
     enum class Verdict { holds, qualified, refuted };
@@ -66,10 +67,10 @@ struct Claim {
     /// The name of the scene, sweep or table, or of the work that is timed.
     [[nodiscard]] const std::string& subject_name() const;
     /// The name of the form, or of the row of a table.
-    [[nodiscard]] const std::string& tested() const;
+    [[nodiscard]] const std::string& tested_name() const;
     /// The subject if it is of the kind `Kind`; else null.
     template <class Kind>
-    [[nodiscard]] const Kind* on() const {
+    [[nodiscard]] const Kind* subject_if() const {
         return std::get_if<Kind>(&subject);
     }
 

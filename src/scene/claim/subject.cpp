@@ -29,13 +29,13 @@ void mark_position_keys(TableReader& table) {
 }
 
 /// Reads `bits`, `wrong` and `at`.
-RequiredBits read_requirement(TableReader& table, const char* usually_at) {
+RequiredBits read_requirement(TableReader& table, const char* default_at) {
     RequiredBits requirement{static_cast<double>(table.number("bits")),
                              static_cast<double>(table.optional_number("wrong").value_or(Real(0))), ""};
     if (!(requirement.bits >= 0 && requirement.bits <= 53)) table.fail_at("bits", "must lie between 0 and 53");
     if (!(requirement.wrong >= 0 && requirement.wrong <= 1))
         table.fail_at("wrong", "is a share of the rays; write 0 to 1");
-    requirement.at = table.optional_string("at").value_or(usually_at);
+    requirement.at = table.optional_string("at").value_or(default_at);
     return requirement;
 }
 
@@ -210,10 +210,10 @@ struct Kind {
     std::string_view no_position_reason = {};
 };
 
-constexpr Kind timing{"timing", read_timing}, choice{"choose", read_choice}, repair{"mend", read_repair};
+constexpr Kind timing_kind{"timing", read_timing}, choice_kind{"choose", read_choice}, repair_kind{"mend", read_repair};
 constexpr std::string_view study_has_no_position = "has no meaning for a study of a scene; leave it out";
-constexpr Kind study{"scene", read_study, study_has_no_position};
-constexpr Kind measured[] = {
+constexpr Kind study_kind{"scene", read_study, study_has_no_position};
+constexpr Kind measured_kinds[] = {
     {"scene", read_scene},
     {"sweep", read_sweep},
     {"table", read_table},
@@ -240,21 +240,21 @@ constexpr OwnKey own_keys[] = {
 
 /// Reads a subject that is neither timed nor repaired: a form, and rays of a scene, a sweep or another source.
 Subject read_measured(TableReader& table, Claim& claim) {
-    for (const Kind& timed_kind : {timing, choice})
+    for (const Kind& timed_kind : {timing_kind, choice_kind})
         table.reject(timed_kind.key, "needs `profile = \"timing\"` at the head of the file");
-    std::vector<std::pair<const Kind*, std::string>> named;
+    std::vector<std::pair<const Kind*, std::string>> named_subjects;
     const bool is_study = table.has("study");
-    for (const Kind& candidate : measured) {
-        const Kind& kind = is_study && candidate.key == study.key ? study : candidate;
+    for (const Kind& candidate : measured_kinds) {
+        const Kind& kind = is_study && candidate.key == study_kind.key ? study_kind : candidate;
         const std::string name = table.optional_string(kind.key).value_or("");
-        if (!name.empty()) named.emplace_back(&kind, file::beside(table.where().source, name));
+        if (!name.empty()) named_subjects.emplace_back(&kind, file::resolve_beside(table.where().source, name));
     }
-    if (named.size() != 1)
+    if (named_subjects.size() != 1)
         toml::fail(
             table.where(),
             "claim.given needs a scene, a sweep, a search, a table, a scene to render, or a scene for offsets or "
             "consistency; write one of them. A study needs a scene besides its name");
-    auto& [kind, name] = named.front();
+    auto& [kind, name] = named_subjects.front();
     if (!kind->no_position_reason.empty()) {
         for (const char* key : {"at", "case", "convention"}) table.reject(key, kind->no_position_reason);
     }
@@ -279,10 +279,11 @@ Subject read_measured(TableReader& table, Claim& claim) {
 
 void read_given(TableReader table, Claim& claim) {
     const auto read_subject = [&](const Kind& kind) {
-        return kind.read(table, claim, file::beside(table.where().source, table.string(kind.key)));
+        return kind.read(table, claim, file::resolve_beside(table.where().source, table.string(kind.key)));
     };
-    if (claim.profile == Claim::Profile::timing) claim.subject = read_subject(table.has(choice.key) ? choice : timing);
-    else if (table.has(repair.key)) claim.subject = read_subject(repair);
+    if (claim.profile == Claim::Profile::timing_kind)
+        claim.subject = read_subject(table.has(choice_kind.key) ? choice_kind : timing_kind);
+    else if (table.has(repair_kind.key)) claim.subject = read_subject(repair_kind);
     else claim.subject = read_measured(table, claim);
     claim.requirements = table.optional_strings("requires").value_or(std::vector<std::string>{});
     table.reject_unknown_keys();

@@ -13,7 +13,7 @@ namespace lostbits::scene::dump {
 namespace {
 
 /// Returns the format of the answers if they are floats, else the format of the widest number that has a meaning.
-Format own_format(const Layout& layout, const std::vector<BinaryColumn>& columns) {
+Format default_format(const Layout& layout, const std::vector<BinaryColumn>& columns) {
     std::optional<Format> widest;
     for (std::size_t s = 0; s < slot::count; ++s) {
         if (!layout.has(s)) continue;
@@ -33,7 +33,7 @@ BinaryDump::BinaryDump(const std::filesystem::path& path, const DumpOptions& opt
     layout_.emplace(std::move(names), [this](std::size_t, const std::string& why) {
         throw InputError(record_layout_.error_source + ": " + why);
     });
-    settle(options, *layout_, own_format(*layout_, record_layout_.columns));
+    finish_header(options, *layout_, default_format(*layout_, record_layout_.columns));
     records_ = record_layout_.records;
     if (!source_.size()) return;
     // Faults that the size of the file shows are reported before the work.
@@ -68,39 +68,41 @@ void BinaryDump::fail_short(std::uint64_t record, std::uint64_t bytes) const {
 }
 
 bool BinaryDump::next(std::size_t max_records, Records& records) {
-    records.first = record_;
+    records.first = next_record_;
     records.bytes.clear();
-    if (records_) max_records = static_cast<std::size_t>(std::min<std::uint64_t>(max_records, *records_ - record_));
+    if (records_)
+        max_records = static_cast<std::size_t>(std::min<std::uint64_t>(max_records, *records_ - next_record_));
     if (max_records == 0) return false;
     std::size_t bytes_read = 0;
     if (record_layout_.is_column_major) {
         for (const BinaryColumn& c : record_layout_.columns)
-            bytes_read += source_.read_at(record_layout_.begin + c.offset + record_ * c.type.size, records.bytes,
+            bytes_read += source_.read_at(record_layout_.begin + c.offset + next_record_ * c.type.size, records.bytes,
                                           max_records * c.type.size);
     } else {
         bytes_read = source_.read(records.bytes, max_records * record_layout_.record_size);
     }
     records.count = bytes_read / record_layout_.record_size;
     const std::size_t rest_bytes = bytes_read % record_layout_.record_size;
-    if (rest_bytes != 0 || (records_ && records.count < max_records)) fail_short(record_ + records.count, rest_bytes);
-    record_ += records.count;
+    if (rest_bytes != 0 || (records_ && records.count < max_records))
+        fail_short(next_record_ + records.count, rest_bytes);
+    next_record_ += records.count;
     return records.count > 0;
 }
 
-bool BinaryDump::is_reversed(const Records& records, const std::vector<std::size_t>& columns,
-                             const std::function<bool(double)>& is_usual, std::string& first_unusual) const {
+bool BinaryDump::looks_byte_swapped(const Records& records, const std::vector<std::size_t>& columns,
+                                    const std::function<bool(double)>& is_usual, std::string& first_unusual) const {
     std::size_t number_count = 0, usual_count = 0, reversed_usual_count = 0;
     for (const std::size_t c : columns) {
         const BinaryColumn& column = record_layout_.columns[c];
-        ItemType reversed = column.type;
-        reversed.big_endian = !reversed.big_endian;
+        ItemType swapped_type = column.type;
+        swapped_type.big_endian = !swapped_type.big_endian;
         for (std::size_t i = 0; i < std::min<std::size_t>(records.count, 64); ++i) {
             const char* const bytes = records.bytes.data() + i * record_layout_.record_size + column.offset;
             const double x = column.type.read(bytes).value;
             if (x == 0) continue;
             ++number_count;
             usual_count += is_usual(x) ? 1 : 0;
-            reversed_usual_count += is_usual(reversed.read(bytes).value) ? 1 : 0;
+            reversed_usual_count += is_usual(swapped_type.read(bytes).value) ? 1 : 0;
             if (!is_usual(x) && first_unusual.empty())
                 first_unusual = fmt::format("record {}: {} is {}", i, column.name, x);
         }
@@ -108,7 +110,7 @@ bool BinaryDump::is_reversed(const Records& records, const std::vector<std::size
     return number_count >= 6 && 2 * usual_count <= number_count && 10 * reversed_usual_count >= 9 * number_count;
 }
 
-void BinaryDump::reject_reversed(const Records& records) const {
+void BinaryDump::reject_byte_swapped(const Records& records) const {
     // t may have any value: the number that means a miss may be of any size.
     std::vector<std::size_t> float_columns, hit_columns;
     for (std::size_t c = 0; c < record_layout_.columns.size(); ++c) {
@@ -122,11 +124,11 @@ void BinaryDump::reject_reversed(const Records& records) const {
     }
     // Tests nonzero floats. Lengths of scenes are in this range; at most a sixth of the floats of random bits are.
     std::string first_unusual;
-    const bool are_floats_reversed = is_reversed(
+    const bool are_floats_reversed = looks_byte_swapped(
         records, float_columns, [](double x) { return std::fabs(x) > 0x1p-20 && std::fabs(x) < 0x1p20; },
         first_unusual);
     if (!are_floats_reversed) first_unusual.clear();
-    const bool is_hit_reversed = is_reversed(
+    const bool is_hit_reversed = looks_byte_swapped(
         records, hit_columns, [](double x) { return x == 1; }, first_unusual);
     if (!are_floats_reversed && !is_hit_reversed) return;
     std::string columns_text, previous_type;
@@ -148,7 +150,7 @@ void BinaryDump::reject_reversed(const Records& records) const {
 }
 
 Chunk BinaryDump::decode(const Records& records) const {
-    if (records.first == 0 && !record_layout_.records) reject_reversed(records);
+    if (records.first == 0 && !record_layout_.records) reject_byte_swapped(records);
     Chunk chunk;
     chunk.first = records.first;
     struct ColumnReader {
@@ -165,14 +167,14 @@ Chunk BinaryDump::decode(const Records& records) const {
         const LayoutColumn& layout_column = layout_->columns()[c];
         const std::size_t offset = record_layout_.is_column_major ? begin : column.offset;
         begin += records.count * column.type.size;
-        const bool is_kept = !layout_column.slot && !layout_column.is_skipped && terms().keep;
+        const bool is_kept = !layout_column.slot && !layout_column.is_skipped && settings().keep;
         if (!layout_column.slot && !is_kept) continue;
         readers.push_back(
             {records.bytes.data() + offset,
              record_layout_.is_column_major ? column.type.size : static_cast<std::size_t>(record_layout_.record_size),
              column.type, layout_column.slot, is_kept});
     }
-    ChunkWriter writer(*layout_, terms(), records.count, chunk);
+    ChunkWriter writer(*layout_, settings(), records.count, chunk);
     for (std::size_t i = 0; i < records.count; ++i) {
         for (ColumnReader& reader : readers) {
             if (reader.is_kept) {
@@ -234,7 +236,7 @@ std::vector<BinaryColumn> read_columns(const std::string& text) {
 
 }  // namespace
 
-RecordLayout read_raw(toml::ByteSource& source, const DumpOptions& options) {
+RecordLayout read_raw_layout(toml::ByteSource& source, const DumpOptions& options) {
     if (options.columns.empty())
         throw InputError(source.name() +
                          ": raw numbers have no header; name them and their types with "

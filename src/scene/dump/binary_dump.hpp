@@ -31,13 +31,14 @@ using LayoutReader = RecordLayout (*)(toml::ByteSource& source, const DumpOption
 
 /// Reads the layout of a file without a header. `--columns` gives the columns, `ox:f32,oy,oz,…`. A column without a
 /// type has the type of the column before it.
-RecordLayout read_raw(toml::ByteSource& source, const DumpOptions& options);
+RecordLayout read_raw_layout(toml::ByteSource& source, const DumpOptions& options);
 
 /// Reads the header of a numpy array, plain or of records with named fields, versions 1 to 3. The last axis of a plain
 /// array is the columns, which `--columns` names. The axes before it, or all axes of an array of records, are rays;
 /// two of them are a picture with that many rows and columns.
-RecordLayout read_npy(toml::ByteSource& source, const DumpOptions& options);
+RecordLayout read_npy_layout(toml::ByteSource& source, const DumpOptions& options);
 
+/// A file of raw numbers, or a numpy array.
 class BinaryDump final : public Dump {
 public:
     BinaryDump(const std::filesystem::path& path, const DumpOptions& options, LayoutReader read);
@@ -51,17 +52,18 @@ public:
 private:
     /// True if the numbers of these columns look byte-swapped: nearly all of them have usual values only after their
     /// bytes are reversed. `first_unusual` is set to a description of the first unusual number.
-    [[nodiscard]] bool is_reversed(const Records& records, const std::vector<std::size_t>& columns,
-                                   const std::function<bool(double)>& is_usual, std::string& first_unusual) const;
+    [[nodiscard]] bool looks_byte_swapped(const Records& records, const std::vector<std::size_t>& columns,
+                                          const std::function<bool(double)>& is_usual,
+                                          std::string& first_unusual) const;
     /// Throws InputError if these records, which are raw numbers, look byte-swapped.
-    void reject_reversed(const Records& records) const;
+    void reject_byte_swapped(const Records& records) const;
     [[noreturn]] void fail_short(std::uint64_t record, std::uint64_t bytes) const;
 
     toml::ByteSource source_;
     RecordLayout record_layout_;
     std::optional<Layout> layout_;
     std::optional<std::uint64_t> records_;
-    std::uint64_t record_ = 0;
+    std::uint64_t next_record_ = 0;
 };
 
 }  // namespace lostbits::scene::dump

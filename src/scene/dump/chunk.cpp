@@ -11,19 +11,19 @@
 
 namespace lostbits::scene::dump {
 
-ChunkWriter::ChunkWriter(const Layout& layout, const ReadSettings& terms, std::size_t records, Chunk& chunk)
+ChunkWriter::ChunkWriter(const Layout& layout, const ReadSettings& settings, std::size_t records, Chunk& chunk)
     : layout_(layout),
-      terms_(terms),
+      settings_(settings),
       chunk_(chunk),
       answers_(layout.answers()),
       shape_(layout.primitive()),
       has_answers_(layout.has_answers()) {
-    if (layout.has_matrix() && terms.under_matrix) shape_ = terms.under_matrix->shape;
+    if (layout.has_matrix() && settings.under_matrix) shape_ = settings.under_matrix->shape;
     rays::RayBlock& rays = chunk.rays;
     for (auto* column : rays.numbers()) column->reserve(records);
     if (layout.has(slot::tmin)) rays.tmin.reserve(records);
     if (layout.has(slot::tmax)) rays.tmax.reserve(records);
-    rays.open = terms.open;
+    rays.open = settings.open;
     if (shape_) chunk.primitives.reserve(records);
     if (has_answers_) chunk.t.reserve(records), chunk.hit.reserve(records);
     if (layout.has(slot::object)) chunk.object.reserve(records);
@@ -49,24 +49,24 @@ std::string index_advice(std::size_t primitives) {
 }  // namespace
 
 std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
-    const auto& x = numbers_;
+    const auto& numbers = numbers_;
     const auto fault_at = [&](std::size_t slot, std::string_view why) {
-        const std::string value = is_present(slot) ? fmt::format("is {}", x[slot]) : "is empty";
+        const std::string value = is_present(slot) ? fmt::format("is {}", numbers[slot]) : "is empty";
         return Fault{slot, fmt::format("{} {}; {}", slot_name(slot), value, why)};
     };
     for (std::size_t s = slot::origin; s < (layout_.are_points() ? slot::direction : slot::tmax); ++s) {
-        if (!is_present(s) || !std::isfinite(x[s]))
+        if (!is_present(s) || !std::isfinite(numbers[s]))
             return fault_at(
                 s, layout_.are_points()
                        ? "a point has three finite numbers; leave this point out"
                        : "a ray has six finite numbers; leave this ray out, or write it as a [[case]], which may hold "
                          "any numbers");
     }
-    if (!layout_.are_points() && x[3] == 0 && x[4] == 0 && x[5] == 0)
+    if (!layout_.are_points() && numbers[3] == 0 && numbers[4] == 0 && numbers[5] == 0)
         return Fault{slot::direction, "the direction is 0,0,0, so this record is not a ray; leave the record out"};
-    if (is_present(slot::tmax) && std::isnan(x[slot::tmax]))
+    if (is_present(slot::tmax) && std::isnan(numbers[slot::tmax]))
         return fault_at(slot::tmax, "write where the ray ends, or inf (or nothing) for a ray without end");
-    if (is_present(slot::tmin) && !(x[slot::tmin] >= 0 && x[slot::tmin] < HUGE_VAL))
+    if (is_present(slot::tmin) && !(numbers[slot::tmin] >= 0 && numbers[slot::tmin] < HUGE_VAL))
         return fault_at(
             slot::tmin,
             "a ray looks ahead, and its range begins at a finite t of 0 or more; write that, or nothing for 0");
@@ -81,7 +81,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
         const std::size_t count = row_of(*shape_).numbers;
         for (std::size_t s = slot::primitive; s < slot::primitive + count; ++s) {
             if (!layout_.has(s)) continue;  // the column is optional, and the number 0
-            if (!is_present(s) || !std::isfinite(x[s]))
+            if (!is_present(s) || !std::isfinite(numbers[s]))
                 return fault_at(
                     s, fmt::format("{} has {} finite numbers; leave this ray out", with_article(*shape_), count));
         }
@@ -96,21 +96,21 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
                                                limit_phrase(*shape_, *broken->key)));
             const std::size_t lower_slot = s - broken->key->count();
             return fault_at(lower_slot, fmt::format("it is above {}, which is {}; {} has {} in each component",
-                                                    slot_name(s), x[s], name, order_phrase(*broken->key)));
+                                                    slot_name(s), numbers[s], name, order_phrase(*broken->key)));
         }
     }
     for (std::size_t s = slot::matrix; layout_.has_matrix() && s < slot::count; ++s) {
-        if (!is_present(s) || !std::isfinite(x[s]))
+        if (!is_present(s) || !std::isfinite(numbers[s]))
             return fault_at(s, "a matrix has twelve finite numbers; leave this ray out");
     }
     if (layout_.has_matrix() && !primitive().placed->is_proper())
         return Fault{slot::matrix, fmt::format("the matrix {}, or leave this ray out", singular_words)};
-    const double object = x[slot::object];
+    const double object = numbers[slot::object];
     if (is_present(slot::object) && !(object >= -1 && object < 0x1p31 && object == std::floor(object)))
         return fault_at(slot::object,
                         "write the number of the primitive that was hit, from 0, or -1 or nothing if none was");
-    if (is_present(slot::object) && terms_.primitives && object >= static_cast<double>(*terms_.primitives))
-        return fault_at(slot::object, index_advice(*terms_.primitives));
+    if (is_present(slot::object) && settings_.primitives && object >= static_cast<double>(*settings_.primitives))
+        return fault_at(slot::object, index_advice(*settings_.primitives));
     if (answers_ > AnswerKind::first_hit) return find_fault_of_count();
     if (!has_answers_) return std::nullopt;
     if (const auto fault = find_fault_of_answer()) return fault;
@@ -141,10 +141,10 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_answer() {
     }
     is_hit_ = is_present(slot::t) && std::isfinite(t);
     if (!is_hit_) return {};
-    switch (terms_.miss.kind) {
+    switch (settings_.miss.kind) {
         case MissRule::Kind::never: return {};
         case MissRule::Kind::negative: is_hit_ = !(t < 0); return {};
-        case MissRule::Kind::number: is_hit_ = t != terms_.miss.number; return {};
+        case MissRule::Kind::number: is_hit_ = t != settings_.miss.number; return {};
         case MissRule::Kind::refuse_negative: break;
     }
     if (!(t < 0)) return {};
@@ -207,12 +207,12 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault_of_hit_index() {
 
 Range<double> ChunkWriter::range() const {
     return {is_present(slot::tmin) ? numbers_[slot::tmin] : 0, is_present(slot::tmax) ? numbers_[slot::tmax] : HUGE_VAL,
-            terms_.open};
+            settings_.open};
 }
 
 Primitive<double> ChunkWriter::primitive() const {
-    Primitive<double> primitive = terms_.under_matrix.value_or(Primitive<double>(*shape_));
-    for (std::size_t k = 0; !terms_.under_matrix && k < primitive.used().size(); ++k)
+    Primitive<double> primitive = settings_.under_matrix.value_or(Primitive<double>(*shape_));
+    for (std::size_t k = 0; !settings_.under_matrix && k < primitive.used().size(); ++k)
         primitive.numbers[k] = numbers_[slot::primitive + k];
     if (!layout_.has_matrix()) return primitive;
     std::array<double, Affine<double>::numbers> matrix;
@@ -222,8 +222,8 @@ Primitive<double> ChunkWriter::primitive() const {
 }
 
 void ChunkWriter::store_record() {
-    const auto& x = numbers_;
-    chunk_.rays.push({{x[0], x[1], x[2]}, {x[3], x[4], x[5]}});
+    const auto& numbers = numbers_;
+    chunk_.rays.push({{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}});
     const Range<double> range = this->range();
     if (layout_.has(slot::tmin)) chunk_.rays.tmin.push_back(range.tmin);
     if (layout_.has(slot::tmax)) chunk_.rays.tmax.push_back(range.tmax);
@@ -232,13 +232,14 @@ void ChunkWriter::store_record() {
     }
     if (has_answers_) {
         chunk_.hit.push_back(is_hit_ ? 1 : 0);
-        chunk_.t.push_back(is_hit_ && is_present(slot::t) ? x[slot::t] : 0);
+        chunk_.t.push_back(is_hit_ && is_present(slot::t) ? numbers[slot::t] : 0);
     }
     if (answers_ == AnswerKind::all_hits)
-        chunk_.counts.push_back(is_hit_ ? static_cast<std::int32_t>(x[slot::hit_index]) : -1);
-    else if (answers_ > AnswerKind::first_hit) chunk_.counts.push_back(static_cast<std::int32_t>(x[slot_of(answers_)]));
+        chunk_.counts.push_back(is_hit_ ? static_cast<std::int32_t>(numbers[slot::hit_index]) : -1);
+    else if (answers_ > AnswerKind::first_hit)
+        chunk_.counts.push_back(static_cast<std::int32_t>(numbers[slot_of(answers_)]));
     if (layout_.has(slot::object))
-        chunk_.object.push_back(is_present(slot::object) ? static_cast<std::int32_t>(x[slot::object]) : -1);
+        chunk_.object.push_back(is_present(slot::object) ? static_cast<std::int32_t>(numbers[slot::object]) : -1);
     present_ = 0;
 }
 

@@ -63,7 +63,7 @@ struct Chunk {
 /// Takes the numbers of one record after another, and checks that each record has a valid ray, primitive and answer.
 class ChunkWriter {
 public:
-    ChunkWriter(const Layout& layout, const ReadSettings& terms, std::size_t records, Chunk& chunk);
+    ChunkWriter(const Layout& layout, const ReadSettings& settings, std::size_t records, Chunk& chunk);
 
     /// Stores a number of this record, already rounded to the format; `is_representable` is false if rounding changed
     /// it. A number that is not stored is an empty cell.
@@ -99,7 +99,7 @@ private:
     [[nodiscard]] std::string slot_name(std::size_t slot) const;
 
     const Layout& layout_;
-    const ReadSettings& terms_;
+    const ReadSettings& settings_;
     Chunk& chunk_;
     AnswerKind answers_;
     double numbers_[slot::count] = {};

@@ -11,18 +11,18 @@ namespace lostbits::scene::dump {
 
 namespace {
 
-constexpr std::size_t block = std::size_t{1} << 20, longest_line = std::size_t{1} << 20;
+constexpr std::size_t block_bytes = std::size_t{1} << 20, longest_line = std::size_t{1} << 20;
 
-std::string_view without_blanks(std::string_view text) {
+std::string_view trim_blanks(std::string_view text) {
     while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
     while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
     return text;
 }
 
 /// Reads the cells of one line, without their quotes. Stores the text of cells that have doubled quotes.
-class Cells {
+class CellReader {
 public:
-    explicit Cells(std::string_view line) : rest_(line), line_(line.data()) {}
+    explicit CellReader(std::string_view line) : rest_(line), line_(line.data()) {}
 
     /// Reads the next cell. Returns false after the last cell. `fault` is the error in the quotes of the cell, or null.
     bool next(std::string_view& cell, const char*& fault) {
@@ -54,7 +54,7 @@ private:
             else break;
         }
         const std::size_t comma = std::min(rest_.find(',', std::min(position, rest_.size())), rest_.size());
-        if (fault == nullptr && !without_blanks(rest_.substr(position + 1, comma - position - 1)).empty())
+        if (fault == nullptr && !trim_blanks(rest_.substr(position + 1, comma - position - 1)).empty())
             fault = "text follows the quote that closes a cell";
         cell = text_;
         pass(comma);
@@ -75,7 +75,7 @@ private:
 bool is_blank(std::string_view line) { return line.find_first_not_of(" \t") == std::string_view::npos; }
 
 /// Returns a line without its line break.
-std::string_view without_line_break(std::string_view text) {
+std::string_view trim_line_break(std::string_view text) {
     if (text.ends_with('\n')) text.remove_suffix(1);
     if (text.ends_with('\r')) text.remove_suffix(1);
     return text;
@@ -86,8 +86,8 @@ std::string_view without_line_break(std::string_view text) {
 CsvDump::CsvDump(const std::filesystem::path& path, const DumpOptions& options)
     : Dump(path), source_(path, options.stop) {
     read_header(options);
-    settle(options, *layout_, *find_format("f64"));
-    parser_.emplace(terms().format);
+    finish_header(options, *layout_, *find_format("f64"));
+    parser_.emplace(settings().format);
 }
 
 std::string CsvDump::position_text(std::uint64_t line, std::size_t column) const {
@@ -96,36 +96,36 @@ std::string CsvDump::position_text(std::uint64_t line, std::size_t column) const
 
 std::size_t CsvDump::find_end(std::size_t begin) {
     std::size_t counted_end = begin;  // the quotes before this position are counted
-    bool in_quotes = false;
+    bool is_in_quotes = false;
     for (;;) {
-        const auto* const found =
+        const auto* const line_break =
             static_cast<const char*>(std::memchr(buffer_.data() + counted_end, '\n', buffer_.size() - counted_end));
-        const std::size_t stop = found ? static_cast<std::size_t>(found - buffer_.data()) : buffer_.size();
+        const std::size_t stop = line_break ? static_cast<std::size_t>(line_break - buffer_.data()) : buffer_.size();
         if (std::memchr(buffer_.data() + counted_end, '"', stop - counted_end) != nullptr)
-            in_quotes ^= (std::count(buffer_.begin() + static_cast<std::ptrdiff_t>(counted_end),
-                                     buffer_.begin() + static_cast<std::ptrdiff_t>(stop), '"') &
-                          1) != 0;
-        counted_end = found ? stop + 1 : stop;
-        if (found && !in_quotes) return counted_end;
+            is_in_quotes ^= (std::count(buffer_.begin() + static_cast<std::ptrdiff_t>(counted_end),
+                                        buffer_.begin() + static_cast<std::ptrdiff_t>(stop), '"') &
+                             1) != 0;
+        counted_end = line_break ? stop + 1 : stop;
+        if (line_break && !is_in_quotes) return counted_end;
         if (counted_end - begin > longest_line)
             throw InputError(position_text(line_, 0) +
                              ": is longer than a million characters; is this a CSV file? Raw numbers "
                              "are read with --columns");
-        if (found) continue;
+        if (line_break) continue;
         if (is_complete_) return counted_end > begin ? counted_end : 0;
-        is_complete_ = source_.read(buffer_, block) < block;
+        is_complete_ = source_.read(buffer_, block_bytes) < block_bytes;
     }
 }
 
 void CsvDump::read_header(const DumpOptions& options) {
-    if (source_.read(buffer_, block) < block) is_complete_ = true;
+    if (source_.read(buffer_, block_bytes) < block_bytes) is_complete_ = true;
     if (buffer_.starts_with("\xEF\xBB\xBF")) used_bytes_ = 3;
     std::vector<std::string> names;
     std::vector<std::size_t> begins;
     if (!options.columns.empty()) {
-        Cells cells(options.columns);
+        CellReader cells(options.columns);
         const char* fault = nullptr;
-        for (std::string_view cell; cells.next(cell, fault);) names.emplace_back(without_blanks(cell));
+        for (std::string_view cell; cells.next(cell, fault);) names.emplace_back(trim_blanks(cell));
         layout_.emplace(std::move(names),
                         [](std::size_t, const std::string& why) { throw InputError("--columns: " + why); });
         return;
@@ -137,23 +137,23 @@ void CsvDump::read_header(const DumpOptions& options) {
         end = find_end(begin);
         if (end == 0)
             throw InputError(source_.name() + ":1:1: is empty; a CSV of rays begins with the names of its columns");
-        line = without_line_break(std::string_view(buffer_).substr(begin, end - begin));
+        line = trim_line_break(std::string_view(buffer_).substr(begin, end - begin));
         line_ += static_cast<std::uint64_t>(std::ranges::count(buffer_.substr(begin, end - begin), '\n'));
     } while (is_blank(line));
     const std::uint64_t header = line_ - (buffer_[end - 1] == '\n' ? 1 : 0);
-    Cells cells(line);
+    CellReader cells(line);
     const char* fault = nullptr;
     for (std::string_view cell; cells.next(cell, fault);) {
         if (fault != nullptr)
             throw InputError(position_text(header, cells.begin()) + ": " + fault + "; write \"\" for a quote");
-        names.emplace_back(without_blanks(cell));
+        names.emplace_back(trim_blanks(cell));
         begins.push_back(cells.begin());
     }
     if (names.size() == 1 && line.find_first_of(";\t") != std::string_view::npos)
         throw InputError(position_text(header, line.find_first_of(";\t")) +
                          ": the columns are not separated by commas; write commas between them");
     const std::string first = names.front();
-    if (!first.empty() && first.find_first_not_of("0123456789+-.eEnaif") == std::string::npos)
+    if (NumberParser(*find_format("f64")).read(first).kind != NumberParser::Kind::not_numeric)
         throw InputError(position_text(header, 0) + ": \"" + first +
                          "\" is a number, but the names of the columns are expected here; name them with --columns "
                          "ox,oy,oz,dx,dy,dz,… if the file has no header");
@@ -174,11 +174,11 @@ bool CsvDump::next(std::size_t max_records, Records& records) {
         const std::size_t record_end = find_end(end);
         if (record_end == 0) break;
         const std::string_view line(buffer_.data() + end, record_end - end);
-        if (!is_blank(without_line_break(line))) ++records.count;
+        if (!is_blank(trim_line_break(line))) ++records.count;
         // Also counts the line breaks in quoted cells.
         line_ += 1;
         if (line.find('"') != std::string_view::npos)
-            line_ += static_cast<std::uint64_t>(std::ranges::count(without_line_break(line), '\n'));
+            line_ += static_cast<std::uint64_t>(std::ranges::count(trim_line_break(line), '\n'));
         end = record_end;
     }
     record_ += records.count;
@@ -190,7 +190,7 @@ bool CsvDump::next(std::size_t max_records, Records& records) {
 Chunk CsvDump::decode(const Records& records) const {
     Chunk chunk;
     chunk.first = records.first;
-    ChunkWriter writer(*layout_, terms(), records.count, chunk);
+    ChunkWriter writer(*layout_, settings(), records.count, chunk);
     std::string_view rest = records.bytes;
     std::uint64_t line_number = records.line;
     while (!rest.empty()) {
@@ -200,7 +200,7 @@ Chunk CsvDump::decode(const Records& records) const {
             end = std::min(rest.find('\n', begin), rest.size() - 1) + 1;
             quotes += static_cast<std::size_t>(std::ranges::count(rest.substr(begin, end - begin), '"'));
         } while (end < rest.size() && quotes % 2 != 0);
-        const std::string_view line = without_line_break(rest.substr(0, end));
+        const std::string_view line = trim_line_break(rest.substr(0, end));
         if (!is_blank(line)) decode_line(line, line_number, writer, chunk);
         line_number += 1 + static_cast<std::uint64_t>(std::ranges::count(line, '\n'));
         rest.remove_prefix(end);
@@ -234,7 +234,7 @@ std::string CsvDump::write_number(std::string_view text, std::size_t slot, Chunk
 void CsvDump::decode_line(std::string_view line, std::uint64_t line_number, ChunkWriter& writer, Chunk& chunk) const {
     const auto& columns = layout_->columns();
     std::size_t begins[slot::count] = {};
-    Cells cells(line);
+    CellReader cells(line);
     const char* fault = nullptr;
     std::size_t c = 0;
     for (std::string_view cell; cells.next(cell, fault); ++c) {
@@ -243,12 +243,12 @@ void CsvDump::decode_line(std::string_view line, std::uint64_t line_number, Chun
         if (c >= columns.size()) continue;
         if (columns[c].slot) {
             begins[*columns[c].slot] = cells.begin();
-            const std::string_view text = without_blanks(cell);
+            const std::string_view text = trim_blanks(cell);
             if (const std::string why = write_number(text, *columns[c].slot, writer); !why.empty())
                 throw InputError(fmt::format("{}: {} \"{}\" {}", position_text(line_number, cells.begin()),
                                              columns[c].name, text, why));
         }
-        if (!columns[c].slot && !columns[c].is_skipped && terms().keep) chunk.kept.emplace_back(cell);
+        if (!columns[c].slot && !columns[c].is_skipped && settings().keep) chunk.kept.emplace_back(cell);
     }
     if (c != columns.size())
         throw InputError(

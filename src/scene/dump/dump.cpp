@@ -24,11 +24,11 @@ double number_in(double x, const Format& format) {
     return rounding::to_format(x, 0, format.parameters);
 }
 
-void Dump::settle(const DumpOptions& options, const Layout& layout, const Format& own) {
-    terms_.format = options.format.value_or(own);
-    terms_.keep = options.keep;
-    terms_.primitive = options.primitive;
-    terms_.open = options.open;
+void Dump::finish_header(const DumpOptions& options, const Layout& layout, const Format& file_format) {
+    settings_.format = options.format.value_or(file_format);
+    settings_.keep = options.keep;
+    settings_.primitive = options.primitive;
+    settings_.open = options.open;
     const std::string& file = name_;
     if (layout.primitive() && options.primitive)
         throw InputError(file +
@@ -44,9 +44,9 @@ void Dump::settle(const DumpOptions& options, const Layout& layout, const Format
                          (layout.has(slot::hit)
                               ? ": --miss says which t is a miss, but the column hit already says so; leave --miss out"
                               : ": --miss says which t is a miss, but the file has no column t; leave --miss out"));
-    terms_.miss = *options.miss;
+    settings_.miss = *options.miss;
     // The number that means a miss is rounded in the same way as the numbers of the file.
-    terms_.miss.number = rounding::to_format(terms_.miss.number, 0, terms_.format.parameters);
+    settings_.miss.number = rounding::to_format(settings_.miss.number, 0, settings_.format.parameters);
 }
 
 std::unique_ptr<Dump> open_dump(const std::filesystem::path& path, const DumpOptions& options) {
@@ -65,8 +65,8 @@ std::unique_ptr<Dump> open_dump(const std::filesystem::path& path, const DumpOpt
         throw InputError(path.string() + ": --skip is only for bytes in front of raw numbers; leave out --skip");
     switch (container) {
         case Container::csv: return std::make_unique<CsvDump>(path, options);
-        case Container::npy: return std::make_unique<BinaryDump>(path, options, read_npy);
-        default: return std::make_unique<BinaryDump>(path, options, read_raw);
+        case Container::npy: return std::make_unique<BinaryDump>(path, options, read_npy_layout);
+        default: return std::make_unique<BinaryDump>(path, options, read_raw_layout);
     }
 }
 

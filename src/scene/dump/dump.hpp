@@ -53,7 +53,7 @@ public:
     [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] virtual const Layout& layout() const = 0;
     /// The format of the answers; every number is rounded once to it.
-    [[nodiscard]] const Format& format() const { return terms_.format; }
+    [[nodiscard]] const Format& format() const { return settings_.format; }
     /// Number of records, if it is known before the records are read.
     [[nodiscard]] virtual std::optional<std::uint64_t> size() const { return {}; }
     /// Columns and rows of the picture whose pixels the records are, if the file has that shape.
@@ -68,22 +68,22 @@ public:
     [[nodiscard]] virtual Chunk decode(const Records& records) const = 0;
     /// Puts one primitive under the matrix of each record, for a file with matrices and no primitives. The numbers of
     /// the primitive must be numbers of the format. Call this before any record is read.
-    virtual void put_under_matrices(const Primitive<double>& primitive) { terms_.under_matrix = primitive; }
+    virtual void put_under_matrices(const Primitive<double>& primitive) { settings_.under_matrix = primitive; }
     /// Sets the number of primitives at which the rays are aimed. No record may have an index beyond them. Call this
     /// before any record is read.
-    virtual void number_primitives(std::size_t count) { terms_.primitives = count; }
+    virtual void number_primitives(std::size_t count) { settings_.primitives = count; }
 
 protected:
     explicit Dump(const std::filesystem::path& path) : name_(path.string()) {}
-    Dump(std::string name, ReadSettings terms) : name_(std::move(name)), terms_(std::move(terms)) {}
-    /// Ends the reading of the header. `own` is the format of the file's numbers. Throws InputError if the options and
-    /// the file both give the primitives or the rule for misses, or if neither gives primitives.
-    void settle(const DumpOptions& options, const Layout& layout, const Format& own);
-    [[nodiscard]] const ReadSettings& terms() const { return terms_; }
+    Dump(std::string name, ReadSettings settings) : name_(std::move(name)), settings_(std::move(settings)) {}
+    /// Ends the reading of the header. `file_format` is the format of the file's numbers. Throws InputError if the
+    /// options and the file both give the primitives or the rule for misses, or if neither gives primitives.
+    void finish_header(const DumpOptions& options, const Layout& layout, const Format& file_format);
+    [[nodiscard]] const ReadSettings& settings() const { return settings_; }
 
 private:
     std::string name_;
-    ReadSettings terms_ = {};
+    ReadSettings settings_ = {};
 };
 
 /// Opens a file and reads everything before its records.

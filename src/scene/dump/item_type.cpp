@@ -29,18 +29,18 @@ double binary16_value(std::uint64_t bits) {
 }
 
 template <class N>
-std::string shortest(N number) {
+std::string shortest_decimal(N number) {
     char text[64];
     return {text, std::to_chars(text, text + sizeof text, number).ptr};
 }
 
-std::string shortest_float(double value, bool narrow) {
+std::string shortest_float_text(double value, bool is_narrow) {
     if (std::isnan(value)) return "nan";
     if (std::isinf(value)) return value < 0 ? "-inf" : "inf";
-    return narrow ? shortest(static_cast<float>(value)) : shortest(value);
+    return is_narrow ? shortest_decimal(static_cast<float>(value)) : shortest_decimal(value);
 }
 
-std::int64_t sign_extended(std::uint64_t bits, std::size_t size) {
+std::int64_t extend_sign(std::uint64_t bits, std::size_t size) {
     const auto unused = static_cast<int>(64 - 8 * size);
     return static_cast<std::int64_t>(bits << unused) >> unused;
 }
@@ -60,7 +60,7 @@ ItemType::Item ItemType::read(const char* from) const {
             if (size == 4) return {std::bit_cast<float>(static_cast<std::uint32_t>(bits)), true};
             return {std::bit_cast<double>(bits), true};
         case Kind::signed_integer: {
-            const std::int64_t whole = sign_extended(bits, size);
+            const std::int64_t whole = extend_sign(bits, size);
             return {static_cast<double>(whole),
                     size < 8 || (whole >= -(std::int64_t{1} << 53) && whole <= std::int64_t{1} << 53)};
         }
@@ -73,9 +73,9 @@ ItemType::Item ItemType::read(const char* from) const {
 std::string ItemType::text(const char* from) const {
     const std::uint64_t bits = bits_of(from, size, big_endian);
     switch (kind) {
-        case Kind::floating: return shortest_float(read(from).value, size == 4);
-        case Kind::signed_integer: return shortest(sign_extended(bits, size));
-        case Kind::unsigned_integer: return shortest(bits);
+        case Kind::floating: return shortest_float_text(read(from).value, size == 4);
+        case Kind::signed_integer: return shortest_decimal(extend_sign(bits, size));
+        case Kind::unsigned_integer: return shortest_decimal(bits);
         case Kind::boolean: break;
     }
     return bits != 0 ? "1" : "0";

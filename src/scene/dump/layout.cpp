@@ -52,7 +52,7 @@ const std::vector<KnownName>& known_names() {
     return all;
 }
 
-std::string folded(std::string_view name) {
+std::string to_lower_case(std::string_view name) {
     std::string lower;
     for (const char c : name) lower += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     return lower;
@@ -74,7 +74,7 @@ struct NamedNumbers {
     std::set<std::size_t> slots = {};
 
     /// True if no required number is missing.
-    [[nodiscard]] bool are_whole() const {
+    [[nodiscard]] bool are_complete() const {
         bool is_complete = true;
         for (std::size_t k = 0; k < row_of(shape).numbers; ++k)
             is_complete = is_complete && (slots.contains(slot::primitive + k) || is_optional(shape, k));
@@ -94,22 +94,22 @@ struct NamedShapes {
         for (const KnownName& known : known_names())
             if (known.shape && std::ranges::find(names, known.name) != names.end())
                 all[static_cast<std::size_t>(*known.shape)].slots.insert(known.slot);
-        const auto most = std::ranges::max_element(
-            all, {}, [](const NamedNumbers& n) { return std::pair(n.are_whole(), n.slots.size()); });
-        if (!most->slots.empty()) chosen = most->shape;
+        const auto best_match = std::ranges::max_element(
+            all, {}, [](const NamedNumbers& n) { return std::pair(n.are_complete(), n.slots.size()); });
+        if (!best_match->slots.empty()) chosen = best_match->shape;
     }
     /// True if a number of the shape `other` is only a column of the user's own: the chosen shape is complete, and
     /// `other` is not.
     [[nodiscard]] bool is_users_own(Shape other) const {
-        return other != chosen && all[static_cast<std::size_t>(*chosen)].are_whole() &&
-               !all[static_cast<std::size_t>(other)].are_whole();
+        return other != chosen && all[static_cast<std::size_t>(*chosen)].are_complete() &&
+               !all[static_cast<std::size_t>(other)].are_complete();
     }
 };
 
-constexpr std::string_view hex_tail = "_hex";
+constexpr std::string_view hex_suffix = "_hex";
 
 /// Names of at most six columns, as in the file.
-std::string found_names(const std::vector<LayoutColumn>& columns) {
+std::string column_list(const std::vector<LayoutColumn>& columns) {
     std::string names;
     for (std::size_t i = 0; i < std::min<std::size_t>(columns.size(), 6); ++i)
         names += (i == 0 ? "" : ",") + columns[i].name;
@@ -132,44 +132,44 @@ Layout::Layout(std::vector<std::string> names, const Complain& complain) {
 }
 
 void Layout::find_slots(const Complain& complain) {
-    struct Found {
+    struct ColumnMatch {
         const KnownName* known = nullptr;
-        bool hex = false;
+        bool is_hex = false;
     };
-    std::vector<Found> found(columns_.size());
+    std::vector<ColumnMatch> matches(columns_.size());
     std::vector<std::string> names;
     for (std::size_t c = 0; c < columns_.size(); ++c) {
-        std::string& name = names.emplace_back(folded(columns_[c].name));
+        std::string& name = names.emplace_back(to_lower_case(columns_[c].name));
         columns_[c].is_skipped = name == "_";
-        found[c].hex = name.ends_with(hex_tail);
-        if (found[c].hex) name.erase(name.size() - hex_tail.size());
+        matches[c].is_hex = name.ends_with(hex_suffix);
+        if (matches[c].is_hex) name.erase(name.size() - hex_suffix.size());
     }
     const NamedShapes shapes(names);
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         const KnownName* const known = find_known_name(names[c], shapes.chosen);
-        found[c].known = known && known->shape && shapes.is_users_own(*known->shape) ? nullptr : known;
+        matches[c].known = known && known->shape && shapes.is_users_own(*known->shape) ? nullptr : known;
     }
-    const auto has_any = [&found](std::size_t first, std::size_t last) {
+    const auto has_any = [&matches](std::size_t first, std::size_t last) {
         return std::ranges::any_of(
-            found, [&](const Found& f) { return f.known && f.known->slot >= first && f.known->slot < last; });
+            matches, [&](const ColumnMatch& f) { return f.known && f.known->slot >= first && f.known->slot < last; });
     };
     // Files of rays and of first hits may have columns of their own with these names.
-    const bool first_hits = has_any(slot::t, slot::object), directions = has_any(slot::direction, slot::tmax);
-    const bool points = !directions && has_any(slot::inside, slot::matrix);
+    const bool has_first_hits = has_any(slot::t, slot::object), has_directions = has_any(slot::direction, slot::tmax);
+    const bool has_points = !has_directions && has_any(slot::inside, slot::matrix);
     for (std::size_t c = 0; c < columns_.size(); ++c) {
-        if (found[c].known == nullptr) continue;
-        const std::size_t s = found[c].known->slot;
-        if ((first_hits && (s == slot::crossings || s == slot::parity)) || (directions && s == slot::inside) ||
-            (!points && s < slot::direction && names[c].starts_with('p')))
-            found[c].known = nullptr;
+        if (matches[c].known == nullptr) continue;
+        const std::size_t s = matches[c].known->slot;
+        if ((has_first_hits && (s == slot::crossings || s == slot::parity)) || (has_directions && s == slot::inside) ||
+            (!has_points && s < slot::direction && names[c].starts_with('p')))
+            matches[c].known = nullptr;
     }
     for (std::size_t c = 0; c < columns_.size(); ++c) {
-        const KnownName* const known = found[c].known;
+        const KnownName* const known = matches[c].known;
         if (known == nullptr) continue;
-        const auto is_hex_twin = [&](const Found& other) {
-            return !found[c].hex && other.hex && other.known != nullptr && other.known->slot == known->slot;
+        const auto is_hex_twin = [&](const ColumnMatch& other) {
+            return !matches[c].is_hex && other.is_hex && other.known != nullptr && other.known->slot == known->slot;
         };
-        if (std::ranges::any_of(found, is_hex_twin)) continue;
+        if (std::ranges::any_of(matches, is_hex_twin)) continue;
         if (known->shape && primitive_ && *known->shape != *primitive_)
             complain(c,
                      fmt::format("\"{}\" is a number of {}, but other columns are of {}; a file has primitives of one "
@@ -184,19 +184,19 @@ void Layout::find_slots(const Complain& complain) {
     }
     // Looks for typing errors, but only in words of three letters and more, and only for columns that are missing. The
     // letters of `a_x` are in too many words.
-    const bool has_answer = first_hits || has_any(slot::hit_index, slot::matrix);
+    const bool has_answer = has_first_hits || has_any(slot::hit_index, slot::matrix);
     std::vector<std::string> missing;
     for (const KnownName& known : known_names()) {
         if (known.shape && shapes.chosen && shapes.is_users_own(*known.shape)) continue;
         if (known.slot >= slot::matrix && !has_any_of_matrix()) continue;
         if (known.slot > slot::hit_index && known.slot < slot::matrix &&
-            (has_answer || directions == (known.slot == slot::inside)))
+            (has_answer || has_directions == (known.slot == slot::inside)))
             continue;
         if (known.name.size() >= (known.shape ? 4 : 3) && !column_of_slot_[known.slot]) missing.push_back(known.name);
     }
     for (std::size_t c = 0; c < columns_.size(); ++c) {
-        if (columns_[c].slot || found[c].known != nullptr || columns_[c].name.size() < 3) continue;
-        if (const auto closest_name = toml::slip_of(columns_[c].name, missing))
+        if (columns_[c].slot || matches[c].known != nullptr || columns_[c].name.size() < 3) continue;
+        if (const auto closest_name = toml::match_typo(columns_[c].name, missing))
             complain(c, fmt::format("\"{}\" is not a known column, and \"{}\" is missing; did you mean \"{}\"? To "
                                     "keep it as a column of your own, give it a name less like \"{}\"",
                                     columns_[c].name, *closest_name, *closest_name, *closest_name));
@@ -235,7 +235,7 @@ void Layout::require_one_kind(const Complain& complain) const {
 
 void Layout::require_complete(const Complain& complain) const {
     require_one_kind(complain);
-    const auto lacks = [&](std::size_t begin, std::size_t end, std::optional<Shape> shape) {
+    const auto missing_names = [&](std::size_t begin, std::size_t end, std::optional<Shape> shape) {
         std::string names;
         for (std::size_t s = begin; s < end; ++s) {
             if (!has(s) && !(shape && is_optional(*shape, s - slot::primitive)))
@@ -249,7 +249,7 @@ void Layout::require_complete(const Complain& complain) const {
                 complain(0, fmt::format("a point has no p{}; name the columns px,py,pz,inside", "xyz"[k]));
         return;
     }
-    if (const auto names = lacks(0, slot::tmax, {}); !names.empty()) {
+    if (const auto names = missing_names(0, slot::tmax, {}); !names.empty()) {
         // Every word of two letters is one edit away from many others, so ask only if one alone is known to be missing.
         for (const LayoutColumn& column : columns_) {
             std::vector<std::string_view> similar_names;
@@ -265,15 +265,15 @@ void Layout::require_complete(const Complain& complain) const {
         }
         complain(0, fmt::format("a ray has no {}: the columns are \"{}\"; name ox,oy,oz,dx,dy,dz, and optionally tmin, "
                                 "tmax, hit and t (docs/judge.md lists these columns and those of a primitive)",
-                                names, found_names(columns_)));
+                                names, column_list(columns_)));
     }
-    if (const auto names = lacks(slot::matrix, slot::count, {}); has_any_of_matrix() && !names.empty())
+    if (const auto names = missing_names(slot::matrix, slot::count, {}); has_any_of_matrix() && !names.empty())
         complain(0, fmt::format("a matrix has no {}; write its three rows of four numbers, m00 to m23, or rename the "
                                 "columns that do not belong to it",
                                 names));
     if (!primitive_) return;
     const std::size_t end = slot::primitive + row_of(*primitive_).numbers;
-    if (const auto names = lacks(slot::primitive, end, *primitive_); !names.empty())
+    if (const auto names = missing_names(slot::primitive, end, *primitive_); !names.empty())
         complain(0, fmt::format("{} has no {}; its columns are {}", with_article(*primitive_), names,
                                 fmt::join(column_names(*primitive_), ",")));
 }
@@ -291,7 +291,7 @@ std::vector<std::string> Layout::kept() const {
     return names;
 }
 
-std::vector<std::string> parts_of(std::string_view name, std::size_t count) {
+std::vector<std::string> columns_of_name(std::string_view name, std::size_t count) {
     struct Group {
         std::string name;
         std::vector<std::string> parts;
@@ -319,7 +319,7 @@ std::vector<std::string> parts_of(std::string_view name, std::size_t count) {
         }
         return known_groups;
     }();
-    const std::string lower_name = folded(name);
+    const std::string lower_name = to_lower_case(name);
     for (const Group& group : groups) {
         if (group.name == lower_name && group.parts.size() == count) return group.parts;
     }

@@ -92,8 +92,8 @@ private:
 /// `shape` is its shape.
 std::string_view name_of_slot(std::size_t slot, std::optional<Shape> shape);
 
-/// Returns the names of the numbers that one name stands for: `origin` or `o` (3), `direction` or `d` (3), `centre`
+/// Returns the names of the columns that one name stands for: `origin` or `o` (3), `direction` or `d` (3), `centre`
 /// (3), `lo` (3), `hi` (3), `sphere` (4), `box` (6), `ray` (6), `matrix` (12). Empty for other names and other counts.
-std::vector<std::string> parts_of(std::string_view name, std::size_t count);
+std::vector<std::string> columns_of_name(std::string_view name, std::size_t count);
 
 }  // namespace lostbits::scene::dump

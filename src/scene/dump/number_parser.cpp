@@ -57,7 +57,7 @@ bool is_exactly(std::string_view text, double x) {
 }
 
 template <class F>
-bool read_whole(std::string_view text, F& value) {
+bool parse_whole_text(std::string_view text, F& value) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     return error == std::errc{} && end == text.data() + text.size();
 }
@@ -77,30 +77,31 @@ Parsed NumberParser::read(std::string_view text) const {
         if (is_word(magnitude, "inf") || is_word(magnitude, "infinity")) return {Kind::number, sign * HUGE_VAL};
         return {Kind::not_numeric};
     }
-    const bool hexadecimal =
+    const bool is_hexadecimal =
         magnitude.size() > 1 && magnitude[0] == '0' && (magnitude[1] == 'x' || magnitude[1] == 'X');
-    if (hexadecimal) return read_hexadecimal(text);
+    if (is_hexadecimal) return read_hexadecimal(text);
     if (text.front() == '+') text.remove_prefix(1);
     // Both functions round correctly. Text that they do not read completely is read slowly, which finds the fault.
     if (format_.engine == Format::Engine::native32) {
         float narrow = 0;
-        if (!read_whole(text, narrow)) return read_slowly(text);
+        if (!parse_whole_text(text, narrow)) return read_slowly(text);
         Parsed parsed{Kind::number, narrow};
         const int digits = significant_digits(magnitude);
         double wide = 0;
         if (digits < digits_) {
-            const bool exact = digits < 2 || (read_whole(text, wide) && wide == parsed.value && is_exactly(text, wide));
-            parsed.digits = exact ? 0 : digits;
+            const bool is_exact =
+                digits < 2 || (parse_whole_text(text, wide) && wide == parsed.value && is_exactly(text, wide));
+            parsed.digits = is_exact ? 0 : digits;
             return parsed;
         }
         parsed.digits = digits;
-        parsed.is_representable = digits == digits_ || (read_whole(text, wide) && wide == parsed.value);
+        parsed.is_representable = digits == digits_ || (parse_whole_text(text, wide) && wide == parsed.value);
         return parsed;
     }
     if (const int digits = significant_digits(magnitude);
         format_.engine == Format::Engine::native64 && digits <= digits_) {
         Parsed parsed;
-        if (read_whole(text, parsed.value)) {
+        if (parse_whole_text(text, parsed.value)) {
             parsed.digits = digits < digits_ && (digits < 2 || is_exactly(text, parsed.value)) ? 0 : digits;
             return parsed;
         }
@@ -114,9 +115,9 @@ Parsed NumberParser::read_hexadecimal(std::string_view text) const {
     double exact = 0;
     const auto [end, error] =
         std::from_chars(digits.data(), digits.data() + digits.size(), exact, std::chars_format::hex);
-    const bool short_enough = digits.substr(0, digits.find_first_of("pP")).size() <= 14;
-    const bool native = format_.engine != Format::Engine::rounded;
-    if (!native || !short_enough || error != std::errc{} || end != digits.data() + digits.size() || !(exact > 0x1p-900))
+    const bool is_short = digits.substr(0, digits.find_first_of("pP")).size() <= 14;
+    const bool is_native = format_.engine != Format::Engine::rounded;
+    if (!is_native || !is_short || error != std::errc{} || end != digits.data() + digits.size() || !(exact > 0x1p-900))
         return read_slowly(text);
     if (text.front() == '-') exact = -exact;
     const double value = format_.engine == Format::Engine::native32 ? static_cast<float>(exact) : exact;
@@ -132,9 +133,9 @@ Parsed NumberParser::read_slowly(std::string_view text) const {
     Parsed parsed{Kind::number, toml::round_to_format(exact, format_.parameters)};
     if (std::isinf(parsed.value)) return {Kind::too_large};
     const std::string_view magnitude = unsigned_part(text);
-    const bool hexadecimal = magnitude.size() > 1 && (magnitude[1] == 'x' || magnitude[1] == 'X');
-    const int digits = hexadecimal ? digits_ : significant_digits(magnitude);
-    parsed.is_representable = exact == Real(parsed.value) || (!hexadecimal && digits <= digits_);
+    const bool is_hexadecimal = magnitude.size() > 1 && (magnitude[1] == 'x' || magnitude[1] == 'X');
+    const int digits = is_hexadecimal ? digits_ : significant_digits(magnitude);
+    parsed.is_representable = exact == Real(parsed.value) || (!is_hexadecimal && digits <= digits_);
     parsed.digits = exact == Real(parsed.value) && digits < digits_ ? 0 : digits;
     return parsed;
 }
@@ -144,7 +145,8 @@ bool is_float_in_decimal(double x) {
     char text[64];
     const auto reads_back = [&](std::to_chars_result written) {
         double value = 0;
-        return read_whole(std::string_view(text, static_cast<std::size_t>(written.ptr - text)), value) && value == x;
+        return parse_whole_text(std::string_view(text, static_cast<std::size_t>(written.ptr - text)), value) &&
+               value == x;
     };
     return reads_back(std::to_chars(text, text + sizeof text, narrowed)) ||
            reads_back(std::to_chars(text, text + sizeof text, narrowed, std::chars_format::general, 9));

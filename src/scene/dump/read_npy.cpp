@@ -19,11 +19,12 @@ struct NpyHeader {
         std::vector<std::uint64_t> shape = {};  ///< axes of a field that is itself an array
     };
     std::vector<Field> fields;
-    bool fortran = false;
+    bool is_fortran_order = false;
     std::vector<std::uint64_t> shape;
-    bool structured = false;
+    bool is_structured = false;
 };
 
+/// Reads literals of Python: strings, truth values, numbers, and tuples of them.
 class LiteralParser {
 public:
     LiteralParser(std::string_view text, const std::string& error_start) : text_(text), error_start_(error_start) {}
@@ -128,8 +129,8 @@ NpyHeader read_npy_header(std::string_view text, const std::string& error_start)
         parser.require(':');
         if (key == "descr") {
             has_descr = true;
-            header.structured = parser.next_is('[');
-            if (header.structured) {
+            header.is_structured = parser.next_is('[');
+            if (header.is_structured) {
                 header.fields = parser.fields();
             } else {
                 header.fields.resize(1);
@@ -137,7 +138,7 @@ NpyHeader read_npy_header(std::string_view text, const std::string& error_start)
             }
         } else if (key == "fortran_order") {
             has_order = true;
-            header.fortran = parser.boolean();
+            header.is_fortran_order = parser.boolean();
         } else if (key == "shape") {
             has_shape = true;
             header.shape = parser.shape();
@@ -153,7 +154,7 @@ NpyHeader read_npy_header(std::string_view text, const std::string& error_start)
 constexpr std::string_view magic = "\x93NUMPY";
 
 /// Returns the dictionary, and the position where the numbers begin.
-std::pair<std::string, std::uint64_t> header_text(toml::ByteSource& source) {
+std::pair<std::string, std::uint64_t> read_header_text(toml::ByteSource& source) {
     const auto fail_cut_short = [&]() {
         throw InputError(source.name() + ": ends inside its header; it was cut short");
     };
@@ -187,7 +188,7 @@ std::uint64_t product(const std::vector<std::uint64_t>& numbers) {
     return result;
 }
 
-ItemType type_of(const std::string& type_name, const std::string& name, const std::string& file) {
+ItemType parse_item_type(const std::string& type_name, const std::string& name, const std::string& file) {
     const auto type = find_item_type(type_name);
     if (type && std::string_view("<>|=").find(type_name.front()) != std::string_view::npos) return *type;
     throw InputError(
@@ -214,14 +215,14 @@ void add_field(const NpyHeader::Field& field, const std::string& file, std::uint
                             repeats = product(field.shape);
         return advance_offset(padding_size, repeats);
     }
-    const ItemType type = type_of(field.type, field.name, file);
+    const ItemType type = parse_item_type(field.type, field.name, file);
     const std::uint64_t count = product(field.shape);
     if (count > 4096)
         throw InputError(
             fmt::format("{}: field '{}' has {} numbers; at most 4096 are supported", file, field.name, count));
     const std::uint64_t begin = offset;
     advance_offset(type.size, count);
-    const auto parts = parts_of(field.name, static_cast<std::size_t>(count));
+    const auto parts = columns_of_name(field.name, static_cast<std::size_t>(count));
     for (std::uint64_t k = 0; k < count; ++k) {
         const std::string name = field.shape.empty() ? field.name
                                  : parts.empty()     ? fmt::format("{}_{}", field.name, k)
@@ -231,7 +232,7 @@ void add_field(const NpyHeader::Field& field, const std::string& file, std::uint
 }
 
 /// Returns the names in a list of columns, `ox,oy,oz`.
-std::vector<std::string> names_in(const std::string& columns) {
+std::vector<std::string> split_column_names(const std::string& columns) {
     std::vector<std::string> names{""};
     for (const char c : columns) {
         if (c == ',') names.emplace_back();
@@ -242,42 +243,42 @@ std::vector<std::string> names_in(const std::string& columns) {
 
 }  // namespace
 
-RecordLayout read_npy(toml::ByteSource& source, const DumpOptions& options) {
-    const auto [text, begin] = header_text(source);
+RecordLayout read_npy_layout(toml::ByteSource& source, const DumpOptions& options) {
+    const auto [text, begin] = read_header_text(source);
     const std::string& file = source.name();
     const NpyHeader header = read_npy_header(text, file);
-    std::vector<std::uint64_t> rays = header.shape;
+    std::vector<std::uint64_t> ray_axes = header.shape;
     RecordLayout array{.columns = {}, .begin = begin, .error_source = file};
-    if (header.structured) {
+    if (header.is_structured) {
         if (!options.columns.empty())
             throw InputError(file +
                              ": --columns names the columns of arrays without names; this one has fields with "
                              "names; leave --columns out");
         for (const NpyHeader::Field& field : header.fields) add_field(field, file, array.record_size, array.columns);
     } else {
-        const ItemType type = type_of(header.fields.front().type, "", file);
-        if (rays.size() < 2)
+        const ItemType type = parse_item_type(header.fields.front().type, "", file);
+        if (ray_axes.size() < 2)
             throw InputError(
                 fmt::format("{}: has {}; rays are an array of n rows and k columns, or of records with named fields",
-                            file, toml::count_with_noun(rays.size(), "axis", "axes")));
+                            file, toml::count_with_noun(ray_axes.size(), "axis", "axes")));
         if (options.columns.empty())
             throw InputError(fmt::format("{}: has {} without names; name them with --columns ox,oy,oz,dx,dy,dz,…", file,
-                                         toml::count_with_noun(rays.back(), "column")));
-        const auto names = names_in(options.columns);
-        if (names.size() != rays.back())
+                                         toml::count_with_noun(ray_axes.back(), "column")));
+        const auto names = split_column_names(options.columns);
+        if (names.size() != ray_axes.back())
             throw InputError(fmt::format("{}: has {}, but --columns names {}; write _ for each column to skip", file,
-                                         toml::count_with_noun(rays.back(), "column"), names.size()));
-        rays.pop_back();
+                                         toml::count_with_noun(ray_axes.back(), "column"), names.size()));
+        ray_axes.pop_back();
         for (const std::string& name : names) array.columns.push_back({name, type, 0});
     }
-    array.records = product(rays);
-    if (header.fortran && header.structured && rays.size() > 1) {
+    array.records = product(ray_axes);
+    if (header.is_fortran_order && header.is_structured && ray_axes.size() > 1) {
         throw InputError(file + ": is in Fortran order; write numpy.ascontiguousarray(a)");
     }
-    if (header.fortran && rays.size() > 1)
+    if (header.is_fortran_order && ray_axes.size() > 1)
         throw InputError(file + ": has more than two axes in Fortran order; write numpy.ascontiguousarray(a)");
-    array.is_column_major = header.fortran && !header.structured;
-    for (std::size_t c = 0; !header.structured && c < array.columns.size(); ++c) {
+    array.is_column_major = header.is_fortran_order && !header.is_structured;
+    for (std::size_t c = 0; !header.is_structured && c < array.columns.size(); ++c) {
         const std::uint64_t size = array.columns[c].type.size;
         array.columns[c].offset = array.is_column_major ? c * *array.records * size : c * size;
         array.record_size += size;
@@ -286,9 +287,10 @@ RecordLayout read_npy(toml::ByteSource& source, const DumpOptions& options) {
     if (array.is_column_major && !source.size())
         throw InputError(file +
                          ": is in Fortran order, which cannot be read from a pipe; write numpy.ascontiguousarray(a)");
-    constexpr auto most = static_cast<std::uint64_t>(std::numeric_limits<int>::max());
-    if (rays.size() == 2 && rays[0] > 0 && rays[1] > 0 && rays[0] <= most && rays[1] <= most)
-        array.picture = {static_cast<int>(rays[1]), static_cast<int>(rays[0])};
+    constexpr auto max_side = static_cast<std::uint64_t>(std::numeric_limits<int>::max());
+    if (ray_axes.size() == 2 && ray_axes[0] > 0 && ray_axes[1] > 0 && ray_axes[0] <= max_side &&
+        ray_axes[1] <= max_side)
+        array.picture = {static_cast<int>(ray_axes[1]), static_cast<int>(ray_axes[0])};
     return array;
 }
 

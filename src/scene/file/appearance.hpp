@@ -34,9 +34,9 @@ struct ShadowRule {
     /// along the normal by `epsilon` world units, or by `ulps` units in the last place of its largest coordinate.
     enum class Offset : std::uint8_t { none, epsilon, ulp };
 
-    bool half_diffuse = false;       ///< true: half of the diffuse light remains in shadow; false: only ambient light
-    Real background = Real(1) / 2;   ///< factor on the colour of the background in shadow
-    bool tests_left_sphere = false;  ///< true: the sphere that the point lies on is also tested
+    bool half_diffuse = false;      ///< true: half of the diffuse light remains in shadow; false: only ambient light
+    Real background = Real(1) / 2;  ///< factor on the colour of the background in shadow
+    bool tests_own_sphere = false;  ///< true: the sphere that the point lies on is also tested
     Offset offset = Offset::none;
     Real epsilon = Real(0);
     int ulps = 0;
@@ -45,6 +45,7 @@ struct ShadowRule {
 /// The shape that pictures can show.
 inline constexpr Shape rendered_shape = std::ranges::find(shape_rows, true, &ShapeRow::shaded)->shape;
 
+/// The colours, the light and the shadows of a scene.
 struct Appearance {
     Vec<Real> background{Real(0), Real(0), Real(0)};
     std::optional<Vec<Real>> light;     ///< one point light
@@ -56,8 +57,8 @@ struct Appearance {
     /// `phong`.
     [[nodiscard]] bool asks_for(Stage stage) const;
     /// The last stage, no later than `stage`, for which `asks_for` is true.
-    [[nodiscard]] Stage last_up_to(Stage stage) const;
-    [[nodiscard]] Stage furthest() const { return last_up_to(Stage::phong); }
+    [[nodiscard]] Stage last_stage_up_to(Stage stage) const;
+    [[nodiscard]] Stage last_stage() const { return last_stage_up_to(Stage::phong); }
 };
 
 }  // namespace lostbits::scene::file

@@ -171,7 +171,7 @@ Camera read_camera(TableReader table, const StoredNumbers& numbers) {
     return camera;
 }
 
-Scene with_rays(Scene scene, const camera::RayGenerator& generator) {
+Scene with_ray_generator(Scene scene, const camera::RayGenerator& generator) {
     const std::string message_start = "scene " + scene.id + ": rays by " + std::string(generator.info->name);
     if (!scene.camera.projection)
         throw InputError(message_start +

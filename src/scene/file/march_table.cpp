@@ -14,9 +14,9 @@ using toml::TableReader;
 
 namespace {
 
-Real positive(TableReader& table, std::string_view key, const char* default_value, Inputs inputs) {
+Real read_positive(TableReader& table, std::string_view key, const char* default_value, Inputs inputs) {
     const Real x = table.optional_number(key).value_or(Real(default_value));
-    const double stored = toml::round_to_format(x, inputs == Inputs::shared ? binary32 : binary64);
+    const double stored = toml::round_to_format(x, inputs == Inputs::is_shared ? binary32 : binary64);
     if (!(x > 0) || stored == 0)
         table.fail_at(key, "must be greater than 0 when it is stored; write a positive number, such as " +
                                std::string(default_value));
@@ -26,7 +26,7 @@ Real positive(TableReader& table, std::string_view key, const char* default_valu
 }
 
 /// Reads a whole number. It may be written as a real, because an axis of a sweep may set it.
-int count(TableReader& table, std::string_view key, int lowest, int highest, int default_value) {
+int read_count(TableReader& table, std::string_view key, int lowest, int highest, int default_value) {
     const auto x = table.optional_number(key);
     if (!x) return default_value;
     if (*x != floor(*x) || *x < lowest || *x > highest) {
@@ -39,20 +39,21 @@ int count(TableReader& table, std::string_view key, int lowest, int highest, int
 }  // namespace
 
 MarchConstants<Real> read_march(TableReader table, Inputs inputs) {
-    MarchConstants<Real> c{positive(table, "hit_eps", "0.001", inputs), positive(table, "max_dist", "20", inputs),
-                           positive(table, "relative_eps", "0.001", inputs), positive(table, "cone", "0.001", inputs),
-                           positive(table, "over_relaxation", "1.4", inputs)};
-    if (c.over_relaxation < 1 ||
-        toml::round_to_format(c.over_relaxation, inputs == Inputs::shared ? binary32 : binary64) >= 2)
+    MarchConstants<Real> constants{
+        read_positive(table, "hit_eps", "0.001", inputs), read_positive(table, "max_dist", "20", inputs),
+        read_positive(table, "relative_eps", "0.001", inputs), read_positive(table, "cone", "0.001", inputs),
+        read_positive(table, "over_relaxation", "1.4", inputs)};
+    if (constants.over_relaxation < 1 ||
+        toml::round_to_format(constants.over_relaxation, inputs == Inputs::is_shared ? binary32 : binary64) >= 2)
         table.fail_at(
             "over_relaxation",
             "must lie in [1, 2): below 1 steps get shorter, and at 2 or more a step is longer than its sphere "
             "is wide; try 1.4");
-    c.max_steps = count(table, "max_steps", 1, 100000, c.max_steps);
-    c.secant_steps = count(table, "secant_steps", 0, 200, c.secant_steps);
-    c.bisect_steps = count(table, "bisect_steps", 0, 200, c.bisect_steps);
+    constants.max_steps = read_count(table, "max_steps", 1, 100000, constants.max_steps);
+    constants.secant_steps = read_count(table, "secant_steps", 0, 200, constants.secant_steps);
+    constants.bisect_steps = read_count(table, "bisect_steps", 0, 200, constants.bisect_steps);
     table.reject_unknown_keys();
-    return c;
+    return constants;
 }
 
 MarchConstants<double> round_march(const MarchConstants<Real>& ideal, const FloatFormat& f) {
@@ -66,10 +67,10 @@ MarchConstants<double> round_march(const MarchConstants<double>& constants, cons
 std::vector<std::string> lost_constants(const Scene& scene, const FloatFormat& f) {
     std::vector<std::string> lost;
     if (!scene.march) return lost;
-    const bool shared = scene.inputs == Inputs::shared;
+    const bool is_shared = scene.inputs == Inputs::is_shared;
     std::size_t i = 0;
     transformed(*scene.march, [&](const Real& ideal) {
-        const double stored = toml::round_to_format(ideal, shared ? binary32 : binary64),
+        const double stored = toml::round_to_format(ideal, is_shared ? binary32 : binary64),
                      rounded = rounding::to_format(stored, 0, f);
         const std::string_view name = intersect::march_number_names[i++];
         if (stored != 0 && (rounded == 0 || std::isinf(rounded)))

@@ -106,7 +106,7 @@ std::vector<PrimitiveTable> primitives_in_order(TableReader& file, const Node& o
 }
 
 /// "[[sphere]] with centre and radius, [[box]] with lo and hi, ..."
-std::string tables_of_primitives() {
+std::string primitive_tables_text() {
     std::string text;
     for (const ShapeRow& shape_row : shape_rows)
         text += "[[" + std::string(shape_row.name) + "]] with " + key_phrase(shape_row.shape) + ", ";
@@ -225,12 +225,12 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     if (auto rays = file.optional_table("rays")) scene.range = read_rays(*rays, scene.inputs, numbers);
     file.reject_unknown_keys();
     if (scene.shapes().empty())
-        toml::fail(file.where(), "the scene has no primitives; write at least one " + tables_of_primitives());
+        toml::fail(file.where(), "the scene has no primitives; write at least one " + primitive_tables_text());
     if (scene.camera.rays && scene.inputs == Inputs::shared && (scene.flake || scene.mesh))
         camera.fail_at("rays",
                        "makes rays in each format, which must also round meshes and flakes; write inputs = "
                        "\"own\"");
-    return scene.camera.rays ? with_rays(scene, *scene.camera.rays) : scene;
+    return scene.camera.rays ? with_ray_generator(scene, *scene.camera.rays) : scene;
 }
 
 std::vector<Primitive<Real>> Scene::primitives() const {
@@ -255,14 +255,14 @@ std::vector<std::string> Scene::remarks() const {
 }
 
 std::vector<Shape> Scene::shapes() const {
-    std::vector<Shape> found;
+    std::vector<Shape> scene_shapes;
     for (const ShapeRow& shape_row : shape_rows) {
         const bool is_listed = std::ranges::find(listed, shape_row.shape, &Primitive<Real>::shape) != listed.end();
         if (is_listed || (flake && shape_row.shape == sphere::Sphereflake::shape) ||
             (mesh && shape_row.shape == triangle::Mesh::shape))
-            found.push_back(shape_row.shape);
+            scene_shapes.push_back(shape_row.shape);
     }
-    return found;
+    return scene_shapes;
 }
 
 bool Scene::is_placed() const {
@@ -293,7 +293,7 @@ std::vector<std::filesystem::path> scene_files(const std::filesystem::path& data
 namespace {
 
 /// Returns `mine.toml` for the file `mine.toml` and for its variant `mine.toml.close`; empty for any other name.
-std::filesystem::path file_in(const std::filesystem::path& name) {
+std::filesystem::path file_of_name(const std::filesystem::path& name) {
     if (name.extension() == ".toml") return name;
     const std::filesystem::path without_variant = name.parent_path() / name.stem();
     return without_variant.extension() == ".toml" ? without_variant : std::filesystem::path();
@@ -301,11 +301,11 @@ std::filesystem::path file_in(const std::filesystem::path& name) {
 
 }  // namespace
 
-std::string beside(const std::filesystem::path& by, const std::string& name) {
-    const std::filesystem::path relative(name), neighbour = by.parent_path() / relative;
+std::string resolve_beside(const std::filesystem::path& referring_file, const std::string& name) {
+    const std::filesystem::path relative(name), neighbour = referring_file.parent_path() / relative;
     std::error_code ignored;
-    const bool is_file = relative.is_relative() && !file_in(relative).empty();
-    return is_file && std::filesystem::is_regular_file(file_in(neighbour), ignored) ? neighbour.string() : name;
+    const bool is_file = relative.is_relative() && !file_of_name(relative).empty();
+    return is_file && std::filesystem::is_regular_file(file_of_name(neighbour), ignored) ? neighbour.string() : name;
 }
 
 SceneName find_scene(const std::string& name_or_path, const std::filesystem::path& data_dir) {
@@ -317,8 +317,8 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
         if (const std::string hint_text = toml::nearby_file(as_path); !hint_text.empty())
             throw InputError(no_file + "; " + hint_text);
     };
-    if (const auto file = file_in(as_path); !std::filesystem::exists(as_path, ignored) && file != as_path &&
-                                            std::filesystem::is_regular_file(file, ignored))
+    if (const auto file = file_of_name(as_path); !std::filesystem::exists(as_path, ignored) && file != as_path &&
+                                                 std::filesystem::is_regular_file(file, ignored))
         return {file, as_path.extension().string().substr(1)};
     if (as_path.has_parent_path()) {
         fail_if_misspelt();

@@ -36,6 +36,7 @@ struct CameraProjection {
     std::optional<Real> far;  ///< > near; absent: at infinity
 };
 
+/// The camera of a picture: how its rays start and where they go.
 struct Camera {
     enum class Kind { orthographic, pinhole, pixel_plane };
     Kind kind = Kind::pinhole;
@@ -99,8 +100,9 @@ struct Scene {
 /// Returns the scene with rays that each format makes by this ray generator. If inputs are shared, the numbers of the
 /// camera and of the primitives are rounded to binary32 here. The ideal rays are then exactly those of the stored
 /// camera. Throws InputError for a scene whose camera has no projection, and for shared inputs with meshes or flakes.
-Scene with_rays(Scene scene, const camera::RayGenerator& generator);
+Scene with_ray_generator(Scene scene, const camera::RayGenerator& generator);
 
+/// What to load from a scene file, and the changes to it.
 struct LoadOptions {
     std::optional<std::string> variant = std::nullopt;       ///< the only variant to load; absent: all
     std::optional<std::pair<int, int>> size = std::nullopt;  ///< width and height in pixels
@@ -145,9 +147,9 @@ struct SceneName {
     std::optional<std::string> variant = std::nullopt;
 };
 
-/// Resolves a file name `x.toml` in the file `by`: returns the file of that name in the folder of `by` if there is one,
-/// else the name unchanged.
-std::string beside(const std::filesystem::path& by, const std::string& name);
+/// Resolves a file name `x.toml` that the file `referring_file` contains. Returns the file of that name in the same
+/// folder if there is one, else the name unchanged.
+std::string resolve_beside(const std::filesystem::path& referring_file, const std::string& name);
 
 /// Finds a scene by a path, or by the id of a file in `data_dir/scenes`: `rtg-fig-7-4`. A variant is named
 /// `x.toml.r1e3` or `x.r1e3`. Throws InputError with did-you-mean if there is no such scene. The variant is checked

@@ -109,21 +109,21 @@ Vec<Real> middle_of(const Scene& scene) {
 
 Vec<Real> offset_direction() { return {Real(1), Real(11) / 16, -Real(7) / 16}; }
 
-Primitive<Real> moved(const Primitive<Real>& primitive, const Vec<Real>& by) {
+Primitive<Real> translate(const Primitive<Real>& primitive, const Vec<Real>& offset) {
     Primitive<Real> result = primitive;
     if (primitive.placed) {
         const Affine<Real> m = primitive.placed->map();
-        const Vec<Real> shift = primitive.placed->is_inverse ? Vec<Real>(-m.linear(by)) : by;
+        const Vec<Real> shift = primitive.placed->is_inverse ? Vec<Real>(-m.linear(offset)) : offset;
         for (int i = 0; i < 3; ++i) result.placed->matrix[static_cast<std::size_t>(4 * i + 3)] += shift[i];
         return result;
     }
     for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
-        if (key.kind == Key::Kind::point) result.set_point(k, result.point(k) + by);
+        if (key.kind == Key::Kind::point) result.set_point(k, result.point(k) + offset);
     });
     return result;
 }
 
-std::optional<Primitive<Real>> grown(const Primitive<Real>& primitive, const Vec<Real>& viewpoint, const Real& k) {
+std::optional<Primitive<Real>> grow(const Primitive<Real>& primitive, const Vec<Real>& viewpoint, const Real& k) {
     const Vec<Real> object_viewpoint = primitive.placed ? point_in_object(viewpoint, *primitive.placed) : viewpoint;
     auto result = visit(primitive, [&](const auto& shape) -> std::optional<Primitive<Real>> {
         return shape.grown(object_viewpoint, k);
@@ -135,7 +135,7 @@ std::optional<Primitive<Real>> grown(const Primitive<Real>& primitive, const Vec
 namespace {
 
 /// Multiplies every length of the world by k.
-Primitive<Real> enlarged(const Primitive<Real>& primitive, const Real& k) {
+Primitive<Real> enlarge(const Primitive<Real>& primitive, const Real& k) {
     if (!primitive.placed) return transformed(primitive, [&k](const Real& x) { return Real(k * x); });
     Primitive<Real> result = primitive;
     for (std::size_t i = 0; i < result.placed->matrix.size(); ++i) {
@@ -152,7 +152,7 @@ Real view_share(const Scene& scene) {
     return dot(middle_of(scene) - scene.camera.eye, view) / dot(view, view);
 }
 
-std::optional<Scene> farther(Scene scene, const Real& k) {
+std::optional<Scene> move_farther(Scene scene, const Real& k) {
     Camera& camera = scene.camera;
     const Real view_fraction = view_share(scene);
     if (view_fraction <= 0) return std::nullopt;
@@ -163,10 +163,10 @@ std::optional<Scene> farther(Scene scene, const Real& k) {
     return scene;
 }
 
-Scene enlarged(Scene scene, const Real& k) {
+Scene enlarge(Scene scene, const Real& k) {
     const auto scale = [&k](const Vec<Real>& v) { return Vec<Real>(k * v.x, k * v.y, k * v.z); };
-    change_primitives(scene, [&k](const Primitive<Real>& primitive) { return std::optional(enlarged(primitive, k)); });
-    change_mesh(scene, [&k](const Primitive<Real>& triangle) { return enlarged(triangle, k); });
+    change_primitives(scene, [&k](const Primitive<Real>& primitive) { return std::optional(enlarge(primitive, k)); });
+    change_mesh(scene, [&k](const Primitive<Real>& triangle) { return enlarge(triangle, k); });
     scene.camera.eye = scale(scene.camera.eye);
     scene.camera.look_at = scale(scene.camera.look_at);
     scene.camera.width = k * scene.camera.width;
@@ -174,22 +174,23 @@ Scene enlarged(Scene scene, const Real& k) {
     return scene;
 }
 
-std::optional<Scene> grown(Scene scene, const Real& k) {
+std::optional<Scene> grow(Scene scene, const Real& k) {
     if (scene.mesh) return std::nullopt;  // triangles that grow one by one are no longer a mesh
     const Vec<Real> eye = scene.camera.eye;
-    if (!change_primitives(scene, [&](const Primitive<Real>& primitive) { return grown(primitive, eye, k); }))
+    if (!change_primitives(scene, [&](const Primitive<Real>& primitive) { return grow(primitive, eye, k); }))
         return std::nullopt;
     return scene;
 }
 
-Scene moved(Scene scene, const Vec<Real>& by) {
-    change_primitives(scene, [&by](const Primitive<Real>& primitive) { return std::optional(moved(primitive, by)); });
-    change_mesh(scene, [&by](const Primitive<Real>& triangle) { return moved(triangle, by); });
-    scene.camera.eye = scene.camera.eye + by;
-    scene.camera.look_at = scene.camera.look_at + by;
+Scene translate(Scene scene, const Vec<Real>& offset) {
+    change_primitives(
+        scene, [&offset](const Primitive<Real>& primitive) { return std::optional(translate(primitive, offset)); });
+    change_mesh(scene, [&offset](const Primitive<Real>& triangle) { return translate(triangle, offset); });
+    scene.camera.eye = scene.camera.eye + offset;
+    scene.camera.look_at = scene.camera.look_at + offset;
     if (scene.flake)
-        for (int i = 0; i < 3; ++i) scene.flake->centre[i] += static_cast<double>(by[i]);
-    if (scene.appearance.light) scene.appearance.light = *scene.appearance.light + by;
+        for (int i = 0; i < 3; ++i) scene.flake->centre[i] += static_cast<double>(offset[i]);
+    if (scene.appearance.light) scene.appearance.light = *scene.appearance.light + offset;
     return scene;
 }
 

@@ -25,12 +25,12 @@ Real size_of(const Primitive<Real>& primitive);
 /// an axis.
 Vec<Real> offset_direction();
 
-/// `moved` moves a primitive. `grown` scales a primitive by k about its point nearest to `viewpoint`; this point stays
-/// where it is (for a sphere it is a point of the surface, also from inside). `grown` returns nothing for a sphere
-/// centred at `viewpoint`. For a primitive under a matrix, `moved` changes the matrix, and `grown` works in the space
-/// of the primitive.
-Primitive<Real> moved(const Primitive<Real>& primitive, const Vec<Real>& by);
-std::optional<Primitive<Real>> grown(const Primitive<Real>& primitive, const Vec<Real>& viewpoint, const Real& k);
+/// `translate` moves a primitive by `offset`. `grow` scales a primitive by k about its point nearest to `viewpoint`.
+/// This point stays where it is; for a sphere it is a point of the surface, also from inside. `grow` returns nothing
+/// for a sphere centred at `viewpoint`. For a primitive under a matrix, `translate` changes the matrix, and `grow`
+/// works in the space of the primitive.
+Primitive<Real> translate(const Primitive<Real>& primitive, const Vec<Real>& offset);
+std::optional<Primitive<Real>> grow(const Primitive<Real>& primitive, const Vec<Real>& viewpoint, const Real& k);
 
 /// Distance of the primitives' middle in front of the eye, in lengths of look_at − eye along it.
 Real view_share(const Scene& scene);
@@ -39,15 +39,15 @@ Real view_share(const Scene& scene);
 
 /// Moves the eye straight back along its view until the primitives' middle is k times as far, measured along the view.
 /// tan(fov/2) is divided by k, so the picture stays the same. Returns nothing if the middle is behind the eye.
-std::optional<Scene> farther(Scene scene, const Real& k);
+std::optional<Scene> move_farther(Scene scene, const Real& k);
 /// Multiplies every length by k about the origin: primitives, eye, light, and the picture of parallel rays, but not a
 /// flake.
-Scene enlarged(Scene scene, const Real& k);
+Scene enlarge(Scene scene, const Real& k);
 /// Scales each primitive about its point nearest to the eye, but not a flake. Returns nothing if the eye is at a
 /// centre, and for a scene with meshes.
-std::optional<Scene> grown(Scene scene, const Real& k);
+std::optional<Scene> grow(Scene scene, const Real& k);
 /// Moves everything by a vector: primitives, eye and light. The centre of a flake and the vertices of meshes are
 /// rounded to double.
-Scene moved(Scene scene, const Vec<Real>& by);
+Scene translate(Scene scene, const Vec<Real>& offset);
 
 }  // namespace lostbits::scene::file

@@ -22,14 +22,14 @@ Vec<Real> axis(int i) { return {Real(i == 0), Real(i == 1), Real(i == 2)}; }
 Map identity() { return {{axis(0), axis(1), axis(2)}, {Real(0), Real(0), Real(0)}}; }
 
 /// Returns the map that applies first `inner`, then `outer`.
-Map composed(const Map& outer, const Map& inner) {
-    Map both;
+Map compose(const Map& outer, const Map& inner) {
+    Map composed;
     for (std::size_t i = 0; i < 3; ++i) {
         const Vec<Real>& row = outer.rows[i];
-        both.rows[i] = row.x * inner.rows[0] + row.y * inner.rows[1] + row.z * inner.rows[2];
+        composed.rows[i] = row.x * inner.rows[0] + row.y * inner.rows[1] + row.z * inner.rows[2];
     }
-    both.shift = outer.point(inner.shift);
-    return both;
+    composed.shift = outer.point(inner.shift);
+    return composed;
 }
 
 bool is_zero_vector(const Vec<Real>& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
@@ -86,12 +86,12 @@ Map read_look_at(TableReader table) {
 class MapSteps {
 public:
     void add(const TableReader& table, std::string_view key, const Map& key_map) {
-        steps_.push_back({table, key, composed(key_map, map_)});
+        steps_.push_back({table, key, compose(key_map, map_)});
         map_ = steps_.back().map_so_far;
     }
     void add(const MapSteps& inner) {
-        for (const Step& step : inner.steps_) steps_.push_back({step.table, step.key, composed(step.map_so_far, map_)});
-        map_ = composed(inner.map_, map_);
+        for (const Step& step : inner.steps_) steps_.push_back({step.table, step.key, compose(step.map_so_far, map_)});
+        map_ = compose(inner.map_, map_);
     }
     [[nodiscard]] const Map& map() const { return map_; }
 
@@ -147,7 +147,7 @@ Map inverse(const Map& m) {
     return result;
 }
 
-Placement<Real> stored_as(const Map& map, bool is_inverse) {
+Placement<Real> to_placement(const Map& map, bool is_inverse) {
     std::array<Real, Map::numbers> numbers;
     std::size_t k = 0;
     map.each([&](const Real& x) { numbers[k++] = x; });
@@ -165,9 +165,9 @@ std::optional<Placement<Real>> read_transform(TableReader& primitive, const Stor
     table->read("stored", is_inverse, stored_names);
     const MapSteps steps = read_steps(*table);
     table->reject_unknown_keys();
-    const auto is_singular = [](const Map& map) { return !stored_as(map, false).is_proper(); };
+    const auto is_singular = [](const Map& map) { return !to_placement(map, false).is_proper(); };
     steps.fail_if(is_singular, std::string(singular_words));
-    const auto placement = [&](const Map& map) { return stored_as(is_inverse ? inverse(map) : map, is_inverse); };
+    const auto placement = [&](const Map& map) { return to_placement(is_inverse ? inverse(map) : map, is_inverse); };
     steps.fail_if(
         [&](const Map& map) {
             if (is_singular(map)) return false;

@@ -50,25 +50,25 @@ Matrix4<Real> raster_to_clip(const CameraNumbers<Real>& c) {
 }  // namespace
 
 CameraNumbers<Real> camera_numbers(const Scene& scene) {
-    const CameraFrame<Real> f = make_frame<Real>(scene);
-    const CameraProjection& p = scene.camera.projection.value();
+    const CameraFrame<Real> frame = make_frame<Real>(scene);
+    const CameraProjection& planes = scene.camera.projection.value();
     using Depth = CameraProjection::Depth;
-    CameraNumbers<Real> c{};
-    c.width = scene.width, c.height = scene.height;
-    c.eye = f.origin, c.right = f.right, c.up = f.up, c.forward = f.forward;
-    c.tan_y = file::half_tangent(scene.camera.fov_deg);
-    c.tan_x = c.tan_y * c.width / c.height;
-    c.near = p.near;
-    c.depth_near = Real(p.depth == Depth::gl ? -1 : p.depth == Depth::reversed ? 1 : 0);
-    c.depth_far = Real(p.depth == Depth::reversed ? 0 : 1);
-    c.projection = projection(p, c);
-    c.to_world = to_world(f, f.origin);
-    c.view = inverse(c.to_world);
-    const Matrix4<Real> from_clip = inverse(c.projection);
-    c.clip_to_world = c.to_world * from_clip;
-    c.clip_to_offset = to_world(f, {Real(0), Real(0), Real(0)}) * from_clip;
-    c.raster_to_camera = from_clip * raster_to_clip(c);
-    return c;
+    CameraNumbers<Real> camera{};
+    camera.width = scene.width, camera.height = scene.height;
+    camera.eye = frame.origin, camera.right = frame.right, camera.up = frame.up, camera.forward = frame.forward;
+    camera.tan_y = file::half_tangent(scene.camera.fov_deg);
+    camera.tan_x = camera.tan_y * camera.width / camera.height;
+    camera.near = planes.near;
+    camera.depth_near = Real(planes.depth == Depth::gl ? -1 : planes.depth == Depth::reversed ? 1 : 0);
+    camera.depth_far = Real(planes.depth == Depth::reversed ? 0 : 1);
+    camera.projection = projection(planes, camera);
+    camera.to_world = to_world(frame, frame.origin);
+    camera.view = inverse(camera.to_world);
+    const Matrix4<Real> from_clip = inverse(camera.projection);
+    camera.clip_to_world = camera.to_world * from_clip;
+    camera.clip_to_offset = to_world(frame, {Real(0), Real(0), Real(0)}) * from_clip;
+    camera.raster_to_camera = from_clip * raster_to_clip(camera);
+    return camera;
 }
 
 GeneratedRays::GeneratedRays(const Scene& scene)
@@ -80,7 +80,7 @@ BasicRayBlock<Real> GeneratedRays::ideal(int y0, int y1) const {
     for (int y = y0; y < y1; ++y) {
         for (int x = 0; x < block.width; ++x) {
             Ray<Real> pixel_ray = ray(frame_, x, y);
-            if (generator_->info->from_near)
+            if (generator_->info->starts_on_near_plane)
                 pixel_ray.origin =
                     pixel_ray.origin + (numbers_.near / dot(pixel_ray.direction, frame_.forward)) * pixel_ray.direction;
             block.push(pixel_ray);
@@ -98,7 +98,7 @@ const CameraNumbers<double>& GeneratedRays::stored(const FloatFormat& format) co
 }
 
 template <class T>
-RayBlock GeneratedRays::generate(camera::MakeIn<T> make_rays, const FloatFormat& format, int y0, int y1) const {
+RayBlock GeneratedRays::generate(camera::MakeRays<T> make_rays, const FloatFormat& format, int y0, int y1) const {
     const CameraNumbers<T> numbers = stored(format).each([](double x) { return T(x); });
     RayBlock block;
     block.width = numbers_.width, block.y0 = y0, block.y1 = y1;

@@ -45,7 +45,7 @@ private:
     /// Returns the camera's numbers, each rounded once to the format.
     [[nodiscard]] const camera::CameraNumbers<double>& stored(const FloatFormat& format) const;
     template <class T>
-    RayBlock generate(camera::MakeIn<T> make_rays, const FloatFormat& format, int y0, int y1) const;
+    RayBlock generate(camera::MakeRays<T> make_rays, const FloatFormat& format, int y0, int y1) const;
 
     const camera::RayGenerator* generator_;
     CameraFrame<Real> frame_;

@@ -12,19 +12,20 @@
 
 namespace lostbits::scene::rays {
 
-void LostLengths::add_loss(const std::string& what, double value, const char* becomes, const Where& where) {
+void LostLengths::add_loss(const std::string& what, double value, const char* becomes, const DescribePosition& where) {
     const auto is_same_loss = [&](const Loss& loss) { return loss.what == what && loss.becomes == becomes; };
-    const auto found = std::ranges::find_if(losses_, is_same_loss);
+    const auto known_loss = std::ranges::find_if(losses_, is_same_loss);
     const std::string position = where();
-    if (found == losses_.end()) {
+    if (known_loss == losses_.end()) {
         losses_.push_back({what, becomes, value, position, position, 1});
-    } else if (found->last != position) {
-        found->last = position;
-        ++found->count;
+    } else if (known_loss->last != position) {
+        known_loss->last = position;
+        ++known_loss->count;
     }
 }
 
-void LostLengths::check_point(const double* before, const double* after, const std::string& what, const Where& where) {
+void LostLengths::check_point(const double* before, const double* after, const std::string& what,
+                              const DescribePosition& where) {
     for (int k = 0; k < 3; ++k) {
         if (!std::isinf(after[k])) continue;
         add_loss(what, before[k], "rounds to infinity", where);
@@ -32,27 +33,27 @@ void LostLengths::check_point(const double* before, const double* after, const s
     }
 }
 
-void LostLengths::add_point(const Vec<double>& before, const char* what, const Where& where) {
+void LostLengths::add_point(const Vec<double>& before, const char* what, const DescribePosition& where) {
     const double coordinates[] = {before.x, before.y, before.z};
     double rounded[3];
     for (int k = 0; k < 3; ++k) rounded[k] = rounding::to_format(coordinates[k], 0, format_);
     check_point(coordinates, rounded, what, where);
 }
 
-void LostLengths::add_number(double before, const std::string& what, const Where& where) {
+void LostLengths::add_number(double before, const std::string& what, const DescribePosition& where) {
     const double after = rounding::to_format(before, 0, format_);
     if (before != 0 && after == 0) add_loss(what, before, "rounds to 0", where);
     if (std::isinf(after)) add_loss(what, before, "rounds to infinity", where);
 }
 
-void LostLengths::add(const Primitive<double>& before, const Where& where) {
+void LostLengths::add(const Primitive<double>& before, const DescribePosition& where) {
     add(before, round_primitive(before, format_), where);
 }
 
-void LostLengths::add(const Primitive<double>& before, const Primitive<double>& after, const Where& where) {
-    const auto numbers_of = [](const Primitive<double>& primitive) { return primitive.numbers.data(); };
+void LostLengths::add(const Primitive<double>& before, const Primitive<double>& after, const DescribePosition& where) {
+    const auto numbers_begin = [](const Primitive<double>& primitive) { return primitive.numbers.data(); };
     for_each_key(before.shape, [&](const Key& key, std::size_t k) {
-        const double *const stored = numbers_of(before) + k, *const rounded = numbers_of(after) + k;
+        const double *const stored = numbers_begin(before) + k, *const rounded = numbers_begin(after) + k;
         for (std::size_t i = 0; key.is_length() && i < key.count(); ++i) {
             // A positive ideal length may already be 0 in binary64.
             if (rounded[i] == 0 && (stored[i] != 0 || key.limit == Key::Limit::positive))
@@ -72,8 +73,8 @@ void LostLengths::add(const Primitive<double>& before, const Primitive<double>& 
             add_loss("the distance to " + std::string(key.name),
                      length(Vec<double>(before.point(k) - before.point(k - 3))), "rounds to 0", where);
         if (!key.is_length())
-            check_point(numbers_of(before) + k, numbers_of(after) + k, fmt::format("a coordinate of {}", key.name),
-                        where);
+            check_point(numbers_begin(before) + k, numbers_begin(after) + k,
+                        fmt::format("a coordinate of {}", key.name), where);
     });
 }
 
@@ -89,9 +90,9 @@ std::vector<std::string> LostLengths::lines() const {
 }
 
 std::vector<std::string> lost_lengths(const file::Scene& scene, const FloatFormat& f) {
-    const bool shared = scene.inputs == file::Inputs::shared;
-    if (shared && f.precision >= binary32.precision && f.emin <= binary32.emin && f.emax >= binary32.emax) return {};
-    const FloatFormat& stored = shared ? binary32 : binary64;
+    const bool is_shared = scene.inputs == file::Inputs::is_shared;
+    if (is_shared && f.precision >= binary32.precision && f.emin <= binary32.emin && f.emax >= binary32.emax) return {};
+    const FloatFormat& stored = is_shared ? binary32 : binary64;
     LostLengths lost(f);
     const auto round_to_stored = [&](const Real& x) { return toml::round_to_format(x, stored); };
     const Vec<Real>& eye = scene.camera.eye;

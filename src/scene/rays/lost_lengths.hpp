@@ -18,18 +18,18 @@ namespace lostbits::scene::rays {
 class LostLengths {
 public:
     /// Names the primitive, or the position of the loss; called only if something is lost.
-    using Where = std::function<std::string()>;
+    using DescribePosition = std::function<std::string()>;
 
     explicit LostLengths(const FloatFormat& format) : format_(format) {}
 
     /// Adds a stored primitive, whose numbers are then rounded to the format. Losses at one position count once.
-    void add(const Primitive<double>& before, const Where& where);
+    void add(const Primitive<double>& before, const DescribePosition& where);
     /// Adds a stored primitive `before` that is `after` in the format.
-    void add(const Primitive<double>& before, const Primitive<double>& after, const Where& where);
-    void add_point(const Vec<double>& before, const char* what, const Where& where);
+    void add(const Primitive<double>& before, const Primitive<double>& after, const DescribePosition& where);
+    void add_point(const Vec<double>& before, const char* what, const DescribePosition& where);
 
     /// Adds any other number, which is lost if it rounds to 0 or to infinity.
-    void add_number(double before, const std::string& what, const Where& where);
+    void add_number(double before, const std::string& what, const DescribePosition& where);
 
     [[nodiscard]] std::vector<std::string> lines() const;
 
@@ -40,8 +40,8 @@ private:
         std::string first, last;  ///< positions
         int count;
     };
-    void add_loss(const std::string& what, double value, const char* becomes, const Where& where);
-    void check_point(const double* before, const double* after, const std::string& what, const Where& where);
+    void add_loss(const std::string& what, double value, const char* becomes, const DescribePosition& where);
+    void check_point(const double* before, const double* after, const std::string& what, const DescribePosition& where);
 
     FloatFormat format_;
     std::vector<Loss> losses_;

@@ -7,7 +7,7 @@ namespace lostbits::scene::rays {
 namespace {
 
 template <class T>
-std::array<std::vector<T>, 4> columns_of(const sphere::Sphereflake& flake, const FloatFormat& f) {
+std::array<std::vector<T>, 4> make_sphere_columns(const sphere::Sphereflake& flake, const FloatFormat& f) {
     std::array<std::vector<T>, 4> columns;
     for (std::vector<T>& column : columns) column.reserve(flake.size());
     sphere::for_each_primitive(flake, [&](const Primitive<double>& s) {
@@ -18,32 +18,33 @@ std::array<std::vector<T>, 4> columns_of(const sphere::Sphereflake& flake, const
 }
 
 template <class S>
-PrimitiveList<S> with_unlisted(std::vector<Primitive<S>> listed, const file::Scene& scene) {
-    typename PrimitiveList<S>::Unlisted unlisted{.flake = {}, .mesh = {}, .inputs = scene.inputs};
+PrimitiveList<S> with_flake_and_mesh(std::vector<Primitive<S>> listed, const file::Scene& scene) {
+    typename PrimitiveList<S>::FlakeAndMesh flake_and_mesh{.flake = {}, .mesh = {}, .inputs = scene.inputs};
     if (scene.flake) {
         sphere::require_memory_for(*scene.flake);
-        unlisted.flake = std::make_shared<const SphereColumns>(*scene.flake, scene.inputs);
+        flake_and_mesh.flake = std::make_shared<const SphereColumns>(*scene.flake, scene.inputs);
     }
-    if (scene.mesh) unlisted.mesh = std::make_shared<const MeshColumns>(scene.mesh, scene.mesh_placed, scene.inputs);
-    return {std::move(listed), std::move(unlisted)};
+    if (scene.mesh)
+        flake_and_mesh.mesh = std::make_shared<const MeshColumns>(scene.mesh, scene.mesh_placed, scene.inputs);
+    return {std::move(listed), std::move(flake_and_mesh)};
 }
 
 template <class S>
-PrimitiveList<double> rounded_list(const PrimitiveList<S>& primitives, const FloatFormat& f) {
+PrimitiveList<double> round_list(const PrimitiveList<S>& primitives, const FloatFormat& f) {
     std::vector<Primitive<double>> listed;
     for (const Primitive<S>& s : primitives.listed()) listed.push_back(round_primitive(s, f));
-    const FloatFormat& stored_format = primitives.unlisted().inputs == file::Inputs::shared ? binary32 : binary64;
+    const FloatFormat& stored_format = primitives.flake_and_mesh().inputs == file::Inputs::shared ? binary32 : binary64;
     const bool holds_stored =
         f.precision >= stored_format.precision && f.emin <= stored_format.emin && f.emax >= stored_format.emax;
-    const auto& [flake, mesh, inputs] = primitives.unlisted();
+    const auto& [flake, mesh, inputs] = primitives.flake_and_mesh();
     return {std::move(listed), {flake, mesh, inputs}, holds_stored ? std::nullopt : std::optional(f)};
 }
 
 }  // namespace
 
 SphereColumns::SphereColumns(const sphere::Sphereflake& flake, file::Inputs inputs) {
-    if (inputs == file::Inputs::shared) columns_ = columns_of<float>(flake, binary32);
-    else columns_ = columns_of<double>(flake, binary64);
+    if (inputs == file::Inputs::shared) columns_ = make_sphere_columns<float>(flake, binary32);
+    else columns_ = make_sphere_columns<double>(flake, binary64);
 }
 
 MeshColumns::MeshColumns(std::shared_ptr<const triangle::Mesh> mesh, std::optional<Placement<double>> placed,
@@ -77,22 +78,22 @@ std::shared_ptr<const MeshColumns> shared_mesh(const file::Scene& scene) {
 }
 
 PrimitiveList<double> shared_primitive_list(const file::Scene& scene) {
-    return with_unlisted(shared_listed(scene), scene);
+    return with_flake_and_mesh(shared_listed(scene), scene);
 }
 
 PrimitiveList<double> primitive_list_of(const RayGroup& group) {
-    const bool wide = group.mesh && !fits_binary32(*group.mesh);
+    const bool is_wide = group.mesh && !fits_binary32(*group.mesh);
     return {group.primitives,
-            {.flake = {}, .mesh = group.mesh, .inputs = wide ? file::Inputs::own : file::Inputs::shared}};
+            {.flake = {}, .mesh = group.mesh, .inputs = is_wide ? file::Inputs::own : file::Inputs::shared}};
 }
 
-PrimitiveList<Real> ideal_primitive_list(const file::Scene& scene) { return with_unlisted(scene.listed, scene); }
+PrimitiveList<Real> ideal_primitive_list(const file::Scene& scene) { return with_flake_and_mesh(scene.listed, scene); }
 
 PrimitiveList<double> round_primitives(const PrimitiveList<double>& primitives, const FloatFormat& f) {
-    return rounded_list(primitives, f);
+    return round_list(primitives, f);
 }
 PrimitiveList<double> round_primitives(const PrimitiveList<Real>& primitives, const FloatFormat& f) {
-    return rounded_list(primitives, f);
+    return round_list(primitives, f);
 }
 
 }  // namespace lostbits::scene::rays

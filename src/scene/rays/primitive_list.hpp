@@ -78,38 +78,42 @@ public:
     PrimitiveList() = default;
     PrimitiveList(std::vector<Primitive<S>> listed) : listed_(std::move(listed)) {}
     /// The flake and the meshes of a scene; null if it has none. `inputs` applies to both.
-    struct Unlisted {
+    struct FlakeAndMesh {
         std::shared_ptr<const SphereColumns> flake;
         std::shared_ptr<const MeshColumns> mesh;
         file::Inputs inputs = file::Inputs::shared;
     };
     /// If `format` is absent, the numbers of the flake and the meshes are not rounded.
-    PrimitiveList(std::vector<Primitive<S>> listed, Unlisted unlisted, std::optional<FloatFormat> format = std::nullopt)
-        : listed_(std::move(listed)), unlisted_(std::move(unlisted)), format_(format) {}
+    PrimitiveList(std::vector<Primitive<S>> listed, FlakeAndMesh flake_and_mesh,
+                  std::optional<FloatFormat> format = std::nullopt)
+        : listed_(std::move(listed)), flake_and_mesh_(std::move(flake_and_mesh)), format_(format) {}
 
-    [[nodiscard]] std::size_t size() const { return first_of_mesh() + (unlisted_.mesh ? unlisted_.mesh->size() : 0); }
+    [[nodiscard]] std::size_t size() const {
+        return first_of_mesh() + (flake_and_mesh_.mesh ? flake_and_mesh_.mesh->size() : 0);
+    }
     [[nodiscard]] Primitive<S> operator[](std::size_t i) const {
         if (i < listed_.size()) return listed_[i];
         const std::size_t triangles = first_of_mesh();
-        return transformed(i < triangles ? (*unlisted_.flake)[i - listed_.size()] : (*unlisted_.mesh)[i - triangles],
-                           [this](double x) { return S(rounded(x)); });
+        return transformed(
+            i < triangles ? (*flake_and_mesh_.flake)[i - listed_.size()] : (*flake_and_mesh_.mesh)[i - triangles],
+            [this](double x) { return S(rounded(x)); });
     }
     /// Loads primitives that will soon be needed into the cache. In a large mesh this is several times as fast as
     /// waiting for each primitive.
     void prefetch(std::span<const std::uint32_t> primitives) const {
-        if (unlisted_.mesh) unlisted_.mesh->prefetch(primitives, first_of_mesh());
+        if (flake_and_mesh_.mesh) flake_and_mesh_.mesh->prefetch(primitives, first_of_mesh());
     }
-    [[nodiscard]] const Unlisted& unlisted() const { return unlisted_; }
+    [[nodiscard]] const FlakeAndMesh& flake_and_mesh() const { return flake_and_mesh_; }
     /// The triangles of meshes; null if there are none.
-    [[nodiscard]] const MeshColumns* mesh() const { return unlisted_.mesh.get(); }
+    [[nodiscard]] const MeshColumns* mesh() const { return flake_and_mesh_.mesh.get(); }
     /// Index of the first triangle.
     [[nodiscard]] std::size_t first_of_mesh() const {
-        return listed_.size() + (unlisted_.flake ? unlisted_.flake->size() : 0);
+        return listed_.size() + (flake_and_mesh_.flake ? flake_and_mesh_.flake->size() : 0);
     }
     [[nodiscard]] bool all_listed() const { return size() == listed_.size(); }
     /// The primitives without flake and meshes.
     [[nodiscard]] std::span<const Primitive<S>> listed() const { return listed_; }
-    [[nodiscard]] const std::shared_ptr<const SphereColumns>& flake() const { return unlisted_.flake; }
+    [[nodiscard]] const std::shared_ptr<const SphereColumns>& flake() const { return flake_and_mesh_.flake; }
     /// All primitives one by one, including the flake and the meshes.
     [[nodiscard]] std::vector<Primitive<S>> all() const {
         std::vector<Primitive<S>> primitives = listed_;
@@ -124,7 +128,8 @@ public:
     [[nodiscard]] std::array<std::span<const T>, 4> columns(std::size_t begin, std::size_t count,
                                                             std::array<std::vector<T>, 4>& columns_of_spheres) const {
         std::array<std::span<const T>, 4> view;
-        if (const auto* stored = unlisted_.flake && !format_ ? unlisted_.flake->template stored<T>() : nullptr;
+        if (const auto* stored =
+                flake_and_mesh_.flake && !format_ ? flake_and_mesh_.flake->template stored<T>() : nullptr;
             stored && begin >= listed_.size()) {
             for (std::size_t k = 0; k < 4; ++k)
                 view[k] = std::span((*stored)[k]).subspan(begin - listed_.size(), count);
@@ -143,7 +148,7 @@ private:
     [[nodiscard]] double rounded(double x) const { return format_ ? rounding::to_format(x, 0, *format_) : x; }
 
     std::vector<Primitive<S>> listed_;
-    Unlisted unlisted_;
+    FlakeAndMesh flake_and_mesh_;
     std::optional<FloatFormat> format_;
 };
 

@@ -30,7 +30,7 @@ BasicRayBlock<T> make_rays(const Scene& scene, int y0, int y1) {
 }
 
 template <class T, class Round>
-RayBlock rounded(const BasicRayBlock<T>& block, Round round) {
+RayBlock round_components(const BasicRayBlock<T>& block, Round round) {
     RayBlock result;
     result.width = block.width, result.y0 = block.y0, result.y1 = block.y1;
     for (std::size_t k = 0; k < result.numbers().size(); ++k) {
@@ -87,8 +87,8 @@ RayGroup group_of(const Ray<double>& ray) {
     return group;
 }
 
-RayGroup some_of(const RayGroup& group, std::size_t most) {
-    const std::size_t step = (group.rays.size() + most - 1) / most;
+RayGroup sample_rays(const RayGroup& group, std::size_t max_rays) {
+    const std::size_t step = (group.rays.size() + max_rays - 1) / max_rays;
     RayGroup part{.rays = {},
                   .primitives = group.paired ? std::vector<Primitive<double>>() : group.primitives,
                   .paired = group.paired};
@@ -115,18 +115,18 @@ IdealRayBlock make_own_rays(const Scene& scene, int y0, int y1) {
 
 RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f) {
     RayBlock result = ideal.made ? ideal.made->in(f, ideal.y0, ideal.y1)
-                                 : rounded(ideal, [&f](const Real& x) { return toml::round_to_format(x, f); });
+                                 : round_components(ideal, [&f](const Real& x) { return toml::round_to_format(x, f); });
     round_ranges(ideal, result, [&f](double t) { return rounding::to_format(t, 0, f); });
     return result;
 }
 
 RayBlock round_block(const RayBlock& block, const FloatFormat& f) {
     // A picture has millions of numbers, and the machine itself rounds to binary32.
-    const bool by_machine = f == binary32;
-    const auto round = [&f, by_machine](double x) {
-        return by_machine ? static_cast<double>(static_cast<float>(x)) : rounding::to_format(x, 0, f);
+    const bool rounds_by_machine = f == binary32;
+    const auto round = [&f, rounds_by_machine](double x) {
+        return rounds_by_machine ? static_cast<double>(static_cast<float>(x)) : rounding::to_format(x, 0, f);
     };
-    RayBlock result = rounded(block, round);
+    RayBlock result = round_components(block, round);
     round_ranges(block, result, round);
     return result;
 }

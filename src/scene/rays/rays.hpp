@@ -67,8 +67,8 @@ struct IdealRayBlock : BasicRayBlock<Real> {
     std::shared_ptr<const GeneratedRays> made = {};
 };
 
-/// A set of rays with the primitives at which they are aimed: the input of a step of a sweep.
 class MeshColumns;
+/// A set of rays with the primitives at which they are aimed: the input of a step of a sweep.
 struct RayGroup {
     RayBlock rays;
     std::vector<Primitive<double>> primitives;
@@ -81,9 +81,9 @@ struct RayGroup {
 
 /// Makes a group of one ray, without a primitive.
 RayGroup group_of(const Ray<double>& ray);
-/// Returns every n-th ray as a list, with the smallest n for which at most `most` rays are left, and their primitives
-/// except those of meshes.
-RayGroup some_of(const RayGroup& group, std::size_t most);
+/// Returns every n-th ray as a list, with the smallest n for which at most `max_rays` rays are left, and their
+/// primitives except those of meshes.
+RayGroup sample_rays(const RayGroup& group, std::size_t max_rays);
 
 /// Sets the range of the scene's rays for all rays of a block.
 template <class T>

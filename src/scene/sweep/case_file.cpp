@@ -20,7 +20,8 @@ using toml::TableReader;
 
 namespace {
 
-std::vector<Quantity> quantities(TableReader& table, std::string_view key, std::size_t count, bool allows_special) {
+std::vector<Quantity> read_quantities(TableReader& table, std::string_view key, std::size_t count,
+                                      bool allows_special) {
     const Node& node = table.node(key);
     if (node.kind != Node::Kind::array || node.items.size() != count)
         table.fail_at(key, "is " + node.describe() + ", but " + std::to_string(count) + " numbers are expected here");
@@ -34,11 +35,11 @@ struct Symmetry {
     std::array<int, 3> source_axes;
     std::array<double, 3> signs;
 
-    [[nodiscard]] Vec<double> applied_to(const Vec<double>& v) const {
+    [[nodiscard]] Vec<double> apply_to(const Vec<double>& v) const {
         return {signs[0] * v[source_axes[0]], signs[1] * v[source_axes[1]], signs[2] * v[source_axes[2]]};
     }
     /// Returns S M for a matrix M to the world, and M⁻¹ S⁻¹ for a stored inverse. The primitive stays in its own space.
-    [[nodiscard]] Placement<double> applied_to(const Placement<double>& m) const {
+    [[nodiscard]] Placement<double> apply_to(const Placement<double>& m) const {
         auto result = m.matrix;
         for (std::size_t i = 0; i < 3; ++i) {
             const auto k = static_cast<std::size_t>(source_axes[i]);
@@ -49,15 +50,15 @@ struct Symmetry {
         }
         return placement_of(result, m.is_inverse);
     }
-    [[nodiscard]] Primitive<double> applied_to(const Primitive<double>& s) const {
+    [[nodiscard]] Primitive<double> apply_to(const Primitive<double>& s) const {
         Primitive<double> result = s;
         if (s.placed) {
-            result.placed = applied_to(*s.placed);
+            result.placed = apply_to(*s.placed);
             return result;
         }
         for_each_key(s.shape, [&](const Key& key, std::size_t k) {
             if (key.count() != 3) return;
-            const Vec<double> point = applied_to(s.point(k));
+            const Vec<double> point = apply_to(s.point(k));
             for (int i = 0; i < 3; ++i) {
                 double& x = result.numbers[k + static_cast<std::size_t>(i)] = point[i];
                 if (key.kind == Key::Kind::lengths) x = std::fabs(x);
@@ -75,15 +76,15 @@ struct Symmetry {
 
 std::vector<Symmetry> symmetries(bool is_symmetric) {
     if (!is_symmetric) return {{{0, 1, 2}, {1, 1, 1}}};
-    std::vector<Symmetry> found;
+    std::vector<Symmetry> all_symmetries;
     std::array<int, 3> order{0, 1, 2};
     do {
         for (int signs = 0; signs < 8; ++signs) {
-            found.push_back(
+            all_symmetries.push_back(
                 {order, {(signs & 1) != 0 ? -1.0 : 1.0, (signs & 2) != 0 ? -1.0 : 1.0, (signs & 4) != 0 ? -1.0 : 1.0}});
         }
     } while (std::ranges::next_permutation(order).found);
-    return found;
+    return all_symmetries;
 }
 
 /// Fails if the range of a ray holds no t in binary64. A range that holds no t only in a narrower format is valid; the
@@ -98,7 +99,7 @@ void require_range(TableReader& ray, const Range<double>& range) {
                     "leaves no t between tmin and tmax; write a tmax above tmin, or leave one of them out");
 }
 
-Vec<double> vec_in(const std::vector<Quantity>& v, const FloatFormat& f, int exponent) {
+Vec<double> vector_in_format(const std::vector<Quantity>& v, const FloatFormat& f, int exponent) {
     return {v[0].in(f, exponent), v[1].in(f, exponent), v[2].in(f, exponent)};
 }
 
@@ -114,17 +115,17 @@ std::string primitives_of_a_case() {
 }
 
 CaseFile::Case CaseFile::read_case(TableReader& table) {
-    Case c;
-    c.name = table.string("name");
-    table.read("note", c.note);
-    if (table.has("lengths")) c.lengths = toml::Exponent(table.node("lengths"));
-    if (table.has("directions")) c.directions = toml::Exponent(table.node("directions"));
+    Case new_case;
+    new_case.name = table.string("name");
+    table.read("note", new_case.note);
+    if (table.has("lengths")) new_case.lengths = toml::Exponent(table.node("lengths"));
+    if (table.has("directions")) new_case.directions = toml::Exponent(table.node("directions"));
     if (const auto zeros = table.optional_string("zeros")) {
         if (*zeros != "+0" && *zeros != "-0")
             table.fail_at("zeros", "is \"" + *zeros + "\"; write \"+0\" or \"-0\", or leave it out");
-        c.zeros = *zeros == "-0" ? -0.0 : 0.0;
+        new_case.zeros = *zeros == "-0" ? -0.0 : 0.0;
     }
-    table.read("symmetric", c.symmetric);
+    table.read("symmetric", new_case.symmetric);
     std::vector<std::pair<std::pair<int, int>, PrimitiveSpec>> primitives;  // by position in the file
     for (const ShapeRow& shape_row : shape_rows) {
         for (TableReader& primitive : table.tables(shape_row.plural)) {
@@ -132,13 +133,13 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
             for (const Key& key : shape_row.keys) {
                 if (key.count() == 1) spec.numbers.emplace_back(primitive.node(key.name), false);
                 else
-                    std::ranges::move(quantities(primitive, key.name, key.count(), false),
+                    std::ranges::move(read_quantities(primitive, key.name, key.count(), false),
                                       std::back_inserter(spec.numbers));
             }
             for (const auto& [key, is_inverse] : {std::pair("matrix", false), std::pair("inverse_matrix", true)}) {
                 if (!primitive.has(key)) continue;
                 if (!spec.matrix.empty()) primitive.fail_at(key, "is given together with matrix; write one of the two");
-                spec.matrix = quantities(primitive, key, Affine<double>::numbers, false);
+                spec.matrix = read_quantities(primitive, key, Affine<double>::numbers, false);
                 spec.is_inverse = is_inverse;
                 if (!spec.in(binary64, 0).placed->is_proper()) primitive.fail_at(key, std::string(singular_words));
             }
@@ -148,23 +149,26 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
         }
     }
     std::ranges::stable_sort(primitives, {}, [](const auto& positioned) { return positioned.first; });
-    for (auto& [position, spec] : primitives) c.primitives.push_back(std::move(spec));
-    table.read("open_ends", c.open, open_ends_names);
+    for (auto& [position, spec] : primitives) new_case.primitives.push_back(std::move(spec));
+    table.read("open_ends", new_case.open, open_ends_names);
     for (TableReader& ray : table.tables("rays")) {
-        c.rays.push_back({quantities(ray, "origin", 3, true), quantities(ray, "direction", 3, true), {}, {}});
-        if (ray.has("tmin")) c.rays.back().tmin.emplace_back(ray.node("tmin"), true);
-        if (ray.has("tmax")) c.rays.back().tmax.emplace_back(ray.node("tmax"), true);
+        new_case.rays.push_back(
+            {read_quantities(ray, "origin", 3, true), read_quantities(ray, "direction", 3, true), {}, {}});
+        if (ray.has("tmin")) new_case.rays.back().tmin.emplace_back(ray.node("tmin"), true);
+        if (ray.has("tmax")) new_case.rays.back().tmax.emplace_back(ray.node("tmax"), true);
         const auto end = [](const std::vector<Quantity>& values, double default_t) {
             return values.empty() ? default_t : values.front().in(binary64, 0);
         };
-        require_range(ray, {end(c.rays.back().tmin, 0), end(c.rays.back().tmax, HUGE_VAL), c.open});
+        require_range(ray,
+                      {end(new_case.rays.back().tmin, 0), end(new_case.rays.back().tmax, HUGE_VAL), new_case.open});
         ray.reject_unknown_keys();
     }
     table.reject_unknown_keys();
-    if (c.primitives.empty())
+    if (new_case.primitives.empty())
         toml::fail(table.where(), "a case needs " + primitives_of_a_case() + "; write one of them");
-    if (c.rays.empty()) toml::fail(table.where(), "a case needs rays = [{ origin, direction }, …]; write at least one");
-    return c;
+    if (new_case.rays.empty())
+        toml::fail(table.where(), "a case needs rays = [{ origin, direction }, …]; write at least one");
+    return new_case;
 }
 
 CaseFile::CaseFile(const std::filesystem::path& path) {
@@ -182,18 +186,18 @@ CaseFile::CaseFile(const std::filesystem::path& path) {
         if (conventions.empty()) file.fail_at("conventions", "is empty; leave it out, or name own, closed or open");
     }
     for (TableReader& table : file.tables("case")) {
-        Case c = read_case(table);
-        if (std::ranges::find(cases_, c.name, &Case::name) != cases_.end())
-            table.fail_at("name",
-                          "is \"" + c.name + "\", which is also the name of another case; give each its own name");
-        for (const PrimitiveSpec& spec : c.primitives) {
+        Case new_case = read_case(table);
+        if (std::ranges::find(cases_, new_case.name, &Case::name) != cases_.end())
+            table.fail_at(
+                "name", "is \"" + new_case.name + "\", which is also the name of another case; give each its own name");
+        for (const PrimitiveSpec& spec : new_case.primitives) {
             const Primitive<double> primitive = spec.in(binary64, 0);
             if (const auto broken = broken_limit(primitive))
                 toml::fail(table.where(), "has " + with_article(spec.shape) + " whose " +
                                               std::string(broken->key->name) + " " +
                                               limit_phrase(spec.shape, *broken->key));
         }
-        cases_.push_back(std::move(c));
+        cases_.push_back(std::move(new_case));
     }
     file.reject_unknown_keys();
     if (cases_.empty()) toml::fail(file.where(), "has no [[case]]");
@@ -241,32 +245,34 @@ std::vector<RayGroup> CaseFile::rays(std::size_t i, const FloatFormat& format) c
     return rays(cases_[i], format, format);
 }
 
-std::vector<RayGroup> CaseFile::rays_before(std::size_t i, const FloatFormat& format) const {
+std::vector<RayGroup> CaseFile::unrounded_rays(std::size_t i, const FloatFormat& format) const {
     return rays(cases_[i], format, binary64);
 }
 
-std::vector<RayGroup> CaseFile::rays(const Case& c, const FloatFormat& scale_format, const FloatFormat& format) {
-    const int lengths = c.lengths.in(scale_format), directions = c.directions.in(scale_format);
+std::vector<RayGroup> CaseFile::rays(const Case& named_case, const FloatFormat& scale_format,
+                                     const FloatFormat& format) {
+    const int lengths = named_case.lengths.in(scale_format), directions = named_case.directions.in(scale_format);
     std::vector<RayGroup> groups;
-    for (const Symmetry& symmetry : symmetries(c.symmetric)) {
+    for (const Symmetry& symmetry : symmetries(named_case.symmetric)) {
         RayGroup group;
-        for (const PrimitiveSpec& spec : c.primitives)
-            group.primitives.push_back(symmetry.applied_to(spec.in(format, lengths)));
-        for (const RaySpec& ray : c.rays) {
-            Vec<double> d = symmetry.applied_to(vec_in(ray.direction, format, directions));
-            for (int k = 0; c.zeros && k < 3; ++k) d[k] = d[k] == 0 ? *c.zeros : d[k];
-            group.rays.push({symmetry.applied_to(vec_in(ray.origin, format, lengths)), d});
+        for (const PrimitiveSpec& spec : named_case.primitives)
+            group.primitives.push_back(symmetry.apply_to(spec.in(format, lengths)));
+        for (const RaySpec& ray : named_case.rays) {
+            Vec<double> d = symmetry.apply_to(vector_in_format(ray.direction, format, directions));
+            for (int k = 0; named_case.zeros && k < 3; ++k) d[k] = d[k] == 0 ? *named_case.zeros : d[k];
+            group.rays.push({symmetry.apply_to(vector_in_format(ray.origin, format, lengths)), d});
         }
         const auto add_ends = [&](std::vector<toml::Quantity> RaySpec::*end, double default_t,
                                   std::vector<double>& ends) {
-            if (!std::ranges::any_of(c.rays, [end](const RaySpec& ray) { return !(ray.*end).empty(); })) return;
+            if (!std::ranges::any_of(named_case.rays, [end](const RaySpec& ray) { return !(ray.*end).empty(); }))
+                return;
             // tmin and tmax are parameters, not lengths: they are not scaled.
-            for (const RaySpec& ray : c.rays)
+            for (const RaySpec& ray : named_case.rays)
                 ends.push_back((ray.*end).empty() ? default_t : (ray.*end).front().in(format, 0));
         };
         add_ends(&RaySpec::tmin, 0, group.rays.tmin);
         add_ends(&RaySpec::tmax, HUGE_VAL, group.rays.tmax);
-        group.rays.open = c.open;
+        group.rays.open = named_case.open;
         group.rays.set_as_list();
         groups.push_back(std::move(group));
     }
@@ -284,7 +290,7 @@ void reject_misspelt_tables(const Node& root) {
     for (const auto& [key, where, value] : root.entries) {
         const Node& first = value.kind == Node::Kind::array && !value.items.empty() ? value.items.front() : value;
         if (first.kind != Node::Kind::table || std::ranges::find(tables, key) != tables.end()) continue;
-        if (toml::slip_of(key, tables))
+        if (toml::match_typo(key, tables))
             toml::fail(where, "unknown key " + key + "; " + toml::did_you_mean(key, tables));
     }
 }

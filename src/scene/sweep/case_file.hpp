@@ -43,7 +43,7 @@ public:
     /// components may be NaN or infinite, directions zero.
     [[nodiscard]] std::vector<rays::RayGroup> rays(std::size_t i, const FloatFormat& format) const;
     /// The rays of a case at the scale of the format, in binary64, before they are rounded to the format.
-    [[nodiscard]] std::vector<rays::RayGroup> rays_before(std::size_t i, const FloatFormat& format) const;
+    [[nodiscard]] std::vector<rays::RayGroup> unrounded_rays(std::size_t i, const FloatFormat& format) const;
 
 private:
     struct PrimitiveSpec {

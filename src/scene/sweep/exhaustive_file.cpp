@@ -38,14 +38,14 @@ std::string nearest_text(const Real& x) {
 }
 
 /// Reads a number that every form gets unrounded.
-float float_in(TableReader& table, std::string_view key) {
+float read_float(TableReader& table, std::string_view key) {
     const Real x = table.number(key);
     if (const auto exact = exact_float(x)) return *exact;
     table.fail_at(key,
                   "is not representable in binary32, and rounding it would test another value; " + nearest_text(x));
 }
 
-Vec<float> vec_in(TableReader& table, std::string_view key) {
+Vec<float> read_float_vector(TableReader& table, std::string_view key) {
     const Vec<Real> components = table.vec3(key);
     Vec<float> v;
     for (int i = 0; i < 3; ++i) {
@@ -69,14 +69,14 @@ std::optional<float> exact_float(const Real& x) {
 void ExhaustiveFile::read_path(const std::string& path, const TableReader& table) {
     std::vector<std::string> paths(std::begin(ray_paths), std::end(ray_paths));
     if (!mesh) std::ranges::copy(number_paths(primitive.shape), std::back_inserter(paths));
-    const auto found = static_cast<std::size_t>(std::ranges::find(paths, path) - paths.begin());
-    if (found == paths.size())
+    const auto path_index = static_cast<std::size_t>(std::ranges::find(paths, path) - paths.begin());
+    if (path_index == paths.size())
         table.fail_at("set", "names \"" + path + "\", which is not a number of the ray" +
                                  (mesh ? std::string(", and the numbers of a mesh are fixed")
                                        : " or of its " + std::string(name_of(primitive.shape))) +
                                  "; " + toml::did_you_mean(path, paths));
-    auto& indices = found < 6 ? ray_places : primitive_places;
-    const std::size_t number_index = found < 6 ? found : found - 6;
+    auto& indices = path_index < 6 ? ray_indices : primitive_indices;
+    const std::size_t number_index = path_index < 6 ? path_index : path_index - 6;
     if (std::ranges::find(indices, number_index) != indices.end())
         table.fail_at("set", "names \"" + path + "\" twice; once is enough");
     indices.push_back(number_index);
@@ -89,7 +89,7 @@ void ExhaustiveFile::read_range(TableReader& table) {
         if (mesh)
             table.fail_at("all",
                           "includes NaN and infinities, and a ray with one of them crosses no mesh; write from and to");
-        if (!primitive_places.empty())
+        if (!primitive_indices.empty())
             table.fail_at("all",
                           "includes NaN, infinities and numbers of either sign, which are not valid for a primitive; "
                           "write from and to");
@@ -102,7 +102,7 @@ void ExhaustiveFile::read_range(TableReader& table) {
     if (!low && !high &&
         index_of(adjacent_floats(rises ? from : to).above) > index_of(adjacent_floats(rises ? to : from).below))
         table.fail_at("from", "and to have no number of binary32 between them; " + nearest_text(from));
-    ranges_ = {{index_of(float_in(table, "from")), index_of(float_in(table, "to"))}};
+    ranges_ = {{index_of(read_float(table, "from")), index_of(read_float(table, "to"))}};
     if (ranges_.front().size() == 1)
         table.fail_at("to", "equals from, which leaves nothing to sweep; bring them farther apart");
 }
@@ -117,7 +117,7 @@ void ExhaustiveFile::read_axis(TableReader& table) {
     } else {
         read_path(table.string("set"), table);
     }
-    if (ray_places.empty() && primitive_places.empty())
+    if (ray_indices.empty() && primitive_indices.empty())
         table.fail_at("set", "is empty; name a number of the ray or of its primitive");
     read_range(table);
     table.reject_unknown_keys();
@@ -126,7 +126,7 @@ void ExhaustiveFile::read_axis(TableReader& table) {
 void ExhaustiveFile::check_primitives(TableReader& file, const TableReader& axis_table) const {
     if (mesh) return;
     const std::string name(name_of(primitive.shape));
-    if (primitive_places.empty()) {
+    if (primitive_indices.empty()) {
         if (const auto broken = broken_limit(primitive))
             file.table(name).fail_at(broken->key->name, limit_phrase(primitive.shape, *broken->key));
         return;
@@ -145,21 +145,21 @@ void ExhaustiveFile::check_primitives(TableReader& file, const TableReader& axis
 
 void ExhaustiveFile::read_primitive(TableReader& file) {
     std::string tables;
-    std::vector<Shape> found;
+    std::vector<Shape> named_shapes;
     for (const ShapeRow& shape_row : shape_rows) {
         std::string table = with_article(shape_row.shape) + "]";
         tables += (tables.empty() ? "" : " or ") + table.insert(table.find(' ') + 1, "[");
-        if (file.has(shape_row.name)) found.push_back(shape_row.shape);
+        if (file.has(shape_row.name)) named_shapes.push_back(shape_row.shape);
     }
-    if (found.size() != 1)
+    if (named_shapes.size() != 1)
         toml::fail(file.where(), "a sweep over every float needs one primitive, " + tables +
                                      " table, or scene = \"…\", whose mesh its rays cross; write one of them");
-    primitive = Primitive<float>(found.front());
+    primitive = Primitive<float>(named_shapes.front());
     TableReader table = file.table(name_of(primitive.shape));
     for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
         if (key.is_optional && !table.has(key.name)) return;
-        if (key.count() == 1) primitive.numbers[k] = float_in(table, key.name);
-        else primitive.set_point(k, vec_in(table, key.name));
+        if (key.count() == 1) primitive.numbers[k] = read_float(table, key.name);
+        else primitive.set_point(k, read_float_vector(table, key.name));
     });
     table.reject_unknown_keys();
 }
@@ -182,12 +182,12 @@ ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path, const std::fil
     if (file.has("scene")) read_scene(file, data_dir, stop);
     else read_primitive(file);
     for (TableReader& table : file.tables("ray")) {
-        NamedRay ray{table.string("name"), {vec_in(table, "origin"), vec_in(table, "direction")}};
+        NamedRay ray{table.string("name"), {read_float_vector(table, "origin"), read_float_vector(table, "direction")}};
         if (std::ranges::find(rays, ray.name, &NamedRay::name) != rays.end())
             table.fail_at("name",
                           "is \"" + ray.name + "\", which is also the name of another ray; give each its own name");
         if (!takes_tmax(primitive.shape)) table.reject("tmax", no_end_reason(primitive.shape));
-        else if (table.has("tmax")) ray.tmax = float_in(table, "tmax");
+        else if (table.has("tmax")) ray.tmax = read_float(table, "tmax");
         if (ray.tmax < 0) table.fail_at("tmax", "is below 0, but a ray looks ahead, and no t is left; write 0 or more");
         table.reject_unknown_keys();
         rays.push_back(std::move(ray));
@@ -225,25 +225,25 @@ void ExhaustiveFile::narrow(const Real& from, const Real& to, const toml::Where&
 
 Ray<float> ExhaustiveFile::ray_at(std::size_t ray, float value) const {
     Ray<float> r = rays[ray].ray;
-    for (const std::size_t index : ray_places)
+    for (const std::size_t index : ray_indices)
         (index < 3 ? r.origin : r.direction)[static_cast<int>(index % 3)] = value;
     return r;
 }
 
 Primitive<float> ExhaustiveFile::primitive_at(float value) const {
     Primitive<float> result = primitive;
-    for (const std::size_t index : primitive_places) result.numbers[index] = value;
+    for (const std::size_t index : primitive_indices) result.numbers[index] = value;
     return result;
 }
 
 rays::RayGroup ExhaustiveFile::group_over(std::size_t ray, const FloatRange& floats) const {
-    const auto in_double = [](const Vec<float>& v) { return Vec<double>(v.x, v.y, v.z); };
-    const std::size_t primitives = mesh ? 0 : primitive_places.empty() ? 1 : floats.size();
+    const auto to_double = [](const Vec<float>& v) { return Vec<double>(v.x, v.y, v.z); };
+    const std::size_t primitives = mesh ? 0 : primitive_indices.empty() ? 1 : floats.size();
     rays::RayGroup group;
     for (std::uint64_t i = 0; i < floats.size(); ++i) {
         const float value = float_at(floats.at(i));
         const Ray<float> r = ray_at(ray, value);
-        group.rays.push({in_double(r.origin), in_double(r.direction)});
+        group.rays.push({to_double(r.origin), to_double(r.direction)});
         if (i < primitives)
             group.primitives.push_back(
                 transformed(primitive_at(value), [](float x) { return static_cast<double>(x); }));

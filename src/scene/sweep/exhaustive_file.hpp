@@ -31,9 +31,9 @@ public:
     std::optional<intersect::Touching> convention;
 
     AxisName axis;
-    /// Indices of the numbers that the axis sets, all to the same float. `ray_places`: 0 to 5 for origin x, y, z and
-    /// direction x, y, z. `primitive_places`: indices into the numbers of the primitive.
-    std::vector<std::size_t> ray_places, primitive_places;
+    /// Indices of the numbers that the axis sets, all to the same float. `ray_indices`: 0 to 5 for origin x, y, z and
+    /// direction x, y, z. `primitive_indices`: indices into the numbers of the primitive.
+    std::vector<std::size_t> ray_indices, primitive_indices;
 
     struct NamedRay {
         std::string name;

@@ -27,13 +27,13 @@ namespace {
 constexpr long long most_steps = 100000;
 
 /// The ray distribution that a file names; null if it names none.
-const DistributionRow* distribution_of(const toml::Node& root) {
+const DistributionRow* find_distribution(const toml::Node& root) {
     for (const DistributionRow& distribution_row : distributions())
         if (TableReader(root).has(distribution_row.table)) return &distribution_row;
     return nullptr;
 }
 
-void fill(Axis& axis, TableReader& table) {
+void fill_values(Axis& axis, TableReader& table) {
     using S = Axis::Spacing;
     if (axis.spacing == S::every_float) {
         const FloatRange floats{index_of(static_cast<float>(axis.from)), index_of(static_cast<float>(axis.to))};
@@ -94,7 +94,7 @@ Axis read_axis(TableReader table, const std::string& prefix) {
     // The axis may run downwards: an onset is the first problem in the order of the steps, and some problems are at
     // small values.
     if (axis.from == axis.to) table.fail_at("to", "equals from, which leaves nothing to sweep");
-    fill(axis, table);
+    fill_values(axis, table);
     const auto paths = table.strings("set");
     const auto factors = table.optional_numbers("factors", paths.size());
     const auto bases = table.optional_numbers("bases", paths.size());
@@ -148,7 +148,7 @@ double Axis::middle(double a, double b) const {
 SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,
                      const SweepChanges& changes, intersect::process::StopToken stop)
     : root_(toml::read_toml(path, stop)), stop_(stop) {
-    change(changes);
+    apply_changes(changes);
     TableReader file(root_);
     static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
     convention = read_convention(file);
@@ -162,11 +162,11 @@ SweepFile::SweepFile(const std::filesystem::path& path, const std::filesystem::p
     for (TableReader& mark : file.tables("mark")) marks.push_back(read_mark(mark));
     file.reject_unknown_keys();
     reject_changes_of_axes(changes);
-    read_both_ends();
+    check_both_ends();
 }
 
 /// Applies changes to the file, and stores the changes of its scene for later.
-void SweepFile::change(const SweepChanges& changes) {
+void SweepFile::apply_changes(const SweepChanges& changes) {
     const bool has_scene = TableReader(root_).has("scene");
     const std::string name = root_.where.source;
     if (changes.size && !has_scene)
@@ -175,14 +175,14 @@ void SweepFile::change(const SweepChanges& changes) {
                          "--set rays=N or --set views=N");
     size_ = changes.size;
     for (toml::Override change : changes.set) {
-        const bool in_file = change.path.starts_with("axis[") || (!has_scene && change.path.starts_with("march."));
-        if (has_scene && !in_file) {
+        const bool is_in_file = change.path.starts_with("axis[") || (!has_scene && change.path.starts_with("march."));
+        if (has_scene && !is_in_file) {
             changes_.push_back(std::move(change));
             continue;
         }
-        const DistributionRow* const distribution = distribution_of(root_);
+        const DistributionRow* const distribution = find_distribution(root_);
         const std::string table = std::string((distribution ? *distribution : distributions().front()).table) + '.';
-        if (!in_file && !change.path.starts_with(table)) change.path = table + change.path;
+        if (!is_in_file && !change.path.starts_with(table)) change.path = table + change.path;
         toml::apply_override(root_, change);
     }
     if (changes.steps.empty()) return;
@@ -227,7 +227,7 @@ void SweepFile::read_subject(TableReader& file, const std::filesystem::path& dat
         toml::fail(file.where(),
                    "a sweep is over either scene = \"…\", " + distribution_tables() +
                        "; write one of them, or [[ray]] tables and their primitive to try every float of a number");
-    const DistributionRow* const distribution = distribution_of(root_);
+    const DistributionRow* const distribution = find_distribution(root_);
     if (scene) {
         const file::SceneName name = find_scene_of(file, *scene, data_dir);
         scene_.emplace(name.path, stop_);
@@ -245,10 +245,10 @@ void SweepFile::read_subject(TableReader& file, const std::filesystem::path& dat
 }
 
 /// Reads the rays at both ends of the axes, so that errors show up before the first of a thousand steps.
-void SweepFile::read_both_ends() {
-    for (const bool last : {false, true}) {
+void SweepFile::check_both_ends() {
+    for (const bool is_last : {false, true}) {
         std::vector<double> values;
-        for (const Axis& axis : axes) values.push_back(last ? axis.values.back() : axis.values.front());
+        for (const Axis& axis : axes) values.push_back(is_last ? axis.values.back() : axis.values.front());
         const RayGroup group = rays(values).front();
         marches_ = group.march.has_value();
         shapes_.clear();
@@ -276,7 +276,7 @@ std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
         toml::Node root = root_;
         for (const toml::Override& change : changes) toml::apply_override(root, change);
         TableReader file(root);
-        const DistributionRow* const distribution = distribution_of(root);
+        const DistributionRow* const distribution = find_distribution(root);
         std::vector<RayGroup> groups = distribution->read(file.table(distribution->table))(seed_offset_);
         if (auto march = file.optional_table("march")) {
             const auto constants = file::round_march(file::read_march(*march, file::Inputs::shared), binary32);

@@ -13,6 +13,7 @@
 
 namespace lostbits::scene::sweep {
 
+/// An axis of a sweep: its values, and the numbers that they set.
 struct Axis : AxisName {
     enum class Spacing { linear, log2, every_float, whole };
     Spacing spacing = Spacing::log2;
@@ -39,6 +40,7 @@ struct SweepChanges {
     std::vector<long long> steps = {};  ///< number of steps of each axis, or one number for all axes
 };
 
+/// A sweep file with one or two `[[axis]]` tables.
 class SweepFile : public SweepHead {
 public:
     /// Throws InputError with a position for anything that is not a sweep, and for a change that has no meaning for
@@ -81,10 +83,10 @@ public:
     [[nodiscard]] rays::RayGroup first_rays() const;
 
 private:
-    void change(const SweepChanges& changes);
+    void apply_changes(const SweepChanges& changes);
     void reject_changes_of_axes(const SweepChanges& changes) const;
     void read_subject(toml::TableReader& file, const std::filesystem::path& data_dir);
-    void read_both_ends();
+    void check_both_ends();
 
     toml::Node root_;
     std::optional<file::SceneFile> scene_;

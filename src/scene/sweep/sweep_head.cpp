@@ -57,7 +57,7 @@ std::optional<Touching> read_convention(toml::TableReader& table) {
 file::SceneName find_scene_of(const toml::TableReader& table, const std::string& name,
                               const std::filesystem::path& data_dir) {
     try {
-        return file::find_scene(file::beside(table.where().source, name), data_dir);
+        return file::find_scene(file::resolve_beside(table.where().source, name), data_dir);
     } catch (const InputError& error) {
         table.fail_at("scene", std::string("cannot be found: ") + error.what());
     }

@@ -6,12 +6,12 @@
 
 namespace lostbits::scene::toml {
 
-/// Returns `2 rays` for n = 2 and `thing` = "ray". `things` is the plural, if it is not `thing` followed by an s.
+/// Returns `2 rays` for n = 2 and `noun` = "ray". `plural` is the plural, if it is not `noun` followed by an s.
 template <class Count>
-std::string count_with_noun(Count n, std::string_view thing, std::string_view things = {}) {
+std::string count_with_noun(Count n, std::string_view noun, std::string_view plural = {}) {
     std::string text = std::to_string(n) + " ";
-    if (n == Count{1}) return text.append(thing);
-    return things.empty() ? text.append(thing) + "s" : text.append(things);
+    if (n == Count{1}) return text.append(noun);
+    return plural.empty() ? text.append(noun) + "s" : text.append(plural);
 }
 
 }  // namespace lostbits::scene::toml

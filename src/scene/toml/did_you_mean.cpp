@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t most_listed = 12;
 
-char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+char to_lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 int most_edits(std::size_t letters) {
     if (letters == 0) return 0;
@@ -53,10 +53,10 @@ int edit_distance(std::string_view a, std::string_view b) {
         previous.swap(row);
         row[0] = static_cast<int>(i);
         for (std::size_t j = 1; j <= b.size(); ++j) {
-            const bool is_same = lower(a[i - 1]) == lower(b[j - 1]);
+            const bool is_same = to_lower(a[i - 1]) == to_lower(b[j - 1]);
             row[j] = std::min({previous[j] + 1, row[j - 1] + 1, previous[j - 1] + (is_same ? 0 : 1)});
             const bool is_swap =
-                i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]);
+                i > 1 && j > 1 && to_lower(a[i - 1]) == to_lower(b[j - 2]) && to_lower(a[i - 2]) == to_lower(b[j - 1]);
             if (is_swap) row[j] = std::min(row[j], two_back[j - 2] + 1);
         }
     }
@@ -95,7 +95,7 @@ FewestEdits fewest_edits(std::string_view word, const std::vector<std::string>& 
 
 }  // namespace
 
-std::optional<std::string> slip_of(std::string_view word, const std::vector<std::string>& candidates) {
+std::optional<std::string> match_typo(std::string_view word, const std::vector<std::string>& candidates) {
     return fewest_edits(word, candidates).best;
 }
 

@@ -15,10 +15,10 @@ int edit_distance(std::string_view a, std::string_view b);
 /// Returns the candidate with the fewest edits from `word` (the first if several have equally many), if a typing error
 /// explains the difference: at most one edit in a word of up to five letters, two up to eight, then a third of its
 /// length.
-std::optional<std::string> slip_of(std::string_view word, const std::vector<std::string>& candidates);
+std::optional<std::string> match_typo(std::string_view word, const std::vector<std::string>& candidates);
 
-/// Returns `slip_of`, or the only candidate that begins with `word` or with all but its last letter, or whose letters
-/// appear in `word` in their order.
+/// Returns `match_typo`, or the only candidate that begins with `word` or with all but its last letter, or whose
+/// letters appear in `word` in their order.
 std::optional<std::string> closest(std::string_view word, const std::vector<std::string>& candidates);
 
 /// Shortens a user's text for messages: of a long text, its first letters and the number of its bytes.

@@ -20,7 +20,7 @@ struct PathPart {
 
 std::vector<PathPart> parts_of_path(const Override& change) {
     const std::string& path = change.path;
-    const auto malformed = [&](const std::string& why) {
+    const auto fail_malformed = [&](const std::string& why) {
         fail(change.where,
              "the path \"" + path + "\" " + why + "; write keys and indices from 0, as in sphere[0].radius");
     };
@@ -28,20 +28,20 @@ std::vector<PathPart> parts_of_path(const Override& change) {
     std::size_t i = 0;
     while (true) {
         const std::size_t end = std::min(path.find_first_of(".[", i), path.size());
-        if (end == i) malformed("has an empty key");
+        if (end == i) fail_malformed("has an empty key");
         parts.push_back({false, std::string(current_table_name(std::string_view(path).substr(i, end - i))), 0, end});
         i = end;
         while (i < path.size() && path[i] == '[') {
             std::size_t index = 0;
             const auto [stop, error] = std::from_chars(path.data() + i + 1, path.data() + path.size(), index);
             if (error != std::errc{} || stop == path.data() + path.size() || *stop != ']')
-                malformed(error == std::errc::result_out_of_range ? "has an index that is too large"
-                                                                  : "has an index that is not a whole number");
+                fail_malformed(error == std::errc::result_out_of_range ? "has an index that is too large"
+                                                                       : "has an index that is not a whole number");
             i = static_cast<std::size_t>(stop - path.data()) + 1;
             parts.push_back({true, "", index, i});
         }
         if (i == path.size()) return parts;
-        if (path[i] != '.') malformed("continues after an index without a dot");
+        if (path[i] != '.') fail_malformed("continues after an index without a dot");
         ++i;
     }
 }

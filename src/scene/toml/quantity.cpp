@@ -15,7 +15,7 @@ namespace {
 bool is_part_of_a_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.'; }
 
 /// Returns the text without the spaces around its operators; "1 2" is not twelve.
-std::string text_of(const Node& node) {
+std::string text_without_spaces(const Node& node) {
     if (node.kind == Node::Kind::integer) return std::to_string(node.integer);
     if (node.kind != Node::Kind::string && node.kind != Node::Kind::floating)
         fail(node.where, "is " + node.describe() + " where a number or a string is expected");
@@ -46,8 +46,8 @@ bool remove_ending(std::string& text, std::string_view ending) {
 }  // namespace
 
 Exponent::Exponent(const Node& node) {
-    const std::string text = text_of(node);
-    const auto fail_here = [&] {
+    const std::string text = text_without_spaces(node);
+    const auto fail_malformed = [&] {
         fail(node.where,
              "\"" + text +
                  "\" is not an exponent; write a sum of whole numbers, emax, emin and p, each optionally divided by 2 "
@@ -57,14 +57,14 @@ Exponent::Exponent(const Node& node) {
     while (position < text.size()) {
         Term term{1, 0, Term::Word::none, 1};
         if (text[position] == '+' || text[position] == '-') term.sign = text[position++] == '-' ? -1 : 1;
-        else if (position > 0) fail_here();
+        else if (position > 0) fail_malformed();
         const std::string_view rest = std::string_view(text).substr(position);
         if (rest.starts_with("emax")) term.word = Term::Word::emax, position += 4;
         else if (rest.starts_with("emin")) term.word = Term::Word::emin, position += 4;
         else if (rest.starts_with("p")) term.word = Term::Word::p, position += 1;
         else {
             const auto [stop, error] = std::from_chars(rest.data(), rest.data() + rest.size(), term.number);
-            if (error != std::errc{} || term.number < 0 || term.number > 10000) fail_here();
+            if (error != std::errc{} || term.number < 0 || term.number > 10000) fail_malformed();
             position += static_cast<std::size_t>(stop - rest.data());
         }
         if (text.compare(position, 2, "/2") == 0 || text.compare(position, 2, "/4") == 0)
@@ -72,7 +72,7 @@ Exponent::Exponent(const Node& node) {
         terms_.push_back(term);
     }
     constexpr std::size_t most_terms = 16;
-    if (terms_.empty() || terms_.size() > most_terms) fail_here();
+    if (terms_.empty() || terms_.size() > most_terms) fail_malformed();
 }
 
 int Exponent::in(const FloatFormat& f) const {
@@ -86,7 +86,7 @@ int Exponent::in(const FloatFormat& f) const {
 }
 
 Quantity::Quantity(const Node& node, bool allows_special) {
-    std::string text = text_of(node);
+    std::string text = text_without_spaces(node);
     if (remove_ending(text, "+ulp")) ulps_ = 1;
     else if (remove_ending(text, "-ulp")) ulps_ = -1;
     std::string_view rest = text;

@@ -43,7 +43,7 @@ long long as_integer(const Node& node, const std::string& name, long long lowest
     return node.integer;
 }
 
-std::string array_of(std::size_t count, std::string_view element_name) {
+std::string array_phrase(std::size_t count, std::string_view element_name) {
     return count == 0 ? "an array of " + std::string(element_name)
                       : "an array of " + std::to_string(count) + ' ' + std::string(element_name);
 }
@@ -51,7 +51,7 @@ std::string array_of(std::size_t count, std::string_view element_name) {
 const std::vector<Node>& as_array(const Node& node, const std::string& name, std::size_t count,
                                   std::string_view element_name) {
     const bool has_right_length = count == 0 ? !node.items.empty() : node.items.size() == count;
-    if (node.kind != Kind::array || !has_right_length) fail_for_type(node, name, array_of(count, element_name));
+    if (node.kind != Kind::array || !has_right_length) fail_for_type(node, name, array_phrase(count, element_name));
     return node.items;
 }
 
@@ -107,14 +107,14 @@ void TableReader::fail_at(std::string_view key, const std::string& message) cons
     fail(where(key), path_to(key) + ' ' + message);
 }
 
-const Node* TableReader::seek(std::string_view key) {
+const Node* TableReader::request(std::string_view key) {
     if (std::find(requested_keys_.begin(), requested_keys_.end(), key) == requested_keys_.end())
         requested_keys_.emplace_back(key);
     return table_->find(key);
 }
 
-const Node& TableReader::demand(std::string_view key, std::string_view expected) {
-    const Node* node = seek(key);
+const Node& TableReader::require(std::string_view key, std::string_view expected) {
+    const Node* node = request(key);
     if (node != nullptr) return *node;
     const std::string missing = path_to(key) + " is missing";
     // A misspelt key shows up as a missing key first, so the error points at the misspelling.
@@ -131,7 +131,7 @@ const Node& TableReader::demand(std::string_view key, std::string_view expected)
     fail(table_->where, missing + "; give it " + std::string(expected));
 }
 
-std::string TableReader::string(std::string_view key) { return as_text(demand(key, "a string"), path_to(key)); }
+std::string TableReader::string(std::string_view key) { return as_text(require(key, "a string"), path_to(key)); }
 
 std::string TableReader::title(std::string_view key) {
     std::string text = string(key);
@@ -144,23 +144,23 @@ std::string TableReader::title(std::string_view key) {
 }
 
 std::vector<std::string> TableReader::strings(std::string_view key) {
-    return as_strings(demand(key, "an array of strings"), path_to(key));
+    return as_strings(require(key, "an array of strings"), path_to(key));
 }
 
 std::optional<bool> TableReader::optional_boolean(std::string_view key) {
-    const Node* node = seek(key);
+    const Node* node = request(key);
     if (node == nullptr) return std::nullopt;
     require_kind(*node, Kind::boolean, path_to(key), "true or false");
     return node->boolean;
 }
 
 long long TableReader::integer(std::string_view key, long long lowest, long long highest) {
-    return as_integer(demand(key, "a whole number"), path_to(key), lowest, highest);
+    return as_integer(require(key, "a whole number"), path_to(key), lowest, highest);
 }
 
 std::optional<std::vector<long long>> TableReader::optional_integers(std::string_view key, std::size_t count,
                                                                      long long lowest, long long highest) {
-    const Node* node = seek(key);
+    const Node* node = request(key);
     if (node == nullptr) return std::nullopt;
     std::vector<long long> values;
     for (const Node& item : as_array(*node, path_to(key), count, "whole numbers"))
@@ -168,7 +168,7 @@ std::optional<std::vector<long long>> TableReader::optional_integers(std::string
     return values;
 }
 
-Real TableReader::number(std::string_view key) { return as_number(demand(key, a_number), path_to(key)); }
+Real TableReader::number(std::string_view key) { return as_number(require(key, a_number), path_to(key)); }
 
 void TableReader::read_number(std::string_view key, double& x, double lowest, double highest) {
     x = static_cast<double>(optional_number(key).value_or(Real(x)));
@@ -176,7 +176,7 @@ void TableReader::read_number(std::string_view key, double& x, double lowest, do
 }
 
 std::vector<Real> TableReader::numbers(std::string_view key, std::size_t count) {
-    return as_numbers(demand(key, array_of(count, "numbers")), path_to(key), count);
+    return as_numbers(require(key, array_phrase(count, "numbers")), path_to(key), count);
 }
 
 Vec<Real> TableReader::vec3(std::string_view key) {
@@ -185,7 +185,7 @@ Vec<Real> TableReader::vec3(std::string_view key) {
 }
 
 std::size_t TableReader::choice(std::string_view key, const std::vector<std::string>& names) {
-    const Node& node = demand(key, fmt::format("one of \"{}\"", fmt::join(names, "\", \"")));
+    const Node& node = require(key, fmt::format("one of \"{}\"", fmt::join(names, "\", \"")));
     const std::string& name = as_text(node, path_to(key));
     const auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end())
@@ -201,15 +201,15 @@ void TableReader::read(std::string_view key, Vec<Real>& x) {
     if (has(key)) x = vec3(key);
 }
 
-const Node& TableReader::node(std::string_view key, std::string_view expected) { return demand(key, expected); }
+const Node& TableReader::node(std::string_view key, std::string_view expected) { return require(key, expected); }
 
 TableReader TableReader::table(std::string_view key) {
-    return TableReader(demand(key, "a table of that name"), path_to(key));
+    return TableReader(require(key, "a table of that name"), path_to(key));
 }
 
 std::vector<TableReader> TableReader::tables(std::string_view key) {
     std::vector<TableReader> readers;
-    const Node* node = seek(key);
+    const Node* node = request(key);
     if (node == nullptr) return readers;
     const std::string expected = "an array of tables, [[" + path_to(key) + "]],";
     require_kind(*node, Kind::array, path_to(key), expected);

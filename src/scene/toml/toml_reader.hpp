@@ -91,7 +91,7 @@ public:
         if (has(key)) x = one_of(key, choices);
     }
 
-    [[nodiscard]] bool has(std::string_view key) { return seek(key) != nullptr; }
+    [[nodiscard]] bool has(std::string_view key) { return request(key) != nullptr; }
     /// Names of all keys, in the order of the file.
     [[nodiscard]] std::vector<std::string> keys() const { return table_->keys(); }
     /// Returns the value itself, for a notation of its own. `expected` says what to write if the value is missing.
@@ -116,8 +116,8 @@ public:
     [[noreturn]] void fail_at(std::string_view key, const std::string& message) const;
 
 private:
-    const Node* seek(std::string_view key);
-    const Node& demand(std::string_view key, std::string_view expected);
+    const Node* request(std::string_view key);
+    const Node& require(std::string_view key, std::string_view expected);
     std::size_t choice(std::string_view key, const std::vector<std::string>& names);
 
     template <class E>

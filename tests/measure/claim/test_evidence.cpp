@@ -60,8 +60,8 @@ TEST_CASE("every claim about all cases states what it rests on") {
         // Samples cannot show that a bound holds.
         if (word == "sound") CHECK_FALSE(sample);
         CHECK(universal_word(claim.note) != "sound");
-        const auto* const sweep = claim.on<scene::claim::SweepSubject>();
-        const bool searched = claim.on<scene::claim::SearchSubject>();
+        const auto* const sweep = claim.subject_if<scene::claim::SweepSubject>();
+        const bool searched = claim.subject_if<scene::claim::SearchSubject>();
         if (claim.evidence == Claim::Evidence::exhaustive)
             CHECK((sweep && sweep->part_if<scene::claim::SweepSubject::EveryFloat>()));
         if (claim.evidence == Claim::Evidence::search) CHECK((searched || (sweep && sweep->name.starts_with("hard/"))));

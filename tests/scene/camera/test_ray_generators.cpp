@@ -101,7 +101,7 @@ TEST_CASE("every ray generator gives the exact ray of the pixel when nothing is 
             generator.real(numbers, {0, height}, [&](const Ray<Real>& ray) {
                 const Fractions made = exactly(ray.direction);
                 CHECK(abs(dot(made, made) - 1) < Fraction(1) / (boost::multiprecision::cpp_int(1) << 200));
-                check_ray(ray, pixel++, generator.info->from_near ? p.near : Fraction(0), tiny * 1000000);
+                check_ray(ray, pixel++, generator.info->starts_on_near_plane ? p.near : Fraction(0), tiny * 1000000);
             });
             CHECK(pixel == width * height);
         }
@@ -111,12 +111,13 @@ TEST_CASE("every ray generator gives the exact ray of the pixel when nothing is 
 TEST_CASE("ideal rays agree with fractions, from the eye or from the near plane") {
     for (const RayGenerator& generator : ray_generators()) {
         const file::Scene scene =
-            with_rays(loaded(scene_of("100, -20, 7", "102, -17, 13", "near = 0.25\nfar = 64")), generator);
+            with_ray_generator(loaded(scene_of("100, -20, 7", "102, -17, 13", "near = 0.25\nfar = 64")), generator);
         const auto ideal = rays::make_own_rays(scene, 1, 3);
         REQUIRE(ideal.made);
         REQUIRE(ideal.size() == 2 * width);
         for (std::size_t i = 0; i < ideal.size(); ++i)
-            check_ray(ideal[i], width + static_cast<int>(i), Fraction(generator.info->from_near ? 1 : 0, 4), tiny);
+            check_ray(ideal[i], width + static_cast<int>(i), Fraction(generator.info->starts_on_near_plane ? 1 : 0, 4),
+                      tiny);
     }
 }
 
@@ -125,7 +126,7 @@ TEST_CASE("ray generators give the same rays in machine floats and in emulated f
     const auto numbers = rays::camera_numbers(plain);
     for (const RayGenerator& generator : ray_generators()) {
         CAPTURE(generator.info->name);
-        const file::Scene scene = with_rays(plain, generator);
+        const file::Scene scene = with_ray_generator(plain, generator);
         const rays::GeneratedRays made(scene);
         for (const FloatFormat& format : {binary32, binary64}) {
             const rays::RayBlock native = made.in(format, 0, height);
@@ -148,7 +149,7 @@ TEST_CASE("ray generators give the same rays in machine floats and in emulated f
 TEST_CASE("the tape of a ray generator gives its rays from the camera's numbers") {
     const file::Scene plain = loaded(scene_of("7401.3, 5921.1, 7896.7", "7399, 5930, 7890", "near = 0.1\nfar = 1000"));
     for (const RayGenerator& generator : ray_generators()) {
-        const file::Scene scene = with_rays(plain, generator);
+        const file::Scene scene = with_ray_generator(plain, generator);
         const rays::GeneratedRays made(scene);
         for (const char* name : {"f32", "f64", "fp16"}) {
             CAPTURE(generator.info->name, name);
@@ -176,7 +177,8 @@ TEST_CASE("the tape of a ray generator gives its rays from the camera's numbers"
 
 TEST_CASE("generators that rotate a direction in camera space give the same rays for every camera position") {
     const auto directions = [](const RayGenerator& generator, const std::string& eye, const std::string& look_at) {
-        const file::Scene scene = with_rays(loaded(scene_of(eye, look_at, "near = 0.125\nfar = 1024")), generator);
+        const file::Scene scene =
+            with_ray_generator(loaded(scene_of(eye, look_at, "near = 0.125\nfar = 1024")), generator);
         const rays::RayBlock block = rays::GeneratedRays(scene).in(binary32, 0, height);
         return std::vector<std::vector<double>>{block.dx, block.dy, block.dz};
     };
@@ -191,13 +193,14 @@ TEST_CASE("generators that rotate a direction in camera space give the same rays
 
 TEST_CASE("shared inputs round the camera itself to binary32") {
     const std::string text = scene_of("0.1, 0.2, 0.3", "0.7, 5, 9", "near = 0.1\nfar = 1000.1");
-    const file::Scene scene = with_rays(loaded(text), *camera::find_ray_generator("three"));
+    const file::Scene scene = with_ray_generator(loaded(text), *camera::find_ray_generator("three"));
     CHECK(scene.inputs == file::Inputs::own);
     CHECK(scene.camera.eye.x == Real(0.1F));
     CHECK(scene.camera.projection->near == Real(0.1F));
     CHECK(*scene.camera.projection->far == Real(1000.1F));
-    const file::Scene own = with_rays(loaded(scene::test::replaced(text, "size =", "inputs = \"own\"\nsize =")),
-                                      *camera::find_ray_generator("three"));
+    const file::Scene own =
+        with_ray_generator(loaded(scene::test::replaced(text, "size =", "inputs = \"own\"\nsize =")),
+                           *camera::find_ray_generator("three"));
     CHECK(own.camera.eye.x == scene::test::real("0.1"));
 }
 
@@ -206,7 +209,7 @@ TEST_CASE("no ray is generated where w is 0: an infinite far plane, or z = 0 wit
                                             {"near = 2\ndepth = \"reversed\"", "glm"},
                                             {"near = 2", "glm"}}) {
         const file::Scene scene =
-            with_rays(loaded(scene_of("0, 0, 0", "2, 3, 6", planes_text)), *camera::find_ray_generator(name));
+            with_ray_generator(loaded(scene_of("0, 0, 0", "2, 3, 6", planes_text)), *camera::find_ray_generator(name));
         const rays::RayBlock block = rays::GeneratedRays(scene).in(binary32, 0, height);
         for (std::size_t i = 0; i < block.size(); ++i) CHECK_FALSE(std::isfinite(block.dx[i]));
     }

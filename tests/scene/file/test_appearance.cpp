@@ -54,7 +54,7 @@ bool equal(const Vec<Real>& v, double x, double y, double z) { return v.x == x &
 
 TEST_CASE("a scene without appearance keys asks for no stage") {
     const Scene s = loaded(good_scene);
-    CHECK(s.appearance.furthest() == Stage::visible);
+    CHECK(s.appearance.last_stage() == Stage::visible);
     REQUIRE(s.appearance.materials.size() == 1);
     CHECK(equal(s.appearance.materials[0].colour, 1, 1, 1));
     CHECK(s.appearance.materials[0].ambient == Real(1) / 5);
@@ -66,10 +66,10 @@ TEST_CASE("a scene without appearance keys asks for no stage") {
 TEST_CASE("a sphere's own appearance keys override those of its material") {
     const Scene s = loaded(painted);
     const Appearance& look = s.appearance;
-    CHECK(look.furthest() == Stage::phong);
+    CHECK(look.last_stage() == Stage::phong);
     CHECK(equal(look.background, 0.25, 0.5, 1));
     CHECK(equal(*look.light, 5, 6, 7));
-    CHECK(look.shadows->tests_left_sphere);
+    CHECK(look.shadows->tests_own_sphere);
     CHECK(look.shadows->offset == ShadowRule::Offset::ulp);
     CHECK(look.shadows->ulps == 4);
     CHECK(look.shadows->background == Real(1) / 2);
@@ -94,14 +94,14 @@ TEST_CASE("a sphere's own appearance keys override those of its material") {
 TEST_CASE("a scene asks for every stage that it has the inputs for, and stages do not replace each other") {
     const Appearance phong = loaded(painted).appearance;
     for (const Stage s : {Stage::visible, Stage::diffuse, Stage::shadows, Stage::phong})
-        CHECK(phong.last_up_to(s) == s);
+        CHECK(phong.last_stage_up_to(s) == s);
     const Appearance matte = loaded(replaced(painted, "ks = 0.5", "ks = 0")).appearance;
-    CHECK(matte.furthest() == Stage::shadows);
+    CHECK(matte.last_stage() == Stage::shadows);
     CHECK_FALSE(matte.asks_for(Stage::phong));
     const Appearance plain =
         loaded(replaced(painted, "[shadows]\nown = true\noffset = \"ulp\"\nulps = 4\n", "")).appearance;
-    CHECK(plain.furthest() == Stage::phong);
-    CHECK(plain.last_up_to(Stage::shadows) == Stage::diffuse);
+    CHECK(plain.last_stage() == Stage::phong);
+    CHECK(plain.last_stage_up_to(Stage::shadows) == Stage::diffuse);
 }
 
 TEST_CASE("wrong values of light and paint are refused with their line") {

@@ -190,7 +190,7 @@ rays = [{ origin = [0, 0, 0], direction = [1, 1, 4] }]
     const Box<double> narrow = file.rays(0, find_format("bf16")->parameters)[0].primitives[0].box();
     CHECK(narrow.lo.x == 1);
     CHECK(narrow.hi.x == 1 + 0x1p-7);
-    CHECK(file.rays_before(0, find_format("bf16")->parameters)[0].primitives[0].box().hi.x == 1.0001);
+    CHECK(file.unrounded_rays(0, find_format("bf16")->parameters)[0].primitives[0].box().hi.x == 1.0001);
 }
 
 TEST_CASE("the rays of a case have ranges for every shape") {

@@ -76,8 +76,8 @@ TEST_CASE("all = true visits every bit pattern, from each zero outwards") {
 TEST_CASE("a sweep moves several numbers together, a range may fall, and -0 differs from 0") {
     const ExhaustiveFile both =
         swept(replaced(good_sweep, "\"ray.origin.z\"", "[\"ray.origin.z\", \"ray.direction.x\", \"sphere.radius\"]"));
-    CHECK(both.ray_places == std::vector<std::size_t>{2, 3});
-    CHECK(both.primitive_places == std::vector<std::size_t>{3});
+    CHECK(both.ray_indices == std::vector<std::size_t>{2, 3});
+    CHECK(both.primitive_indices == std::vector<std::size_t>{3});
     CHECK(both.primitive_at(3).numbers[3] == 3);
     CHECK(both.ray_at(0, 3).direction.x == 3);
     const ExhaustiveFile falls =

@@ -18,7 +18,7 @@ class MeshBytes {
 public:
     /// Throws InputError if the path is not a file: a folder, a pipe, a device.
     MeshBytes(const std::filesystem::path& path, intersect::process::StopToken stop)
-        : source_(path, stop, toml::Opens::files) {}
+        : source_(path, stop, toml::AllowedFiles::files) {}
 
     [[nodiscard]] const std::string& name() const { return source_.name(); }
     [[nodiscard]] std::uint64_t size() const { return *source_.size(); }
