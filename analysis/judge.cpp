@@ -184,7 +184,7 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
 
 Exit run(const JudgeOptions& options, const CommonOptions& common) {
     require_folder(options.out);
-    const auto scene = selection::load_primitive_scene(options, selection::data_folder(common.data));
+    const auto scene = selection::load_scene_of_rays(options, selection::data_folder(common.data));
     const auto dump = selection::open_file(options, options.file, selection::shared_shape(options, scene),
                                            options.rows || !options.by.empty());
     if (dump->layout().answers() > scene::dump::AnswerKind::first_hit)

@@ -68,7 +68,7 @@ Comparison compare_files(const fs::path& a, const fs::path& b, FileKind kind, co
     const std::string bytes_a = output::file::read_file(a);
     Comparison byte_comparison = output::diff::compare_bytes(bytes_a, output::file::read_file(b));
     const bool has_named_columns = !options.tolerances.empty() || !options.ignored.empty();
-    if (kind == FileKind::byte_comparison || (byte_comparison.same() && !(kind == FileKind::exr && has_named_columns)))
+    if (kind == FileKind::bytes || (byte_comparison.same() && !(kind == FileKind::exr && has_named_columns)))
         return byte_comparison;
     if (kind == FileKind::exr) return output::diff::compare_exr(a, b, options);
     return read_and_compare([&](const fs::path& path) { return output::image::image_backend().read_png(path); });

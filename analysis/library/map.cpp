@@ -19,7 +19,7 @@ std::unique_ptr<lostbits_result> map_result(const lostbits_scene& scene_handle, 
     std::vector<const Metric*> metrics{measure::metric::find_metric("lost_bits")};
     std::ranges::copy(chosen.extra_metrics, std::back_inserter(metrics));
     static_cast<void>(selection::applicable_metrics(metrics, chosen.rows, "scene " + scene.id));
-    auto request = study::map_result(scene, chosen.rows, metrics, chosen.metric_set, settings.stop());
+    auto request = study::map_study(scene, chosen.rows, metrics, chosen.metric_set, settings.stop());
     request.progress = settings.advance_callback(scene.pixels() * request.rows.size());
 
     auto result = std::make_unique<lostbits_result>();

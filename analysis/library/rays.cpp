@@ -297,7 +297,7 @@ std::unique_ptr<lostbits_result> truth_result(const lostbits_rays& rays, CallSet
                                           {"t_hi", "number", "t", "t*, rounded to the nearest binary64"},
                                           {"t_lo", "number", "t", "t* - t_hi, to 2^-72 of t*"}});
     for (ResultColumn& column : table.columns) column.numbers.assign(rays.count, measure::truth::missing);
-    const bool is_unit = contract.direction == intersect::Direction::is_unit;
+    const bool is_unit = contract.direction == intersect::Direction::unit;
     for_each_piece(given_rays, settings, rays.count, measure::culling::least_primitives,
                    [&](std::size_t first, RayGroup group, auto* culler) {
                        const bool is_paired = group.paired;

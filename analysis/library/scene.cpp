@@ -66,7 +66,7 @@ Primitive<Real> make_primitive(Shape shape, const double* numbers, const Scene& 
             throw InputError(subject + ": " + number_names(shape)[k] + " is " + std::to_string(primitive.numbers[k]) +
                              ", which is not a finite number");
     }
-    const bool is_shared = scene.inputs == scene::file::Inputs::is_shared;
+    const bool is_shared = scene.inputs == scene::file::Inputs::shared;
     for (const Primitive<double>& candidate :
          {primitive, is_shared ? scene::rays::round_primitive(primitive, binary32) : primitive}) {
         if (const auto broken = broken_limit(candidate))
@@ -85,7 +85,7 @@ void add_rays(const Scene& scene, lostbits_result& result) {
                                                   {"dx", "number", "", "coordinate of the ray's direction"},
                                                   {"dy", "number", "", "coordinate of the ray's direction"},
                                                   {"dz", "number", "", "coordinate of the ray's direction"}});
-    auto rays = scene.inputs == scene::file::Inputs::is_shared
+    auto rays = scene.inputs == scene::file::Inputs::shared
                     ? scene::rays::make_shared_rays(scene, 0, scene.height)
                     : scene::rays::input_rays(scene, 0, scene.height, binary64);
     for (std::uint64_t i = 0; i < scene.pixels(); ++i) {
@@ -206,7 +206,7 @@ int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t ve
         require(faces, "faces");
         const std::span<const double> all_vertices = to_span(vertices, vertex_count, "vertices", 3);
         const std::span<const uint32_t> all_faces = to_span(faces, face_count, "faces", 3);
-        const FloatFormat& stored = scene->scene.inputs == scene::file::Inputs::is_shared ? binary32 : binary64;
+        const FloatFormat& stored = scene->scene.inputs == scene::file::Inputs::shared ? binary32 : binary64;
         scene::triangle::Mesh mesh;
         for (std::size_t i = 0; i < vertex_count; ++i) {
             const double* const v = &all_vertices[3 * i];
@@ -243,7 +243,7 @@ int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int in
         Scene& target = scene->scene;
         scene->stored->forget();
         if (target.flake) throw InputError("transform: a sphereflake is made in world space and takes no matrix");
-        const bool is_shared = target.inputs == scene::file::Inputs::is_shared;
+        const bool is_shared = target.inputs == scene::file::Inputs::shared;
         std::array<double, Affine<double>::numbers> numbers;
         for (std::size_t k = 0; k < numbers.size(); ++k) {
             const double x = is_shared ? rounding::to_format(matrix[k], 0, binary32) : matrix[k];

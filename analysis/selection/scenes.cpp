@@ -172,7 +172,7 @@ std::string answers_column(const scene::dump::Layout& layout) {
 
 OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::string>& files,
                      const std::filesystem::path& data) {
-    const auto target_scene = load_primitive_scene(options, data);
+    const auto target_scene = load_scene_of_rays(options, data);
     constexpr std::size_t max_primitives = 1024;
     if (target_scene && target_scene->primitive_count() > max_primitives)
         throw InputError(fmt::format(

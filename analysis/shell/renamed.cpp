@@ -53,7 +53,7 @@ UpdatedArguments update_names(const Command& program, const std::vector<std::str
             const bool is_of_command = option.command == every_command || arguments[command] == option.command;
             return is_of_command && argument.substr(0, name_end) == option.old_name;
         });
-        if (row == std::name_end(renamed)) continue;
+        if (row == std::end(renamed)) continue;
         const bool is_value = row->old_name[0] != '-', is_argument = !is_value && row->new_name[0] != '-';
         std::string sentence = is_value ? fmt::format("{} {}: the list has been renamed to {}", arguments[command],
                                                       row->old_name, row->new_name)

@@ -281,7 +281,7 @@ void read_given(TableReader table, Claim& claim) {
     const auto read_subject = [&](const Kind& kind) {
         return kind.read(table, claim, file::resolve_beside(table.where().source, table.string(kind.key)));
     };
-    if (claim.profile == Claim::Profile::timing_kind)
+    if (claim.profile == Claim::Profile::timing)
         claim.subject = read_subject(table.has(choice_kind.key) ? choice_kind : timing_kind);
     else if (table.has(repair_kind.key)) claim.subject = read_subject(repair_kind);
     else claim.subject = read_measured(table, claim);

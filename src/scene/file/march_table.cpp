@@ -16,7 +16,7 @@ namespace {
 
 Real read_positive(TableReader& table, std::string_view key, const char* default_value, Inputs inputs) {
     const Real x = table.optional_number(key).value_or(Real(default_value));
-    const double stored = toml::round_to_format(x, inputs == Inputs::is_shared ? binary32 : binary64);
+    const double stored = toml::round_to_format(x, inputs == Inputs::shared ? binary32 : binary64);
     if (!(x > 0) || stored == 0)
         table.fail_at(key, "must be greater than 0 when it is stored; write a positive number, such as " +
                                std::string(default_value));
@@ -44,7 +44,7 @@ MarchConstants<Real> read_march(TableReader table, Inputs inputs) {
         read_positive(table, "relative_eps", "0.001", inputs), read_positive(table, "cone", "0.001", inputs),
         read_positive(table, "over_relaxation", "1.4", inputs)};
     if (constants.over_relaxation < 1 ||
-        toml::round_to_format(constants.over_relaxation, inputs == Inputs::is_shared ? binary32 : binary64) >= 2)
+        toml::round_to_format(constants.over_relaxation, inputs == Inputs::shared ? binary32 : binary64) >= 2)
         table.fail_at(
             "over_relaxation",
             "must lie in [1, 2): below 1 steps get shorter, and at 2 or more a step is longer than its sphere "
@@ -67,7 +67,7 @@ MarchConstants<double> round_march(const MarchConstants<double>& constants, cons
 std::vector<std::string> lost_constants(const Scene& scene, const FloatFormat& f) {
     std::vector<std::string> lost;
     if (!scene.march) return lost;
-    const bool is_shared = scene.inputs == Inputs::is_shared;
+    const bool is_shared = scene.inputs == Inputs::shared;
     std::size_t i = 0;
     transformed(*scene.march, [&](const Real& ideal) {
         const double stored = toml::round_to_format(ideal, is_shared ? binary32 : binary64),

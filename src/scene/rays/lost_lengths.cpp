@@ -90,7 +90,7 @@ std::vector<std::string> LostLengths::lines() const {
 }
 
 std::vector<std::string> lost_lengths(const file::Scene& scene, const FloatFormat& f) {
-    const bool is_shared = scene.inputs == file::Inputs::is_shared;
+    const bool is_shared = scene.inputs == file::Inputs::shared;
     if (is_shared && f.precision >= binary32.precision && f.emin <= binary32.emin && f.emax >= binary32.emax) return {};
     const FloatFormat& stored = is_shared ? binary32 : binary64;
     LostLengths lost(f);
