@@ -57,10 +57,31 @@ std::string join_words(const std::vector<std::string>& words, const char* betwee
 /// - 1024]`.
 std::string value_text(const OptionRow& option_row, const std::string& type) {
     using Kind = Values::Kind;
-    static const std::map<std::string_view, const char*> placeholders{
-        {"--size", "WxH"},           {"--pipe", "COMMAND"}, {"--set", "KEY=VALUE"}, {"--shard", "K/N"},
-        {"--pixel", "X,Y"},          {"--range", "LO:HI"},  {"--by", "COLUMN"},     {"--unit", "UNIT"},
-        {"--function", "FILE:NAME"}, {"--case", "NAME[:K]"}};
+    static const std::map<std::string_view, const char*> placeholders{{"--size", "WxH"},
+                                                                      {"--pipe", "COMMAND"},
+                                                                      {"--set", "KEY=VALUE"},
+                                                                      {"--shard", "K/N"},
+                                                                      {"--pixel", "X,Y"},
+                                                                      {"--range", "LO:HI"},
+                                                                      {"--by", "COLUMN"},
+                                                                      {"--unit", "UNIT"},
+                                                                      {"--function", "FILE:NAME"},
+                                                                      {"--case", "NAME[:K]"},
+                                                                      {"--variant", "NAME"},
+                                                                      {"--tolerance", "LENGTH"},
+                                                                      {"--steps", "N[,N]"},
+                                                                      {"--compiler", "COMMAND"},
+                                                                      {"--tmin", "T"},
+                                                                      {"--tmax", "T"},
+                                                                      {"--columns", "NAMES"},
+                                                                      {"--at-step", "STEP"},
+                                                                      {"--input-range", "NAME=LOW..HIGH"},
+                                                                      {"--allow", "COLUMN=ABS[,REL]"},
+                                                                      {"--emit", "FILE"},
+                                                                      {"--draw", "FOLDER"},
+                                                                      {"--study", "STUDY:SCENE"},
+                                                                      {"--choose", "SCENE:BITS"},
+                                                                      {"--mend", "SCENE:FORM:BITS"}};
     const char* const suffix = option_row.takes_several ? ",..." : "";
     if (option_row.values.kind == Kind::words) return join_words(option_row.values.words, "|") + suffix;
     if (const auto placeholder = placeholders.find(option_row.names.back()); placeholder != placeholders.end())

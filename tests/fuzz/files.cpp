@@ -173,8 +173,8 @@ void fuzz_ray(std::string_view bytes) {
     std::array<std::string, 4> lines;
     for (std::string& line : lines) line = take_line(bytes);
     const std::optional<Format> as = find_format(lines[3]);
-    answer_or_error([&] { static_cast<void>(numbers_of(lines[0], {"--ray", "a ray", 6, as.has_value()}, as)); });
-    answer_or_error([&] { static_cast<void>(numbers_of(lines[1], {"--sphere", "a sphere", 4}, as)); });
+    answer_or_error([&] { static_cast<void>(parse_numbers(lines[0], {"--ray", "a ray", 6, as.has_value()}, as)); });
+    answer_or_error([&] { static_cast<void>(parse_numbers(lines[1], {"--sphere", "a sphere", 4}, as)); });
     answer_or_error([&] { static_cast<void>(parse_pixel(lines[2])); });
 }
 

@@ -38,6 +38,7 @@ const BadFile bad_files[] = {
     {"a.csv", "ox;oy;oz\n", "a.csv:1:3:", "commas"},
     {"a.csv", "ox,oy,oz,dx,dy\n", "a.csv:1:1:", "no dz"},
     {"a.csv", "junk\n", "a.csv:1:1:", "the columns are \"junk\"; name ox,oy,oz,dx,dy,dz"},
+    {"a.csv", "a,b,c\n", "a.csv:1:1:", "the columns are \"a,b,c\"; name ox,oy,oz,dx,dy,dz"},
     {"a.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz\n", "a.csv:1:1:", "no radius"},
     {"a.csv", "ox,oy,oz,dx,dy,dz,hit,t\n", "a.csv: no primitive: give one for all rays", "--sphere"},
     {"a.csv", "ox,oy,oz,dx,dy,dz,cx,cy,cz,radius,lox,loy,loz,hix,hiy,hiz\n", "a.csv:1:35:", "one shape"},
