@@ -85,9 +85,8 @@ void add_rays(const Scene& scene, lostbits_result& result) {
                                                   {"dx", "number", "", "coordinate of the ray's direction"},
                                                   {"dy", "number", "", "coordinate of the ray's direction"},
                                                   {"dz", "number", "", "coordinate of the ray's direction"}});
-    auto rays = scene.inputs == scene::file::Inputs::shared
-                    ? scene::rays::make_shared_rays(scene, 0, scene.height)
-                    : scene::rays::input_rays(scene, 0, scene.height, binary64);
+    auto rays = scene.inputs == scene::file::Inputs::shared ? scene::rays::make_shared_rays(scene, 0, scene.height)
+                                                            : scene::rays::input_rays(scene, 0, scene.height, binary64);
     for (std::uint64_t i = 0; i < scene.pixels(); ++i) {
         table.columns[0].numbers.push_back(static_cast<double>(i % static_cast<std::uint64_t>(scene.width)));
         table.columns[1].numbers.push_back(static_cast<double>(i / static_cast<std::uint64_t>(scene.width)));

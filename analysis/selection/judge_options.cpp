@@ -86,8 +86,7 @@ void add_ray_options(const shell::Command& command, RayFileOptions& options) {
                     option.known.empty() ? shell::ValueRule() : shell::one_of(option.known));
 }
 
-std::optional<scene::file::Scene> load_scene_of_rays(const RayFileOptions& options,
-                                                       const std::filesystem::path& data) {
+std::optional<scene::file::Scene> load_scene_of_rays(const RayFileOptions& options, const std::filesystem::path& data) {
     if (options.scene.empty()) return {};
     auto scene = load_one_scene({{options.scene}, "", "", {}, options.stop}, data);
     constexpr std::size_t max_primitives = 1024;

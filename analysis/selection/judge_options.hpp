@@ -59,8 +59,7 @@ struct JudgeOptions : RayFileOptions {
 
 /// The scene whose primitives the rays are tested with; nothing if none is named. Throws InputError for several scenes,
 /// and for one with too many primitives.
-std::optional<scene::file::Scene> load_scene_of_rays(const RayFileOptions& options,
-                                                       const std::filesystem::path& data);
+std::optional<scene::file::Scene> load_scene_of_rays(const RayFileOptions& options, const std::filesystem::path& data);
 
 /// The shape of the first primitive that is given for all rays; nothing if there is none.
 std::optional<Shape> shared_shape(const RayFileOptions& options, const std::optional<scene::file::Scene>& scene);

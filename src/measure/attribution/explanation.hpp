@@ -99,7 +99,7 @@ struct Explanation {
 /// defaults.
 Explanation explain_alone(const intersect::table::Intersector& form, const Format& format, const answer::OneRay& ray);
 
-/// The pixel of a ray, in a scene whose camera names a ray generator (`scene::file::with_rays`).
+/// The pixel of a ray, in a scene whose camera names a ray generator (`scene::file::with_ray_generator`).
 struct ScenePixel {
     const scene::file::Scene* scene;
     int x, y;

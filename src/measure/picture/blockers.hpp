@@ -24,7 +24,7 @@ enum Blocked : std::uint8_t { blocked_by_nothing = 0, blocked_by_other = 1, bloc
 
 /// Finds which rays are blocked. A primitive of `inputs` (in numbers of the format) blocks a ray if the form reports a
 /// hit at 0 < t < reach. A hit at NaN blocks nothing, because every comparison with NaN is false. With
-/// `tests_left_sphere`, a ray is also tested against the sphere that it leaves.
+/// `tests_own_sphere`, a ray is also tested against the sphere that it leaves.
 std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& form, const Format& format,
                                         const ShadowRays& shadow, const truth::FormatInputs& inputs,
                                         bool tests_own_sphere);

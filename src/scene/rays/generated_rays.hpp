@@ -31,7 +31,7 @@ struct RecordedRay {
 
 class GeneratedRays {
 public:
-    /// Takes a scene whose camera has a ray generator (`file::with_rays`).
+    /// Takes a scene whose camera has a ray generator (`file::with_ray_generator`).
     explicit GeneratedRays(const file::Scene& scene);
     /// Exact rays of the pixels of rows [y0, y1), with length one: from the eye, or from the point where the ray meets
     /// the near plane.
