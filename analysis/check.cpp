@@ -216,7 +216,7 @@ Exit run(const CheckOptions& o, const Common& common) {
     run_division.division.expect({"check"});
     std::unique_ptr<output::file::ResultFolder> folder;
     if (!o.report.empty())
-        folder = take_folder(run_division, o.report, common, common.typed_command.all_subjects(), {.shared = true});
+        folder = take_folder(run_division, o.report, common, common.typed_command.all_subjects(), {.is_shared = true});
     if (folder) require_writable(std::filesystem::path(o.report) / "README.md");
     const study::StudiesByName studies;
     const measure::claim::ClaimRequest request{

@@ -276,7 +276,7 @@ Exit run(const ReportOptions& o, const Common& common) {
         shown_rows.insert(shown_rows.end(), sweep.rows.begin(), sweep.rows.end());
     selection::note_unmeasured(o.forms, shown_rows, common.quiet);
     const selection::ThreadLimit limit(common.threads);
-    const auto folder = take_folder(o.out, common, common.typed_command.all_subjects(), {.shared = true});
+    const auto folder = take_folder(o.out, common, common.typed_command.all_subjects(), {.is_shared = true});
     output::file::AtomicFile file(std::filesystem::path(o.out) / "index.html");
     // Units of progress: a sweep counts as a map of 100 x 100 pixels with ten rows, and all claims together as ten
     // sweeps.

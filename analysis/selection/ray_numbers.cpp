@@ -58,7 +58,7 @@ std::vector<std::pair<Shape, std::string>> PrimitiveOptions::given() const {
 std::string PrimitiveOptions::names() const {
     std::vector<std::string> options;
     for (const Shape shape : shapes()) options.push_back(fmt::format("--{}", lostbits::name_of(shape)));
-    return output::file::enumerated(options);
+    return output::file::word_list(options);
 }
 
 std::vector<Real> numbers_of(const std::string& text, const WantedNumbers& wanted,

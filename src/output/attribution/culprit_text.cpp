@@ -77,7 +77,7 @@ public:
             if (listed_names.size() < max_names) listed_names.push_back(view_.text().operand(i));
         }
         if (equals_.size() > max_names) listed_names.push_back(fmt::format("{} more", equals_.size() - max_names));
-        return file::enumerated(listed_names);
+        return file::word_list(listed_names);
     }
 
     /// `; b·b, from which it is computed, contributes the same with the opposite sign`

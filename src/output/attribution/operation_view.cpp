@@ -19,7 +19,7 @@ std::string short_number(double x) {
     if (std::isnan(x)) return "nan";
     if (x == 0) return "0";
     return std::fabs(x) >= 0.01 && std::fabs(x) < 1e6
-               ? fmt::format("{}", file::number_in(fmt::format("{:.3g}", x)).value_or(x))
+               ? fmt::format("{}", file::parse_number(fmt::format("{:.3g}", x)).value_or(x))
                : fmt::format("{:.2e}", x);
 }
 

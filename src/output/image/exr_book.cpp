@@ -133,7 +133,7 @@ struct ExrBook::Page {
 ExrBook::ExrBook(const std::filesystem::path& path, std::vector<ExrPart> parts) : path_(path.string()), out_(path) {
     std::set<std::string> names;
     for (ExrPart& part : parts) {
-        file::add_generator(path, part.spec.attributes);
+        file::add_provenance(path, part.spec.attributes);
         const ExrSpec& spec = part.spec;
         std::set<std::string_view> channels;
         for (const Channel& channel : spec.channels) channels.insert(channel.name);

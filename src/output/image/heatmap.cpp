@@ -39,7 +39,7 @@ HeatmapWriter::HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec
     const int head_height = style::margin + head.height() + (head.height() > 0 ? style::gap : 0);
     top_ = Canvas(page_width_, head_height);
     top_.picture(style::margin, style::margin, head);
-    auto kinds = file::figures_in(path);
+    auto kinds = file::figure_kinds(path);
     const bool has_png = std::erase(kinds, "png") > 0;
     if (!kinds.empty()) other_files_ = std::make_unique<FigureFiles>(path, kinds);
     if (!has_png) return;

@@ -222,7 +222,7 @@ std::string input_note(const scene::file::Scene& scene, std::span<const TestedFo
     }
     if (narrow_formats.empty()) return "";
     return fmt::format("in {} the inputs are rounded too, and errors include that rounding (metric input_error)",
-                       file::enumerated(narrow_formats));
+                       file::word_list(narrow_formats));
 }
 
 std::vector<std::string> sheet_subtitle(const SheetSubject& sheet) {

@@ -97,7 +97,7 @@ std::string choice_table(const choice::ChoiceResult& chosen) {
                             chosen.cheapest_index == k ? " class=\"chosen\"" : "", html(c.row.form->info->name),
                             c.row.format.name, c.isa == "scalar" ? "one ray" : fmt::format("{} bits", c.isa));
         text += fmt::format("<td class=\"n\">{:.2f}</td><td class=\"n\">{}</td>", c.time.median * 1e9,
-                            std::isnan(c.quality.kept_bits) ? "&ndash;" : file::kept_text(c.quality.kept_bits));
+                            std::isnan(c.quality.kept_bits) ? "&ndash;" : file::kept_bits_text(c.quality.kept_bits));
         text += share_cell(c.quality.wrong_fraction());
         text += fmt::format("<td>{}</td></tr>\n", chosen.cheapest_index == k                    ? "yes, chosen"
                                                   : c.quality.meets(chosen.request.requirement) ? "yes"

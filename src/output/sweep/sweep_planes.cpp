@@ -63,9 +63,9 @@ void write_exr(const std::filesystem::path& path, const SweepRequest& request, c
                        {"lostbits:form", std::string(form_row.form->info->name)},
                        {"lostbits:format", form_row.format.name},
                        {"lostbits:x", axes[0].name},
-                       {"lostbits:x_values", file::listed(plane.x, file::decimal, " ")},
+                       {"lostbits:x_values", file::number_list(plane.x, file::decimal, " ")},
                        {"lostbits:y", axes[1].name},
-                       {"lostbits:y_values", file::listed(std::views::reverse(plane.y), file::decimal, " ")}};
+                       {"lostbits:y_values", file::number_list(std::views::reverse(plane.y), file::decimal, " ")}};
     std::vector<float> samples;
     for (std::size_t line = plane.y.size(); line-- > 0;) {
         for (std::size_t column = 0; column < plane.x.size(); ++column) {

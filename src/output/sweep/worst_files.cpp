@@ -26,7 +26,7 @@ using table::or_missing;
 
 namespace {
 
-std::string hex_list(std::span<const double> x) { return "[\"" + file::listed(x, file::hex, "\", \"") + "\"]"; }
+std::string hex_list(std::span<const double> x) { return "[\"" + file::number_list(x, file::hex, "\", \"") + "\"]"; }
 
 std::string primitive_text(const Primitive<double>& primitive) {
     std::string keys;

@@ -239,7 +239,7 @@ TEST_CASE("a cell of a table reads back, and no spreadsheet evaluates it", "[esc
     std::vector<std::string> texts;
     for (int i = 0; i < many; ++i) texts.push_back(random_text(random));
     CsvWriter csv(folder / "t.csv", {{"text", "string", "", "-"}, {"n", "integer", "", "-"}});
-    for (const std::string& text : texts) csv.row({text, 1});
+    for (const std::string& text : texts) csv.add_row({text, 1});
     csv.close();
     const CsvTable table = read_csv(folder / "t.csv");
     REQUIRE(table.rows() == texts.size());
