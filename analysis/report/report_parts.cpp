@@ -61,7 +61,7 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
                    .title = file.title,
                    .note = file.note,
                    .source = file.source,
-                   .rows = keys_of(work.rows)};
+                   .row_names = keys_of(work.rows)};
     for (std::size_t i = 0; i < file.size(); ++i) part.cases.push_back(file.name(i));
     part.json = page::case_json(request, cases);
     for (const auto& touching : file.conventions) {
@@ -120,7 +120,7 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
                    .title = sweep.title,
                    .note = sweep.note,
                    .source = sweep.source,
-                   .rows = keys_of(work.rows)};
+                   .row_names = keys_of(work.rows)};
     if (sweep.axes.size() == 2) {
         const output::sweep::SweepGrid plane(request, steps);
         part.kind = SweepPart::Kind::plane;
@@ -130,7 +130,7 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
             const std::string alt =
                 fmt::format("{}: {} in {}", sweep.title, request.rows[r].form->info->name, request.rows[r].format.name);
             part.charts.push_back(
-                {alt, svg_text(output::sweep::plane_picture(request, steps, r)), part.rows[r], false});
+                {alt, svg_text(output::sweep::plane_picture(request, steps, r)), part.row_names[r], false});
         }
         return part;
     }
@@ -166,11 +166,11 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
                                                   .drawn_metrics = {measure::metric::find_metric("lost_bits")},
                                                   .scene_arguments = work.scene_arguments,
                                                   .sheet_alone = file});
-            summaries = measure::evaluate::run_map(
-                request, [draw = sheet.show(), collect = data.show()](std::size_t row_index, const auto& band) {
-                    draw(row_index, band);
-                    collect(row_index, band);
-                });
+            summaries = measure::evaluate::run_map(request, [draw = sheet.show(), collect = data.band_receiver()](
+                                                                std::size_t row_index, const auto& band) {
+                draw(row_index, band);
+                collect(row_index, band);
+            });
             sheet.finish(summaries);
         });
     work.unresolved = summaries.front().count(measure::answer::Outcome::unresolved);
@@ -182,15 +182,15 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
             .title = scene.title,
             .note = scene.note,
             .source = scene.source,
-            .rows = keys_of(work.rows),
+            .row_names = keys_of(work.rows),
             .index = std::move(index),
             .blobs = data.blobs(summaries),
             .table = page::summary_table(request, summaries),
             .sheet = std::move(contact_sheet),
-            .own_size = work.own_size,
+            .has_scene_size = work.own_size,
             .metrics = std::move(names),
             .finding = output::map::finding_text(request, summaries),
-            .faulty = static_cast<std::size_t>(
+            .wrong_row_count = static_cast<std::size_t>(
                 std::ranges::count_if(summaries, [](const auto& s) { return s.wrong_count() > 0; }))};
 }
 
@@ -237,12 +237,12 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
                                    sheet.finish(summaries);
                                });
     const offset::OffsetSummary& summary = summaries.front();
-    part.words = output::offset::summary_lines(study, 0, summary);
+    part.sentences = output::offset::summary_lines(study, 0, summary);
     part.table = page::offset_table(study, summary);
     for (std::size_t k = 0; k < study.strategies.size(); ++k) {
         part.strategies.push_back(output::offset::short_name(*study.strategies[k]));
         for (const offset::Side side : offset::both_sides)
-            part.bad[static_cast<std::size_t>(side)].push_back(
+            part.wrong_shares[static_cast<std::size_t>(side)].push_back(
                 column_named(offset::offset_columns(), "bad_fraction", scene.id).value(summary, side, k));
     }
     return part;

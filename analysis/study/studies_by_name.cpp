@@ -79,7 +79,7 @@ std::optional<output::page::StudyPart> part_of(const scene::file::Scene& scene, 
     const auto study = study_on<Adapter>(question);
     typename std::vector<typename Adapter::View::Study::Summary> summaries;
     output::page::StudyPart part{
-        .study = Adapter::name, .what = Adapter::title, .id = scene.id, .title = scene.title, .note = scene.note};
+        .study = Adapter::name, .purpose = Adapter::title, .id = scene.id, .title = scene.title, .note = scene.note};
     part.sheet = output::page::picture(fmt::format("{}: {}", scene.title, Adapter::name),
                                        [&](const auto& file) { summaries = draw_sheet<Adapter>(study, file); });
     const auto table = Adapter::View::summary_table();

@@ -192,7 +192,7 @@ TEST_CASE("escaped text in HTML is plain text", "[escape]") {
 
 TEST_CASE("text in JSON reads back, and cannot end a script element", "[escape]") {
     for_texts(many, [](const std::string& text) {
-        const std::string json = output::page::text_of(output::page::Json(text));
+        const std::string json = output::page::compact_json(output::page::Json(text));
         REQUIRE(json.find('<') == std::string::npos);
         REQUIRE(to_valid_utf8(nlohmann::json::parse(json).get<std::string>()).size() >= text.size() / 4);
         if (to_valid_utf8(text) == text) REQUIRE(nlohmann::json::parse(json) == text);
