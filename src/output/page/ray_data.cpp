@@ -62,7 +62,8 @@ std::optional<std::size_t> worst_pixel(std::span<const float> error_sizes, std::
 Json operation_json(const attribution::OperationRow& r) {
     const auto value = [&r](double x) { return r.digits == 0 ? Json(x != 0) : number_json(x); };
     return Json::array({r.node, r.name, r.formula, value(r.computed), value(r.exact), r.digits, r.error_ulps,
-                        r.cancelled, r.local, r.rounding_ulps, r.contribution_ulps, r.culprit, r.branch_flipped});
+                        r.cancelled, r.local_bits, r.rounding_ulps, r.contribution_ulps, r.is_culprit,
+                        r.is_branch_flipped});
 }
 
 Json lines_json(const std::string& text) {
@@ -83,7 +84,7 @@ Json ray_json(const ChosenRay& chosen, const Explanation& explanation,
               {"says", lines_json(attribution::verdict_of(explanation, march).text())},
               {"sums", lines_json(attribution::sums_text(explanation, view))},
               {"subject", view.subject()},
-              {"earlier", table.first},
+              {"earlier", table.first_node},
               {"rows", array_of(table.rows, operation_json)}};
     if (explanation.primitives > 1 && is_primitive(explanation.form->shape)) json["primitive"] = explanation.primitive;
     return json;
