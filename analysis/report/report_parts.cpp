@@ -165,7 +165,7 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
             output::map::MapFiles sheet(request, {.folder = {},
                                                   .drawn_metrics = {measure::metric::find_metric("lost_bits")},
                                                   .scene_arguments = work.scene_arguments,
-                                                  .sheet_alone = file});
+                                                  .sheet_only_file = file});
             summaries = measure::evaluate::run_map(request, [draw = sheet.show(), collect = data.band_receiver()](
                                                                 std::size_t row_index, const auto& band) {
                 draw(row_index, band);
@@ -232,7 +232,7 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
                                    "strategy",
                                [&](const auto& file) {
                                    output::study::StudyFiles<output::offset::OffsetView> sheet(
-                                       study, {.folder = {}, .sheet_alone = file});
+                                       study, {.folder = {}, .sheet_only_file = file});
                                    summaries = measure::study::run_study(study, sheet.show());
                                    sheet.finish(summaries);
                                });

@@ -88,7 +88,7 @@ std::vector<PixelColumn<ConsistencyBand>> ConsistencyView::columns(const Consist
                 .title = fmt::format("{}: {}", check.name, check.title),
                 .subtitle = {fmt::format("{} in {}", form_row.form->info->name, form_row.format.name)},
                 .look = std::make_shared<const pixel::Look>(look_of(check)),
-                .places = {{c, r}}};
+                .sheet_positions = {{c, r}}};
             if (check.numbers)
                 spec.subtitle.emplace_back(
                     "colour: by how much more than the exact answers the chord differs from either end, clamped at "

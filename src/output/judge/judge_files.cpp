@@ -156,7 +156,7 @@ struct JudgeFiles::Parts {
     std::vector<std::unique_ptr<RowParts>> rows = {};
 
     /// For a shard: adds the lines of the series' table to the map's piece of the series.
-    [[nodiscard]] pixel::KeepPiece keep_of_map() {
+    [[nodiscard]] pixel::PieceReceiver keep_of_map() {
         if (!options.keep) return {};
         return [this](std::size_t row_index, pixel::Piece&& piece) {
             if (rows.at(row_index)->rows()) piece.lines = rows[row_index]->rows()->take_lines();

@@ -138,7 +138,7 @@ pixel::PixelValue MetricPaint::pixel(Outcome outcome, double value) const {
 pixel::Look MetricPaint::look(bool has_mesh) const {
     pixel::Look look = look_;
     if (metric_->by_run)
-        look.own_legend = [*this](const pixel::CategoryCounts* counts, std::uint64_t pixels) {
+        look.make_legend = [*this](const pixel::CategoryCounts* counts, std::uint64_t pixels) {
             return counts ? culprit_legend(*counts) : widest_culprit_legend(pixels);
         };
     for (std::size_t o = measure::answer::outcomes_without_mesh; !has_mesh && o < image::outcome_colours.size(); ++o)
