@@ -58,7 +58,7 @@ public:
     void close();
 
 private:
-    struct Page;
+    struct PartState;
     using BlockPosition = std::tuple<int, int, std::size_t>;  ///< run, block, part
 
     [[nodiscard]] bool has_parts() const;
@@ -67,9 +67,9 @@ private:
     void write_waiting_blocks();
 
     std::string path_;
-    std::vector<Page> pages_;
+    std::vector<PartState> part_states_;
     std::mutex mutex_;  ///< guards all members below it
-    file::AtomicFile out_;
+    file::AtomicFile file_;
     std::map<BlockPosition, std::string> waiting_blocks_;
     std::vector<BlockPosition> order_;  ///< order in which blocks are written
     std::size_t next_in_order_ = 0;     ///< index in `order_` of the next block

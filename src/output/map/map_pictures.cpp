@@ -78,7 +78,7 @@ pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
             scales.push_back(metric_scale(*m, form_row.format.parameters, options_.range));
         }
     }
-    const auto differs = [&scales](const image::ColourScale& s) { return !s.is_as(scales.front()); };
+    const auto differs = [&scales](const image::ColourScale& s) { return !s.is_same_scale(scales.front()); };
     const bool is_only_file = !options_.sheet_only_file.empty();
     const bool has_several_bars = is_only_file ? scales.size() > 1 : std::ranges::any_of(scales, differs);
     if (!scales.empty() && !has_several_bars) scales.resize(1, scales.front());
