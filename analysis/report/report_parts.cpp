@@ -85,7 +85,7 @@ std::vector<page::Chart> line_charts(const output::sweep::MeasuredSweep& sweep) 
             charts.push_back({title + what, svg_text(lost_bits_plot(sweep, format, q, size)),
                               fmt::format("{}.{}", name, format.name)});
         for (const auto outcome : output::sweep::wrong_outcomes(sweep, format)) {
-            if (!output::sweep::occurs(sweep, format, outcome)) continue;
+            if (!output::sweep::has_outcome(sweep, format, outcome)) continue;
             charts.push_back(
                 {output::sweep::wrong_title(outcome) + ": " + what, svg_text(wrong_plot(sweep, format, outcome, size)),
                  fmt::format("{}_fraction.{}", measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
@@ -100,7 +100,7 @@ std::vector<page::Chart> line_charts(const output::sweep::MeasuredSweep& sweep) 
 std::string absent_charts(const output::sweep::MeasuredSweep& sweep, const Format& format) {
     std::string names;
     for (const auto outcome : output::sweep::wrong_outcomes(sweep, format))
-        if (!output::sweep::occurs(sweep, format, outcome))
+        if (!output::sweep::has_outcome(sweep, format, outcome))
             names += (names.empty() ? "a " : " or a ") + output::map::plain_name(outcome);
     return names.empty() ? "" : fmt::format("In {}, no ray is {}.", format.name, names);
 }

@@ -225,7 +225,7 @@ bool JudgeFiles::finish(const measure::judge::JudgeResult& result) {
     }
     const bool has_cases = p.worst && !cases.empty();
     if (has_cases) {
-        p.worst->write(sweep::head_of_cases("The worst rays of " + p.options.title, p.options.command) + cases);
+        p.worst->write(sweep::case_file_head("The worst rays of " + p.options.title, p.options.command) + cases);
         p.worst->commit();
     }
     // A worst.toml of an earlier run is about other answers.

@@ -111,7 +111,7 @@ Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std
         {{"id", file.id},
          {"kind", "cases"},
          {"cases", names},
-         {"within_means", sweep::within_means(file)},
+         {"within_means", sweep::within_meaning(file)},
          {"conventions", array_of(file.conventions, intersect::convention_name)}},
         request, cases.size(), [&](std::size_t r, std::size_t i) -> const FormSummary& { return cases[i][r]; },
         [&](Json& row, std::size_t r) {
