@@ -155,7 +155,7 @@ std::string shares_text(const Explanation& explanation, const OperationView& vie
     if (equals.cancels_culprit()) return text + remaining_error_text(explanation, view) + ".";
     if (!attribution.equals.empty()) text += fmt::format(": together {} ulp", short_number(std::fabs(equals.sum())));
     const double share = equals.sum() * view.ulp() / attribution.error;
-    // As many digits as `counterfactual_sentence` writes, since it often repeats the number.
+    // The text has as many digits as that of `counterfactual_sentence`, which often repeats the number.
     const double remaining_ulps = std::fabs(attribution.error / view.ulp());
     if (share > 1 && std::isfinite(remaining_ulps))
         text += fmt::format("; the other roundings cancel all but {:.4g} ulp of it", remaining_ulps);

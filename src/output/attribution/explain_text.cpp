@@ -28,7 +28,8 @@ std::string padded(std::string text, std::size_t width) {
     return text;
 }
 
-/// Lines `  o.x = 0x1p+0  1`; last the ends of the ray's range, unless the range is the whole half-line.
+/// Lines of the inputs, such as `  o.x = 0x1p+0  1`. The ends of the ray's range come last; they are left out if the
+/// range is the whole half-line.
 std::string inputs_block(const Explanation& explanation) {
     std::string text, begin_line, end_line;
     std::size_t width = 0;

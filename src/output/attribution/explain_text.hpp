@@ -42,9 +42,9 @@ ExplainedVerdict verdict_of(const Explanation& explanation, const std::optional<
 std::string better_sentences(const Explanation& explanation);
 
 /// The verdict, the forms that do better, the inputs, the samples of a march, and the table of operations with the
-/// culprit marked. `show_all` shows every operation. Otherwise the table shows the operations that the answer is
-/// computed from and that round, cancel or have a name, and the operations that a shown row refers to. Operations of
-/// earlier samples of a march show only their values.
+/// culprit marked. With `show_all` the table has every operation. Without, it has the operations that the answer is
+/// computed from and that round, cancel or have a name. It also has the operations to which these rows refer. Rows of
+/// earlier samples of a march show only values.
 std::string explain_text(const Explanation& explanation, bool show_all, const std::optional<MarchEnd>& march = {});
 
 /// Text below the table, one sentence per line: the sum of the contributions, the part of the error that is not due to
@@ -69,10 +69,12 @@ std::string decision_text(const std::string& form, Outcome outcome, double t, do
 /// an operation is to blame only if this many are lost. The last rounding of any formula may cost up to one bit.
 inline constexpr double least_notable_bits = 1;
 
-/// The operation to blame: its rounding turned a decision that is wrong, or the order of two primitives, made a value
-/// that is not a number, or costs a bit or more of an answer that lost one. Returns no_node if the decision is right,
-/// and if no operation caused the loss: a march stopped short, the format rounded the inputs, or a value is not a
-/// number even without rounding.
+/// The operation to blame. Its rounding
+/// - changed a decision that is wrong, or the order of two primitives,
+/// - made a value that is not a number, or
+/// - costs a bit or more of an answer that lost one.
+/// Returns no_node if the decision is right, and if no operation caused the loss: a march stopped short, the format
+/// rounded the inputs, or a value is not a number even without rounding.
 NodeId culprit_operation(const Explanation& explanation);
 
 /// True if the roundings of the operations make the loss, so that wider arithmetic on the same inputs would avoid it.
@@ -99,9 +101,11 @@ std::string explain_json(const Explanation& explanation, const std::optional<Mar
 ///
 /// Formats other than float and double compute in double and round. For at most 25 bits the double alone is enough (2p
 /// + 2 ≤ 53: Figueroa 1995). For more bits the program also uses the sign of the double's remainder (TwoSum; fma for
-/// products, quotients and roots). Throws InputError if a format other than float and double moves to a neighbour or
-/// fuses, and if one of more than 25 bits comes so near to the ends of double's range that the remainder is not a
-/// double.
+/// products, quotients and roots).
+///
+/// Throws InputError if a form in a format other than float and double moves to a neighbouring number or fuses. Also
+/// throws it if a value in a format of more than 25 bits is so near to the ends of double's range that the remainder is
+/// not a double.
 std::string explain_c(const Explanation& explanation);
 
 /// t as an FPCore 2.0 expression. Its arguments are the inputs that t depends on. `:pre` keeps each input within 2^-12
@@ -109,8 +113,8 @@ std::string explain_c(const Explanation& explanation);
 /// smallest number, rounded upward or downward (`:round`).
 std::string explain_fpcore(const Explanation& explanation);
 
-/// Lists the ranges of the inputs, the part of them that the bound covers, the bound, the errors of rays in the
-/// ranges, and the operations that contribute to the bound.
+/// Lists the ranges of the inputs, the bound and the part of the ranges that it covers. Then lists the errors of rays
+/// in the ranges, and the operations that contribute to the bound.
 std::string ranges_text(const RangesRequest& request, const RangesBound& bound);
 
 /// The content of `ranges_text` as one JSON object; an infinite number is the string "inf".

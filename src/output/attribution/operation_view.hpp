@@ -74,9 +74,9 @@ struct OperationRow {
     std::string name = {}, formula = {};
     double computed = 0, exact = 0;  ///< 1 or 0 for a decision
     int digits = 0;                  ///< digits that tell numbers of the operation's format apart; 0: a decision
-    /// Texts, empty if there is nothing to show: the error in ulps of the value, the cancellation (`24 catastrophic`),
-    /// the bits lost locally, the rounding in ulps of the value, and the part of the subject's error assigned to that
-    /// rounding, in ulps of the subject.
+    /// Texts, empty if there is nothing to show: the error and the rounding in ulps of the value, the cancellation
+    /// (`24 catastrophic`), the bits lost locally, and the contribution. The contribution is the part of the subject's
+    /// error that is assigned to the rounding, in ulps of the subject.
     std::string error_ulps = {}, cancelled = {}, local_bits = {}, rounding_ulps = {}, contribution_ulps = {};
 };
 

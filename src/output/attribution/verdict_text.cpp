@@ -62,7 +62,7 @@ std::string outside_phrase(double t, const char* relation, const char* name, dou
                        is_open ? "which is open" : "where touching is not a hit");
 }
 
-/// For a ray that misses only because of its range: a sentence on where it would hit. Empty for other rays.
+/// Sentence that says where a ray would hit that misses only because of its range. Empty for other rays.
 std::string range_sentence(const Explanation& explanation) {
     std::vector<std::string> clauses;
     const auto add = [&](const std::optional<double>& t, const char* relation, const char* name, double end,

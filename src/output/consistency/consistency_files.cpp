@@ -32,7 +32,7 @@ constexpr const char* excess_unit = "ulps of the length";
 /// Category of pixels drawn with the colour scale: both rays hit, and the numbers are compared.
 constexpr std::size_t ramp_category = check_result_names.size();
 
-/// Scale of the excess: by how many ulps the two ends of a chord are further apart than the exact ones.
+/// Scale of the excess: the number of ulps by which the two ends of a chord are further apart than the exact ends.
 image::ColourScale excess_scale() { return pixel::magnitude_scale(0x1p-2, 0x1p14); }
 
 pixel::Look look_of(const Check& check) {

@@ -111,16 +111,16 @@ private:
     std::optional<AtomicFile> file_;  // missing: rows go to `finished_lines_` or `receive_cell_`
 };
 
-/// The text of a cell: `to_valid_utf8`, with an apostrophe in front if a spreadsheet would take it for a formula. That
-/// is a text that begins with = + - @, a tab or a carriage return, unless it is a number or consists of digits and
-/// signs alone (`-`, `+2^127`).
+/// The text of a cell: `to_valid_utf8`, with an apostrophe in front if a spreadsheet would take it for a formula. A
+/// formula begins with = + - @, a tab or a carriage return. Numbers, and texts of digits and signs alone (`-`,
+/// `+2^127`), get no apostrophe.
 [[nodiscard]] std::string without_formula(std::string_view text);
 
 /// `text` as one RFC 4180 field: quoted only if it holds a comma, a quote or a line break.
 [[nodiscard]] std::string quoted_field(std::string_view text);
 
-/// First character of a text that is not empty, and its number of bytes, which is 0 if the text does not begin with
-/// valid UTF-8 (overlong, surrogate, cut short).
+/// First character of a text that is not empty, and its number of bytes. The number is 0 if the text does not begin
+/// with valid UTF-8 (overlong, surrogate, cut short).
 struct Character {
     char32_t code;
     std::size_t size;

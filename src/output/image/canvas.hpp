@@ -112,8 +112,8 @@ private:
     std::shared_ptr<const MarkData> mark_data_;
 };
 
-/// Collects figures of one colour and paints them together, so that neither a line that crosses itself nor the joint
-/// of two segments is darker than the rest. Anything outside the box is cut off.
+/// Collects figures of one colour and paints them together. Otherwise the joints of segments, and points where a line
+/// crosses itself, would be darker than the rest. Anything outside the box is cut off.
 class Stroke {
 public:
     explicit Stroke(const PixelBox& box) : box_(box) {}

@@ -1,4 +1,4 @@
-// Colours of numbers, outcomes and objects, the same in every picture.
+// Colours of numbers, outcomes and primitives, the same in every picture.
 #pragma once
 
 #include <array>

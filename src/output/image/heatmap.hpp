@@ -20,7 +20,7 @@ struct HeatmapSpec {
     std::string title;
     std::vector<std::string> subtitle;
     int width = 0, height = 0;         ///< size of the field, in samples
-    std::optional<ColourScale> scale;  ///< missing for a map of only classes or objects
+    std::optional<ColourScale> scale;  ///< missing if the map has only categories
     std::string unit;                  ///< label over the colour bar: `lost bits`
     std::vector<LegendEntry> legend;   ///< every class that may occur, with the widest count that it may get
     /// Space for the lines above the legend, whose text is known only at the end; empty: no space.

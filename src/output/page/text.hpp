@@ -46,9 +46,9 @@ template <class Items, class Convert>
     return array;
 }
 
-/// Writes JSON without spaces. A double is written as the shortest decimal that reads back to it, as in the CSV (dump()
-/// is not always the shortest and writes 1 as 1.0). `<` is written as \u003c, so that the text may stand inside a
-/// script element.
+/// Writes JSON without spaces. A double is written as the shortest decimal that reads back to it, as in the CSV.
+/// nlohmann's dump() does not always write the shortest one, and writes 1 as 1.0. `<` is written as \u003c, so that the
+/// text may stand inside a script element.
 [[nodiscard]] std::string compact_json(const Json& json);
 
 }  // namespace lostbits::output::page

@@ -81,8 +81,8 @@ inline constexpr const char* no_outline_text =
 /// Writes `contact.png`: a plane of each form and format. With `single_pictures` also each plane alone, as
 /// `<form>.<format>.png`: the 99th percentile of lost bits, or the colour of the most frequent wrong outcome if most
 /// rays are wrong. A cell is outlined where the form, not the problem, loses the bits, and hatched where too few hits
-/// agree. In `<form>.<format>.exr` the columns are the values of the first axis in rising order, and the rows the
-/// values of the second axis from the top, the highest first; the attributes hold the values.
+/// agree. In `<form>.<format>.exr` the columns are the values of the first axis in rising order. The rows are the
+/// values of the second axis, the highest at the top. The attributes hold the values.
 void write_planes(const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
                   bool single_pictures);
 /// The plane of one row of the request, as `write_planes` saves it.
@@ -102,8 +102,8 @@ struct AxisPart {
     double from, to;
 };
 
-/// Part of a sweep with one axis in which an ulp of the distance D to its one sphere is at least as long as the sphere
-/// is wide: ulp_F(D) ≥ 2r, that is, from 2^p radii on. There no form's t along a unit direction tells the front of the
+/// Part of a sweep with one axis and one sphere in which an ulp of the distance D is at least as long as the sphere is
+/// wide: ulp_F(D) ≥ 2r, that is, from 2^p radii on. There no form's t along a unit direction tells the front of the
 /// sphere from its back.
 /// Found by bisection to 2^-9 of the value, on the first ray; the rays of a distribution are all equally far away.
 /// Nothing if neither end of the axis is in the part, or if there is not exactly one sphere.

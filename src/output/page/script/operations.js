@@ -33,7 +33,7 @@ function rayPicker(rays, x, y) {
 
 /** Makes a row of the table. `values` has the order of `operation_json` (ray_data.cpp). */
 function operationRow(values) {
-    const [node, name, formula, computed, exact, digits, error, cancelled, localBits, rounding, share, isCulprit, isBranchFlipped] =
+    const [node, name, formula, computed, exact, digits, error, cancelled, localBits, rounding, share, isCulprit, isFlipped] =
         values;
     const shown = (x) => {
         if (digits === 0) return String(x);
@@ -49,7 +49,7 @@ function operationRow(values) {
     }
     line.dataset.node = node;
     if (isCulprit) line.className = "culprit";
-    if (isBranchFlipped) line.children[1].append(make("em", " rounding chose the other side"));
+    if (isFlipped) line.children[1].append(make("em", " rounding chose the other side"));
     return line;
 }
 
