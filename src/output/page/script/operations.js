@@ -33,15 +33,14 @@ function rayPicker(rays, x, y) {
 
 /** Makes a row of the table. `values` has the order of `operation_json` (ray_data.cpp). */
 function operationRow(values) {
-    const [node, name, formula, computed, exact, digits, error, cancelled, localBits, rounding, share, isCulprit, isFlipped] =
+    const [node, name, formula, computed, exact, digits, error, cancelled, local, rounding, share, isCulprit, isFlipped] =
         values;
     const shown = (x) => {
         if (digits === 0) return String(x);
         const value = asNumber(x);
         return decimal(Number.isFinite(value) ? Number(value.toPrecision(digits)) : value);
     };
-    const line =
-        cells("td", name, formula, shown(computed), shown(exact), error, cancelled, localBits, rounding, share);
+    const line = cells("td", name, formula, shown(computed), shown(exact), error, cancelled, local, rounding, share);
     line.children[1].className = "expression";
     if (digits !== 0) {
         line.children[2].title = hex(asNumber(computed));
