@@ -196,9 +196,9 @@ int ContactSheet::block_y(int block) const {
     return style::margin + heading_.height() + style::gap + lines + block * (block_height_ + block_gap);
 }
 
-bool ContactSheet::look_alike(std::size_t a, std::size_t b) const {
+bool ContactSheet::look_alike(std::size_t form_a, std::size_t form_b) const {
     for (std::size_t first = 0; first < cells_.size(); first += spec_.forms.size()) {
-        const Cell &cell_a = cells_[first + a], &cell_b = cells_[first + b];
+        const Cell &cell_a = cells_[first + form_a], &cell_b = cells_[first + form_b];
         const bool is_drawn = cell_a.thumbnail && cell_a.thumbnail->is_complete();
         if (cell_a.note != cell_b.note || cell_a.zoom != cell_b.zoom ||
             is_drawn != (cell_b.thumbnail && cell_b.thumbnail->is_complete()))
@@ -221,13 +221,13 @@ std::vector<ContactSheet::FormGroup> ContactSheet::columns_of(std::span<const st
 }
 
 /// Sum of the differences of all colours of two forms; cells that are not complete are left out.
-std::uint64_t ContactSheet::difference(std::size_t a, std::size_t b) const {
+std::uint64_t ContactSheet::difference(std::size_t form_a, std::size_t form_b) const {
     const auto channel_difference = [](std::uint8_t x, std::uint8_t y) {
         return static_cast<std::uint64_t>(std::abs(x - y));
     };
     std::uint64_t sum = 0;
     for (std::size_t first = 0; first < cells_.size(); first += spec_.forms.size()) {
-        const Cell &cell_a = cells_[first + a], &cell_b = cells_[first + b];
+        const Cell &cell_a = cells_[first + form_a], &cell_b = cells_[first + form_b];
         if (!cell_a.thumbnail || !cell_a.thumbnail->is_complete() || !cell_b.thumbnail ||
             !cell_b.thumbnail->is_complete())
             continue;

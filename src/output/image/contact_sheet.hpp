@@ -116,9 +116,9 @@ private:
     /// Forms that share a column. The first of them is drawn.
     using FormGroup = std::vector<std::size_t>;
     Cell& cell(std::size_t form, std::size_t format);
-    [[nodiscard]] bool look_alike(std::size_t a, std::size_t b) const;
+    [[nodiscard]] bool look_alike(std::size_t form_a, std::size_t form_b) const;
     [[nodiscard]] std::vector<FormGroup> columns_of(std::span<const std::size_t> order) const;
-    [[nodiscard]] std::uint64_t difference(std::size_t a, std::size_t b) const;
+    [[nodiscard]] std::uint64_t difference(std::size_t form_a, std::size_t form_b) const;
     void move_most_different_first(std::vector<FormGroup>& columns) const;
     [[nodiscard]] int block_y(int block) const;
     [[nodiscard]] int page_height(std::size_t columns, const Legend& legend) const;

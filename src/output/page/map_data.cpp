@@ -266,7 +266,7 @@ Json summary_json(const MapStudy& request, const TestedForm& form_row, const For
 
 }  // namespace
 
-Json MapData::index(const std::vector<FormSummary>& summaries, bool own_size,
+Json MapData::index(const std::vector<FormSummary>& summaries, bool has_scene_size,
                     const std::string& scene_with_size) const {
     const scene::file::Scene& scene = *request_.scene;
     Json rows = Json::array();
@@ -278,7 +278,7 @@ Json MapData::index(const std::vector<FormSummary>& summaries, bool own_size,
             {"named", scene_with_size},
             {"width", scene.width},
             {"height", scene.height},
-            {"own_size", own_size},
+            {"own_size", has_scene_size},
             {"metrics", array_of(request_.metrics, [&](const Metric* m) { return metric_json(*m, request_.rows); })},
             {"rows", std::move(rows)}};
 }

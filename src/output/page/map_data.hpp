@@ -62,9 +62,9 @@ public:
     /// Returns a function that receives the bands of the request's rows.
     [[nodiscard]] measure::evaluate::ShowRows band_receiver();
 
-    /// All data except the pixels; call this after the map. `own_size`: the map has the scene's own size, so that
+    /// All data except the pixels; call this after the map. `has_scene_size`: the map has the scene's own size, so that
     /// claims are about the same rays. `scene_with_size`: the scene with its size, as a command names it.
-    [[nodiscard]] Json index(const std::vector<FormSummary>& summaries, bool own_size,
+    [[nodiscard]] Json index(const std::vector<FormSummary>& summaries, bool has_scene_size,
                              const std::string& scene_with_size) const;
     /// The pixels and the operations of the chosen rays; call this after the map.
     [[nodiscard]] std::vector<Blob> blobs(const std::vector<FormSummary>& summaries) const;

@@ -212,19 +212,20 @@ using LabelledMetrics = std::vector<std::pair<std::string, std::string>>;
 
 /// Plots the medians of the parts of one row's error side by side, and where each step of a transform first loses an
 /// ulp.
-image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t r, const std::string& title,
+image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t row_index, const std::string& title,
                          const LabelledMetrics& parts) {
     const SweepRequest& request = sweep.request;
-    const TestedForm& form_row = request.rows[r];
+    const TestedForm& form_row = request.rows[row_index];
     LinePlotSpec spec = common_spec(
         sweep, fmt::format("{} of {} in {}, medians", title, form_row.form->info->name, form_row.format.name),
         {"ulp", plot::AxisSpec::Scale::log2, 0x1p-6, {}});
     for (const auto& [metric, label] : parts) {
-        const std::size_t m = measure::metric::index_of(request.metrics, metric);
-        spec.series.push_back(
-            series_of(sweep.steps, r, label, [m](const FormSummary& s) { return drawn_quantile(s, m, 0.5); }));
+        const std::size_t metric_index = measure::metric::index_of(request.metrics, metric);
+        spec.series.push_back(series_of(sweep.steps, row_index, label, [metric_index](const FormSummary& s) {
+            return drawn_quantile(s, metric_index, 0.5);
+        }));
         for (const Onset& o : sweep.onsets)
-            if (o.found && !o.from_start && o.row == r && o.event == metric)
+            if (o.found && !o.from_start && o.row == row_index && o.event == metric)
                 spec.marks.push_back({o.first_bad, label + ": 1 ulp"});
     }
     for (const auto& mark : request.sweep.marks) {
@@ -280,18 +281,19 @@ void write_march_plots(const SaveAs& save, const MeasuredSweep& sweep, const For
 
 /// Plots the culprits of one row along the axis: the shares of the operations that are blamed most at any step, and
 /// the share of all other operations together. Nothing if no operation is blamed.
-std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_t r) {
+std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_t row_index) {
     const SweepRequest& request = sweep.request;
     constexpr std::size_t max_operations = 7;
     constexpr std::size_t max_letters = 70;
-    const TestedForm& form_row = request.rows[r];
-    const auto m = static_cast<std::size_t>(std::ranges::find_if(request.metrics, &measure::metric::Metric::by_run) -
-                                            request.metrics.begin());
-    std::vector<double> peak_share(request.metrics[m]->categories.size());
+    const TestedForm& form_row = request.rows[row_index];
+    const auto culprit_metric = static_cast<std::size_t>(
+        std::ranges::find_if(request.metrics, &measure::metric::Metric::by_run) - request.metrics.begin());
+    std::vector<double> peak_share(request.metrics[culprit_metric]->categories.size());
     for (const SweepStep& step : sweep.steps) {
         for (std::size_t c = 1; c < peak_share.size(); ++c)
-            peak_share[c] = std::fmax(peak_share[c],
-                                      measure::attribution::culprit_share(step.rows[r].categories[m], std::array{c}));
+            peak_share[c] = std::fmax(
+                peak_share[c],
+                measure::attribution::culprit_share(step.rows[row_index].categories[culprit_metric], std::array{c}));
     }
     std::vector<std::size_t> order;
     for (std::size_t c = 1; c < peak_share.size(); ++c) {
@@ -303,13 +305,13 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
         sweep, fmt::format("Culprits of {} in {}", form_row.form->info->name, form_row.format.name), share_axis);
     spec.subtitle.back() += "; an operation's share of the rays that have a culprit";
     const auto add = [&](const std::string& label, std::span<const std::size_t> categories) {
-        spec.series.push_back(series_of(sweep.steps, r, label, [&](const FormSummary& s) {
-            return measure::attribution::culprit_share(s.categories[m], categories);
+        spec.series.push_back(series_of(sweep.steps, row_index, label, [&](const FormSummary& s) {
+            return measure::attribution::culprit_share(s.categories[culprit_metric], categories);
         }));
     };
     const std::size_t named_count = order.size() <= max_operations + 1 ? order.size() : max_operations;
     for (std::size_t k = 0; k < named_count; ++k) {
-        const std::string_view operation = request.metrics[m]->categories[order[k]];
+        const std::string_view operation = request.metrics[culprit_metric]->categories[order[k]];
         add(operation.size() <= max_letters ? std::string(operation)
                                             : std::string(operation.substr(0, max_letters - 2)) + "..",
             std::span(order).subspan(k, 1));
