@@ -22,7 +22,7 @@ public:
           text_(explanation.tape, explanation.names, measure::attribution::TapeText::Style::plain),
           slice_(explanation.tape, {explanation.tape.outputs.t, explanation.tape.outputs.hit}),
           computes_in_double_(explanation.format.engine == Format::Engine::rounded) {
-        has_remainders_ = computes_in_double_ && explanation.format.parameters.precision > 25;
+        needs_remainders_ = computes_in_double_ && explanation.format.parameters.precision > 25;
     }
 
     std::string source() {
@@ -66,16 +66,16 @@ private:
         const measure::attribution::OperationText& text = measure::attribution::text_of(node.op);
         if (computes_in_double_ && !text.c_lacks.empty()) refuse(text.c_lacks);
         const bool is_rounded = computes_in_double_ && !text.c_wide.empty();
-        if (is_rounded && has_remainders_) require_safe_remainder(i);
+        if (is_rounded && needs_remainders_) require_safe_remainder(i);
         const std::string value = measure::attribution::filled(
-            is_rounded && has_remainders_ ? text.c_wide : text.c.text,
+            is_rounded && needs_remainders_ ? text.c_wide : text.c.text,
             [&](std::size_t k, int) { return operand(node.operands[k]); },
             [&](char letter) -> std::string {
                 if (letter == 'v') return literal(node.value, is_double(i));
                 if (letter == 't') return is_double(i) ? "double" : "float";
                 return is_double(i) ? "" : "f";
             });
-        return is_rounded && !has_remainders_ ? fmt::format("rounded({}, 0)", value) : value;
+        return is_rounded && !needs_remainders_ ? fmt::format("rounded({}, 0)", value) : value;
     }
     void refuse(std::string_view missing_feature) const {
         throw InputError(fmt::format("--c: {} uses {}, which C has only for float and double; try -f f32 or f64",
@@ -119,7 +119,7 @@ private:
             "    m = ldexp(k, e);\n    return copysign(m >= ldexp(1.0, {2}) * 2 ? INFINITY : m, r);\n}}\n",
             f.precision, f.emin, f.emax);
         const auto add_if_used = [&](const std::string& name, const std::string& function) {
-            if (has_remainders_ && body.find(" " + name + "(") != std::string::npos) text += function;
+            if (needs_remainders_ && body.find(" " + name + "(") != std::string::npos) text += function;
         };
         add_if_used("sum",
                     "static double sum(double a, double b) {\n    volatile double s = a + b, v = s - a, w = s - v, x = "
@@ -175,7 +175,7 @@ private:
     const Explanation& explanation_;
     TapeText text_;
     TapeSlice slice_;
-    bool computes_in_double_, has_remainders_ = false;
+    bool computes_in_double_, needs_remainders_ = false;
 };
 
 }  // namespace
