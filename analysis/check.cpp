@@ -244,7 +244,7 @@ Exit run(const CheckOptions& options, const CommonOptions& common) {
     std::unique_ptr<output::file::ResultFolder> folder;
     if (!options.report.empty())
         folder =
-            take_folder(run_division, options.report, common, common.typed_command.all_subjects(), {.shared = true});
+            take_folder(run_division, options.report, common, common.typed_command.all_subjects(), {.is_shared = true});
     if (folder) require_writable(std::filesystem::path(options.report) / "README.md");
     const study::StudiesByName studies;
     const measure::claim::ClaimRequest request{

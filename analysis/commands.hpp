@@ -72,8 +72,8 @@ int take_standard_output(const std::string& command);
 /// Throws InputError if the value of -o is empty.
 void require_folder(const std::string& out);
 
-/// Takes a folder for the results of this run, see `ResultFolder`. The rule `force` is set from `--force`. `subject` is
-/// the part of the command line that names what is measured, quoted for a shell.
+/// Takes a folder for the results of this run, see `ResultFolder`. The rule `allows_unlisted` is set from `--force`.
+/// `subject` is the part of the command line that names what is measured, quoted for a shell.
 [[nodiscard]] std::unique_ptr<output::file::ResultFolder> take_folder(const std::filesystem::path& folder,
                                                                       const CommonOptions& common,
                                                                       const std::string& subject,

@@ -68,7 +68,7 @@ std::vector<std::string> values_only_in(const std::set<std::string>& left, const
 /// in the commands that made two folders: `--set sphere[0].radius=1.0001 only in after`. Empty if a folder does not
 /// record its command.
 std::vector<std::string> option_differences(const fs::path& a, const fs::path& b) {
-    const auto run_a = output::file::ResultFolder::last_run_in(a), run_b = output::file::ResultFolder::last_run_in(b);
+    const auto run_a = output::file::ResultFolder::last_run(a), run_b = output::file::ResultFolder::last_run(b);
     if (!run_a || !run_b) return {};
     Settings settings_a = settings_of(run_a->command), settings_b = settings_of(run_b->command);
     std::vector<std::string> lines;
@@ -183,7 +183,7 @@ void print_incomplete(const DiffOptions& options) {
         }
     }
     for (const auto& folder : folders) {
-        const std::string message = output::file::ResultFolder::unfinished_in(folder);
+        const std::string message = output::file::ResultFolder::unfinished_sentence(folder);
         if (!message.empty()) fmt::print(stderr, "lostbits: {}\n", message);
     }
 }

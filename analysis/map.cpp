@@ -227,7 +227,7 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& options, const std::v
     if (work.needed) needed_files->finish(summaries.needed);
     files.finish(summaries.map);
     context.complete();
-    if (!common.quiet) progress.aside([&] { print_results(work, summaries, folder, common.verbose); });
+    if (!common.quiet) progress.print_without_bar([&] { print_results(work, summaries, folder, common.verbose); });
     return summaries.map.front().count(Outcome::unresolved);
 }
 

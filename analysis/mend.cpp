@@ -101,7 +101,7 @@ void write_page(const std::filesystem::path& path, const RepairSummary& result, 
         .command = command, .maps = {}, .sweeps = {}, .trades = {}, .claims = {}, .results = {}};
     report.program = "lostbits " LOSTBITS_VERSION;
     report.mends.push_back(report::mend_part(result));
-    if (report.mends.front().timed) report.processor = measure::speed::processor_name();
+    if (report.mends.front().has_times) report.processor = measure::speed::processor_name();
     output::file::write_file(path, output::page::page(report));
 }
 

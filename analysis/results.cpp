@@ -27,7 +27,7 @@ void require_folder(const std::string& out) {
 std::unique_ptr<output::file::ResultFolder> take_folder(const std::filesystem::path& folder,
                                                         const CommonOptions& common, const std::string& subject,
                                                         output::file::ResultFolder::Rules rules) {
-    rules.force = common.force;
+    rules.allows_unlisted = common.force;
     for (const std::string& kind : common.figures)
         if (std::ranges::find(rules.figures, kind) == rules.figures.end()) rules.figures.push_back(kind);
     output::file::Provenance provenance{common.typed_command.for_subject(subject), program_and_version};
@@ -128,7 +128,7 @@ RunDivision divide_run(const std::string& shard_value, const std::string& out,
         folder,
         output::file::Provenance{fmt::format("{} --shard {}", common.typed_command.text(), shard_value),
                                  program_and_version},
-        output::file::ResultFolder::Rules{.force = common.force, .keep = resumed});
+        output::file::ResultFolder::Rules{.allows_unlisted = common.force, .continues_run = resumed});
     return {.division = shard::Division(folder, head), .folder = std::move(result_folder), .out = folder};
 }
 

@@ -168,7 +168,7 @@ std::uint64_t measure_scene(typename Adapter::View::Study study, const StudyRun&
     files.finish(*summaries);
     complete();
     if (!run.common.quiet) {
-        run.progress.aside([&] {
+        run.progress.print_without_bar([&] {
             print_figures(folder / "contact.png");
             Adapter::print_results(study, *summaries, run.common.verbose);
         });

@@ -92,8 +92,9 @@ ExhaustiveState ExhaustiveRun::try_floats(bool keep_state) {
 }
 
 void ExhaustiveRun::forget_state() const {
-    const auto result_folder = was_stopped() ? chosen_.take_sweep_folder(sweep_.id, path_, {.keep = true}) : nullptr;
-    output::file::forget_result(state_file_.path());
+    const auto result_folder =
+        was_stopped() ? chosen_.take_sweep_folder(sweep_.id, path_, {.continues_run = true}) : nullptr;
+    output::file::remove_result(state_file_.path());
     std::error_code ignored;
     std::filesystem::remove(folder_, ignored);  // only removes an empty folder, as a shard leaves it
 }
@@ -107,7 +108,7 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
                    "one, use --resume)\n",
                    state_file_.path().string());
     const auto result_folder =
-        chosen_.take_sweep_folder(sweep_.id, path_, {.keep = resumed_, .resumes = !common.shards_to_join});
+        chosen_.take_sweep_folder(sweep_.id, path_, {.continues_run = resumed_, .can_resume = !common.shards_to_join});
     std::optional<output::sweep::ExhaustiveFiles> files;
     if (result_folder) files.emplace(request_, folder_);
     const auto state = chosen_.division().result_of(
@@ -122,7 +123,7 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
             state->tried, float_count, sweep_.id));
     const auto findings = measure::sweep::findings_of(request_, *state);
     files->finish(*state, findings);
-    if (!others_follow) output::file::forget_result(state_file_.path());
+    if (!others_follow) output::file::remove_result(state_file_.path());
     complete_folder(result_folder);
     std::uint64_t unresolved = 0;
     for (const auto& finding : findings) unresolved += finding.tally.count(Outcome::unresolved);

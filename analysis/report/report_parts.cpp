@@ -61,7 +61,7 @@ SweepPart case_part(const SweepWork& work, StopToken stop) {
                    .title = file.title,
                    .note = file.note,
                    .source = file.source,
-                   .rows = row_keys(work.rows)};
+                   .row_names = row_keys(work.rows)};
     for (std::size_t i = 0; i < file.size(); ++i) part.cases.push_back(file.name(i));
     part.json = page::case_json(request, cases);
     for (const auto& touching : file.conventions) {
@@ -85,7 +85,7 @@ std::vector<page::Chart> line_charts(const output::sweep::MeasuredSweep& sweep) 
             charts.push_back({title + subject, svg_text(lost_bits_plot(sweep, format, q, size)),
                               fmt::format("{}.{}", name, format.name)});
         for (const auto outcome : output::sweep::wrong_outcomes(sweep, format)) {
-            if (!output::sweep::occurs(sweep, format, outcome)) continue;
+            if (!output::sweep::has_outcome(sweep, format, outcome)) continue;
             charts.push_back(
                 {output::sweep::wrong_title(outcome) + ": " + subject,
                  svg_text(wrong_plot(sweep, format, outcome, size)),
@@ -101,7 +101,7 @@ std::vector<page::Chart> line_charts(const output::sweep::MeasuredSweep& sweep) 
 std::string absent_charts(const output::sweep::MeasuredSweep& sweep, const Format& format) {
     std::string names;
     for (const auto outcome : output::sweep::wrong_outcomes(sweep, format))
-        if (!output::sweep::occurs(sweep, format, outcome))
+        if (!output::sweep::has_outcome(sweep, format, outcome))
             names += (names.empty() ? "a " : " or a ") + output::map::plain_name(outcome);
     return names.empty() ? "" : fmt::format("In {}, no ray is {}.", format.name, names);
 }
@@ -121,7 +121,7 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
                    .title = sweep.title,
                    .note = sweep.note,
                    .source = sweep.source,
-                   .rows = row_keys(work.rows)};
+                   .row_names = row_keys(work.rows)};
     if (sweep.axes.size() == 2) {
         const output::sweep::SweepGrid plane(request, steps);
         part.kind = SweepPart::Kind::plane;
@@ -131,7 +131,7 @@ SweepPart axes_part(const SweepWork& work, StopToken stop) {
             const std::string alt =
                 fmt::format("{}: {} in {}", sweep.title, request.rows[r].form->info->name, request.rows[r].format.name);
             part.charts.push_back(
-                {alt, svg_text(output::sweep::plane_picture(request, steps, r)), part.rows[r], false});
+                {alt, svg_text(output::sweep::plane_picture(request, steps, r)), part.row_names[r], false});
         }
         return part;
     }
@@ -166,12 +166,12 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
             output::map::MapFiles sheet(request, {.folder = {},
                                                   .drawn_metrics = {measure::metric::find_metric("lost_bits")},
                                                   .scene_arguments = work.scene_arguments,
-                                                  .sheet_alone = file});
-            summaries = measure::evaluate::run_map(
-                request, [draw = sheet.show(), collect = data.show()](std::size_t row_index, const auto& band) {
-                    draw(row_index, band);
-                    collect(row_index, band);
-                });
+                                                  .sheet_only_file = file});
+            summaries = measure::evaluate::run_map(request, [draw = sheet.show(), collect = data.band_receiver()](
+                                                                std::size_t row_index, const auto& band) {
+                draw(row_index, band);
+                collect(row_index, band);
+            });
             sheet.finish(summaries);
         });
     work.unresolved = summaries.front().count(measure::answer::Outcome::unresolved);
@@ -183,15 +183,15 @@ page::MapPart map_part(MapWork& work, measure::metric::MetricSet& metric_set,
             .title = scene.title,
             .note = scene.note,
             .source = scene.source,
-            .rows = row_keys(work.rows),
+            .row_names = row_keys(work.rows),
             .index = std::move(index),
             .blobs = data.blobs(summaries),
             .table = page::summary_table(request, summaries),
             .sheet = std::move(contact_sheet),
-            .own_size = work.own_size,
+            .has_scene_size = work.own_size,
             .metrics = std::move(names),
             .finding = output::map::finding_text(request, summaries),
-            .faulty = static_cast<std::size_t>(
+            .wrong_row_count = static_cast<std::size_t>(
                 std::ranges::count_if(summaries, [](const auto& s) { return s.wrong_count() > 0; }))};
 }
 
@@ -233,17 +233,17 @@ std::optional<page::OffsetPart> offset_part(const scene::file::Scene& scene, Sto
                                    "strategy",
                                [&](const auto& file) {
                                    output::study::StudyFiles<output::offset::OffsetView> sheet(
-                                       study, {.folder = {}, .sheet_alone = file});
+                                       study, {.folder = {}, .sheet_only_file = file});
                                    summaries = measure::study::run_study(study, sheet.show());
                                    sheet.finish(summaries);
                                });
     const offset::OffsetSummary& summary = summaries.front();
-    part.words = output::offset::summary_lines(study, 0, summary);
+    part.sentences = output::offset::summary_lines(study, 0, summary);
     part.table = page::offset_table(study, summary);
     for (std::size_t k = 0; k < study.strategies.size(); ++k) {
         part.strategies.push_back(output::offset::short_name(*study.strategies[k]));
         for (const offset::Side side : offset::both_sides)
-            part.bad[static_cast<std::size_t>(side)].push_back(
+            part.wrong_shares[static_cast<std::size_t>(side)].push_back(
                 column_named(offset::offset_columns(), "bad_fraction", scene.id).value(summary, side, k));
     }
     return part;

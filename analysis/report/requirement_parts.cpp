@@ -107,9 +107,9 @@ page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
     const auto chosen = output::choice::choose_among(request, candidates, timed_rays);
     return {.scene = work.scene.id,
             .requirement = output::choice::in_words(work.requirement),
-            .words = output::choice::in_words(chosen),
+            .text = output::choice::in_words(chosen),
             .table = page::choice_table(chosen),
-            .front = {fmt::format("Time against kept bits on {}", work.scene.id), svg_text(front_plot(chosen))}};
+            .front_chart = {fmt::format("Time against kept bits on {}", work.scene.id), svg_text(front_plot(chosen))}};
 }
 
 page::MendPart mend_part(const MendWork& work, StopToken stop) {
@@ -121,14 +121,15 @@ page::MendPart mend_part(const MendWork& work, StopToken stop) {
 
 page::MendPart mend_part(const output::repair::RepairSummary& result) {
     const auto& row = result.request.row;
-    page::MendPart part{.form = fmt::format("{} in {}", row.form->info->name, row.format.name),
-                        .scene = result.request.id(),
-                        .requirement = output::choice::in_words(result.request.requirement),
-                        .changes = {},
-                        .words = in_words(result),
-                        .table = page::mend_table(result),
-                        .front = {fmt::format("Kept bits on {}", result.request.id()), svg_text(front_plot(result))},
-                        .timed = !result.prices.empty()};
+    page::MendPart part{
+        .form = fmt::format("{} in {}", row.form->info->name, row.format.name),
+        .scene = result.request.id(),
+        .requirement = output::choice::in_words(result.request.requirement),
+        .changes = {},
+        .text = in_words(result),
+        .table = page::mend_table(result),
+        .front_chart = {fmt::format("Kept bits on {}", result.request.id()), svg_text(front_plot(result))},
+        .has_times = !result.prices.empty()};
     for (const output::repair::FormRow& form_row : rows_of(result))
         if (form_row.is_proposal()) part.changes.push_back(change_text(result, form_row));
     return part;

@@ -58,7 +58,7 @@ std::vector<std::pair<Shape, std::string>> PrimitiveOptions::in_given_order() co
 std::string PrimitiveOptions::names() const {
     std::vector<std::string> options;
     for (const Shape shape : shapes()) options.push_back(fmt::format("--{}", lostbits::name_of(shape)));
-    return output::file::enumerated(options);
+    return output::file::word_list(options);
 }
 
 std::vector<Real> parse_numbers(const std::string& text, const NumberOption& wanted,

@@ -128,7 +128,7 @@ SelectedRay find_ray_in_scene(const RayOptions& options, const TestedForm& given
     if (!options.ray.empty()) given_options.emplace_back("--ray");
     if (given_options.size() > 1)
         throw InputError(
-            fmt::format("explain: {} each name a ray; give only one", output::file::enumerated(given_options)));
+            fmt::format("explain: {} each name a ray; give only one", output::file::word_list(given_options)));
     if (given_options.empty())
         throw InputError(
             "explain: the ray is missing; give --worst or --pixel X,Y for a scene, --ray OX,OY,OZ,DX,DY,DZ, or --case "

@@ -34,7 +34,7 @@ std::vector<Shape> list_shapes(Shapes shapes) {
 std::string plurals_text(const std::vector<Shape>& shapes) {
     std::vector<std::string> names;
     for (const Shape shape : shapes) names.emplace_back(row_of(shape).plural);
-    return output::file::enumerated(names);
+    return output::file::word_list(names);
 }
 
 /// "22 of spheres and 11 of boxes make 242 sets"
@@ -42,7 +42,7 @@ std::string set_counts_text(const std::vector<Forms>& forms_by_shape, std::size_
     std::vector<std::string> parts;
     for (const Forms& forms : forms_by_shape)
         parts.push_back(fmt::format("{} of {}", forms.size(), row_of(forms.front()->shape).plural));
-    return fmt::format("{} make {} sets, one form for each shape", output::file::enumerated(parts), count);
+    return fmt::format("{} make {} sets, one form for each shape", output::file::word_list(parts), count);
 }
 
 /// Every combination of one form of each list that can be a set. Throws InputError, which begins with `prefix`, for too

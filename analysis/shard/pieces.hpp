@@ -15,7 +15,7 @@ namespace lostbits::analysis::shard {
 enum class RecordKind : std::uint8_t { piece, end };
 
 /// Returns a function that records the pieces of a job's rows in a shard; an empty function in other runs.
-inline output::pixel::KeepPiece piece_recorder(Division& division, const std::string& job) {
+inline output::pixel::PieceReceiver piece_recorder(Division& division, const std::string& job) {
     if (!division.is_shard()) return {};
     return [&division, job](std::size_t row_index, output::pixel::Piece&& piece) {
         if (!piece.is_empty()) division.put(job, RecordKind::piece, std::uint64_t{row_index}, piece);

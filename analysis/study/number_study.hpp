@@ -204,7 +204,7 @@ struct NumberAdapter {
                   .title = Quantity::meaning,
                   .subtitle = {fmt::format("{} in {}", form_row.form->info->name, form_row.format.name)},
                   .look = look,
-                  .places = {place_of(study, r)}},
+                  .sheet_positions = {place_of(study, r)}},
                  r,
                  output::pixel::drawn_by<NumberBand>([](const NumberBand& band, std::size_t i) {
                      const double number = band.numbers[i];

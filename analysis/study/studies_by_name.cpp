@@ -57,7 +57,7 @@ StudyRow study_row(const output::table::Table<typename Adapter::View::SummaryRow
 /// Draws the sheet of a study, and returns its summaries.
 template <class Adapter>
 auto draw_sheet(const typename Adapter::View::Study& study, const std::filesystem::path& file) {
-    output::study::StudyFiles<typename Adapter::View> sheet(study, {.folder = {}, .sheet_alone = file});
+    output::study::StudyFiles<typename Adapter::View> sheet(study, {.folder = {}, .sheet_only_file = file});
     auto summaries = measure::study::run_study(study, sheet.show());
     sheet.finish(summaries);
     return summaries;
@@ -80,7 +80,7 @@ std::optional<output::page::StudyPart> measure_part(const scene::file::Scene& sc
     const auto study = make_study<Adapter>(question);
     typename std::vector<typename Adapter::View::Study::Summary> summaries;
     output::page::StudyPart part{
-        .study = Adapter::name, .what = Adapter::title, .id = scene.id, .title = scene.title, .note = scene.note};
+        .study = Adapter::name, .purpose = Adapter::title, .id = scene.id, .title = scene.title, .note = scene.note};
     part.sheet = output::page::picture(fmt::format("{}: {}", scene.title, Adapter::name),
                                        [&](const auto& file) { summaries = draw_sheet<Adapter>(study, file); });
     const auto table = Adapter::View::summary_table();

@@ -209,8 +209,9 @@ public:
     void report_broken(std::string text) { add(Observation::Verdict::broken, std::move(text)); }
     void report_warning(std::string text) { add(Observation::Verdict::warned, std::move(text)); }
     void report_note(std::string text) { add(Observation::Verdict::noted, std::move(text)); }
-    void check(bool is_kept, const std::string& kept_text, const std::string& broken_text) {
-        add(is_kept ? Observation::Verdict::kept : Observation::Verdict::broken, is_kept ? kept_text : broken_text);
+    void check(bool is_kept, const std::string& kept_bits_text, const std::string& broken_text) {
+        add(is_kept ? Observation::Verdict::kept : Observation::Verdict::broken,
+            is_kept ? kept_bits_text : broken_text);
     }
     [[nodiscard]] Reply ask(const Question& q) const { return contract::ask(form, q); }
     [[nodiscard]] bool has_flag(unsigned flag) const { return (contract.flags & flag) != 0; }

@@ -17,31 +17,32 @@ namespace lostbits::output::attribution {
 
 namespace {
 
-/// Returns a sentence on an input that the format already made infinite or NaN, for an answer that is not finite.
-std::optional<std::string> lost_input(const Explanation& x) {
-    const NodeId subject = x.attribution.subject;
-    if (is_decision(x.tape[subject].op) || std::isfinite(x.tape[subject].value)) return {};
-    for (std::size_t i = 0; i < x.inputs.size(); ++i) {
-        if (!std::isfinite(x.inputs[i]) && x.names[i] != "ray.tmax")
-            return fmt::format("The input {} is {} in {}. Everything after it follows from that.", x.names[i],
-                               number_phrase(x.inputs[i]), x.format.name);
+/// Returns a sentence for an answer that is not finite because the format made an input infinite or NaN.
+std::optional<std::string> not_finite_input_sentence(const Explanation& explanation) {
+    const NodeId subject = explanation.attribution.subject;
+    if (is_decision(explanation.tape[subject].op) || std::isfinite(explanation.tape[subject].value)) return {};
+    for (std::size_t i = 0; i < explanation.inputs.size(); ++i) {
+        if (!std::isfinite(explanation.inputs[i]) && explanation.names[i] != "ray.tmax")
+            return fmt::format("The input {} is {} in {}. Everything after it follows from that.", explanation.names[i],
+                               number_phrase(explanation.inputs[i]), explanation.format.name);
     }
     return {};
 }
 
 /// Returns a sentence on the cancellation that amplifies the culprit's rounding, and on earlier errors of its
 /// operands.
-std::string amplifier_text(const Explanation& x, const OperationView& view) {
-    const NodeId amplifier = x.amplifier(x.attribution.culprit);
+std::string amplifier_text(const Explanation& explanation, const OperationView& view) {
+    const NodeId amplifier = explanation.amplifier(explanation.attribution.culprit);
     if (amplifier == no_node) return "";
-    const TapeNode& a = x.tape[amplifier];
+    const TapeNode& amplifier_node = explanation.tape[amplifier];
     std::string text = fmt::format("{} cancels {} of {} bits", view.text().definition(amplifier),
-                                   view.error_of(amplifier).cancelled, x.tape.format_of(amplifier).precision);
-    const auto& operands = a.operands;
+                                   view.error_of(amplifier).cancelled, explanation.tape.format_of(amplifier).precision);
+    const auto& operands = amplifier_node.operands;
     for (auto position = operands.begin(); position != operands.end(); ++position) {
         const NodeId operand = *position;
         if (std::find(operands.begin(), position, operand) != position) continue;  // already named, as in fma(b, b, c)
-        if (operand == no_node || view.error_of(operand).error == 0 || x.tape[operand].op == TapeOp::constant) continue;
+        if (operand == no_node || view.error_of(operand).error == 0 || explanation.tape[operand].op == TapeOp::constant)
+            continue;
         const std::string operand_ulps =
             ulps_or_nothing(std::fabs(view.ulps_of_value(operand, view.error_of(operand).error)));
         if (!operand_ulps.empty())
@@ -50,21 +51,23 @@ std::string amplifier_text(const Explanation& x, const OperationView& view) {
     return text + ". ";
 }
 
-/// Operations that contribute as much as the culprit.
-class EqualsText {
+/// The operations that contribute as much to the error as the culprit, and sentences about them.
+class EqualContributions {
 public:
-    EqualsText(const Explanation& x, const OperationView& view) : x_(x), view_(view), equals_(x.attribution.equals) {
-        const auto is_opposite = [&](NodeId i) {
-            return std::signbit(view.contribution(i)) != std::signbit(view.contribution(x.attribution.culprit));
+    EqualContributions(const Explanation& explanation, const OperationView& view)
+        : explanation_(explanation), view_(view), equals_(explanation.attribution.equals) {
+        const auto has_opposite_sign = [&](NodeId i) {
+            return std::signbit(view.contribution(i)) !=
+                   std::signbit(view.contribution(explanation.attribution.culprit));
         };
-        opposite_ = static_cast<std::size_t>(std::ranges::count_if(equals_, is_opposite));
+        opposite_count_ = static_cast<std::size_t>(std::ranges::count_if(equals_, has_opposite_sign));
     }
 
     /// True if these operations and the culprit cancel each other.
-    [[nodiscard]] bool cancels_culprit() const { return 2 * opposite_ == equals_.size() + 1; }
+    [[nodiscard]] bool cancels_culprit() const { return 2 * opposite_count_ == equals_.size() + 1; }
     /// Sum of the contributions of the culprit and these operations.
     [[nodiscard]] double sum() const {
-        double sum = view_.contribution(x_.attribution.culprit);
+        double sum = view_.contribution(explanation_.attribution.culprit);
         for (const NodeId i : equals_) sum += view_.contribution(i);
         return sum;
     }
@@ -77,39 +80,42 @@ public:
             if (listed_names.size() < max_names) listed_names.push_back(view_.text().operand(i));
         }
         if (equals_.size() > max_names) listed_names.push_back(fmt::format("{} more", equals_.size() - max_names));
-        return file::enumerated(listed_names);
+        return file::word_list(listed_names);
     }
 
     /// `; b·b, from which it is computed, contributes the same with the opposite sign`
-    [[nodiscard]] std::string equals_clause() const {
+    [[nodiscard]] std::string clause() const {
         if (equals_.empty()) return "";
         std::string text = "; " + names();
         const bool culprit_uses_all = std::ranges::all_of(equals_, [&](NodeId i) {
-            return measure::attribution::is_computed_from(x_.tape, x_.attribution, x_.attribution.culprit, i);
+            return measure::attribution::is_computed_from(explanation_.tape, explanation_.attribution,
+                                                          explanation_.attribution.culprit, i);
         });
         text += culprit_uses_all ? ", from which it is computed, contribute" : " contribute";
         if (equals_.size() == 1) text += "s";
         text += " the same";
-        if (opposite_ == equals_.size()) return text + " with the opposite sign";
-        return opposite_ == 0 ? text : text + fmt::format(", {} of them with the opposite sign", opposite_);
+        if (opposite_count_ == equals_.size()) return text + " with the opposite sign";
+        return opposite_count_ == 0 ? text : text + fmt::format(", {} of them with the opposite sign", opposite_count_);
     }
 
 private:
-    const Explanation& x_;
+    const Explanation& explanation_;
     const OperationView& view_;
     const std::vector<NodeId>& equals_;
-    std::size_t opposite_;
+    std::size_t opposite_count_;
 };
 
 /// Text for a culprit that its equals cancel: the error that remains, and the operation with the largest share of it.
-std::string rest_text(const Explanation& x, const OperationView& view) {
-    const measure::attribution::Attribution& a = x.attribution;
-    const std::string undo_clause = a.equals.size() == 1 ? ". The two undo each other" : ". They undo each other";
-    if (a.error == 0) return undo_clause + ", and no error is left";
-    double smallest_share = std::fabs(view.error_of(a.culprit).contribution);
-    for (const NodeId i : a.equals) smallest_share = std::min(smallest_share, std::fabs(view.error_of(i).contribution));
-    const auto other_operations = largest_contributions(x.tape, a, smallest_share);
-    const std::string remaining_ulps = ulps_or_nothing(std::fabs(a.error / view.ulp()));
+std::string remaining_error_text(const Explanation& explanation, const OperationView& view) {
+    const measure::attribution::Attribution& attribution = explanation.attribution;
+    const std::string undo_clause =
+        attribution.equals.size() == 1 ? ". The two undo each other" : ". They undo each other";
+    if (attribution.error == 0) return undo_clause + ", and no error is left";
+    double smallest_share = std::fabs(view.error_of(attribution.culprit).contribution);
+    for (const NodeId i : attribution.equals)
+        smallest_share = std::min(smallest_share, std::fabs(view.error_of(i).contribution));
+    const auto other_operations = largest_contributions(explanation.tape, attribution, smallest_share);
+    const std::string remaining_ulps = ulps_or_nothing(std::fabs(attribution.error / view.ulp()));
     if (remaining_ulps.empty()) return undo_clause;
     if (other_operations.empty()) return fmt::format("{}, and an error of {} is left", undo_clause, remaining_ulps);
     return fmt::format(
@@ -119,37 +125,38 @@ std::string rest_text(const Explanation& x, const OperationView& view) {
         view.text().operand(other_operations.front()));
 }
 
-/// The error that the culprit itself makes: a rounding, a wrong choice, or a step to the next number; with its size in
-/// ulps if that is finite.
-std::string own_error(const Explanation& x, const OperationView& view) {
-    const NodeId culprit = x.attribution.culprit;
-    const measure::attribution::OperationError& e = view.error_of(culprit);
-    const std::string ulps = ulps_or_nothing(std::fabs(view.ulps_of_value(culprit, e.rounding)));
-    const char* const error_kind = e.turned                                                  ? "wrong choice"
-                                   : measure::attribution::is_on_purpose(x.tape[culprit].op) ? "step"
-                                                                                             : "rounding";
+/// Phrase for the error that the culprit itself makes: a rounding, a wrong choice, or a step to the next number. Gives
+/// its size in ulps if that is finite.
+std::string culprit_error_phrase(const Explanation& explanation, const OperationView& view) {
+    const NodeId culprit = explanation.attribution.culprit;
+    const measure::attribution::OperationError& operation_error = view.error_of(culprit);
+    const std::string ulps = ulps_or_nothing(std::fabs(view.ulps_of_value(culprit, operation_error.rounding)));
+    const char* const error_kind = operation_error.turned                                              ? "wrong choice"
+                                   : measure::attribution::is_on_purpose(explanation.tape[culprit].op) ? "step"
+                                                                                                       : "rounding";
     return ulps.empty() ? error_kind : fmt::format("{} of {}", error_kind, ulps);
 }
 
 /// `is assigned 3940 ulp in t`, and the operations that contribute the same.
-std::string shares_text(const Explanation& x, const OperationView& view) {
-    const measure::attribution::Attribution& a = x.attribution;
-    const std::string target =
-        is_decision(x.tape[a.subject].op) ? fmt::format("in {}", view.text().expression(a.subject)) : "in t";
-    const EqualsText equals(x, view);
-    const std::string assigned_ulps = ulps_or_nothing(std::fabs(view.contribution(a.culprit)));
+std::string shares_text(const Explanation& explanation, const OperationView& view) {
+    const measure::attribution::Attribution& attribution = explanation.attribution;
+    const std::string target = is_decision(explanation.tape[attribution.subject].op)
+                                   ? fmt::format("in {}", view.text().expression(attribution.subject))
+                                   : "in t";
+    const EqualContributions equals(explanation, view);
+    const std::string assigned_ulps = ulps_or_nothing(std::fabs(view.contribution(attribution.culprit)));
     if (assigned_ulps.empty()) {
-        const std::string others_clause = a.equals.empty() ? "" : fmt::format(", as {}", equals.names());
-        const std::string error_ulps = ulps_or_nothing(std::fabs(a.error / view.ulp()));
+        const std::string others_clause = attribution.equals.empty() ? "" : fmt::format(", as {}", equals.names());
+        const std::string error_ulps = ulps_or_nothing(std::fabs(attribution.error / view.ulp()));
         return fmt::format("has no finite share {}{}{}.", target, others_clause,
                            error_ulps.empty() ? "" : fmt::format(", which is off by {}", error_ulps));
     }
-    std::string text = fmt::format("is assigned {} {}{}", assigned_ulps, target, equals.equals_clause());
-    if (equals.cancels_culprit()) return text + rest_text(x, view) + ".";
-    if (!a.equals.empty()) text += fmt::format(": together {} ulp", short_number(std::fabs(equals.sum())));
-    const double share = equals.sum() * view.ulp() / a.error;
-    // As many digits as `counterfactual_sentence` writes, since it often repeats the number.
-    const double remaining_ulps = std::fabs(a.error / view.ulp());
+    std::string text = fmt::format("is assigned {} {}{}", assigned_ulps, target, equals.clause());
+    if (equals.cancels_culprit()) return text + remaining_error_text(explanation, view) + ".";
+    if (!attribution.equals.empty()) text += fmt::format(": together {} ulp", short_number(std::fabs(equals.sum())));
+    const double share = equals.sum() * view.ulp() / attribution.error;
+    // The text has as many digits as that of `counterfactual_sentence`, which often repeats the number.
+    const double remaining_ulps = std::fabs(attribution.error / view.ulp());
     if (share > 1 && std::isfinite(remaining_ulps))
         text += fmt::format("; the other roundings cancel all but {:.4g} ulp of it", remaining_ulps);
     else if (share < 0 && std::isfinite(remaining_ulps))
@@ -164,53 +171,55 @@ std::string shares_text(const Explanation& x, const OperationView& view) {
 
 }  // namespace
 
-std::string culprit_sentence(const Explanation& x) {
-    const measure::attribution::Attribution& a = x.attribution;
-    if (a.subject == no_node) {
-        if (x.hit == a.exact_hit) return "Rounding changed no decision of the form, so no operation is to blame.";
+std::string culprit_sentence(const Explanation& explanation) {
+    const measure::attribution::Attribution& attribution = explanation.attribution;
+    if (attribution.subject == no_node) {
+        if (explanation.hit == attribution.exact_hit)
+            return "Rounding changed no decision of the form, so no operation is to blame.";
         return fmt::format(
             "No single operation is to blame: without rounding the form {}, and no comparison shows why.",
-            a.exact_hit ? "hits" : "misses");
+            attribution.exact_hit ? "hits" : "misses");
     }
-    if (measure::attribution::is_plain_miss(x.tape, a))
+    if (measure::attribution::is_plain_miss(explanation.tape, attribution))
         return "Rounding changed no decision of the form, so no operation is to blame.";
-    const OperationView view(x);
-    if (a.culprit == no_node) return lost_input(x).value_or("No operation rounded on the way to the answer.");
-    const TapeNode& n = x.tape[a.culprit];
-    const std::string culprit_definition = view.text().definition(a.culprit);
-    const bool is_blamed = culprit_operation(x) != no_node;
-    if (!std::isfinite(n.value) && !is_blamed && x.result.outcome == measure::answer::Outcome::agree_hit)
-        return fmt::format("{} is {}, and so is the rounded true t.", culprit_definition, number_phrase(n.value));
-    if (std::isnan(n.value) && std::isnan(view.error_of(a.culprit).exact) && !is_blamed)
+    const OperationView view(explanation);
+    if (attribution.culprit == no_node)
+        return not_finite_input_sentence(explanation).value_or("No operation rounded on the way to the answer.");
+    const TapeNode& node = explanation.tape[attribution.culprit];
+    const std::string culprit_definition = view.text().definition(attribution.culprit);
+    const bool is_blamed = culprit_operation(explanation) != no_node;
+    if (!std::isfinite(node.value) && !is_blamed && explanation.result.outcome == measure::answer::Outcome::agree_hit)
+        return fmt::format("{} is {}, and so is the rounded true t.", culprit_definition, number_phrase(node.value));
+    if (std::isnan(node.value) && std::isnan(view.error_of(attribution.culprit).exact) && !is_blamed)
         return fmt::format(
             "No operation is to blame: {} is not a number even without rounding. Everything after it follows from "
             "that.",
             culprit_definition);
-    if (!std::isfinite(n.value))
+    if (!std::isfinite(node.value))
         return fmt::format("{} is {}. Everything after it follows from that.", culprit_definition,
-                           number_phrase(n.value));
-    if (measure::attribution::is_on_purpose(n.op))
+                           number_phrase(node.value));
+    if (measure::attribution::is_on_purpose(node.op))
         return fmt::format("{}: the form goes to the next number on purpose, in {}. That {} {}",
                            is_blamed ? "No rounding is to blame" : "The largest contribution is not a rounding",
-                           culprit_definition, own_error(x, view), shares_text(x, view));
-    return fmt::format("{}{} {}: its {} {}", amplifier_text(x, view),
+                           culprit_definition, culprit_error_phrase(explanation, view), shares_text(explanation, view));
+    return fmt::format("{}{} {}: its {} {}", amplifier_text(explanation, view),
                        is_blamed ? "The culprit is" : "The largest contribution is that of", culprit_definition,
-                       own_error(x, view), shares_text(x, view));
+                       culprit_error_phrase(explanation, view), shares_text(explanation, view));
 }
 
-std::string counterfactual_sentence(const Explanation& x) {
-    if (!x.culprit_alone || x.attribution.subject == no_node) return "";
-    const OperationView view(x);
-    const auto& [only_exact, only_rounded] = *x.culprit_alone;
-    const NodeId culprit = x.attribution.culprit;
-    const bool is_step = measure::attribution::is_on_purpose(x.tape[culprit].op);
+std::string counterfactual_sentence(const Explanation& explanation) {
+    if (!explanation.culprit_alone || explanation.attribution.subject == no_node) return "";
+    const OperationView view(explanation);
+    const auto& [only_exact, only_rounded] = *explanation.culprit_alone;
+    const NodeId culprit = explanation.attribution.culprit;
+    const bool is_step = measure::attribution::is_on_purpose(explanation.tape[culprit].op);
     const std::string culprit_name = view.text().operand(culprit), preposition = is_step ? "Without" : "With",
                       exact_suffix = is_step ? "" : " alone exact",
                       rounded_suffix = is_step ? " alone" : " alone rounded";
-    if (x.attribution.subject != x.tape.outputs.t) {
+    if (explanation.attribution.subject != explanation.tape.outputs.t) {
         const auto verb_of = [](bool hit) { return hit ? "hits" : "misses"; };
         return fmt::format("{} {}{} the form {}{}; with {}{} it {}.", preposition, culprit_name, exact_suffix,
-                           only_exact.hit == x.hit ? "still " : "", verb_of(only_exact.hit), culprit_name,
+                           only_exact.hit == explanation.hit ? "still " : "", verb_of(only_exact.hit), culprit_name,
                            rounded_suffix, verb_of(only_rounded.hit));
     }
     const auto effect_of = [&](std::string_view cause, const measure::attribution::Counterfactual& c) {
@@ -220,7 +229,7 @@ std::string counterfactual_sentence(const Explanation& x) {
     };
     // A reader of the first half would conclude that the repair of this operation is enough.
     const bool hardly_helps = !is_step && only_exact.hit && std::isfinite(only_exact.error) &&
-                              std::fabs(only_exact.error) > std::fabs(x.attribution.error) / 2;
+                              std::fabs(only_exact.error) > std::fabs(explanation.attribution.error) / 2;
     const std::string advice =
         hardly_helps
             ? fmt::format(

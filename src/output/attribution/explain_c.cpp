@@ -15,26 +15,28 @@ namespace lostbits::output::attribution {
 
 namespace {
 
-class Program {
+class CProgramWriter {
 public:
-    explicit Program(const Explanation& x)
-        : x_(x),
-          text_(x.tape, x.names, measure::attribution::TapeText::Style::plain),
-          slice_(x.tape, {x.tape.outputs.t, x.tape.outputs.hit}),
-          rounds_in_double_(x.format.engine == Format::Engine::rounded) {
-        is_wide_ = rounds_in_double_ && x.format.parameters.precision > 25;
+    explicit CProgramWriter(const Explanation& explanation)
+        : explanation_(explanation),
+          text_(explanation.tape, explanation.names, measure::attribution::TapeText::Style::plain),
+          slice_(explanation.tape, {explanation.tape.outputs.t, explanation.tape.outputs.hit}),
+          computes_in_double_(explanation.format.engine == Format::Engine::rounded) {
+        needs_remainders_ = computes_in_double_ && explanation.format.parameters.precision > 25;
     }
 
     std::string source() {
         std::string body;
-        for (NodeId i = 0; i < x_.tape.size(); ++i) {
-            if (slice_.needs(i)) body += statement(i);
+        for (NodeId i = 0; i < explanation_.tape.size(); ++i) {
+            if (slice_.is_needed(i)) body += statement(i);
         }
         return opening(body) + body + closing();
     }
 
 private:
-    [[nodiscard]] bool is_double(NodeId i) const { return rounds_in_double_ || x_.tape.format_of(i) == binary64; }
+    [[nodiscard]] bool is_double(NodeId i) const {
+        return computes_in_double_ || explanation_.tape.format_of(i) == binary64;
+    }
     [[nodiscard]] std::string literal(double v, bool as_double) const {
         if (std::isnan(v)) return "NAN";
         if (std::isinf(v)) return v < 0 ? "-INFINITY" : "INFINITY";
@@ -42,69 +44,70 @@ private:
     }
     /// The name of a variable, or the digits of a value that depends only on constants.
     [[nodiscard]] std::string operand(NodeId i) const {
-        if (!is_decision(x_.tape[i].op) && slice_.is_constant(i)) return literal(x_.tape[i].value, is_double(i));
+        if (!is_decision(explanation_.tape[i].op) && slice_.is_constant(i))
+            return literal(explanation_.tape[i].value, is_double(i));
         return text_.identifier(i);
     }
 
     std::string statement(NodeId i) {
-        const TapeNode& n = x_.tape[i];
-        if (!is_decision(n.op) && slice_.is_constant(i)) return "";
-        const std::string comment = n.op == TapeOp::input || (n.label.empty() && n.op != TapeOp::select)
+        const TapeNode& node = explanation_.tape[i];
+        if (!is_decision(node.op) && slice_.is_constant(i)) return "";
+        const std::string comment = node.op == TapeOp::input || (node.label.empty() && node.op != TapeOp::select)
                                         ? ""
                                         : fmt::format("  /* {}{} */", file::c_comment(text_.definition(i)),
-                                                      n.op == TapeOp::call ? call_comment : "");
-        const std::string type = is_decision(n.op) ? "int" : is_double(i) ? "volatile double" : "volatile float";
+                                                      node.op == TapeOp::call ? call_comment : "");
+        const std::string type = is_decision(node.op) ? "int" : is_double(i) ? "volatile double" : "volatile float";
         return fmt::format("    {} {} = {};{}\n", type, text_.identifier(i), expression(i), comment);
     }
 
     std::string expression(NodeId i) {
-        const TapeNode& n = x_.tape[i];
-        if (n.op == TapeOp::input) return literal(n.value, is_double(i));
-        const measure::attribution::OperationText& text = measure::attribution::text_of(n.op);
-        if (rounds_in_double_ && !text.c_lacks.empty()) refuse(text.c_lacks);
-        const bool is_rounded = rounds_in_double_ && !text.c_wide.empty();
-        if (is_rounded && is_wide_) require_safe_remainder(i);
+        const TapeNode& node = explanation_.tape[i];
+        if (node.op == TapeOp::input) return literal(node.value, is_double(i));
+        const measure::attribution::OperationText& text = measure::attribution::text_of(node.op);
+        if (computes_in_double_ && !text.c_lacks.empty()) refuse(text.c_lacks);
+        const bool is_rounded = computes_in_double_ && !text.c_wide.empty();
+        if (is_rounded && needs_remainders_) require_safe_remainder(i);
         const std::string value = measure::attribution::filled(
-            is_rounded && is_wide_ ? text.c_wide : text.c.text,
-            [&](std::size_t k, int) { return operand(n.operands[k]); },
+            is_rounded && needs_remainders_ ? text.c_wide : text.c.text,
+            [&](std::size_t k, int) { return operand(node.operands[k]); },
             [&](char letter) -> std::string {
-                if (letter == 'v') return literal(n.value, is_double(i));
+                if (letter == 'v') return literal(node.value, is_double(i));
                 if (letter == 't') return is_double(i) ? "double" : "float";
                 return is_double(i) ? "" : "f";
             });
-        return is_rounded && !is_wide_ ? fmt::format("rounded({}, 0)", value) : value;
+        return is_rounded && !needs_remainders_ ? fmt::format("rounded({}, 0)", value) : value;
     }
     void refuse(std::string_view missing_feature) const {
         throw InputError(fmt::format("--c: {} uses {}, which C has only for float and double; try -f f32 or f64",
-                                     x_.form->info->name, missing_feature));
+                                     explanation_.form->info->name, missing_feature));
     }
 
     /// Throws InputError unless the remainder of a sum, product, quotient or root is a double. It is one if no value
     /// comes near the ends of double's range (number/rounded.cpp).
     void require_safe_remainder(NodeId i) const {
-        const TapeNode& n = x_.tape[i];
-        bool is_exact = std::isnan(n.value), is_safe = true;  // zeros, infinities and NaN round to themselves
+        const TapeNode& node = explanation_.tape[i];
+        bool is_exact = std::isnan(node.value), is_safe = true;  // zeros, infinities and NaN round to themselves
         const auto check_range = [&](double v) {
             is_safe = is_safe && std::fabs(v) >= 0x1p-960 && std::fabs(v) <= 0x1p+1000;
         };
-        for (const NodeId operand_id : n.operands) {
+        for (const NodeId operand_id : node.operands) {
             if (operand_id == no_node) continue;
-            const double v = x_.tape[operand_id].value;
+            const double v = explanation_.tape[operand_id].value;
             is_exact = is_exact || v == 0 || !std::isfinite(v);
-            if (n.op == TapeOp::div) check_range(v);
+            if (node.op == TapeOp::div) check_range(v);
         }
-        const bool is_sum = n.op == TapeOp::add || n.op == TapeOp::sub;
-        if (is_sum) is_safe = std::fabs(n.value) <= 0x1p+1000;
-        else check_range(n.value);
+        const bool is_sum = node.op == TapeOp::add || node.op == TapeOp::sub;
+        if (is_sum) is_safe = std::fabs(node.value) <= 0x1p+1000;
+        else check_range(node.value);
         if (is_exact || is_safe) return;
         throw InputError(
             fmt::format("--c: {} is {}, so close to the ends of double's range that its rounding error is not a "
                         "double, as {} bits need it; try -f f64, or a format of at most 25 bits",
-                        text_.definition(i), file::decimal(n.value), x_.format.parameters.precision));
+                        text_.definition(i), file::decimal(node.value), explanation_.format.parameters.precision));
     }
 
     [[nodiscard]] std::string rounding_functions(const std::string& body) const {
-        const FloatFormat& f = x_.format.parameters;
+        const FloatFormat& f = explanation_.format.parameters;
         std::string text = fmt::format(
             "/* r + rest, where r is the nearest double, rounded to {0} significand bits, exponents {1} to {2}, "
             "nearest even. "
@@ -116,7 +119,7 @@ private:
             "    m = ldexp(k, e);\n    return copysign(m >= ldexp(1.0, {2}) * 2 ? INFINITY : m, r);\n}}\n",
             f.precision, f.emin, f.emax);
         const auto add_if_used = [&](const std::string& name, const std::string& function) {
-            if (is_wide_ && body.find(" " + name + "(") != std::string::npos) text += function;
+            if (needs_remainders_ && body.find(" " + name + "(") != std::string::npos) text += function;
         };
         add_if_used("sum",
                     "static double sum(double a, double b) {\n    volatile double s = a + b, v = s - a, w = s - v, x = "
@@ -138,9 +141,9 @@ private:
         std::string text = fmt::format(
             "/* {} in {}: {}.\n   Source: {}. Compile with cc -lm; no fast math. */\n#include <math.h>\n#include "
             "<stdio.h>\n\n",
-            x_.form->info->name, x_.format.name, file::c_comment(x_.form->info->title),
-            file::c_comment(x_.form->info->source));
-        if (rounds_in_double_) text += rounding_functions(body);
+            explanation_.form->info->name, explanation_.format.name, file::c_comment(explanation_.form->info->title),
+            file::c_comment(explanation_.form->info->source));
+        if (computes_in_double_) text += rounding_functions(body);
         text +=
             "static void show(const char* what, int hit, double t) {\n    if (isnan(t)) printf(\"%-9s %s at nan\\n\", "
             "what, hit ? \"hit\" : \"miss\");\n"
@@ -153,28 +156,30 @@ private:
     /// One function of the program prints the computed, true and recorded t. The same bits therefore give the same
     /// text, however that machine's C library spells them.
     [[nodiscard]] std::string closing() const {
-        const NodeId t = x_.tape.outputs.t, hit = x_.tape.outputs.hit;
-        const std::string recorded = literal(x_.tape[t].value, true);
+        const NodeId t = explanation_.tape.outputs.t, hit = explanation_.tape.outputs.hit;
+        const std::string recorded = literal(explanation_.tape[t].value, true);
         std::string text = fmt::format("\n    show(\"computed\", {}, {});\n", text_.identifier(hit), operand(t));
-        if (x_.truth == measure::truth::Truth::Decision::unresolved) text += "    puts(\"true      not proved\");\n";
+        if (explanation_.truth == measure::truth::Truth::Decision::unresolved)
+            text += "    puts(\"true      not proved\");\n";
         else
-            text += x_.true_t ? fmt::format("    show(\"true\", 1, {});\n", literal(*x_.true_t, true))
-                              : "    puts(\"true      miss\");\n";
-        text += fmt::format("    show(\"recorded\", {}, {});\n", x_.hit ? 1 : 0, recorded);
+            text += explanation_.true_t
+                        ? fmt::format("    show(\"true\", 1, {});\n", literal(*explanation_.true_t, true))
+                        : "    puts(\"true      miss\");\n";
+        text += fmt::format("    show(\"recorded\", {}, {});\n", explanation_.hit ? 1 : 0, recorded);
         return text + fmt::format("    return is_same({}, {}) && {}{} ? 0 : 1;\n}}\n", operand(t), recorded,
-                                  x_.hit ? "" : "!", text_.identifier(hit));
+                                  explanation_.hit ? "" : "!", text_.identifier(hit));
     }
 
     static constexpr std::string_view call_comment = ": a call, which sums without rounding; this is its result";
 
-    const Explanation& x_;
+    const Explanation& explanation_;
     TapeText text_;
     TapeSlice slice_;
-    bool rounds_in_double_, is_wide_ = false;
+    bool computes_in_double_, needs_remainders_ = false;
 };
 
 }  // namespace
 
-std::string explain_c(const Explanation& x) { return Program(x).source(); }
+std::string explain_c(const Explanation& explanation) { return CProgramWriter(explanation).source(); }
 
 }  // namespace lostbits::output::attribution

@@ -21,16 +21,17 @@ std::string explain_ray_arguments(const scene::rays::RayGroup* group) {
     if (group == nullptr) return "";
     std::string text;
     for (const Primitive<double>& primitive : group->primitives) {
-        text +=
-            fmt::format("--{}={}", lostbits::name_of(primitive.shape), file::listed(primitive.used(), file::hex, ","));
+        text += fmt::format("--{}={}", lostbits::name_of(primitive.shape),
+                            file::number_list(primitive.used(), file::hex, ","));
         if (const auto& placed = primitive.placed)
-            text += fmt::format("@{}{}", placed->is_inverse ? "/" : "", file::listed(placed->matrix, file::hex, ","));
+            text +=
+                fmt::format("@{}{}", placed->is_inverse ? "/" : "", file::number_list(placed->matrix, file::hex, ","));
         text += ' ';
     }
     const Ray<double> ray = group->rays[0];
-    text += "--ray=" + file::listed(std::array{ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x,
-                                               ray.direction.y, ray.direction.z},
-                                    file::hex, ",");
+    text += "--ray=" + file::number_list(std::array{ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x,
+                                                    ray.direction.y, ray.direction.z},
+                                         file::hex, ",");
     const Range<double> range = group->rays.range(0);
     if (range.tmin != 0) text += " --tmin=" + file::hex(range.tmin);
     if (!std::isinf(range.tmax)) text += " --tmax=" + file::hex(range.tmax);

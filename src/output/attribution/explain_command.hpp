@@ -28,8 +28,9 @@ void set_plugin_options(const std::string& options);
 /// `plugin_options()` if the form of this name is external; otherwise empty.
 [[nodiscard]] std::string plugin_options_for(std::string_view form);
 
-/// `lostbits explain ARGUMENTS -i FORM -f FORMAT`, with the convention that judges the form if it differs from the
-/// form's own, and the options for an external form. Empty for the answers of a file, which cannot be computed again.
+/// Command `lostbits explain ARGUMENTS -i FORM -f FORMAT`. It also has the convention that judges the form, if that is
+/// not the form's own, and the options for an external form. Empty for the answers of a file, which cannot be computed
+/// again.
 std::string explain_command(const std::string& arguments, const measure::evaluate::TestedForm& form_row);
 
 }  // namespace lostbits::output::attribution

@@ -36,71 +36,73 @@ std::string rational(double x) {
 
 class FpCoreWriter {
 public:
-    explicit FpCoreWriter(const Explanation& x)
-        : x_(x),
-          text_(x.tape, x.names, measure::attribution::TapeText::Style::plain),
-          slice_(x.tape, {x.tape.outputs.t}) {}
+    explicit FpCoreWriter(const Explanation& explanation)
+        : explanation_(explanation),
+          text_(explanation.tape, explanation.names, measure::attribution::TapeText::Style::plain),
+          slice_(explanation.tape, {explanation.tape.outputs.t}) {}
 
     std::string source() {
-        const NodeId t = x_.tape.outputs.t;
+        const NodeId t = explanation_.tape.outputs.t;
         std::string body;
-        for (NodeId i = 0; i < x_.tape.size(); ++i) {
-            if (!slice_.needs(i) || !is_bound(i)) continue;
+        for (NodeId i = 0; i < explanation_.tape.size(); ++i) {
+            if (!slice_.is_needed(i) || !is_bound(i)) continue;
             const std::string value =
-                is_decision(x_.tape[i].op) ? fmt::format("(if {} 1 0)", expression(i)) : typed_expression(i);
+                is_decision(explanation_.tape[i].op) ? fmt::format("(if {} 1 0)", expression(i)) : typed_expression(i);
             body += fmt::format("    [{} {}]\n", text_.identifier(i), value);
         }
         return fmt::format(
             "(FPCore ({})\n  :name \"{} in {}, t\"\n  :precision {}\n  :cite (lostbits)\n  :pre {}\n  (let* (\n{}    "
             ")\n    {}))\n",
-            arguments(), x_.form->info->name, x_.format.name, precision_name(x_.format.parameters), precondition(),
-            body, operand(t));
+            arguments(), explanation_.form->info->name, explanation_.format.name,
+            precision_name(explanation_.format.parameters), precondition(), body, operand(t));
     }
 
 private:
-    [[nodiscard]] bool is_input(NodeId i) const { return x_.tape[i].op == TapeOp::input; }
+    [[nodiscard]] bool is_input(NodeId i) const { return explanation_.tape[i].op == TapeOp::input; }
     /// True for values with a line of their own: every computed number, and decisions that are used more than once.
     [[nodiscard]] bool is_bound(NodeId i) const {
         if (is_input(i)) return false;
-        if (is_decision(x_.tape[i].op)) return slice_.uses[static_cast<std::size_t>(i)] > 1;
+        if (is_decision(explanation_.tape[i].op)) return slice_.use_counts[static_cast<std::size_t>(i)] > 1;
         return !slice_.is_constant(i);
     }
     [[nodiscard]] std::string operand(NodeId i) const {
-        if (is_decision(x_.tape[i].op))
+        if (is_decision(explanation_.tape[i].op))
             return is_bound(i) ? fmt::format("(== {} 1)", text_.identifier(i)) : expression(i);
-        return slice_.is_constant(i) ? rational(x_.tape[i].value) : text_.identifier(i);
+        return slice_.is_constant(i) ? rational(explanation_.tape[i].value) : text_.identifier(i);
     }
     [[nodiscard]] std::string expression(NodeId i) const {
-        const TapeNode& n = x_.tape[i];
-        if (n.op == TapeOp::call)
+        const TapeNode& node = explanation_.tape[i];
+        if (node.op == TapeOp::call)
             throw InputError(fmt::format(
                 "--fpcore: {} settles this ray by a call that sums without rounding, but FPCore has only operations "
                 "of formats; --json and --c give the result of the call",
-                x_.form->info->name));
-        const FloatFormat& f = x_.tape.format_of(i);
+                explanation_.form->info->name));
+        const FloatFormat& f = explanation_.tape.format_of(i);
         return measure::attribution::filled(
-            measure::attribution::text_of(n.op).fpcore.text, [&](std::size_t k, int) { return operand(n.operands[k]); },
+            measure::attribution::text_of(node.op).fpcore.text,
+            [&](std::size_t k, int) { return operand(node.operands[k]); },
             [&](char) { return rational(std::ldexp(1.0, f.emin - f.precision + 1)); });
     }
     [[nodiscard]] std::string typed_expression(NodeId i) const {
         const std::string text = expression(i);
-        const bool has_other_format = !(x_.tape.format_of(i) == x_.format.parameters);
-        return has_other_format ? fmt::format("(! :precision {} {})", precision_name(x_.tape.format_of(i)), text)
-                                : text;
+        const bool has_other_format = !(explanation_.tape.format_of(i) == explanation_.format.parameters);
+        return has_other_format
+                   ? fmt::format("(! :precision {} {})", precision_name(explanation_.tape.format_of(i)), text)
+                   : text;
     }
 
     [[nodiscard]] std::string arguments() const {
         std::string text;
-        for (NodeId i = 0; i < x_.tape.size(); ++i) {
-            if (is_input(i) && slice_.needs(i)) text += (text.empty() ? "" : " ") + text_.identifier(i);
+        for (NodeId i = 0; i < explanation_.tape.size(); ++i) {
+            if (is_input(i) && slice_.is_needed(i)) text += (text.empty() ? "" : " ") + text_.identifier(i);
         }
         return text;
     }
     [[nodiscard]] std::string precondition() const {
         std::string text = "(and";
-        for (NodeId i = 0; i < x_.tape.size(); ++i) {
-            if (!is_input(i) || !slice_.needs(i)) continue;
-            const double v = x_.tape[i].value, radius = std::fabs(v) * 0x1p-12;
+        for (NodeId i = 0; i < explanation_.tape.size(); ++i) {
+            if (!is_input(i) || !slice_.is_needed(i)) continue;
+            const double v = explanation_.tape[i].value, radius = std::fabs(v) * 0x1p-12;
             const std::string name = text_.identifier(i);
             if (v == 0 || !std::isfinite(v)) text += fmt::format("\n    (== {} {})", name, rational(v));
             else text += fmt::format("\n    (<= {} {} {})", rational(v - radius), name, rational(v + radius));
@@ -108,13 +110,13 @@ private:
         return text + ")";
     }
 
-    const Explanation& x_;
+    const Explanation& explanation_;
     TapeText text_;
     TapeSlice slice_;
 };
 
 }  // namespace
 
-std::string explain_fpcore(const Explanation& x) { return FpCoreWriter(x).source(); }
+std::string explain_fpcore(const Explanation& explanation) { return FpCoreWriter(explanation).source(); }
 
 }  // namespace lostbits::output::attribution

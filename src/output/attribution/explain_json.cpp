@@ -18,36 +18,36 @@ Json number_or_null(double x) { return std::isnan(x) ? Json(nullptr) : json_numb
 Json exact_number(double x) { return {{"decimal", json_number(x)}, {"hex", file::hex(x)}}; }
 Json node_or_null(const TapeText& text, NodeId i) { return i == no_node ? Json(nullptr) : Json(text.name(i)); }
 
-Json operation(const Explanation& x, const TapeText& text, NodeId i) {
-    const TapeNode& n = x.tape[i];
-    const measure::attribution::OperationError& e = x.attribution[i];
+Json operation(const Explanation& explanation, const TapeText& text, NodeId i) {
+    const TapeNode& node = explanation.tape[i];
+    const measure::attribution::OperationError& operation_error = explanation.attribution[i];
     Json operands = Json::array();
-    for (const NodeId operand : x.tape.operands_of(i)) operands.push_back(text.name(operand));
-    Json j{{"name", text.name(i)},
-           {"operation", std::string(name_of(n.op))},
-           {"operands", operands},
-           {"expression", text.expression(i)}};
-    if (!n.label.empty()) j["label"] = std::string(n.label);
-    j["turned"] = e.turned;
-    if (is_decision(n.op)) {
-        j["computed"] = n.value != 0;
-        j["exact"] = e.exact != 0;
-        return j;
+    for (const NodeId operand : explanation.tape.operands_of(i)) operands.push_back(text.name(operand));
+    Json json{{"name", text.name(i)},
+              {"operation", std::string(name_of(node.op))},
+              {"operands", operands},
+              {"expression", text.expression(i)}};
+    if (!node.label.empty()) json["label"] = std::string(node.label);
+    json["turned"] = operation_error.turned;
+    if (is_decision(node.op)) {
+        json["computed"] = node.value != 0;
+        json["exact"] = operation_error.exact != 0;
+        return json;
     }
-    j["precision"] = x.tape.format_of(i).precision;
-    j["computed"] = exact_number(n.value);
-    j["exact"] = json_number(e.exact);
-    j["error"] = json_number(e.error);
-    j["cancelled_bits"] = e.cancelled;
-    if (e.cancelled > 0) j["cancellation"] = e.carried ? "catastrophic" : "benign";
-    j["local_error_bits"] = json_number(e.local_bits);
-    j["rounding"] = json_number(e.rounding);
-    j["live"] = e.live;
-    j["on_purpose"] = measure::attribution::is_on_purpose(n.op);
-    j["adjoint"] = json_number(e.adjoint);
-    j["derivative"] = json_number(e.derivative);
-    j["contribution"] = json_number(e.contribution);
-    return j;
+    json["precision"] = explanation.tape.format_of(i).precision;
+    json["computed"] = exact_number(node.value);
+    json["exact"] = json_number(operation_error.exact);
+    json["error"] = json_number(operation_error.error);
+    json["cancelled_bits"] = operation_error.cancelled;
+    if (operation_error.cancelled > 0) json["cancellation"] = operation_error.carried ? "catastrophic" : "benign";
+    json["local_error_bits"] = json_number(operation_error.local_bits);
+    json["rounding"] = json_number(operation_error.rounding);
+    json["live"] = operation_error.live;
+    json["on_purpose"] = measure::attribution::is_on_purpose(node.op);
+    json["adjoint"] = json_number(operation_error.adjoint);
+    json["derivative"] = json_number(operation_error.derivative);
+    json["contribution"] = json_number(operation_error.contribution);
+    return json;
 }
 
 Json form_result_json(const measure::attribution::FormResult& result) {
@@ -61,64 +61,71 @@ Json form_result_json(const measure::attribution::FormResult& result) {
 
 }  // namespace
 
-std::string explain_json(const Explanation& x, const std::optional<MarchEnd>& march) {
-    const TapeText text(x.tape, x.names, TapeText::Style::plain);
-    const measure::attribution::Attribution& a = x.attribution;
-    const ExplainedVerdict verdict = verdict_of(x, march);
-    Json j{{"schema", "lostbits-explanation/1"},
-           {"form", std::string(x.form->info->name)},
-           {"format", x.format.name},
-           {"convention", std::string(intersect::convention_name(x.touching))},
-           {"primitive", x.primitive},
-           {"primitives", x.primitives}};
-    for (std::size_t i = 0; i < x.inputs.size(); ++i) j["inputs"][x.names[i]] = exact_number(x.inputs[i]);
-    j["open_ends"] = std::string(name_of(x.range.open));
-    j["inputs_rounded"] = x.rounded_inputs;
-    j["given_direction"] = x.given_direction
-                               ? Json({json_number(x.given_direction->x), json_number(x.given_direction->y),
-                                       json_number(x.given_direction->z)})
-                               : Json(nullptr);
-    j["hit"] = x.hit;
-    j["t"] = exact_number(x.result.t);
-    j["truth"] = x.true_t ? Json(exact_number(*x.true_t)) : Json(nullptr);
-    j["outcome"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(x.result.outcome)]);
-    if (x.mesh_outcome)
-        j["in_mesh"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(*x.mesh_outcome)]);
-    j["ulp_error"] = number_or_null(x.result.ulps);
-    j["lost_bits"] = number_or_null(x.result.lost);
-    j["wrong_root"] = is_wrong_root(x);
-    j["condition"] = number_or_null(x.condition);
-    j["inherent_bits"] = number_or_null(x.inherent);
-    j["answer"] = verdict.answer;
-    j["verdict"] = verdict.loss;
-    j["sentence"] = verdict.blame;
-    j["culprit"] = node_or_null(text, verdict.culprit);
-    j["largest"] = node_or_null(text, a.culprit);
-    j["largest_sentence"] = x.has_tape() ? Json(culprit_sentence(x)) : Json(nullptr);
+std::string explain_json(const Explanation& explanation, const std::optional<MarchEnd>& march) {
+    const TapeText text(explanation.tape, explanation.names, TapeText::Style::plain);
+    const measure::attribution::Attribution& attribution = explanation.attribution;
+    const ExplainedVerdict verdict = verdict_of(explanation, march);
+    Json json{{"schema", "lostbits-explanation/1"},
+              {"form", std::string(explanation.form->info->name)},
+              {"format", explanation.format.name},
+              {"convention", std::string(intersect::convention_name(explanation.touching))},
+              {"primitive", explanation.primitive},
+              {"primitives", explanation.primitives}};
+    for (std::size_t i = 0; i < explanation.inputs.size(); ++i)
+        json["inputs"][explanation.names[i]] = exact_number(explanation.inputs[i]);
+    json["open_ends"] = std::string(name_of(explanation.range.open));
+    json["inputs_rounded"] = explanation.rounded_inputs;
+    json["given_direction"] =
+        explanation.given_direction
+            ? Json({json_number(explanation.given_direction->x), json_number(explanation.given_direction->y),
+                    json_number(explanation.given_direction->z)})
+            : Json(nullptr);
+    json["hit"] = explanation.hit;
+    json["t"] = exact_number(explanation.result.t);
+    json["truth"] = explanation.true_t ? Json(exact_number(*explanation.true_t)) : Json(nullptr);
+    json["outcome"] = std::string(measure::answer::outcome_names[static_cast<std::size_t>(explanation.result.outcome)]);
+    if (explanation.mesh_outcome)
+        json["in_mesh"] =
+            std::string(measure::answer::outcome_names[static_cast<std::size_t>(*explanation.mesh_outcome)]);
+    json["ulp_error"] = number_or_null(explanation.result.ulps);
+    json["lost_bits"] = number_or_null(explanation.result.lost);
+    json["wrong_root"] = is_wrong_root(explanation);
+    json["condition"] = number_or_null(explanation.condition);
+    json["inherent_bits"] = number_or_null(explanation.inherent);
+    json["answer"] = verdict.answer;
+    json["verdict"] = verdict.loss;
+    json["sentence"] = verdict.blame;
+    json["culprit"] = node_or_null(text, verdict.culprit);
+    json["largest"] = node_or_null(text, attribution.culprit);
+    json["largest_sentence"] = explanation.has_tape() ? Json(culprit_sentence(explanation)) : Json(nullptr);
     const auto counterfactual = [](const measure::attribution::Counterfactual& c) {
         return Json{{"hit", c.hit}, {"error", c.hit ? json_number(c.error) : Json(nullptr)}};
     };
-    const bool has_counterfactuals = x.culprit_alone && verdict.culprit != no_node;
-    j["culprit_alone_exact"] = has_counterfactuals ? counterfactual(x.culprit_alone->only_exact) : Json(nullptr);
-    j["culprit_alone_rounded"] = has_counterfactuals ? counterfactual(x.culprit_alone->only_rounded) : Json(nullptr);
-    j["equals"] = Json::array();
-    for (const NodeId i : a.equals) j["equals"].push_back(text.name(i));
-    const auto of_subject = [&a](double v) { return a.subject == no_node ? Json(nullptr) : json_number(v); };
-    j["attribution"] = {{"subject", node_or_null(text, a.subject)},
-                        {"exact_hit", a.exact_hit},
-                        {"cut_short", a.cut_short},
-                        {"error", of_subject(a.error)},
-                        {"explained", of_subject(a.explained)},
-                        {"first_order", of_subject(a.first_order)},
-                        {"ulp", number_or_null(x.ulp_of_subject())},
-                        {"shadow_bits", a.exact_bits}};
-    j["operations"] = Json::array();
-    for (NodeId i = 0; i < x.tape.size(); ++i) j["operations"].push_back(operation(x, text, i));
-    j["lost_bits_around"] = number_or_null(x.result.lost_nearby);
-    j["better"] = Json::array();
-    for (const measure::attribution::FormResult& form_result : x.better)
-        j["better"].push_back(form_result_json(form_result));
-    return file::json_text(j);
+    const bool has_counterfactuals = explanation.culprit_alone && verdict.culprit != no_node;
+    json["culprit_alone_exact"] =
+        has_counterfactuals ? counterfactual(explanation.culprit_alone->only_exact) : Json(nullptr);
+    json["culprit_alone_rounded"] =
+        has_counterfactuals ? counterfactual(explanation.culprit_alone->only_rounded) : Json(nullptr);
+    json["equals"] = Json::array();
+    for (const NodeId i : attribution.equals) json["equals"].push_back(text.name(i));
+    const auto of_subject = [&attribution](double v) {
+        return attribution.subject == no_node ? Json(nullptr) : json_number(v);
+    };
+    json["attribution"] = {{"subject", node_or_null(text, attribution.subject)},
+                           {"exact_hit", attribution.exact_hit},
+                           {"cut_short", attribution.cut_short},
+                           {"error", of_subject(attribution.error)},
+                           {"explained", of_subject(attribution.explained)},
+                           {"first_order", of_subject(attribution.first_order)},
+                           {"ulp", number_or_null(explanation.ulp_of_subject())},
+                           {"shadow_bits", attribution.exact_bits}};
+    json["operations"] = Json::array();
+    for (NodeId i = 0; i < explanation.tape.size(); ++i) json["operations"].push_back(operation(explanation, text, i));
+    json["lost_bits_around"] = number_or_null(explanation.result.lost_nearby);
+    json["better"] = Json::array();
+    for (const measure::attribution::FormResult& form_result : explanation.better)
+        json["better"].push_back(form_result_json(form_result));
+    return file::json_text(json);
 }
 
 }  // namespace lostbits::output::attribution

@@ -18,107 +18,112 @@ namespace lostbits::output::attribution {
 namespace {
 
 /// Width of a text in characters, not in bytes.
-std::size_t width_of(const std::string& text) {
+std::size_t character_count(const std::string& text) {
     return static_cast<std::size_t>(
         std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
 std::string padded(std::string text, std::size_t width) {
-    if (const auto w = width_of(text); w < width) text.append(width - w, ' ');
+    if (const auto w = character_count(text); w < width) text.append(width - w, ' ');
     return text;
 }
 
-/// Lines `  o.x = 0x1p+0  1`; last the ends of the ray's range, unless the range is the whole half-line.
-std::string inputs_block(const Explanation& x) {
+/// Lines of the inputs, such as `  o.x = 0x1p+0  1`. The ends of the ray's range come last; they are left out if the
+/// range is the whole half-line.
+std::string inputs_block(const Explanation& explanation) {
     std::string text, begin_line, end_line;
     std::size_t width = 0;
-    for (const auto& name : x.names) width = std::max(width, name.size());
+    for (const auto& name : explanation.names) width = std::max(width, name.size());
     const auto line = [&](std::size_t i, const char* suffix) {
-        return fmt::format("  {:<{}} = {:<22} {}{}\n", x.names[i], width, file::hex(x.inputs[i]),
-                           file::decimal(x.inputs[i]), suffix);
+        return fmt::format("  {:<{}} = {:<22} {}{}\n", explanation.names[i], width, file::hex(explanation.inputs[i]),
+                           file::decimal(explanation.inputs[i]), suffix);
     };
     const auto end_kind = [](bool is_open) {
         return is_open ? " (open: a surface there does not count)" : " (closed)";
     };
-    for (std::size_t i = 0; i < x.inputs.size(); ++i) {
-        if (x.names[i] == "ray.tmin") begin_line = line(i, end_kind(x.range.open.tmin));
-        else if (x.names[i] == "ray.tmax")
-            end_line = line(i, std::isinf(x.inputs[i]) ? " (no end)" : end_kind(x.range.open.tmax));
+    for (std::size_t i = 0; i < explanation.inputs.size(); ++i) {
+        if (explanation.names[i] == "ray.tmin") begin_line = line(i, end_kind(explanation.range.open.tmin));
+        else if (explanation.names[i] == "ray.tmax")
+            end_line = line(i, std::isinf(explanation.inputs[i]) ? " (no end)" : end_kind(explanation.range.open.tmax));
         else text += line(i, "");
     }
-    return x.range.is_whole() ? text : text + begin_line + end_line;
+    return explanation.range.is_whole() ? text : text + begin_line + end_line;
 }
 
 constexpr std::size_t widest_expression = 54;
 
 /// Returns the mark, the name and the formula, `* c       = b·b`, padded to the first column of numbers. A formula
 /// that is too wide gets a line of its own.
-std::string name_and_formula(const char* mark, const OperationRow& operation_row) {
+std::string name_and_formula_column(const char* mark, const OperationRow& operation_row) {
     std::string text = mark + padded(operation_row.name, 7) + " = " + operation_row.formula;
-    if (width_of(text) > widest_expression) text += "\n" + std::string(widest_expression, ' ');
+    if (character_count(text) > widest_expression) text += "\n" + std::string(widest_expression, ' ');
     return padded(std::move(text), widest_expression) + " ";
 }
 
 /// Width of the columns of values, whose widest header is "without rounding".
-int number_width(const Explanation& x) { return std::max(digits_of(x.format.parameters) + 6, 16); }
+int number_column_width(const Explanation& explanation) {
+    return std::max(digits_of(explanation.format.parameters) + 6, 16);
+}
 
-std::string table_line(const Explanation& x, const OperationRow& operation_row) {
+std::string table_line(const Explanation& explanation, const OperationRow& operation_row) {
     const bool is_decision_row = operation_row.digits == 0;
-    const char* const mark = operation_row.culprit ? "* " : operation_row.off_path ? "- " : "  ";
-    const int width = number_width(x);
+    const char* const mark = operation_row.is_culprit ? "* " : operation_row.is_off_path ? "- " : "  ";
+    const int width = number_column_width(explanation);
     const auto number = [&](double v) {
         if (is_decision_row) return fmt::format("{:>{}}", v != 0 ? "true" : "false", width);
         return fmt::format("{:>{}.{}g}", std::isnan(v) ? std::fabs(v) : v, std::max(width, operation_row.digits + 6),
                            operation_row.digits);
     };
-    std::string line =
-        name_and_formula(mark, operation_row) + number(operation_row.computed) + "  " + number(operation_row.exact);
+    std::string line = name_and_formula_column(mark, operation_row) + number(operation_row.computed) + "  " +
+                       number(operation_row.exact);
     if (operation_row.shows_errors && !is_decision_row)
         line +=
             fmt::format("  {:>10}  {:<16}  {:>6}  {:>14}  {:>15}", operation_row.error_ulps, operation_row.cancelled,
-                        operation_row.local, operation_row.rounding_ulps, operation_row.contribution_ulps);
+                        operation_row.local_bits, operation_row.rounding_ulps, operation_row.contribution_ulps);
     while (line.back() == ' ') line.pop_back();
     return line +
-           (operation_row.branch_flipped ? "  rounding chose the other side"
-            : operation_row.on_purpose   ? "  on purpose"
-                                         : "") +
+           (operation_row.is_branch_flipped ? "  rounding chose the other side"
+            : operation_row.is_on_purpose   ? "  on purpose"
+                                            : "") +
            "\n";
 }
 
-std::string table(const Explanation& x, const OperationView& view, bool show_all) {
-    const int width = number_width(x);
+std::string operation_table_text(const Explanation& explanation, const OperationView& view, bool show_all) {
+    const int width = number_column_width(explanation);
     std::string text = padded("  operation", widest_expression) +
                        fmt::format(" {:>{}}  {:>{}}  {:>10}  {:<16}  {:>6}  {:>14}  {:>15}\n", "computed", width,
                                    "without rounding", width, "error, ulp", "bits cancelled", "local", "own error, ulp",
                                    fmt::format("share of {}, ulp", view.subject()));
-    const OperationTable operations = operation_table(x, view, show_all);
-    if (operations.first > 0)
+    const OperationTable operations = operation_table(explanation, view, show_all);
+    if (operations.first_node > 0)
         text += fmt::format("  ({} of earlier samples: --verbose)\n",
-                            scene::toml::count_with_noun(operations.first, "operation"));
-    for (const OperationRow& operation_row : operations.rows) text += table_line(x, operation_row);
+                            scene::toml::count_with_noun(operations.first_node, "operation"));
+    for (const OperationRow& operation_row : operations.rows) text += table_line(explanation, operation_row);
     return text;
 }
 
 /// Collects the comparisons that determine decision `i`: of two operands, only those with the decision's exact value.
-void add_deciding(const Explanation& x, const OperationView& view, NodeId i, std::vector<NodeId>& comparisons) {
-    const TapeNode& n = x.tape[i];
-    if (is_comparison(n.op)) {
+void collect_deciding_comparisons(const Explanation& explanation, const OperationView& view, NodeId i,
+                                  std::vector<NodeId>& comparisons) {
+    const TapeNode& node = explanation.tape[i];
+    if (is_comparison(node.op)) {
         if (std::ranges::find(comparisons, i) == comparisons.end()) comparisons.push_back(i);
         return;
     }
-    const auto holds = [&view](NodeId k) { return view.error_of(k).exact != 0; };
-    for (const NodeId k : n.operands) {
-        if (k == no_node || !is_decision(x.tape[k].op)) continue;
-        if (n.operands[1] == no_node || holds(k) == holds(i)) add_deciding(x, view, k, comparisons);
+    const auto is_exactly_true = [&view](NodeId k) { return view.error_of(k).exact != 0; };
+    for (const NodeId k : node.operands) {
+        if (k == no_node || !is_decision(explanation.tape[k].op)) continue;
+        if (node.operands[1] == no_node || is_exactly_true(k) == is_exactly_true(i))
+            collect_deciding_comparisons(explanation, view, k, comparisons);
     }
 }
 
 /// `disc < 1/1000 holds, where disc is 0.000147696701`: the comparison, and the exact value of each side that is not a
 /// constant.
-std::string comparison_text(const Explanation& x, const OperationView& view, NodeId i) {
+std::string comparison_text(const Explanation& explanation, const OperationView& view, NodeId i) {
     std::vector<std::string> sides;
-    for (const NodeId side : x.tape[i].operands) {
-        if (side != no_node && x.tape[side].op != TapeOp::constant && !view.text().is_number(side))
+    for (const NodeId side : explanation.tape[i].operands) {
+        if (side != no_node && explanation.tape[side].op != TapeOp::constant && !view.text().is_number(side))
             sides.push_back(
                 fmt::format("{} is {}", view.text().operand(side), number_phrase(view.error_of(side).exact)));
     }
@@ -126,26 +131,30 @@ std::string comparison_text(const Explanation& x, const OperationView& view, Nod
                        view.error_of(i).exact != 0 ? "holds" : "does not hold", fmt::join(sides, " and "));
 }
 
-/// The line of the user's file that contains an operation of a function, also of `FUNCTION+fma`; empty for other forms.
-std::string source_line(const Explanation& x, NodeId node) {
+/// The line of the user's file that contains an operation of a function or of its contraction `FUNCTION+fma`. Empty for
+/// other forms.
+std::string source_line(const Explanation& explanation, NodeId node) {
     if (node == no_node) return "";
-    if (!measure::tape::is_contracted(*x.form)) return intersect::function::quoted_line(*x.form->info, x.format, node);
-    const measure::tape::FormOperation before = measure::tape::operation_before_contraction(*x.form, x.format, node);
+    if (!measure::tape::is_contracted(*explanation.form))
+        return intersect::function::quoted_line(*explanation.form->info, explanation.format, node);
+    const measure::tape::FormOperation before =
+        measure::tape::operation_before_contraction(*explanation.form, explanation.format, node);
     return intersect::function::quoted_line(*before.form->info, before.format, before.node);
 }
 
 /// The operation where a value that is not finite begins: a NaN from operands that are not NaN, or an infinity from
 /// finite operands. `no_node` if it is an input.
-NodeId begin_of_not_finite(const Explanation& x, const OperationView& view, NodeId i) {
+NodeId origin_of_not_finite(const Explanation& explanation, const OperationView& view, NodeId i) {
     const auto exact = [&view](NodeId k) { return view.error_of(k).exact; };
     const bool is_nan = std::isnan(exact(i));
     const auto is_alike = [&](NodeId k) {
-        return k != no_node && !is_decision(x.tape[k].op) && (is_nan ? std::isnan(exact(k)) : std::isinf(exact(k)));
+        return k != no_node && !is_decision(explanation.tape[k].op) &&
+               (is_nan ? std::isnan(exact(k)) : std::isinf(exact(k)));
     };
     for (;;) {
-        if (is_given(x.tape[i].op)) return no_node;
-        const NodeId side = measure::attribution::side_taken(x.tape, i);
-        const auto& operands = x.tape[i].operands;
+        if (is_given(explanation.tape[i].op)) return no_node;
+        const NodeId side = measure::attribution::side_taken(explanation.tape, i);
+        const auto& operands = explanation.tape[i].operands;
         const NodeId* const next = std::ranges::find_if(operands, is_alike);
         if (is_alike(side)) i = side;
         else if (next != operands.end()) i = *next;
@@ -154,95 +163,105 @@ NodeId begin_of_not_finite(const Explanation& x, const OperationView& view, Node
 }
 
 /// Sentences on the compared values that are not finite, each with the operation where the value begins.
-std::string not_finite_text(const Explanation& x, const OperationView& view, const std::vector<NodeId>& comparisons) {
+std::string not_finite_text(const Explanation& explanation, const OperationView& view,
+                            const std::vector<NodeId>& comparisons) {
     std::string text;
-    std::vector<NodeId> named;
+    std::vector<NodeId> named_origins;
     for (const NodeId comparison : comparisons) {
-        for (const NodeId side : x.tape[comparison].operands) {
+        for (const NodeId side : explanation.tape[comparison].operands) {
             if (side == no_node || std::isfinite(view.error_of(side).exact)) continue;
-            const NodeId begin = begin_of_not_finite(x, view, side);
-            if (begin == no_node || std::ranges::find(named, begin) != named.end()) continue;
-            named.push_back(begin);
+            const NodeId origin = origin_of_not_finite(explanation, view, side);
+            if (origin == no_node || std::ranges::find(named_origins, origin) != named_origins.end()) continue;
+            named_origins.push_back(origin);
             std::vector<std::string> values;
-            for (const NodeId k : x.tape[begin].operands)
-                if (k != no_node && x.tape[k].op != TapeOp::constant)
+            for (const NodeId k : explanation.tape[origin].operands)
+                if (k != no_node && explanation.tape[k].op != TapeOp::constant)
                     values.push_back(
                         fmt::format("{} is {}", view.text().operand(k), number_phrase(view.error_of(k).exact)));
             text += fmt::format("{} is {} because of {}{}{}.\n", view.text().operand(side),
-                                number_phrase(view.error_of(side).exact), view.text().expression(begin),
+                                number_phrase(view.error_of(side).exact), view.text().expression(origin),
                                 values.empty() ? "" : ", where ", fmt::join(values, " and "));
-            text += source_line(x, begin);
+            text += source_line(explanation, origin);
         }
     }
     return text;
 }
 
-std::string model_sentence(const Explanation& x, const OperationView& view) {
-    if (x.missed) return "";  // the truth is about another primitive
-    if (x.attribution.cut_short)
+std::string model_text(const Explanation& explanation, const OperationView& view) {
+    if (explanation.missed) return "";  // the truth is about another primitive
+    if (explanation.attribution.cut_short)
         return "Without rounding the march would have gone on. The exact values shown end where the computed ones "
                "do.\n";
-    const bool truly_hits = x.truth == measure::truth::Truth::Decision::hit;
-    if (x.truth == measure::truth::Truth::Decision::unresolved || x.attribution.exact_hit == truly_hits) return "";
+    const bool truly_hits = explanation.truth == measure::truth::Truth::Decision::hit;
+    if (explanation.truth == measure::truth::Truth::Decision::unresolved ||
+        explanation.attribution.exact_hit == truly_hits)
+        return "";
     std::string text = fmt::format(
         "On the inputs as the format stores them, the form {} even without rounding. It differs from the truth because "
         "of what it assumes{}.\n",
-        x.attribution.exact_hit ? "hits" : "misses", x.rounded_inputs ? ", or because the inputs were rounded" : "");
+        explanation.attribution.exact_hit ? "hits" : "misses",
+        explanation.rounded_inputs ? ", or because the inputs were rounded" : "");
     std::vector<NodeId> deciding;
-    if (x.tape.outputs.hit != no_node) add_deciding(x, view, x.tape.outputs.hit, deciding);
+    if (explanation.tape.outputs.hit != no_node)
+        collect_deciding_comparisons(explanation, view, explanation.tape.outputs.hit, deciding);
     std::vector<std::string> comparison_texts;
-    for (const NodeId i : deciding) comparison_texts.push_back(comparison_text(x, view, i));
+    for (const NodeId i : deciding) comparison_texts.push_back(comparison_text(explanation, view, i));
     if (comparison_texts.empty()) return text;
     text += fmt::format("Without rounding {}.\n", fmt::join(comparison_texts, "; "));
-    const std::string not_finite = not_finite_text(x, view, deciding);
+    const std::string not_finite = not_finite_text(explanation, view, deciding);
     if (!not_finite.empty()) return text + not_finite;
     // The lines of a function's source, each once.
     std::vector<std::string> lines;
     for (const NodeId i : deciding) {
-        const std::string line = source_line(x, i);
+        const std::string line = source_line(explanation, i);
         if (!line.empty() && std::ranges::find(lines, line) == lines.end()) lines.push_back(line);
     }
     return text + fmt::format("{}", fmt::join(lines, ""));
 }
 
-std::string sums_sentence(const Explanation& x, const OperationView& view) {
-    const measure::attribution::Attribution& a = x.attribution;
-    if (a.subject == no_node || !std::isfinite(a.error) || measure::attribution::is_plain_miss(x.tape, a)) return "";
-    if (!std::isfinite(a.explained)) return "Some contributions are not finite, so they have no sum.\n";
-    const double ulp = view.ulp(), unassigned = a.error - a.explained;
-    std::string text = fmt::format(
-        "Contributions sum to {} of {} ulp{}.", short_number(a.explained / ulp), short_number(a.error / ulp),
-        std::fabs(unassigned) <= 1e-6 * std::fabs(a.error)
-            ? ""
-            : fmt::format("; {} ulp belong to no operation", short_number(unassigned / ulp)));
-    if (!(std::fabs(a.first_order - a.error) <= 0.1 * std::fabs(a.error))) {
+std::string sums_sentence(const Explanation& explanation, const OperationView& view) {
+    const measure::attribution::Attribution& attribution = explanation.attribution;
+    if (attribution.subject == no_node || !std::isfinite(attribution.error) ||
+        measure::attribution::is_plain_miss(explanation.tape, attribution))
+        return "";
+    if (!std::isfinite(attribution.explained)) return "Some contributions are not finite, so they have no sum.\n";
+    const double ulp = view.ulp(), unassigned = attribution.error - attribution.explained;
+    std::string text =
+        fmt::format("Contributions sum to {} of {} ulp{}.", short_number(attribution.explained / ulp),
+                    short_number(attribution.error / ulp),
+                    std::fabs(unassigned) <= 1e-6 * std::fabs(attribution.error)
+                        ? ""
+                        : fmt::format("; {} ulp belong to no operation", short_number(unassigned / ulp)));
+    if (!(std::fabs(attribution.first_order - attribution.error) <= 0.1 * std::fabs(attribution.error))) {
         // Infinite terms of both signs have no sum.
-        text += std::isfinite(a.first_order)
+        text += std::isfinite(attribution.first_order)
                     ? fmt::format(" The last column uses difference quotients, because derivatives would give {} ulp.",
-                                  short_number(a.first_order / ulp))
+                                  short_number(attribution.first_order / ulp))
                     : " The last column uses difference quotients, because derivatives are infinite on this ray.";
     }
     return text + "\n";
 }
 
 /// Sentence on the part of the error that is due to rounding.
-std::string rounding_part_sentence(const Explanation& x, const OperationView& view) {
-    if (x.result.outcome != Outcome::agree_hit || x.attribution.subject != x.tape.outputs.t) return "";
-    if (culprit_operation(x) == no_node) return "";  // said in the verdict
-    const double rounding = x.attribution.error / view.ulp();
-    if (!std::isfinite(rounding) || !std::isfinite(x.result.ulps)) return "";
-    if (!(std::fabs(x.result.ulps - rounding) > 0.01)) return "";
+std::string rounding_part_sentence(const Explanation& explanation, const OperationView& view) {
+    if (explanation.result.outcome != Outcome::agree_hit ||
+        explanation.attribution.subject != explanation.tape.outputs.t)
+        return "";
+    if (culprit_operation(explanation) == no_node) return "";  // said in the verdict
+    const double rounding = explanation.attribution.error / view.ulp();
+    if (!std::isfinite(rounding) || !std::isfinite(explanation.result.ulps)) return "";
+    if (!(std::fabs(explanation.result.ulps - rounding) > 0.01)) return "";
     return fmt::format(
         "Rounding inside the form causes {} of the {} ulp. The rest remains even without rounding, on the inputs as "
         "the format stores them.\n",
-        short_number(rounding), short_number(x.result.ulps));
+        short_number(rounding), short_number(explanation.result.ulps));
 }
 
-std::string changed_decisions_text(const Explanation& x, const OperationView& view) {
+std::string changed_decisions_text(const Explanation& explanation, const OperationView& view) {
     std::string text;
-    for (const NodeId i : x.turned()) {
-        const TapeNode& n = x.tape[i];
-        if (!is_comparison(n.op)) {
+    for (const NodeId i : explanation.turned()) {
+        const TapeNode& node = explanation.tape[i];
+        if (!is_comparison(node.op)) {
             const double distance = std::fabs(view.error_of(i).rounding);
             text +=
                 fmt::format("Rounding changed the choice in {}: {}.\n", view.text().definition(i),
@@ -251,9 +270,9 @@ std::string changed_decisions_text(const Explanation& x, const OperationView& vi
             continue;
         }
         std::vector<std::string> sides;
-        for (const NodeId side : {n.operands[0], n.operands[1]}) {
-            if (x.tape[side].op == TapeOp::constant) continue;
-            const std::string computed = number_phrase(x.tape[side].value),
+        for (const NodeId side : {node.operands[0], node.operands[1]}) {
+            if (explanation.tape[side].op == TapeOp::constant) continue;
+            const std::string computed = number_phrase(explanation.tape[side].value),
                               exact = number_phrase(view.error_of(side).exact);
             sides.push_back(fmt::format("{} is {}{}", view.text().operand(side), computed,
                                         computed == exact ? "" : ", without rounding " + exact));
@@ -266,17 +285,17 @@ std::string changed_decisions_text(const Explanation& x, const OperationView& vi
 
 }  // namespace
 
-std::string sums_text(const Explanation& x, const OperationView& view) {
-    return sums_sentence(x, view) + rounding_part_sentence(x, view) + changed_decisions_text(x, view) +
-           model_sentence(x, view);
+std::string sums_text(const Explanation& explanation, const OperationView& view) {
+    return sums_sentence(explanation, view) + rounding_part_sentence(explanation, view) +
+           changed_decisions_text(explanation, view) + model_text(explanation, view);
 }
 
 namespace {
 
 /// Phrase for what the envelope perturbs: the numbers of the problem as it is stored, before any step of the form.
-std::string perturbation_phrase(const Explanation& x) {
-    const bool is_placed = x.form->of(x.shape).is_placed;
-    if (x.is_generated_ray) return "half an ulp in each number of the ideal ray and of the primitive";
+std::string perturbation_phrase(const Explanation& explanation) {
+    const bool is_placed = explanation.form->of(explanation.shape).is_placed;
+    if (explanation.is_generated_ray) return "half an ulp in each number of the ideal ray and of the primitive";
     return is_placed ? "half an ulp in each number of ray, primitive and matrix as the world stores them"
                      : "half an ulp in each input";
 }
@@ -286,92 +305,98 @@ std::string condition_phrase(double condition) {
                                     : "The condition is infinite";
 }
 
-bool another_does_better(const Explanation& x) {
-    return std::ranges::any_of(x.better, [&](const measure::attribution::FormResult& s) {
-        return x.result.lost_nearby - s.lost_nearby >= worth_saying && s.lost < x.result.lost;
+bool does_another_form_better(const Explanation& explanation) {
+    return std::ranges::any_of(explanation.better, [&](const measure::attribution::FormResult& s) {
+        return explanation.result.lost_nearby - s.lost_nearby >= least_notable_bits && s.lost < explanation.result.lost;
     });
 }
 
 /// Text for a loss within the envelope. The envelope does not bound other forms on the same exact numbers.
-std::string within_envelope(const Explanation& x) {
-    const bool is_placed = x.form->of(x.shape).is_placed;
-    const char* const losing_part = is_placed            ? "transform and form lose"
-                                    : x.is_generated_ray ? "making the ray and the form lose"
-                                                         : "the formula loses";
-    const char* const others_hint = another_does_better(x) ? " Other forms do better (see below)." : "";
-    if (x.rounded_inputs && !x.is_generated_ray) return "; input rounding alone explains this loss.";
-    if (x.is_generated_ray || x.form->info->direction == intersect::Direction::unit || !rounding_explains(x))
+std::string within_envelope(const Explanation& explanation) {
+    const bool is_placed = explanation.form->of(explanation.shape).is_placed;
+    const char* const losing_part = is_placed                      ? "transform and form lose"
+                                    : explanation.is_generated_ray ? "making the ray and the form lose"
+                                                                   : "the formula loses";
+    const char* const others_hint = does_another_form_better(explanation) ? " Other forms do better (see below)." : "";
+    if (explanation.rounded_inputs && !explanation.is_generated_ray)
+        return "; input rounding alone explains this loss.";
+    if (explanation.is_generated_ray || explanation.form->info->direction == intersect::Direction::unit ||
+        !rounding_explains(explanation))
         return fmt::format("; {} no more than that.{}", losing_part, others_hint);
     return fmt::format(
         "; {} is ill-conditioned in {}, and {} no more. The inputs are exact: wider arithmetic on them helps.{}",
-        is_placed ? "as the world stores it the problem" : "the problem", x.format.name, losing_part, others_hint);
+        is_placed ? "as the world stores it the problem" : "the problem", explanation.format.name, losing_part,
+        others_hint);
 }
 
 }  // namespace
 
-std::string envelope_sentence(const Explanation& x) {
-    if (x.result.outcome == Outcome::agree_miss) return "Nothing is lost.";
-    if (x.result.outcome != Outcome::agree_hit) {
-        if (std::isnan(x.condition)) return "The ray hits nothing, so it has no condition number.";
+std::string envelope_sentence(const Explanation& explanation) {
+    if (explanation.result.outcome == Outcome::agree_miss) return "Nothing is lost.";
+    if (explanation.result.outcome != Outcome::agree_hit) {
+        if (std::isnan(explanation.condition)) return "The ray hits nothing, so it has no condition number.";
         // The rest of the text is about the primitive that the form hits.
-        const std::string where = x.missed ? fmt::format("At primitive {}: ", x.missed->primitive) : "";
-        return fmt::format("{}{}: {} costs {:.1f} bits.", where, condition_phrase(x.condition), perturbation_phrase(x),
-                           x.inherent);
+        const std::string where =
+            explanation.missed ? fmt::format("At primitive {}: ", explanation.missed->primitive) : "";
+        return fmt::format("{}{}: {} costs {:.1f} bits.", where, condition_phrase(explanation.condition),
+                           perturbation_phrase(explanation), explanation.inherent);
     }
-    if (!x.returns_t()) return "The form returns no t, so it has no bits to lose.";
-    const std::string envelope =
-        fmt::format("{}: {} would cost {:.1f} bits", condition_phrase(x.condition), perturbation_phrase(x), x.inherent);
-    if (x.result.lost < 1) return envelope + ". Less than one bit is lost.";
-    if (x.excess_bits < 1) return envelope + within_envelope(x);
-    if (x.inherent >= x.format.parameters.precision)
-        return envelope + fmt::format(", but cannot move t that far; the formula loses {:.1f} bits.", x.excess_bits);
-    return envelope + fmt::format("; the formula loses the other {:.1f} bits.", x.excess_bits);
+    if (!explanation.returns_t()) return "The form returns no t, so it has no bits to lose.";
+    const std::string envelope = fmt::format("{}: {} would cost {:.1f} bits", condition_phrase(explanation.condition),
+                                             perturbation_phrase(explanation), explanation.inherent);
+    if (explanation.result.lost < 1) return envelope + ". Less than one bit is lost.";
+    if (explanation.excess_bits < 1) return envelope + within_envelope(explanation);
+    if (explanation.inherent >= explanation.format.parameters.precision)
+        return envelope +
+               fmt::format(", but cannot move t that far; the formula loses {:.1f} bits.", explanation.excess_bits);
+    return envelope + fmt::format("; the formula loses the other {:.1f} bits.", explanation.excess_bits);
 }
 
-std::string explain_text(const Explanation& x, bool show_all, const std::optional<MarchEnd>& march) {
-    std::string text = fmt::format("{} in {}: {}\n\n", x.form->info->name, x.format.name, x.form->info->title);
-    text += verdict_of(x, march).text() + better_sentences(x) + "\n";
-    // The line of a function's source is quoted for an operation that is not to blame, too, if its result is not
-    // finite: the errors after it follow from there.
-    NodeId culprit = x.has_tape() ? x.attribution.culprit : no_node;
-    if (culprit != no_node && std::isfinite(x.tape[culprit].value)) culprit = culprit_operation(x);
-    if (const std::string line = source_line(x, culprit); !line.empty()) text += line + "\n";
-    if (x.primitives > 1 && is_primitive(x.form->shape))
-        text +=
-            fmt::format("The scene has the primitives 0 to {}; this is primitive {}.\n", x.primitives - 1, x.primitive);
-    if (x.form->is_set())
-        text +=
-            fmt::format("It is a {}, which the form {} answers.\n", name_of(x.shape), x.form->of(x.shape).info->name);
-    if (x.touching)
+std::string explain_text(const Explanation& explanation, bool show_all, const std::optional<MarchEnd>& march) {
+    std::string text = fmt::format("{} in {}: {}\n\n", explanation.form->info->name, explanation.format.name,
+                                   explanation.form->info->title);
+    text += verdict_of(explanation, march).text() + better_sentences(explanation) + "\n";
+    // The source line is also quoted for an operation that is not to blame if its result is not finite, because the
+    // errors after it follow from that.
+    NodeId culprit = explanation.has_tape() ? explanation.attribution.culprit : no_node;
+    if (culprit != no_node && std::isfinite(explanation.tape[culprit].value)) culprit = culprit_operation(explanation);
+    if (const std::string line = source_line(explanation, culprit); !line.empty()) text += line + "\n";
+    if (explanation.primitives > 1 && is_primitive(explanation.form->shape))
+        text += fmt::format("The scene has the primitives 0 to {}; this is primitive {}.\n", explanation.primitives - 1,
+                            explanation.primitive);
+    if (explanation.form->is_set())
+        text += fmt::format("It is a {}, which the form {} answers.\n", name_of(explanation.shape),
+                            explanation.form->of(explanation.shape).info->name);
+    if (explanation.touching)
         text += fmt::format("Judged by the {} primitive: a ray that only touches is a {}.\n",
-                            intersect::convention_name(x.touching),
-                            *x.touching == intersect::Touching::hit ? "hit" : "miss");
-    if (x.rounded_inputs) {
+                            intersect::convention_name(explanation.touching),
+                            *explanation.touching == intersect::Touching::hit ? "hit" : "miss");
+    if (explanation.rounded_inputs) {
         text += fmt::format(
             "{} cannot represent all of these numbers and gets them rounded, as below. The true t is the one for the "
             "numbers as given, so the error includes the rounding of the inputs (input error).\n",
-            x.format.name);
+            explanation.format.name);
     }
-    if (x.given_direction) {
+    if (explanation.given_direction) {
         text += fmt::format(
             "The direction ({}, {}, {}) is normalised and rounded: the form takes unit directions, and its t is a "
             "distance.\n",
-            number_phrase(x.given_direction->x), number_phrase(x.given_direction->y),
-            number_phrase(x.given_direction->z));
+            number_phrase(explanation.given_direction->x), number_phrase(explanation.given_direction->y),
+            number_phrase(explanation.given_direction->z));
     }
-    text += inputs_block(x) + "\n";
-    if (!x.has_tape()) return text;
-    const OperationView view(x);
-    if (march) text += march_samples(*march, x.format) + "\n";
-    text += table(x, view, show_all) +
+    text += inputs_block(explanation) + "\n";
+    if (!explanation.has_tape()) return text;
+    const OperationView view(explanation);
+    if (march) text += march_samples(*march, explanation.format) + "\n";
+    text += operation_table_text(explanation, view, show_all) +
             fmt::format(
                 "\n{}- marks operations that do not lead to the answer. Operations that only choose a branch have no "
                 "share. catastrophic: an operand of the subtraction was already wrong; benign: both were exact. local: "
                 "bits that the operation alone loses on exact operands, "
                 "each rounded once. own: its rounding, in ulps of its own result. The last column assigns the error to "
                 "operations: own times the difference quotient from there to the answer.\n",
-                culprit_operation(x) != no_node ? "* marks the culprit, " : "");
-    const std::string sums = sums_text(x, view);
+                culprit_operation(explanation) != no_node ? "* marks the culprit, " : "");
+    const std::string sums = sums_text(explanation, view);
     return text + (sums.empty() ? "" : "\n" + sums);
 }
 

@@ -36,50 +36,52 @@ struct ExplainedVerdict {
     /// The three texts, one per line.
     [[nodiscard]] std::string text() const;
 };
-ExplainedVerdict verdict_of(const Explanation& x, const std::optional<MarchEnd>& march);
+ExplainedVerdict verdict_of(const Explanation& explanation, const std::optional<MarchEnd>& march);
 
 /// Forms that do better on the ray and around it, one sentence per line.
-std::string better_sentences(const Explanation& x);
+std::string better_sentences(const Explanation& explanation);
 
 /// The verdict, the forms that do better, the inputs, the samples of a march, and the table of operations with the
-/// culprit marked. `show_all` shows every operation. Otherwise the table shows the operations that the answer is
-/// computed from and that round, cancel or have a name, and the operations that a shown row refers to. Operations of
-/// earlier samples of a march show only their values.
-std::string explain_text(const Explanation& x, bool show_all, const std::optional<MarchEnd>& march = {});
+/// culprit marked. With `show_all` the table has every operation. Without, it has the operations that the answer is
+/// computed from and that round, cancel or have a name. It also has the operations to which these rows refer. Rows of
+/// earlier samples of a march show only values.
+std::string explain_text(const Explanation& explanation, bool show_all, const std::optional<MarchEnd>& march = {});
 
 /// Text below the table, one sentence per line: the sum of the contributions, the part of the error that is not due to
 /// rounding, and the decisions that rounding changed.
-std::string sums_text(const Explanation& x, const OperationView& view);
+std::string sums_text(const Explanation& explanation, const OperationView& view);
 
 /// Blames the problem or the formula. The envelope is that of the problem as it is stored: for a primitive under a
 /// matrix, of the problem in the world; for a camera's ray, of the ideal ray.
-std::string envelope_sentence(const Explanation& x);
+std::string envelope_sentence(const Explanation& explanation);
 
-/// The operation that contributes most, the effect of its rounding, and others that contribute as much; or why there is
-/// none. It is called the culprit if it is to blame.
-std::string culprit_sentence(const Explanation& x);
-/// The answer if only the culprit did not round, and if only it did; empty if there is no culprit.
-std::string counterfactual_sentence(const Explanation& x);
+/// Names the operation that contributes most, the effect of its rounding, and others that contribute as much, or says
+/// why there is none. The operation is called the culprit if it is to blame.
+std::string culprit_sentence(const Explanation& explanation);
+/// Gives the answer if only the culprit were exact, and if only the culprit rounded. Empty if there is no culprit.
+std::string counterfactual_sentence(const Explanation& explanation);
 
-/// Outcome of a ray that form and truth do not both hit: `form misses, and so does the exact ray: a correct miss.`;
-/// empty if both hit.
+/// Sentence for a ray that form and truth do not both hit: `form misses, and so does the exact ray: a correct miss.`
+/// Empty if both hit.
 std::string decision_text(const std::string& form, Outcome outcome, double t, double true_t);
 
-/// Bits that another form must keep more than this one to be called better, and bits that must be lost before an
-/// operation is to blame. The last rounding of any formula may cost up to one bit.
-inline constexpr double worth_saying = 1;
+/// Smallest number of bits that counts as a difference: another form is called better if it keeps this many more, and
+/// an operation is to blame only if this many are lost. The last rounding of any formula may cost up to one bit.
+inline constexpr double least_notable_bits = 1;
 
-/// The operation to blame: its rounding turned a decision that is wrong, or the order of two primitives, made a value
-/// that is not a number, or costs a bit or more of an answer that lost one. Returns no_node if the decision is right,
-/// and if no operation caused the loss: a march stopped short, the format rounded the inputs, or a value is not a
-/// number even without rounding.
-NodeId culprit_operation(const Explanation& x);
+/// The operation to blame. Its rounding
+/// - changed a decision that is wrong, or the order of two primitives,
+/// - made a value that is not a number, or
+/// - costs a bit or more of an answer that lost one.
+/// Returns no_node if the decision is right, and if no operation caused the loss: a march stopped short, the format
+/// rounded the inputs, or a value is not a number even without rounding.
+NodeId culprit_operation(const Explanation& explanation);
 
 /// True if the roundings of the operations make the loss, so that wider arithmetic on the same inputs would avoid it.
-bool rounding_explains(const Explanation& x);
+bool rounding_explains(const Explanation& explanation);
 
 /// True if the answer is another crossing of the primitive that the ray truly meets.
-bool is_wrong_root(const Explanation& x);
+bool is_wrong_root(const Explanation& explanation);
 
 /// The constants of a march, and for every sample the iteration, t, position, |p|, d and action.
 std::string march_samples(const MarchEnd& march, const Format& format);
@@ -90,7 +92,7 @@ std::string march_table(const intersect::table::Intersector& form, const Format&
 /// The whole explanation as one JSON object. Inputs and results are given as decimals and as hexadecimal floats. An
 /// infinite or NaN number is the string "inf", "-inf" or "nan". Missing values (the error of a miss, the culprit if
 /// none is to blame, a direction that was not normalised) are null.
-std::string explain_json(const Explanation& x, const std::optional<MarchEnd>& march = {});
+std::string explain_json(const Explanation& explanation, const std::optional<MarchEnd>& march = {});
 
 /// A C99 program that does not need lostbits: the inputs in hexadecimal, the form with one operation per line, then
 /// the computed, the true and the recorded t. The program exits with 0 if the computed and the recorded t have the
@@ -99,18 +101,20 @@ std::string explain_json(const Explanation& x, const std::optional<MarchEnd>& ma
 ///
 /// Formats other than float and double compute in double and round. For at most 25 bits the double alone is enough (2p
 /// + 2 ≤ 53: Figueroa 1995). For more bits the program also uses the sign of the double's remainder (TwoSum; fma for
-/// products, quotients and roots). Throws InputError if a format other than float and double moves to a neighbour or
-/// fuses, and if one of more than 25 bits comes so near to the ends of double's range that the remainder is not a
-/// double.
-std::string explain_c(const Explanation& x);
+/// products, quotients and roots).
+///
+/// Throws InputError if a form in a format other than float and double moves to a neighbouring number or fuses. Also
+/// throws it if a value in a format of more than 25 bits is so near to the ends of double's range that the remainder is
+/// not a double.
+std::string explain_c(const Explanation& explanation);
 
 /// t as an FPCore 2.0 expression. Its arguments are the inputs that t depends on. `:pre` keeps each input within 2^-12
 /// of its value for this ray, and zeros and infinities as they are. A move to a neighbouring number is a sum with the
 /// smallest number, rounded upward or downward (`:round`).
-std::string explain_fpcore(const Explanation& x);
+std::string explain_fpcore(const Explanation& explanation);
 
-/// Lists the ranges of the inputs, the part of them that the bound covers, the bound, the errors of rays in the
-/// ranges, and the operations that contribute to the bound.
+/// Lists the ranges of the inputs, the bound and the part of the ranges that it covers. Then lists the errors of rays
+/// in the ranges, and the operations that contribute to the bound.
 std::string ranges_text(const RangesRequest& request, const RangesBound& bound);
 
 /// The content of `ranges_text` as one JSON object; an infinite number is the string "inf".

@@ -19,7 +19,7 @@ std::string short_number(double x) {
     if (std::isnan(x)) return "nan";
     if (x == 0) return "0";
     return std::fabs(x) >= 0.01 && std::fabs(x) < 1e6
-               ? fmt::format("{}", file::number_in(fmt::format("{:.3g}", x)).value_or(x))
+               ? fmt::format("{}", file::parse_number(fmt::format("{:.3g}", x)).value_or(x))
                : fmt::format("{:.2e}", x);
 }
 
@@ -43,11 +43,11 @@ std::vector<bool> nodes_on_path(const Explanation& explanation) {
     for (NodeId i = explanation.tape.size() - 1; i >= 0; --i) {
         if (explanation.attribution[i].live) mark(i);
         if (!on_path[static_cast<std::size_t>(i)]) continue;
-        const TapeNode& n = explanation.tape[i];
-        if (n.op != TapeOp::select) {
+        const TapeNode& node = explanation.tape[i];
+        if (node.op != TapeOp::select) {
             std::ranges::for_each(explanation.tape.operands_of(i), mark);
         } else {
-            mark(n.operands[0]);
+            mark(node.operands[0]);
             mark(measure::attribution::side_taken(explanation.tape, i));
         }
     }
@@ -81,11 +81,11 @@ std::string OperationView::cancellation(NodeId i) const {
 }
 
 bool OperationView::is_shown(NodeId i, bool show_all) const {
-    const TapeNode& n = explanation_.tape[i];
-    if (text_.is_number(i) && n.label.empty() && error_of(i).rounding == 0) return false;
-    if (show_all) return is_operation(n.op);
-    if (!is_operation(n.op) || !error_of(i).live) return false;
-    return !n.label.empty() || error_of(i).rounding != 0 || error_of(i).cancelled > 1 ||
+    const TapeNode& node = explanation_.tape[i];
+    if (text_.is_number(i) && node.label.empty() && error_of(i).rounding == 0) return false;
+    if (show_all) return is_operation(node.op);
+    if (!is_operation(node.op) || !error_of(i).live) return false;
+    return !node.label.empty() || error_of(i).rounding != 0 || error_of(i).cancelled > 1 ||
            i == explanation_.attribution.culprit;
 }
 
@@ -108,10 +108,10 @@ std::vector<NodeId> OperationView::operations_named_in(NodeId i) const {
 std::string OperationView::subject() const {
     const NodeId subject = explanation_.attribution.subject;
     if (subject == no_node || !is_decision(explanation_.tape[subject].op)) return "t";
-    const TapeNode& n = explanation_.tape[subject];
-    if (!is_comparison(n.op)) return "decision";
+    const TapeNode& node = explanation_.tape[subject];
+    if (!is_comparison(node.op)) return "decision";
     for (const std::size_t k : {0U, 1U}) {
-        if (explanation_.tape[n.operands[k]].op == TapeOp::constant) return text_.operand(n.operands[1 - k]);
+        if (explanation_.tape[node.operands[k]].op == TapeOp::constant) return text_.operand(node.operands[1 - k]);
     }
     return text_.expression(subject);
 }
@@ -121,33 +121,35 @@ int digits_of(const FloatFormat& format) { return 1 + static_cast<int>(std::ceil
 namespace {
 
 OperationRow table_row(const Explanation& explanation, const OperationView& view, NodeId i, bool shows_errors) {
-    const measure::attribution::OperationError& e = view.error_of(i);
-    const TapeNode& n = explanation.tape[i];
-    const bool is_decision_row = is_decision(n.op);
+    const measure::attribution::OperationError& operation_error = view.error_of(i);
+    const TapeNode& node = explanation.tape[i];
+    const bool is_decision_row = is_decision(node.op);
     OperationRow operation_row{.node = i,
                                .shows_errors = shows_errors,
                                .name = view.text().name(i),
                                .formula = shows_errors ? view.text().expression(i) : "(an earlier sample)",
-                               .computed = n.value,
-                               .exact = e.exact,
+                               .computed = node.value,
+                               .exact = operation_error.exact,
                                .digits = is_decision_row ? 0 : digits_of(explanation.tape.format_of(i))};
     if (!shows_errors) return operation_row;
-    operation_row.culprit = i == culprit_operation(explanation);
-    operation_row.branch_flipped = e.turned && (is_decision_row || e.rounding != 0);
-    operation_row.off_path = !is_decision_row && !view.is_on_path(i);
-    operation_row.on_purpose = measure::attribution::is_on_purpose(n.op) && e.rounding != 0;
+    operation_row.is_culprit = i == culprit_operation(explanation);
+    operation_row.is_branch_flipped = operation_error.turned && (is_decision_row || operation_error.rounding != 0);
+    operation_row.is_off_path = !is_decision_row && !view.is_on_path(i);
+    operation_row.is_on_purpose = measure::attribution::is_on_purpose(node.op) && operation_error.rounding != 0;
     if (is_decision_row) return operation_row;
     const auto text_or_empty = [](double ulps) { return std::isfinite(ulps) ? short_number(ulps) : ""; };
-    operation_row.error_ulps = text_or_empty(view.ulps_of_value(i, e.error));
+    operation_row.error_ulps = text_or_empty(view.ulps_of_value(i, operation_error.error));
     operation_row.cancelled = view.cancellation(i);
-    if (e.local_bits != 0) operation_row.local = fmt::format("{:.1f}", e.local_bits);
-    if (e.rounding != 0) operation_row.rounding_ulps = text_or_empty(view.ulps_of_value(i, e.rounding));
-    if (e.live && e.rounding != 0) operation_row.contribution_ulps = text_or_empty(view.contribution(i));
+    if (operation_error.local_bits != 0) operation_row.local_bits = fmt::format("{:.1f}", operation_error.local_bits);
+    if (operation_error.rounding != 0)
+        operation_row.rounding_ulps = text_or_empty(view.ulps_of_value(i, operation_error.rounding));
+    if (operation_error.live && operation_error.rounding != 0)
+        operation_row.contribution_ulps = text_or_empty(view.contribution(i));
     return operation_row;
 }
 
 /// The first node that the table shows. Without `show_all`, the table of a march begins with the last samples.
-NodeId first_shown(const Explanation& explanation, bool show_all) {
+NodeId first_shown_node(const Explanation& explanation, bool show_all) {
     const auto& samples = explanation.tape.samples;
     return show_all || samples.size() < 3 ? 0 : static_cast<NodeId>(samples[samples.size() - 3]);
 }
@@ -155,13 +157,13 @@ NodeId first_shown(const Explanation& explanation, bool show_all) {
 }  // namespace
 
 OperationTable operation_table(const Explanation& explanation, const OperationView& view, bool show_all) {
-    OperationTable table{.first = first_shown(explanation, show_all)};
+    OperationTable table{.first_node = first_shown_node(explanation, show_all)};
     // A row can name other operations, and each of them needs a row too. The last operations are visited first.
     std::vector<bool> has_row(explanation.tape.nodes.size()), shows_errors(explanation.tape.nodes.size());
     for (NodeId i = explanation.tape.size() - 1; i >= 0; --i) {
         const auto index = static_cast<std::size_t>(i);
-        shows_errors[index] =
-            i == culprit_operation(explanation) || (i >= table.first && (has_row[index] || view.is_shown(i, show_all)));
+        shows_errors[index] = i == culprit_operation(explanation) ||
+                              (i >= table.first_node && (has_row[index] || view.is_shown(i, show_all)));
         has_row[index] = has_row[index] || shows_errors[index];
         if (!shows_errors[index]) continue;
         for (const NodeId named : view.operations_named_in(i)) has_row[static_cast<std::size_t>(named)] = true;

@@ -14,7 +14,8 @@ namespace lostbits::output::attribution {
 using measure::attribution::Explanation;
 using measure::attribution::TapeText;
 
-/// Three digits; `nan` without its sign, which has no meaning and differs between machines.
+/// A number with three digits. A NaN is `nan` without a sign, because its sign means nothing and differs between
+/// machines.
 std::string short_number(double x);
 
 /// A number for a sentence: its digits, `infinity`, `minus infinity` or `not a number`.
@@ -33,19 +34,19 @@ public:
     [[nodiscard]] const TapeText& text() const { return text_; }
     /// `error` in ulps of the format at the value itself.
     [[nodiscard]] double ulps_of_value(NodeId i, double error) const;
-    /// Contribution of an operation in ulps of the subject.
+    /// Contribution of an operation to the error, in ulps of the subject.
     [[nodiscard]] double contribution(NodeId i) const { return error_of(i).contribution / ulp_; }
-    /// `24 catastrophic`
+    /// Number of cancelled bits and kind of cancellation: `24 catastrophic`. Empty if no bit is cancelled.
     [[nodiscard]] std::string cancellation(NodeId i) const;
-    /// True if the answer is computed from the operation. This includes operations that only chose a branch, and those
-    /// whose value was compared and then not used. False for operations of a branch that was not taken and, in a miss,
-    /// for operations from which only t is computed.
+    /// True if the answer is computed from the operation, or if the operation only chose a branch or was only compared.
+    /// False for operations of a branch that was not taken and, in a miss, for operations from which only t is
+    /// computed.
     [[nodiscard]] bool is_on_path(NodeId i) const { return on_path_[static_cast<std::size_t>(i)]; }
     /// True if the table has a row for the operation.
     [[nodiscard]] bool is_shown(NodeId i, bool show_all) const;
     /// Operations that the expression of operation i refers to by name.
     [[nodiscard]] std::vector<NodeId> operations_named_in(NodeId i) const;
-    /// Ulp of the subject.
+    /// Size of an ulp of the subject.
     [[nodiscard]] double ulp() const { return ulp_; }
     /// Name of the value that contributions go to: t, or the value that the decision compares. Contributions are in
     /// ulps of this value.
@@ -66,28 +67,28 @@ struct OperationRow {
     /// True if the row shows errors. False for an operation of an earlier sample of a march, shown because another row
     /// names it: its row has only the values.
     bool shows_errors = true;
-    bool culprit = false;         ///< the culprit, if an operation is to blame
-    bool branch_flipped = false;  ///< rounding chose the other side
-    bool on_purpose = false;      ///< not a rounding: the form goes to the next number
-    bool off_path = false;        ///< the answer is not computed from it (`OperationView::is_on_path`)
+    bool is_culprit = false;         ///< the operation is to blame
+    bool is_branch_flipped = false;  ///< rounding chose the other side
+    bool is_on_purpose = false;      ///< not a rounding: the form goes to the next number
+    bool is_off_path = false;        ///< the answer is not computed from it (`OperationView::is_on_path`)
     std::string name = {}, formula = {};
     double computed = 0, exact = 0;  ///< 1 or 0 for a decision
     int digits = 0;                  ///< digits that tell numbers of the operation's format apart; 0: a decision
-    /// Texts, empty if there is nothing to show: the error in ulps of the value, the cancellation (`24 catastrophic`),
-    /// the bits lost locally, the rounding in ulps of the value, and the part of the subject's error assigned to that
-    /// rounding, in ulps of the subject.
-    std::string error_ulps = {}, cancelled = {}, local = {}, rounding_ulps = {}, contribution_ulps = {};
+    /// Texts, empty if there is nothing to show: the error and the rounding in ulps of the value, the cancellation
+    /// (`24 catastrophic`), the bits lost locally, and the contribution. The contribution is the part of the subject's
+    /// error that is assigned to the rounding, in ulps of the subject.
+    std::string error_ulps = {}, cancelled = {}, local_bits = {}, rounding_ulps = {}, contribution_ulps = {};
 };
 
-/// Rows of the table, see `explain_text`. `first` is the first node of the last samples of a march; nodes before it
-/// belong to earlier samples.
+/// Rows of the table, see `explain_text`. `first_node` is the first node of the last samples of a march; nodes before
+/// it belong to earlier samples.
 struct OperationTable {
-    NodeId first = 0;
+    NodeId first_node = 0;
     std::vector<OperationRow> rows = {};
 };
 OperationTable operation_table(const Explanation& explanation, const OperationView& view, bool show_all);
 
-/// Number of digits that tell numbers of a format apart.
+/// Number of decimal digits that tell any two numbers of a format apart.
 int digits_of(const FloatFormat& format);
 
 }  // namespace lostbits::output::attribution

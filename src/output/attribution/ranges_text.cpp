@@ -20,28 +20,28 @@ using file::json_number;
 constexpr std::size_t operations_shown = 8;
 
 /// Operations that round, those with the largest share of the bound first.
-std::vector<NodeId> nodes_by_share(const RangesBound& r) {
+std::vector<NodeId> nodes_by_share(const RangesBound& bound) {
     std::vector<NodeId> nodes;
-    for (std::size_t i = 0; i < r.shares.size(); ++i)
-        if (r.shares[i] > 0) nodes.push_back(static_cast<NodeId>(i));
+    for (std::size_t i = 0; i < bound.shares.size(); ++i)
+        if (bound.shares[i] > 0) nodes.push_back(static_cast<NodeId>(i));
     std::ranges::stable_sort(nodes, [&](NodeId a, NodeId b) {
-        return r.shares[static_cast<std::size_t>(a)] > r.shares[static_cast<std::size_t>(b)];
+        return bound.shares[static_cast<std::size_t>(a)] > bound.shares[static_cast<std::size_t>(b)];
     });
     return nodes;
 }
 
-std::string ranges_block(const RangesBound& r) {
+std::string ranges_block(const RangesBound& bound) {
     std::string text;
-    for (std::size_t k = 0; k < r.names.size(); ++k) {
+    for (std::size_t k = 0; k < bound.names.size(); ++k) {
         std::string ends;
-        for (const InputBox& box : r.ranges) {
+        for (const InputBox& box : bound.ranges) {
             const std::string range_text = box[k].is_point()
                                                ? file::decimal(box[k].low)
                                                : file::decimal(box[k].low) + " to " + file::decimal(box[k].high);
             if (ends == range_text) continue;
             ends += (ends.empty() ? "" : "; ") + range_text;
         }
-        if (r.names[k] != "ray.tmax" || ends != "inf") text += fmt::format("  {:<9} = {}\n", r.names[k], ends);
+        if (bound.names[k] != "ray.tmax" || ends != "inf") text += fmt::format("  {:<9} = {}\n", bound.names[k], ends);
     }
     return text;
 }
@@ -59,12 +59,12 @@ std::string observed_errors_text(const ObservedErrors& seen, const std::string& 
     return text + "\n";
 }
 
-std::string operations_block(const RangesBound& r) {
-    const TapeText tape_text(r.tape, r.names, TapeText::Style::pretty);
+std::string operations_block(const RangesBound& bound) {
+    const TapeText tape_text(bound.tape, bound.names, TapeText::Style::pretty);
     std::string text = fmt::format("In the box with the largest bound, each rounding puts t off by at most, in ulp:\n");
-    const auto nodes = nodes_by_share(r);
+    const auto nodes = nodes_by_share(bound);
     for (std::size_t k = 0; k < std::min(nodes.size(), operations_shown); ++k)
-        text += fmt::format("  {:>9.3g}  {}\n", r.shares[static_cast<std::size_t>(nodes[k])],
+        text += fmt::format("  {:>9.3g}  {}\n", bound.shares[static_cast<std::size_t>(nodes[k])],
                             tape_text.definition(nodes[k]));
     if (nodes.size() > operations_shown)
         text += fmt::format("  and {} other operations, by less\n", nodes.size() - operations_shown);
@@ -83,54 +83,54 @@ Json observed_errors_json(const ObservedErrors& seen) {
 
 }  // namespace
 
-std::string ranges_text(const RangesRequest& request, const RangesBound& r) {
+std::string ranges_text(const RangesRequest& request, const RangesBound& bound) {
     std::string text =
         fmt::format("{} in {} over the ranges of the rays of {}, in {} box{}:\n{}", request.form->info->name,
-                    request.format.name, request.id(), r.boxes, r.boxes == 1 ? "" : "es", ranges_block(r));
+                    request.format.name, request.id(), bound.boxes, bound.boxes == 1 ? "" : "es", ranges_block(bound));
     if (request.is_of_step())
         text += fmt::format(
             "These are the ranges of the {} rays of the step. If these are random, other rays may lie beyond.\n",
-            r.rays);
+            bound.rays);
     text += fmt::format("No ray hits in {:.3g} % of the ranges, {:.3g} % have a bound, and {:.3g} % are undecided. ",
-                        100 * r.missed, 100 * (1 - r.missed - r.unknown), 100 * r.unknown);
-    text += fmt::format("In {:.3g} % rounding may change hit or miss.\n", 100 * (r.undecided + r.unknown));
+                        100 * bound.missed, 100 * (1 - bound.missed - bound.unknown), 100 * bound.unknown);
+    text += fmt::format("In {:.3g} % rounding may change hit or miss.\n", 100 * (bound.undecided + bound.unknown));
     text += "Where rays may hit, rounding puts t off by at most\n";
-    for (const auto& [share, error, ulps] : r.quantiles)
+    for (const auto& [share, error, ulps] : bound.quantiles)
         text += fmt::format("  {:>9.3g} = {:.3g} ulp in {:.0f} %\n", error, ulps, 100 * share);
-    if (r.unknown < 1 - r.missed)
-        text += fmt::format("  {:>9.3g} = {:.3g} ulp in all ranges with a bound\n", r.largest, r.largest_ulps);
-    text += observed_errors_text(r.given, request.is_of_step() ? "the rays of the step" : "the rays of the scene");
-    text += observed_errors_text(r.drawn, "rays drawn where the bounds are largest");
-    return r.shares.empty() ? text : text + operations_block(r);
+    if (bound.unknown < 1 - bound.missed)
+        text += fmt::format("  {:>9.3g} = {:.3g} ulp in all ranges with a bound\n", bound.largest, bound.largest_ulps);
+    text += observed_errors_text(bound.given, request.is_of_step() ? "the rays of the step" : "the rays of the scene");
+    text += observed_errors_text(bound.drawn, "rays drawn where the bounds are largest");
+    return bound.shares.empty() ? text : text + operations_block(bound);
 }
 
-std::string ranges_json(const RangesRequest& request, const RangesBound& r) {
+std::string ranges_json(const RangesRequest& request, const RangesBound& bound) {
     Json ranges = Json::array(), quantiles = Json::array(), operations = Json::array();
-    for (const InputBox& box : r.ranges) {
+    for (const InputBox& box : bound.ranges) {
         Json box_json = Json::object();
-        for (std::size_t k = 0; k < r.names.size(); ++k)
-            box_json[r.names[k]] = {json_number(box[k].low), json_number(box[k].high)};
+        for (std::size_t k = 0; k < bound.names.size(); ++k)
+            box_json[bound.names[k]] = {json_number(box[k].low), json_number(box[k].high)};
         ranges.push_back(box_json);
     }
-    for (const auto& [share, error, ulps] : r.quantiles)
+    for (const auto& [share, error, ulps] : bound.quantiles)
         quantiles.push_back({{"share", share}, {"error", json_number(error)}, {"ulps", json_number(ulps)}});
-    const TapeText tape_text(r.tape, r.names, TapeText::Style::plain);
-    for (const NodeId i : nodes_by_share(r))
+    const TapeText tape_text(bound.tape, bound.names, TapeText::Style::plain);
+    for (const NodeId i : nodes_by_share(bound))
         operations.push_back({{"name", tape_text.name(i)},
                               {"expression", tape_text.expression(i)},
-                              {"ulps", json_number(r.shares[static_cast<std::size_t>(i)])}});
+                              {"ulps", json_number(bound.shares[static_cast<std::size_t>(i)])}});
     const Json document{{"form", std::string(request.form->info->name)},
                         {"format", request.format.name},
                         {request.is_of_step() ? "sweep" : "scene", request.id()},
                         {"ranges", ranges},
-                        {"boxes", r.boxes},
-                        {"missed", r.missed},
-                        {"unsettled", r.unknown},
-                        {"undecided", r.undecided + r.unknown},
+                        {"boxes", bound.boxes},
+                        {"missed", bound.missed},
+                        {"unsettled", bound.unknown},
+                        {"undecided", bound.undecided + bound.unknown},
                         {"quantiles", quantiles},
-                        {"largest", {{"error", json_number(r.largest)}, {"ulps", json_number(r.largest_ulps)}}},
-                        {request.is_of_step() ? "rays_of_step" : "rays_of_scene", observed_errors_json(r.given)},
-                        {"rays_drawn", observed_errors_json(r.drawn)},
+                        {"largest", {{"error", json_number(bound.largest)}, {"ulps", json_number(bound.largest_ulps)}}},
+                        {request.is_of_step() ? "rays_of_step" : "rays_of_scene", observed_errors_json(bound.given)},
+                        {"rays_drawn", observed_errors_json(bound.drawn)},
                         {"operations", operations}};
     return file::json_text(document);
 }

@@ -12,16 +12,16 @@ namespace lostbits::output::attribution {
 /// on constants.
 struct TapeSlice {
     std::vector<bool> needed, constant;
-    std::vector<int> uses;  ///< number of needed operations that use each value
+    std::vector<int> use_counts;  ///< number of needed operations that use each value
 
     TapeSlice(const Tape& tape, const std::vector<NodeId>& roots)
-        : needed(tape.nodes.size()), constant(tape.nodes.size()), uses(tape.nodes.size()) {
+        : needed(tape.nodes.size()), constant(tape.nodes.size()), use_counts(tape.nodes.size()) {
         for (const NodeId root : roots) needed[static_cast<std::size_t>(root)] = true;
         for (NodeId i = tape.size() - 1; i >= 0; --i) {
             if (!needed[static_cast<std::size_t>(i)]) continue;
             for (const NodeId operand : tape.operands_of(i)) {
                 needed[static_cast<std::size_t>(operand)] = true;
-                ++uses[static_cast<std::size_t>(operand)];
+                ++use_counts[static_cast<std::size_t>(operand)];
             }
         }
         for (NodeId i = 0; i < tape.size(); ++i) {
@@ -31,7 +31,7 @@ struct TapeSlice {
                 });
         }
     }
-    [[nodiscard]] bool needs(NodeId i) const { return needed[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] bool is_needed(NodeId i) const { return needed[static_cast<std::size_t>(i)]; }
     [[nodiscard]] bool is_constant(NodeId i) const { return constant[static_cast<std::size_t>(i)]; }
 };
 

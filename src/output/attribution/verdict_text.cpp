@@ -21,34 +21,35 @@ using intersect::Stop;
 namespace {
 
 /// Sentence for a form that only answers hit or miss, without t.
-std::string decision_sentence(const Explanation& x) {
-    const Outcome outcome = x.result.outcome;
+std::string decision_sentence(const Explanation& explanation) {
+    const Outcome outcome = explanation.result.outcome;
     const bool says_hit = outcome == Outcome::agree_hit || outcome == Outcome::false_hit;
     const bool is_right = outcome == Outcome::agree_hit || outcome == Outcome::agree_miss;
     if (!is_right && !says_hit && outcome != Outcome::false_miss)
         return "The true answer for this ray could not be proved.";
-    return fmt::format("{} answers {}, {} the ray {}: a {} {}.", x.form->info->name, says_hit ? "yes" : "no",
+    return fmt::format("{} answers {}, {} the ray {}: a {} {}.", explanation.form->info->name, says_hit ? "yes" : "no",
                        is_right ? "and" : "but",
-                       x.true_t ? fmt::format("hits at {}", number_phrase(*x.true_t)) : "misses",
+                       explanation.true_t ? fmt::format("hits at {}", number_phrase(*explanation.true_t)) : "misses",
                        is_right ? "correct" : "false", says_hit ? "hit" : "miss");
 }
 
-std::string outcome_sentence(const Explanation& x) {
-    const std::string form(x.form->info->name);
-    const double t = x.result.t, true_t = x.true_t.value_or(0);
-    if (!x.returns_t()) return decision_sentence(x);
-    if (x.result.outcome == Outcome::wrong_primitive)
+std::string outcome_sentence(const Explanation& explanation) {
+    const std::string form(explanation.form->info->name);
+    const double t = explanation.result.t, true_t = explanation.true_t.value_or(0);
+    if (!explanation.returns_t()) return decision_sentence(explanation);
+    if (explanation.result.outcome == Outcome::wrong_primitive)
         return fmt::format("{} reports a hit at {}, on another primitive than the one that the ray meets first, at {}.",
                            form, number_phrase(t), number_phrase(true_t));
-    const std::string decision_line = decision_text(form, x.result.outcome, t, true_t);
+    const std::string decision_line = decision_text(form, explanation.result.outcome, t, true_t);
     if (!decision_line.empty()) return decision_line;
-    if (!std::isfinite(x.result.ulps))
+    if (!std::isfinite(explanation.result.ulps))
         return fmt::format("t is {}, the true t is {}: all {} bits lost.", number_phrase(t), number_phrase(true_t),
-                           x.format.parameters.precision);
+                           explanation.format.parameters.precision);
     return fmt::format(
         "t = {} ({}), the true t is {}: {:.4g} ulp off, {:.1f} of {} bits lost.{}", file::decimal(t), file::hex(t),
-        file::decimal(true_t), x.result.ulps, x.result.lost, x.format.parameters.precision,
-        is_wrong_root(x)
+        file::decimal(true_t), explanation.result.ulps, explanation.result.lost,
+        explanation.format.parameters.precision,
+        is_wrong_root(explanation)
             ? " Perhaps the wrong root: another crossing of the same primitive is nearer to t than the true one."
             : "");
 }
@@ -61,8 +62,8 @@ std::string outside_phrase(double t, const char* relation, const char* name, dou
                        is_open ? "which is open" : "where touching is not a hit");
 }
 
-/// For a ray that misses only because of its range: a sentence on where it would hit. Empty for other rays.
-std::string range_sentence(const Explanation& x) {
+/// Sentence that says where a ray would hit that misses only because of its range. Empty for other rays.
+std::string range_sentence(const Explanation& explanation) {
     std::vector<std::string> clauses;
     const auto add = [&](const std::optional<double>& t, const char* relation, const char* name, double end,
                          bool is_open) {
@@ -70,8 +71,8 @@ std::string range_sentence(const Explanation& x) {
             clauses.push_back(
                 fmt::format("at t = {} lies {}", number_phrase(*t), outside_phrase(*t, relation, name, end, is_open)));
     };
-    add(x.before_begin, "before", "tmin", x.range.tmin, x.range.open.tmin);
-    add(x.beyond_end, "beyond", "tmax", x.range.tmax, x.range.open.tmax);
+    add(explanation.before_begin, "before", "tmin", explanation.range.tmin, explanation.range.open.tmin);
+    add(explanation.beyond_end, "beyond", "tmax", explanation.range.tmax, explanation.range.open.tmax);
     if (clauses.empty()) return "";
     return fmt::format(" The exact hit {}{}.", clauses.front(),
                        clauses.size() > 1 ? ", and that " + clauses.back() : "");
@@ -79,57 +80,65 @@ std::string range_sentence(const Explanation& x) {
 
 /// Text for a hit of the wrong primitive: the primitive that the form hits, the one that the ray meets first, the
 /// form's answer for the latter alone, and the command that explains that answer.
-std::string wrong_primitive_sentence(const Explanation& x) {
-    const measure::attribution::TruePrimitive& missed = *x.missed;
-    const std::string reported = missed.hit ? fmt::format("a hit at {}, {}", number_phrase(missed.t),
-                                                          missed.t > x.result.t ? "behind" : "which is not before")
-                                            : "a miss";
+std::string wrong_primitive_sentence(const Explanation& explanation) {
+    const measure::attribution::TruePrimitive& missed = *explanation.missed;
+    const std::string reported = missed.hit
+                                     ? fmt::format("a hit at {}, {}", number_phrase(missed.t),
+                                                   missed.t > explanation.result.t ? "behind" : "which is not before")
+                                     : "a miss";
     const Shape missed_shape = missed.ray_and_primitive.primitives.front().shape;
-    const auto label_of = [&x](int primitive, Shape shape) {
-        return x.form->is_set() ? fmt::format("{}, {}", primitive, with_article(shape)) : std::to_string(primitive);
+    const auto label_of = [&explanation](int primitive, Shape shape) {
+        return explanation.form->is_set() ? fmt::format("{}, {}", primitive, with_article(shape))
+                                          : std::to_string(primitive);
     };
     return fmt::format(
         "The wrong primitive: the form hits primitive {}, but the ray first meets primitive {} (counted from 0). For "
         "that primitive "
         "alone it reports {}. The text below is about primitive {}; the command for the other one is: {}\n",
-        label_of(x.primitive, x.shape), label_of(missed.primitive, missed_shape), reported, x.primitive,
+        label_of(explanation.primitive, explanation.shape), label_of(missed.primitive, missed_shape), reported,
+        explanation.primitive,
         explain_command(explain_ray_arguments(&missed.ray_and_primitive),
-                        {&x.form->of(missed_shape), x.format, x.touching}));
+                        {&explanation.form->of(missed_shape), explanation.format, explanation.touching}));
 }
 
 /// Part of the error that is due to rounding, in ulps; NaN unless form and truth agree on a hit and the tape explains
 /// t.
-double rounding_ulps(const Explanation& x) {
-    if (x.result.outcome != Outcome::agree_hit || !x.has_tape() || x.attribution.subject != x.tape.outputs.t)
+double rounding_ulps(const Explanation& explanation) {
+    if (explanation.result.outcome != Outcome::agree_hit || !explanation.has_tape() ||
+        explanation.attribution.subject != explanation.tape.outputs.t)
         return NAN;
-    return x.attribution.error / x.ulp_of_subject();
+    return explanation.attribution.error / explanation.ulp_of_subject();
 }
 
 /// True if less than a bit of the loss is due to rounding: rounding causes less than an ulp, or more than half of the
 /// error would remain without it.
-bool rounding_costs_little(const Explanation& x) {
-    return std::fabs(rounding_ulps(x)) < std::max(1.0, std::fabs(x.result.ulps) / 2);
+bool rounding_costs_little(const Explanation& explanation) {
+    return std::fabs(rounding_ulps(explanation)) < std::max(1.0, std::fabs(explanation.result.ulps) / 2);
 }
 
-bool is_mostly_not_rounding(const Explanation& x) { return x.result.lost >= worth_saying && rounding_costs_little(x); }
+bool is_mostly_not_rounding(const Explanation& explanation) {
+    return explanation.result.lost >= least_notable_bits && rounding_costs_little(explanation);
+}
 
 /// Three digits of a number, or the name of a number that is not finite.
-std::string size_phrase(double x) { return std::isfinite(x) ? short_number(x) : number_phrase(x); }
+std::string size_phrase(double explanation) {
+    return std::isfinite(explanation) ? short_number(explanation) : number_phrase(explanation);
+}
 
 /// Sentence on an answer that a march gave or did not reach.
-std::string march_sentence(const Explanation& x, const MarchEnd& march) {
+std::string march_sentence(const Explanation& explanation, const MarchEnd& march) {
     const auto& [log, constants] = march;
     const std::size_t samples = log.steps.size();
     const double d = samples > 0 ? log.steps.back().d : NAN;
-    if (x.result.outcome == Outcome::agree_hit) {
-        const double t_error = x.result.t - x.true_t.value_or(NAN);
+    if (explanation.result.outcome == Outcome::agree_hit) {
+        const double t_error = explanation.result.t - explanation.true_t.value_or(NAN);
         return fmt::format(
             "The march ended at sample {} of at most {}, where the field is {}: {} {} the surface. This is intended "
             "({}) and not due to rounding.",
             samples, constants.max_steps, size_phrase(d), size_phrase(std::fabs(t_error)),
-            t_error < 0 ? "short of" : "behind", x.form->info->title);
+            t_error < 0 ? "short of" : "behind", explanation.form->info->title);
     }
-    if (x.result.outcome != Outcome::false_miss) return "";
+    if (explanation.result.outcome != Outcome::false_miss) return "";
     switch (log.stop) {
         case Stop::max_steps:
             return fmt::format("The march used all its {} samples and was then {} away from a surface.",
@@ -137,7 +146,7 @@ std::string march_sentence(const Explanation& x, const MarchEnd& march) {
         case Stop::stagnated:
             return fmt::format(
                 "The march stood still: a step of {} does not change t in {}, so no further sample would help.",
-                size_phrase(d), x.format.name);
+                size_phrase(d), explanation.format.name);
         case Stop::max_dist:
             return fmt::format("The march went past max_dist = {}.", file::decimal(constants.max_dist));
         case Stop::hit: break;
@@ -146,71 +155,73 @@ std::string march_sentence(const Explanation& x, const MarchEnd& march) {
 }
 
 /// The cause of the loss. `envelope_sentence` weighs the problem against the formula; for a march it may be neither.
-std::string cause_sentence(const Explanation& x, const std::optional<MarchEnd>& march) {
-    const bool stopped_short =
-        x.result.outcome == Outcome::agree_hit && is_mostly_not_rounding(x) && x.excess_bits >= worth_saying;
-    if (march && (stopped_short || x.result.outcome == Outcome::false_miss)) {
-        const std::string sentence = march_sentence(x, *march);
+std::string cause_sentence(const Explanation& explanation, const std::optional<MarchEnd>& march) {
+    const bool stopped_short = explanation.result.outcome == Outcome::agree_hit &&
+                               is_mostly_not_rounding(explanation) && explanation.excess_bits >= least_notable_bits;
+    if (march && (stopped_short || explanation.result.outcome == Outcome::false_miss)) {
+        const std::string sentence = march_sentence(explanation, *march);
         if (!sentence.empty()) return sentence;
     }
-    return envelope_sentence(x);
+    return envelope_sentence(explanation);
 }
 
 /// Text for a hit of the wrong primitive that rounding caused.
-std::string turned_order_sentence(const Explanation& x) {
-    const measure::attribution::Attribution& a = x.attribution;
+std::string turned_order_sentence(const Explanation& explanation) {
+    const measure::attribution::Attribution& attribution = explanation.attribution;
     const auto exact_result = [](bool hit, double t) {
         return hit ? fmt::format("is hit at {}", number_phrase(t)) : std::string("is missed");
     };
-    const std::string order_sentence =
-        fmt::format("Rounding changed which primitive comes first: without it primitive {} {}, and primitive {} {}.",
-                    x.missed->primitive, exact_result(true, x.missed->exact_t), x.primitive,
-                    exact_result(a.exact_hit, a[x.tape.outputs.t].exact));
+    const std::string order_sentence = fmt::format(
+        "Rounding changed which primitive comes first: without it primitive {} {}, and primitive {} {}.",
+        explanation.missed->primitive, exact_result(true, explanation.missed->exact_t), explanation.primitive,
+        exact_result(attribution.exact_hit, attribution[explanation.tape.outputs.t].exact));
     return order_sentence +
-           (culprit_operation(x) == no_node
+           (culprit_operation(explanation) == no_node
                 ? fmt::format(" The larger error is that of primitive {}, which the command above explains.",
-                              x.missed->primitive)
-                : " " + culprit_sentence(x));
+                              explanation.missed->primitive)
+                : " " + culprit_sentence(explanation));
 }
 
 /// Reason why no operation is to blame for the decision or the loss.
-std::string no_blame_sentence(const Explanation& x, bool is_march) {
-    const measure::attribution::Attribution& a = x.attribution;
-    const bool agrees_on_hit = x.result.outcome == Outcome::agree_hit, is_right = x.result.is_right();
-    const bool decision_changed = x.hit != a.exact_hit && !a.cut_short;
+std::string no_blame_sentence(const Explanation& explanation, bool is_march) {
+    const measure::attribution::Attribution& attribution = explanation.attribution;
+    const bool agrees_on_hit = explanation.result.outcome == Outcome::agree_hit,
+               is_right = explanation.result.is_right();
+    const bool decision_changed = explanation.hit != attribution.exact_hit && !attribution.cut_short;
     if (is_right && decision_changed)
         return fmt::format("No operation is to blame: the decision is right. Without rounding the form would {}.",
-                           a.exact_hit ? "hit" : "miss");
-    if (!x.returns_t() && is_right) return "No operation is to blame: the decision is right.";
-    if (a.subject == no_node || a.culprit == no_node) return culprit_sentence(x);
-    if (x.result.outcome == Outcome::not_a_number && std::isnan(x.tape[a.culprit].value)) return culprit_sentence(x);
-    if (x.hit != a.exact_hit && a.cut_short)
+                           attribution.exact_hit ? "hit" : "miss");
+    if (!explanation.returns_t() && is_right) return "No operation is to blame: the decision is right.";
+    if (attribution.subject == no_node || attribution.culprit == no_node) return culprit_sentence(explanation);
+    if (explanation.result.outcome == Outcome::not_a_number && std::isnan(explanation.tape[attribution.culprit].value))
+        return culprit_sentence(explanation);
+    if (explanation.hit != attribution.exact_hit && attribution.cut_short)
         return "No single operation is to blame: without rounding the march would have gone on.";
     if (!agrees_on_hit && decision_changed) return "The true answer is not proved, so no operation is to blame.";
     if (!agrees_on_hit) return "The decision is the same without rounding, so no operation is to blame.";
-    if (!std::isfinite(x.tape[a.culprit].value)) return culprit_sentence(x);
-    if (x.result.lost < worth_saying) return "No operation is to blame: less than a bit is lost.";
-    if (!rounding_costs_little(x)) return "No operation is to blame: none of the roundings reaches t.";
-    const bool has_lossy_inputs = x.rounded_inputs && !(x.excess_bits >= worth_saying);
-    const char* const other_cause = x.missed           ? "the answer is for another primitive"
+    if (!std::isfinite(explanation.tape[attribution.culprit].value)) return culprit_sentence(explanation);
+    if (explanation.result.lost < least_notable_bits) return "No operation is to blame: less than a bit is lost.";
+    if (!rounding_costs_little(explanation)) return "No operation is to blame: none of the roundings reaches t.";
+    const bool has_lossy_inputs = explanation.rounded_inputs && !(explanation.excess_bits >= least_notable_bits);
+    const char* const other_cause = explanation.missed ? "the answer is for another primitive"
                                     : has_lossy_inputs ? "the rest comes from inputs that the format cannot hold"
                                     : is_march         ? "the rest comes from where the march ended"
                                                        : "the rest comes from what the form assumes";
-    const std::string total_ulps = ulps_or_nothing(x.result.ulps);
+    const std::string total_ulps = ulps_or_nothing(explanation.result.ulps);
     return fmt::format("No operation is to blame: rounding inside the form causes {}{}, and {}.",
-                       short_number(rounding_ulps(x)), total_ulps.empty() ? " ulp" : " of the " + total_ulps,
+                       short_number(rounding_ulps(explanation)), total_ulps.empty() ? " ulp" : " of the " + total_ulps,
                        other_cause);
 }
 
 /// The culprit, or the reason why there is none.
-std::string culprit_paragraph(const Explanation& x, bool is_march) {
-    if (!x.has_tape())
+std::string culprit_paragraph(const Explanation& explanation, bool is_march) {
+    if (!explanation.has_tape())
         return "Its operations are not known, because a compiled function is a black box; write it as a form over any "
                "number to see them (docs/your-own-form.md).";
-    if (x.missed && x.rounding_turned_order()) return turned_order_sentence(x);
-    if (culprit_operation(x) == no_node) return no_blame_sentence(x, is_march);
-    const std::string counterfactual = counterfactual_sentence(x);
-    return culprit_sentence(x) + (counterfactual.empty() ? "" : " " + counterfactual);
+    if (explanation.missed && explanation.rounding_turned_order()) return turned_order_sentence(explanation);
+    if (culprit_operation(explanation) == no_node) return no_blame_sentence(explanation, is_march);
+    const std::string counterfactual = counterfactual_sentence(explanation);
+    return culprit_sentence(explanation) + (counterfactual.empty() ? "" : " " + counterfactual);
 }
 
 /// `a correct miss`, `4.6 bits lost`.
@@ -233,9 +244,10 @@ std::string outcome_text(const measure::attribution::FormResult& result) {
 }
 
 /// Sentences on the forms named with `--beside` that are not in `listed`, the forms already listed as better.
-std::string beside_sentences(const Explanation& x, const std::vector<const intersect::table::Intersector*>& listed) {
+std::string beside_sentences(const Explanation& explanation,
+                             const std::vector<const intersect::table::Intersector*>& listed) {
     std::string text;
-    for (const measure::attribution::FormResult& result : x.compared) {
+    for (const measure::attribution::FormResult& result : explanation.compared) {
         const auto& name = result.form->info->name;
         if (result.other_question)
             text += fmt::format(
@@ -243,31 +255,36 @@ std::string beside_sentences(const Explanation& x, const std::vector<const inter
                 outcome_text(result));
         else if (std::ranges::find(listed, result.form) == listed.end())
             text += fmt::format("{} does no better on this ray and around it{}: {}.\n", name,
-                                result.lost_nearby < x.result.lost_nearby ? ", by a bit or more" : "",
+                                result.lost_nearby < explanation.result.lost_nearby ? ", by a bit or more" : "",
                                 outcome_text(result));
     }
-    for (const auto* form : x.not_comparable)
-        text += !(form->shapes() == x.form->shapes())
+    for (const auto* form : explanation.not_comparable)
+        text += !(form->shapes() == explanation.form->shapes())
                     ? fmt::format("{} is a form for another shape, so it was not tried.\n", form->info->name)
-                    : fmt::format("{} does not exist in {}, so it was not tried.\n", form->info->name, x.format.name);
+                    : fmt::format("{} does not exist in {}, so it was not tried.\n", form->info->name,
+                                  explanation.format.name);
     return text;
 }
 
 }  // namespace
 
-std::string better_sentences(const Explanation& x) {
+std::string better_sentences(const Explanation& explanation) {
     std::string text;
     constexpr std::size_t max_forms = 6;
     std::vector<const intersect::table::Intersector*> listed;
     std::size_t unlisted_count = 0;
     const std::string neighbourhood =
-        x.pixels_around > 0 ? fmt::format("{} pixels around it", x.pixels_around)
-                            : fmt::format("{} rays around it, with each number within an ulp of its own value",
-                                          measure::attribution::neighbours);
-    for (const measure::attribution::FormResult& result : x.better) {
-        if (x.result.is_right() && !(x.result.lost_nearby - result.lost_nearby >= worth_saying)) continue;
+        explanation.pixels_around > 0
+            ? fmt::format("{} pixels around it", explanation.pixels_around)
+            : fmt::format("{} rays around it, with each number within an ulp of its own value",
+                          measure::attribution::neighbours);
+    for (const measure::attribution::FormResult& result : explanation.better) {
+        if (explanation.result.is_right() &&
+            !(explanation.result.lost_nearby - result.lost_nearby >= least_notable_bits))
+            continue;
         const bool is_requested =
-            std::ranges::find(x.compared, result.form, &measure::attribution::FormResult::form) != x.compared.end();
+            std::ranges::find(explanation.compared, result.form, &measure::attribution::FormResult::form) !=
+            explanation.compared.end();
         if (listed.size() >= max_forms && !is_requested) {
             ++unlisted_count;
             continue;
@@ -278,14 +295,14 @@ std::string better_sentences(const Explanation& x) {
     }
     if (listed.empty())
         text = fmt::format("No other form that was tried does better on this ray in this format and around it{}.\n",
-                           x.better.empty() ? "" : ", by a bit or more");
+                           explanation.better.empty() ? "" : ", by a bit or more");
     else
         text = fmt::format(
             "Better on this ray and around it:{}{}.\nOn {}, {} loses {:.1f} bits on average; a wrong decision counts "
             "as all {}.\n",
             text, unlisted_count > 0 ? fmt::format(" and {} more", unlisted_count) : "", neighbourhood,
-            x.form->info->name, x.result.lost_nearby, x.format.parameters.precision);
-    return text + beside_sentences(x, listed);
+            explanation.form->info->name, explanation.result.lost_nearby, explanation.format.parameters.precision);
+    return text + beside_sentences(explanation, listed);
 }
 
 std::string decision_text(const std::string& form, Outcome outcome, double t, double true_t) {
@@ -301,38 +318,49 @@ std::string decision_text(const std::string& form, Outcome outcome, double t, do
     }
 }
 
-bool is_wrong_root(const Explanation& x) {
-    const bool is_far_off = x.result.outcome == Outcome::agree_hit && std::fabs(x.result.ulps) > 8;
-    if (!is_far_off || !x.true_t || !is_primitive(x.form->shape) || x.missed) return false;
-    const Primitive<double> primitive(x.shape);
-    const std::size_t range_input_count = x.range.is_whole() ? 1 : 2;
-    if (x.inputs.size() != 6 + primitive.used().size() + range_input_count) return false;  // under a matrix
-    return measure::stability::is_wrong_root(measure::tape::ray_of(x.inputs),
-                                             measure::tape::primitive_of(x.inputs, primitive),
-                                             measure::truth::exactly(*x.true_t), x.result.t);
+bool is_wrong_root(const Explanation& explanation) {
+    const bool is_far_off = explanation.result.outcome == Outcome::agree_hit && std::fabs(explanation.result.ulps) > 8;
+    if (!is_far_off || !explanation.true_t || !is_primitive(explanation.form->shape) || explanation.missed)
+        return false;
+    const Primitive<double> primitive(explanation.shape);
+    const std::size_t range_input_count = explanation.range.is_whole() ? 1 : 2;
+    if (explanation.inputs.size() != 6 + primitive.used().size() + range_input_count) return false;  // under a matrix
+    return measure::stability::is_wrong_root(measure::tape::ray_of(explanation.inputs),
+                                             measure::tape::primitive_of(explanation.inputs, primitive),
+                                             measure::truth::exactly(*explanation.true_t), explanation.result.t);
 }
 
-NodeId culprit_operation(const Explanation& x) {
-    const measure::attribution::Attribution& a = x.attribution;
-    if (a.subject == no_node || a.culprit == no_node || measure::attribution::is_plain_miss(x.tape, a)) return no_node;
-    const Outcome outcome = x.result.outcome;
-    const bool is_about_decision = is_decision(x.tape[a.subject].op), lost_a_bit = x.result.lost >= worth_saying;
-    const bool is_not_finite = !std::isfinite(x.tape[a.culprit].value);
-    if (outcome == Outcome::unresolved || (a[a.culprit].contribution == 0 && !is_not_finite)) return no_node;
+NodeId culprit_operation(const Explanation& explanation) {
+    const measure::attribution::Attribution& attribution = explanation.attribution;
+    if (attribution.subject == no_node || attribution.culprit == no_node ||
+        measure::attribution::is_plain_miss(explanation.tape, attribution))
+        return no_node;
+    const Outcome outcome = explanation.result.outcome;
+    const bool is_about_decision = is_decision(explanation.tape[attribution.subject].op),
+               lost_a_bit = explanation.result.lost >= least_notable_bits;
+    const bool is_not_finite = !std::isfinite(explanation.tape[attribution.culprit].value);
+    if (outcome == Outcome::unresolved || (attribution[attribution.culprit].contribution == 0 && !is_not_finite))
+        return no_node;
     bool is_blamed = false;
-    if (is_about_decision) is_blamed = !x.result.is_right();
-    else if (outcome == Outcome::agree_hit) is_blamed = lost_a_bit && (is_not_finite || !rounding_costs_little(x));
-    else if (outcome == Outcome::wrong_primitive && x.rounding_turned_order() && a.exact_hit)
-        is_blamed = std::fabs(a.error) >= std::fabs(x.missed->hit ? x.missed->t - x.missed->exact_t : HUGE_VAL);
-    else is_blamed = is_not_finite && outcome == Outcome::not_a_number && !std::isnan(a[a.culprit].exact);
-    return is_blamed ? a.culprit : no_node;
+    if (is_about_decision) is_blamed = !explanation.result.is_right();
+    else if (outcome == Outcome::agree_hit)
+        is_blamed = lost_a_bit && (is_not_finite || !rounding_costs_little(explanation));
+    else if (outcome == Outcome::wrong_primitive && explanation.rounding_turned_order() && attribution.exact_hit)
+        is_blamed = std::fabs(attribution.error) >=
+                    std::fabs(explanation.missed->hit ? explanation.missed->t - explanation.missed->exact_t : HUGE_VAL);
+    else
+        is_blamed =
+            is_not_finite && outcome == Outcome::not_a_number && !std::isnan(attribution[attribution.culprit].exact);
+    return is_blamed ? attribution.culprit : no_node;
 }
 
-bool rounding_explains(const Explanation& x) { return std::fabs(x.result.ulps - rounding_ulps(x)) <= 1; }
+bool rounding_explains(const Explanation& explanation) {
+    return std::fabs(explanation.result.ulps - rounding_ulps(explanation)) <= 1;
+}
 
 /// Outcome for all triangles of a mesh together, as in a map: docs/meshes.md.
-std::string mesh_sentence(const Explanation& x) {
-    switch (x.mesh_outcome.value_or(Outcome::agree_hit)) {
+std::string mesh_sentence(const Explanation& explanation) {
+    switch (explanation.mesh_outcome.value_or(Outcome::agree_hit)) {
         case Outcome::crack:
             return "In the mesh this is a crack: the form claims neither the triangle that the ray meets first nor a "
                    "neighbour of it, and the number of crossings is wrong by an odd number.\n";
@@ -347,22 +375,23 @@ std::string mesh_sentence(const Explanation& x) {
             return "In the mesh this is out of order: the form claims a triangle that the ray truly meets before this "
                    "one, but its t there is not the smaller one.\n";
         case Outcome::agree_hit:
-            return x.mesh_outcome ? "In the mesh this is a correct hit: the ray meets both triangles at the same t.\n"
-                                  : "";
+            return explanation.mesh_outcome
+                       ? "In the mesh this is a correct hit: the ray meets both triangles at the same t.\n"
+                       : "";
         default: return "";
     }
 }
 
 std::string ExplainedVerdict::text() const { return answer + "\n" + loss + "\n" + blame + "\n"; }
 
-ExplainedVerdict verdict_of(const Explanation& x, const std::optional<MarchEnd>& march) {
-    std::string answer = outcome_sentence(x) + range_sentence(x) + "\n" +
-                         (x.missed ? wrong_primitive_sentence(x) : "") + mesh_sentence(x);
+ExplainedVerdict verdict_of(const Explanation& explanation, const std::optional<MarchEnd>& march) {
+    std::string answer = outcome_sentence(explanation) + range_sentence(explanation) + "\n" +
+                         (explanation.missed ? wrong_primitive_sentence(explanation) : "") + mesh_sentence(explanation);
     answer.pop_back();
     return {.answer = std::move(answer),
-            .loss = cause_sentence(x, march),
-            .blame = culprit_paragraph(x, march.has_value()),
-            .culprit = culprit_operation(x)};
+            .loss = cause_sentence(explanation, march),
+            .blame = culprit_paragraph(explanation, march.has_value()),
+            .culprit = culprit_operation(explanation)};
 }
 
 }  // namespace lostbits::output::attribution

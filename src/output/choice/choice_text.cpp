@@ -252,8 +252,8 @@ std::string margin_end_text(const GrowthMargin& margin, const measure::choice::F
 std::string bits_text_near(double kept_bits, const Requirement& requirement) {
     std::string text;
     for (int digits = 1; digits <= 9; ++digits) {
-        text = file::kept_text(kept_bits, digits);
-        if ((file::number_in(text).value_or(kept_bits) < requirement.bits) == (kept_bits < requirement.bits)) break;
+        text = file::kept_bits_text(kept_bits, digits);
+        if ((file::parse_number(text).value_or(kept_bits) < requirement.bits) == (kept_bits < requirement.bits)) break;
     }
     return text;
 }
@@ -263,7 +263,7 @@ std::string off_text(double distance_error, const Requirement& requirement) {
     std::string text;
     for (int digits = 2; digits <= 17; ++digits) {
         text = fmt::format("{:.{}g}", distance_error, digits);
-        if ((file::number_in(text).value_or(distance_error) <= requirement.tolerance) ==
+        if ((file::parse_number(text).value_or(distance_error) <= requirement.tolerance) ==
             (distance_error <= requirement.tolerance))
             break;
     }

@@ -36,7 +36,7 @@ std::string inputs_text(const InputTrial& trial, std::string_view position_names
                                       {Input::place, std::string(position_names)},
                                       {Input::radius, "radii"}})
         if (trial.has(input)) names.push_back("the " + name);
-    return file::enumerated(names);
+    return file::word_list(names);
 }
 
 /// Sentence on the inputs that would have to be wider, and in which format.

@@ -87,7 +87,7 @@ std::string picture_of(const SceneSubject& subject, const ShownSubject& shown) {
     map::MapFiles sheet(request, {.folder = {},
                                   .drawn_metrics = request.metrics,
                                   .scene_arguments = scene.id,
-                                  .sheet_alone = picture_path(shown, file)});
+                                  .sheet_only_file = picture_path(shown, file)});
     sheet.finish(measure::evaluate::run_map(request, sheet.show()));
     return picture_link(shown, scene.title, file);
 }

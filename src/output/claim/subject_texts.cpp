@@ -71,7 +71,7 @@ KindTexts kind_texts(const Claim& c, const SceneSubject& subject) {
 KindTexts kind_texts(const Claim& c, const SweepSubject& subject) {
     KindTexts w{measuring_command(c, "sweep", "", metric_option(c))};
     if (const auto* const at_values = subject.part_if<SweepSubject::At>())
-        w.axis_values = file::listed(at_values->values, file::decimal, ", ");
+        w.axis_values = file::number_list(at_values->values, file::decimal, ", ");
     if (const auto* const tested_case = subject.part_if<SweepSubject::Case>())
         w.part = ": " + (w.position = tested_case->name);
     if (const auto* const every_float = subject.part_if<SweepSubject::EveryFloat>()) {

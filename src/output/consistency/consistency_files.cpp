@@ -32,7 +32,7 @@ constexpr const char* excess_unit = "ulps of the length";
 /// Category of pixels drawn with the colour scale: both rays hit, and the numbers are compared.
 constexpr std::size_t ramp_category = check_result_names.size();
 
-/// Scale of the excess: by how many ulps the two ends of a chord are further apart than the exact ones.
+/// Scale of the excess: the number of ulps by which the two ends of a chord are further apart than the exact ends.
 image::ColourScale excess_scale() { return pixel::magnitude_scale(0x1p-2, 0x1p14); }
 
 pixel::Look look_of(const Check& check) {
@@ -88,7 +88,7 @@ std::vector<PixelColumn<ConsistencyBand>> ConsistencyView::columns(const Consist
                 .title = fmt::format("{}: {}", check.name, check.title),
                 .subtitle = {fmt::format("{} in {}", form_row.form->info->name, form_row.format.name)},
                 .look = std::make_shared<const pixel::Look>(look_of(check)),
-                .places = {{c, r}}};
+                .sheet_positions = {{c, r}}};
             if (check.numbers)
                 spec.subtitle.emplace_back(
                     "colour: by how much more than the exact answers the chord differs from either end, clamped at "

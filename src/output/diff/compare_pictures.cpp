@@ -38,7 +38,7 @@ void compare_samples(const std::string& name, const std::vector<Sample>& a, cons
                      std::size_t width, Ledger& ledger) {
     std::optional<std::pair<double, double>> tolerance;
     if (const Tolerance* t = tolerance_of(name, ledger.options))
-        tolerance.emplace(t->absolute.approximate(), t->relative.approximate());
+        tolerance.emplace(t->absolute.to_double(), t->relative.to_double());
     ColumnDifference& column = ledger.result.columns.emplace_back();
     column.name = name;
     for (std::size_t i = 0; i < a.size(); ++i) {

@@ -26,7 +26,7 @@ Tolerance parse_tolerance(const std::string& text) {
     const auto comma = numbers.find(',');
     const auto parse_bound = [&text](const std::string& part) {
         const CellValue value = file::read_cell(part);
-        if (value.kind == CellValue::Kind::number && !value.negative) return value;
+        if (value.kind == CellValue::Kind::number && !value.is_negative) return value;
         throw InputError(
             fmt::format("--allow {}: \"{}\" is not a finite number of at least 0; write such a number, or leave "
                         "the column out with --ignore",
@@ -62,7 +62,7 @@ struct ExactDecimal {
     int exponent = 0;
 
     explicit ExactDecimal(const CellValue& v) : significand(v.digits.empty() ? "0" : v.digits), exponent(v.exponent) {
-        if (v.negative) significand = -significand;
+        if (v.is_negative) significand = -significand;
     }
     ExactDecimal(boost::multiprecision::cpp_int digits, int power) : significand(std::move(digits)), exponent(power) {}
 
@@ -103,7 +103,7 @@ std::optional<PairVerdict> judge_distant_magnitudes(const CellValue& x, const Ce
     PairVerdict v{.differs = true, .measured = true, .absolute = std::fabs(larger.approximate()), .relative = 1};
     if (tolerance == nullptr) return v;
     const CellValue& absolute = tolerance->absolute;
-    const double relative = tolerance->relative.approximate();
+    const double relative = tolerance->relative.to_double();
     // With the magnitude m of the larger number, |a − b| lies between 10^(m − 2) and 10^(m + 1).
     const bool is_tolerance_below = absolute.digits.empty() || magnitude(absolute) <= magnitude(larger) - 2;
     const bool is_tolerance_above = !absolute.digits.empty() && magnitude(absolute) >= magnitude(larger) + 2;

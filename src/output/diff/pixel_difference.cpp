@@ -32,7 +32,7 @@ PixelField pixels_of_table(const std::filesystem::path& path) {
                                  *const outcome = table.find("outcome"), *const lost = table.find("lost_bits");
     if (x == nullptr || y == nullptr || outcome == nullptr || lost == nullptr || table.rows() == 0)
         refuse(path, "it does not have the columns x, y, outcome and lost_bits of a map's pixels");
-    const auto parsed_number = [](std::string_view cell) { return file::read_cell(cell).approximate(); };
+    const auto parsed_number = [](std::string_view cell) { return file::read_cell(cell).to_double(); };
     PixelField field;
     field.width = static_cast<int>(parsed_number(x->cells.back())) + 1;
     field.height = static_cast<int>(parsed_number(y->cells.back())) + 1;

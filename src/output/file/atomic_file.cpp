@@ -67,8 +67,8 @@ void make_parent(const std::filesystem::path& path) {
 
 /// Prefix `.NAME.partial-` of a temporary file. Random letters follow, not the process id: two containers that share a
 /// folder may both be process 1.
-std::string partial_prefix(const std::filesystem::path& final) {
-    return (final.parent_path() / ("." + final.filename().string() + ".partial-")).string();
+std::string partial_prefix(const std::filesystem::path& final_path) {
+    return (final_path.parent_path() / ("." + final_path.filename().string() + ".partial-")).string();
 }
 
 constexpr std::size_t random_letters = 12;  // 60 bits
@@ -76,7 +76,7 @@ constexpr std::size_t random_letters = 12;  // 60 bits
 std::string random_name() {
     std::array<unsigned char, random_letters> bytes{};
     // getrandom fails if the machine has not yet collected enough entropy, or lacks the call. The clock may then give a
-    // name that is taken; open_new tries again.
+    // name that is taken; open_new_file tries again.
     if (::getrandom(bytes.data(), bytes.size(), GRND_NONBLOCK) != static_cast<ssize_t>(bytes.size())) {
         const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
         for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<unsigned char>(now >> (5 * i));
@@ -88,8 +88,8 @@ std::string random_name() {
 
 /// Creates a new file that is locked for as long as it is open. Between its creation and its lock another process may
 /// take it for abandoned and remove it; then the function creates another file. `make_name` returns a name and
-/// registers it for the signal handler. `forget_name` takes back a name that another file already has.
-int open_new(const std::function<std::string()>& make_name, const std::function<void()>& forget_name) {
+/// registers it for the signal handler. `forget_name` removes a name from the registry if a file already has it.
+int open_new_file(const std::function<std::string()>& make_name, const std::function<void()>& forget_name) {
     const CreationGuard creation;
     for (;;) {
         const int fd = ::open(make_name().c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -108,54 +108,55 @@ int open_new(const std::function<std::string()>& make_name, const std::function<
     }
 }
 
-/// Removes temporary files of this name that dead runs left. In a folder of results this was done when the run began.
-void remove_abandoned_beside(const std::filesystem::path& final) {
-    if (is_in_own_folder(final)) return;
-    const std::filesystem::path folder = final.has_parent_path() ? final.parent_path() : ".";
-    const std::string prefix = std::filesystem::path(partial_prefix(final)).filename().string();
+/// Removes the temporary files of this name that killed processes left. For a file in a folder of results, the run did
+/// so when it began.
+void remove_abandoned_neighbours(const std::filesystem::path& final_path) {
+    if (is_in_own_folder(final_path)) return;
+    const std::filesystem::path folder = final_path.has_parent_path() ? final_path.parent_path() : ".";
+    const std::string prefix = std::filesystem::path(partial_prefix(final_path)).filename().string();
     std::error_code ignored;
     for (auto entry = std::filesystem::directory_iterator(folder, ignored); entry != std::filesystem::end(entry);
          entry.increment(ignored)) {
-        if (entry->path().filename().string().starts_with(prefix)) remove_if_abandoned(entry->path());
+        if (entry->path().filename().string().starts_with(prefix)) remove_abandoned_file(entry->path());
     }
 }
 
 }  // namespace
 
-AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), final_(path) {
+AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), final_path_(path) {
     if (!path.has_filename()) refuse(path, "cannot write", EISDIR);
     struct stat info {};
     if (::lstat(path.c_str(), &info) == 0 && S_ISLNK(info.st_mode)) {
         std::error_code error;
-        final_ = std::filesystem::weakly_canonical(path, error);
+        final_path_ = std::filesystem::weakly_canonical(path, error);
         if (error) refuse(path, "cannot follow the link", error.value());
     }
-    require_own(path);
+    require_own_result(path);
     intersect::process::put_back_limits();
-    make_parent(final_);
-    if (::stat(final_.c_str(), &info) == 0) {
+    make_parent(final_path_);
+    if (::stat(final_path_.c_str(), &info) == 0) {
         if (S_ISDIR(info.st_mode)) refuse(path, "cannot write", EISDIR);
         if (!S_ISREG(info.st_mode)) {
-            fd_ = ::open(final_.c_str(), O_WRONLY | O_CLOEXEC);
+            fd_ = ::open(final_path_.c_str(), O_WRONLY | O_CLOEXEC);
             if (fd_ < 0) refuse(path, "cannot open", errno);
             return;
         }
-        scene::toml::note_written(final_);
+        scene::toml::note_written(final_path_);
         // A rename would replace a file that its owner made read-only.
-        if (::access(final_.c_str(), W_OK) != 0) refuse(path, "cannot overwrite", errno);
+        if (::access(final_path_.c_str(), W_OK) != 0) refuse(path, "cannot overwrite", errno);
     }
-    const std::string prefix = partial_prefix(final_);
-    if (is_live(prefix, random_letters)) throw std::logic_error(path.string() + " is being written already");
-    remove_abandoned_beside(final_);
+    const std::string prefix = partial_prefix(final_path_);
+    if (is_being_written(prefix, random_letters)) throw std::logic_error(path.string() + " is being written already");
+    remove_abandoned_neighbours(final_path_);
     const auto forget_name = [this] {
-        unregister_partial(slot_);
-        slot_ = nullptr;
+        unregister_partial_file(registry_slot_);
+        registry_slot_ = nullptr;
     };
-    fd_ = open_new(
+    fd_ = open_new_file(
         [&] {
-            partial_ = prefix + random_name();
-            slot_ = register_partial(partial_);
-            return partial_;
+            partial_path_ = prefix + random_name();
+            registry_slot_ = register_partial_file(partial_path_);
+            return partial_path_;
         },
         forget_name);
     if (fd_ < 0) {
@@ -171,13 +172,13 @@ void AtomicFile::abandon() noexcept {
     if (fd_ >= 0) ::close(fd_);
     fd_ = -1;
     buffer_.reset();
-    buffered_ = 0;
-    if (slot_ != nullptr) {
-        // Remove the file before its name is forgotten: a signal that ends the process in between would leave it.
-        ::unlink(partial_.c_str());
-        unregister_partial(slot_);
+    buffered_bytes_ = 0;
+    if (registry_slot_ != nullptr) {
+        // Remove the file before its name leaves the registry. Otherwise a signal in between would leave the file.
+        ::unlink(partial_path_.c_str());
+        unregister_partial_file(registry_slot_);
     }
-    slot_ = nullptr;
+    registry_slot_ = nullptr;
 }
 
 void AtomicFile::fail(const char* failure, int error_number) {
@@ -186,28 +187,28 @@ void AtomicFile::fail(const char* failure, int error_number) {
 }
 
 void AtomicFile::flush() {
-    if (buffered_ > 0) intersect::process::put_back_limits();
-    std::size_t done = 0;
-    while (done < buffered_) {
-        const ssize_t n = ::write(fd_, buffer_.get() + done, buffered_ - done);
+    if (buffered_bytes_ > 0) intersect::process::put_back_limits();
+    std::size_t written_bytes = 0;
+    while (written_bytes < buffered_bytes_) {
+        const ssize_t n = ::write(fd_, buffer_.get() + written_bytes, buffered_bytes_ - written_bytes);
         if (n < 0 && errno == EINTR) continue;
         if (n < 0) fail("cannot write", errno);
         if (n == 0) fail("cannot write", ENOSPC);
-        done += static_cast<std::size_t>(n);
+        written_bytes += static_cast<std::size_t>(n);
     }
-    file_position_ += static_cast<std::int64_t>(buffered_);
-    buffered_ = 0;
+    file_position_ += static_cast<std::int64_t>(buffered_bytes_);
+    buffered_bytes_ = 0;
 }
 
 void AtomicFile::write(std::span<const std::byte> bytes) {
     if (fd_ < 0) throw std::logic_error(path_.string() + ": write after commit or failure");
     if (!buffer_) buffer_ = std::make_unique_for_overwrite<std::byte[]>(buffer_bytes);
     while (!bytes.empty()) {
-        const std::size_t n = std::min(bytes.size(), buffer_bytes - buffered_);
-        std::memcpy(buffer_.get() + buffered_, bytes.data(), n);
-        buffered_ += n;
+        const std::size_t n = std::min(bytes.size(), buffer_bytes - buffered_bytes_);
+        std::memcpy(buffer_.get() + buffered_bytes_, bytes.data(), n);
+        buffered_bytes_ += n;
         bytes = bytes.subspan(n);
-        if (buffered_ == buffer_bytes) flush();
+        if (buffered_bytes_ == buffer_bytes) flush();
     }
 }
 
@@ -221,7 +222,7 @@ void AtomicFile::seek(std::int64_t offset) {
     file_position_ = offset;
 }
 
-std::int64_t AtomicFile::tell() const noexcept { return file_position_ + static_cast<std::int64_t>(buffered_); }
+std::int64_t AtomicFile::tell() const noexcept { return file_position_ + static_cast<std::int64_t>(buffered_bytes_); }
 
 void AtomicFile::commit() {
     if (fd_ < 0) throw std::logic_error(path_.string() + ": commit after commit or failure");
@@ -229,9 +230,9 @@ void AtomicFile::commit() {
     buffer_.reset();
     // The bytes must be on the disk before the file has its name: after a crash of the machine some file systems would
     // show an empty file. A map of 231 files took 1.93 s with this call and 1.88 s without (ext4 on a virtual disk).
-    if (slot_ != nullptr && ::fsync(fd_) != 0 && errno != EINVAL && errno != EROFS && errno != ENOTSUP)
+    if (registry_slot_ != nullptr && ::fsync(fd_) != 0 && errno != EINVAL && errno != EROFS && errno != ENOTSUP)
         fail("cannot write", errno);
-    // Keeps the lock until the file has its name. Without the lock another run might take the file for abandoned.
+    // Keeps the lock until the file has its final name. Without it another run might take the file for abandoned.
     struct Lock {
         int fd;
         ~Lock() {
@@ -243,22 +244,22 @@ void AtomicFile::commit() {
     const int close_error = errno;
     fd_ = -1;
     if (close_result != 0 && close_error != EINTR) fail("cannot write", close_error);
-    if (slot_ == nullptr) return;
-    if (slot_->load() == nullptr) {
-        slot_ = nullptr;
+    if (registry_slot_ == nullptr) return;
+    if (registry_slot_->load() == nullptr) {
+        registry_slot_ = nullptr;
         throw Interrupted();
     }
     note_result(path_);
-    if (::rename(partial_.c_str(), final_.c_str()) != 0) {
+    if (::rename(partial_path_.c_str(), final_path_.c_str()) != 0) {
         const int error_number = errno;
-        if (slot_->load() == nullptr) {
-            slot_ = nullptr;
+        if (registry_slot_->load() == nullptr) {
+            registry_slot_ = nullptr;
             throw Interrupted();
         }
         fail("cannot rename the finished file", error_number);
     }
-    unregister_partial(slot_);
-    slot_ = nullptr;
+    unregister_partial_file(registry_slot_);
+    registry_slot_ = nullptr;
 }
 
 void write_file(const std::filesystem::path& path, std::string_view text) {
@@ -267,7 +268,7 @@ void write_file(const std::filesystem::path& path, std::string_view text) {
     file.commit();
 }
 
-void remove_if_abandoned(const std::filesystem::path& partial) noexcept {
+void remove_abandoned_file(const std::filesystem::path& partial) noexcept {
     // The file is opened for writing too, because network file systems lock only such files.
     const int fd = ::open(partial.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (fd < 0) return;

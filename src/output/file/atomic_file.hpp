@@ -66,13 +66,13 @@ private:
     void abandon() noexcept;
     [[noreturn]] void fail(const char* failure, int error_number);
 
-    std::filesystem::path path_;   // for messages
-    std::filesystem::path final_;  // links resolved
-    std::string partial_;          // empty when written directly
-    std::atomic<char*>* slot_ = nullptr;
+    std::filesystem::path path_;        // for messages
+    std::filesystem::path final_path_;  // links resolved
+    std::string partial_path_;          // empty when written directly
+    std::atomic<char*>* registry_slot_ = nullptr;
     int fd_ = -1;
     std::int64_t file_position_ = 0;  // position of the descriptor; the bytes in the buffer follow it
-    std::size_t buffered_ = 0;
+    std::size_t buffered_bytes_ = 0;
     std::unique_ptr<std::byte[]> buffer_;
 };
 
@@ -82,7 +82,7 @@ void write_file(const std::filesystem::path& path, std::string_view text);
 /// Removes a temporary file unless a living AtomicFile, of this process or another, is writing it: a writer holds a
 /// lock on its file. (A process id proves nothing, since two containers may both be process 1.) If the file system has
 /// no locks, the file stays.
-void remove_if_abandoned(const std::filesystem::path& partial) noexcept;
+void remove_abandoned_file(const std::filesystem::path& partial) noexcept;
 
 /// Removes the temporary file of every live AtomicFile of a process that is about to end. Async-signal-safe: atomics,
 /// `poll` and `unlink` only. The files stay open, and their `commit` throws Interrupted, as a new AtomicFile does.
@@ -110,16 +110,16 @@ public:
     CreationGuard& operator=(const CreationGuard&) = delete;
 
 private:
-    void leave() noexcept;
+    void end_creation() noexcept;
     sigset_t previous_mask_{};
 };
 
 /// Adds a name to the registry, where a signal handler finds it.
-std::atomic<char*>* register_partial(const std::string& partial);
+std::atomic<char*>* register_partial_file(const std::string& partial);
 /// Removes a name from the registry. Returns false if a signal handler has already taken the name (and removed the
 /// file).
-bool unregister_partial(std::atomic<char*>* slot) noexcept;
+bool unregister_partial_file(std::atomic<char*>* slot) noexcept;
 /// True if this process is writing a file whose name is `prefix` and then this number of letters.
-bool is_live(const std::string& prefix, std::size_t letters);
+bool is_being_written(const std::string& prefix, std::size_t letters);
 
 }  // namespace lostbits::output::file

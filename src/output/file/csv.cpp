@@ -130,7 +130,7 @@ CsvWriter& CsvWriter::add(const Cell& cell) {
         throw std::logic_error(name() + ": column " + column.name + " is of type " + column.type +
                                " and cannot hold '" + cell.text() + "'");
     }
-    if (take_cell_) take_cell_(filled_cells_++, cell);
+    if (receive_cell_) receive_cell_(filled_cells_++, cell);
     else append_field(cell.text());
     return *this;
 }
@@ -140,7 +140,7 @@ void CsvWriter::end_row() {
         throw std::logic_error(name() + ": a row has " + std::to_string(filled_cells_) + " cells for " +
                                std::to_string(columns_.size()) + " columns");
     }
-    if (take_cell_) {
+    if (receive_cell_) {
         filled_cells_ = 0;
         return;
     }

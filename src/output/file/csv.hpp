@@ -44,7 +44,7 @@ public:
 
     [[nodiscard]] bool is_missing() const { return std::holds_alternative<std::monostate>(value_); }
 
-    /// The text between the commas, before quoting.
+    /// The text between the commas, before it is quoted.
     [[nodiscard]] std::string text() const;
 
     /// True if a column of this type may hold the cell: a missing cell fits every type, and an integer fits `number`.
@@ -60,7 +60,8 @@ private:
 /// `x`; missing if `x` is NaN.
 inline std::optional<double> number_or_missing(double x) { return std::isnan(x) ? std::nullopt : std::optional(x); }
 
-/// Writes one CSV file: UTF-8, LF, RFC 4180 quoting, a header, empty = missing, booleans 0/1.
+/// Writes one CSV file: a header and rows, in UTF-8 with LF and the quotes of RFC 4180. A missing cell is empty, and a
+/// boolean is 0 or 1.
 ///
 /// The file gets its final name only in `close`. Texts are written by `without_formula`.
 class CsvWriter {
@@ -69,14 +70,15 @@ public:
     /// unknown type or a name used twice.
     CsvWriter(const std::filesystem::path& path, std::vector<Column> columns);
 
-    /// Makes rows without a file or a header, for a part of a file that is put together elsewhere. `take_lines`
-    /// returns the rows and forgets them.
+    /// Makes rows without a file or a header, for a part of a file that another writer assembles. `take_lines` returns
+    /// the rows and drops them.
     explicit CsvWriter(std::vector<Column> columns) : columns_(std::move(columns)) {}
     [[nodiscard]] std::string take_lines() { return std::exchange(finished_lines_, {}); }
-    /// Makes no text: passes each cell to `take_cell`, with the index of its column from 0, row by row.
-    using TakeCell = std::function<void(std::size_t column, const Cell& cell)>;
-    CsvWriter(std::vector<Column> columns, TakeCell take_cell)
-        : columns_(std::move(columns)), take_cell_(std::move(take_cell)) {}
+    /// Receives a cell and the index of its column, counted from 0.
+    using CellReceiver = std::function<void(std::size_t column, const Cell& cell)>;
+    /// Makes no text, but passes each cell to `receive_cell`, row by row.
+    CsvWriter(std::vector<Column> columns, CellReceiver receive_cell)
+        : columns_(std::move(columns)), receive_cell_(std::move(receive_cell)) {}
     /// Adds rows that `take_lines` of a writer with the same columns returned.
     void add_lines(std::string_view lines);
 
@@ -87,7 +89,7 @@ public:
     void end_row();
 
     /// Adds a whole row.
-    void row(std::initializer_list<Cell> cells) {
+    void add_row(std::initializer_list<Cell> cells) {
         for (const Cell& cell : cells) add(cell);
         end_row();
     }
@@ -105,20 +107,20 @@ private:
     [[nodiscard]] std::string name() const { return file_ ? file_->path().string() : "rows of a CSV"; }
 
     std::string line_, finished_lines_;
-    TakeCell take_cell_ = {};
-    std::optional<AtomicFile> file_;  // missing: rows go to `finished_lines_` or `take_cell_`
+    CellReceiver receive_cell_ = {};
+    std::optional<AtomicFile> file_;  // missing: rows go to `finished_lines_` or `receive_cell_`
 };
 
-/// The text of a cell: `to_valid_utf8`, with an apostrophe in front if a spreadsheet would take it for a formula. That
-/// is a text that begins with = + - @, a tab or a carriage return, unless it is a number or consists of digits and
-/// signs alone (`-`, `+2^127`).
+/// The text of a cell: `to_valid_utf8`, with an apostrophe in front if a spreadsheet would take it for a formula. A
+/// formula begins with = + - @, a tab or a carriage return. Numbers, and texts of digits and signs alone (`-`,
+/// `+2^127`), get no apostrophe.
 [[nodiscard]] std::string without_formula(std::string_view text);
 
 /// `text` as one RFC 4180 field: quoted only if it holds a comma, a quote or a line break.
 [[nodiscard]] std::string quoted_field(std::string_view text);
 
-/// First character of a text that is not empty, and its number of bytes, which is 0 if the text does not begin with
-/// valid UTF-8 (overlong, surrogate, cut short).
+/// First character of a text that is not empty, and its number of bytes. The number is 0 if the text does not begin
+/// with valid UTF-8 (overlong, surrogate, cut short).
 struct Character {
     char32_t code;
     std::size_t size;

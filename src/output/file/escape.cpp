@@ -29,7 +29,7 @@ bool begins_command(std::string_view text, std::size_t start) {
     return start == 0 || text[start - 1] == '\n';
 }
 
-std::string for_terminal(std::string_view text, bool one_line) {
+std::string escape_for_terminal(std::string_view text, bool is_one_line) {
     std::string out;
     for (std::size_t position = 0; position < text.size();) {
         const auto [code, size] = first_character(text.substr(position));
@@ -38,7 +38,7 @@ std::string for_terminal(std::string_view text, bool one_line) {
             continue;
         }
         if (code == '\n' || code == '\t')
-            out += !one_line ? std::string(1, text[position]) : code == '\n' ? "\\n" : "\\t";
+            out += !is_one_line ? std::string(1, text[position]) : code == '\n' ? "\\n" : "\\t";
         else if (is_control(code) && size == 1) out += fmt::format("\\x{:02x}", static_cast<unsigned>(code));
         else if (is_control(code)) out += fmt::format("\\u{{{:x}}}", static_cast<unsigned>(code));
         else if (code == ':' && begins_command(text, position)) out += "\\x3a";
@@ -50,7 +50,7 @@ std::string for_terminal(std::string_view text, bool one_line) {
 }
 
 /// Replaces each character of `escaped` by `%` and its two hexadecimal digits.
-std::string percent_encoded(std::string_view text, std::string_view escaped) {
+std::string percent_encode(std::string_view text, std::string_view escaped) {
     std::string out;
     for (const char c : text) {
         if (escaped.find(c) == std::string_view::npos) out += c;
@@ -67,8 +67,8 @@ bool is_forbidden(char32_t c) {
            c == 0x200F || (c >= 0x2028 && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069) || c == 0xFFFE || c == 0xFFFF;
 }
 
-/// The text as one line of characters that every reader accepts and shows in place.
-std::string plain_line(std::string_view text) {
+/// Makes one line of the text, with only characters that every reader accepts and shows in their place.
+std::string to_plain_line(std::string_view text) {
     std::string line = xml_text(text);
     std::ranges::replace_if(
         line, [](char c) { return c == '\n' || c == '\t'; }, ' ');
@@ -77,8 +77,8 @@ std::string plain_line(std::string_view text) {
 
 }  // namespace
 
-std::string terminal_text(std::string_view text) { return for_terminal(text, false); }
-std::string terminal_line(std::string_view text) { return for_terminal(text, true); }
+std::string terminal_text(std::string_view text) { return escape_for_terminal(text, false); }
+std::string terminal_line(std::string_view text) { return escape_for_terminal(text, true); }
 
 std::string xml_text(std::string_view text) {
     std::string out;
@@ -119,7 +119,7 @@ std::string html(std::string_view text) {
 }
 
 std::string markdown_text(std::string_view text) {
-    const std::string line = plain_line(text);
+    const std::string line = to_plain_line(text);
     std::string out;
     for (std::size_t i = 0; i < line.size(); ++i) {
         const char c = line[i], next = i + 1 < line.size() ? line[i + 1] : ' ';
@@ -131,11 +131,11 @@ std::string markdown_text(std::string_view text) {
 }
 
 std::string markdown_code(std::string_view text) {
-    std::string line = plain_line(text);
-    // A fence has one backtick more than the longest run of them inside.
-    std::size_t longest = 0, run = 0;
-    for (const char c : line) longest = std::max(longest, run = c == '`' ? run + 1 : 0);
-    const std::string fence(longest + 1, '`'), gap = longest > 0 || line.empty() ? " " : "";
+    std::string line = to_plain_line(text);
+    // The fence has one backtick more than the longest run of backticks inside.
+    std::size_t longest_run = 0, run_length = 0;
+    for (const char c : line) longest_run = std::max(longest_run, run_length = c == '`' ? run_length + 1 : 0);
+    const std::string fence(longest_run + 1, '`'), gap = longest_run > 0 || line.empty() ? " " : "";
     for (std::size_t position = 0; (position = line.find('|', position)) != std::string::npos; position += 2) {
         // A backslash in front would escape the backslash that is inserted here.
         if (position > 0 && line[position - 1] == '\\') line.insert(position++, " ");
@@ -145,18 +145,18 @@ std::string markdown_code(std::string_view text) {
 }
 
 std::string markdown_path(std::string_view path) {
-    return percent_encoded(
+    return percent_encode(
         path,
         "%\\ \"'()<>[]`|*{}^#?&!:\t\n\r\x0B\x0C\x01\x02\x03\x04\x05\x06\x07\x08\x0E\x0F\x10\x11\x12\x13"
         "\x14\x15\x16\x17\x18\x19\x1A\x1B\x1C\x1D\x1E\x1F\x7F");
 }
 
-std::string workflow_text(std::string_view text) { return percent_encoded(terminal_text(text), "%\n"); }
-std::string workflow_value(std::string_view text) { return percent_encoded(terminal_text(text), "%\n:,"); }
+std::string workflow_text(std::string_view text) { return percent_encode(terminal_text(text), "%\n"); }
+std::string workflow_value(std::string_view text) { return percent_encode(terminal_text(text), "%\n:,"); }
 
 std::string c_comment(std::string_view text) {
     std::string out;
-    for (const char original : plain_line(text)) {
+    for (const char original : to_plain_line(text)) {
         // A backslash at the end of a line joins the next line to it. Two question marks may begin a trigraph; `??/` is
         // a backslash.
         const char c = original == '\\' ? '/' : original, last = out.empty() ? ' ' : out.back();
@@ -167,7 +167,7 @@ std::string c_comment(std::string_view text) {
 }
 
 std::string line_comment(std::string_view text) {
-    std::string line = plain_line(text);
+    std::string line = to_plain_line(text);
     // GCC also joins lines if blanks follow the backslash.
     const std::string_view without_blanks = std::string_view(line).substr(0, line.find_last_not_of(' ') + 1);
     return without_blanks.ends_with('\\') || without_blanks.ends_with("?\?/") ? line + "." : line;

@@ -21,15 +21,15 @@ bool is_inside_folder(const std::string& name) {
            std::ranges::none_of(path, [](const fs::path& part) { return part == ".."; });
 }
 
-std::string text_of(const nlohmann::json& entry, const char* key) {
+std::string string_member(const nlohmann::json& entry, const char* key) {
     return entry.contains(key) && entry[key].is_string() ? entry[key].get<std::string>() : std::string();
 }
 
-ResultFolder::ManifestRun run_of(const nlohmann::json& entry) {
-    ResultFolder::ManifestRun run{{text_of(entry, "command"), text_of(entry, "program")}, {}};
+ResultFolder::ManifestRun read_run(const nlohmann::json& entry) {
+    ResultFolder::ManifestRun run{{string_member(entry, "command"), string_member(entry, "program")}, {}};
     if (entry.contains("forms") && entry["forms"].is_object()) {
         for (const auto& [name, unused] : entry["forms"].items())
-            run.provenance.forms.emplace_back(name, text_of(entry["forms"], name.c_str()));
+            run.provenance.forms.emplace_back(name, string_member(entry["forms"], name.c_str()));
     }
     if (!entry.contains("files")) return run;
     for (const auto& name : entry["files"]) {
@@ -38,7 +38,7 @@ ResultFolder::ManifestRun run_of(const nlohmann::json& entry) {
     return run;
 }
 
-OrderedJson json_of(const Provenance& provenance, const std::set<std::string>& names) {
+OrderedJson run_json(const Provenance& provenance, const std::set<std::string>& names) {
     auto files = OrderedJson::array();
     for (const std::string& name : names) files.push_back(to_valid_utf8(name));
     OrderedJson json{{"program", provenance.program}, {"command", to_valid_utf8(provenance.command)}};
@@ -52,22 +52,25 @@ OrderedJson json_of(const Provenance& provenance, const std::set<std::string>& n
 std::vector<ResultFolder::ManifestRun> manifest_runs(const fs::path& folder) {
     std::ifstream in(folder / manifest_name, std::ios::binary);
     if (!in) return {};
-    const auto list = nlohmann::json::parse(in, nullptr, false);
-    if (!list.is_object() || !list.contains("schema") || list["schema"] != schema || !list.contains("files")) return {};
-    std::vector<ResultFolder::ManifestRun> runs{run_of(list)};
-    if (!list.contains("others") || !list["others"].is_array()) return runs;
-    for (const auto& entry : list["others"]) {
-        if (entry.is_object()) runs.push_back(run_of(entry));
+    const auto manifest = nlohmann::json::parse(in, nullptr, false);
+    if (!manifest.is_object() || !manifest.contains("schema") || manifest["schema"] != schema ||
+        !manifest.contains("files"))
+        return {};
+    std::vector<ResultFolder::ManifestRun> runs{read_run(manifest)};
+    if (!manifest.contains("others") || !manifest["others"].is_array()) return runs;
+    for (const auto& entry : manifest["others"]) {
+        if (entry.is_object()) runs.push_back(read_run(entry));
     }
     return runs;
 }
 
-std::string manifest_text(const ResultFolder::ManifestRun& last, const std::vector<ResultFolder::ManifestRun>& others) {
-    OrderedJson list{{"schema", schema}};
-    list.update(json_of(last.provenance, last.files));
+std::string manifest_text(const ResultFolder::ManifestRun& last_run,
+                          const std::vector<ResultFolder::ManifestRun>& others) {
+    OrderedJson manifest{{"schema", schema}};
+    manifest.update(run_json(last_run.provenance, last_run.files));
     for (const ResultFolder::ManifestRun& other : others)
-        list["others"].push_back(json_of(other.provenance, other.files));
-    return json_text(list);
+        manifest["others"].push_back(run_json(other.provenance, other.files));
+    return json_text(manifest);
 }
 
 }  // namespace lostbits::output::file

@@ -31,7 +31,7 @@ std::string short_decimal(double value, int digits) {
     };
     // A negative zero is 0.
     const std::string scientific = write(value + 0.0, std::chars_format::scientific, digits - 1);
-    const double rounded = number_in(scientific).value_or(value), magnitude = std::fabs(rounded);
+    const double rounded = parse_number(scientific).value_or(value), magnitude = std::fabs(rounded);
     if (magnitude == 0 || (magnitude >= 1e-4 && magnitude < std::pow(10, std::max(digits, 6))))
         return write(rounded, std::chars_format::fixed);
     const auto exponent_mark = scientific.find('e');
@@ -42,7 +42,7 @@ std::string short_decimal(double value, int digits) {
     return factor == "1" ? power : factor == "-1" ? "-" + power : factor + "×" + power;
 }
 
-std::string kept_text(double bits, int decimals) {
+std::string kept_bits_text(double bits, int decimals) {
     if (!std::isfinite(bits)) return decimal(bits);
     char text[400];
     const double unit = std::pow(10, decimals), rounded_down = std::floor((bits + 1e-9) * unit) / unit;
@@ -56,14 +56,14 @@ std::string hex(double value) {
     return (std::signbit(value) ? "-0x" : "0x") + std::string(text, end);
 }
 
-std::string enumerated(const std::vector<std::string>& items) {
+std::string word_list(const std::vector<std::string>& items) {
     std::string text;
     for (std::size_t k = 0; k < items.size(); ++k)
         text += (k == 0 ? "" : k + 1 == items.size() ? " and " : ", ") + items[k];
     return text;
 }
 
-std::optional<double> number_in(std::string_view text) {
+std::optional<double> parse_number(std::string_view text) {
     const bool is_negative = text.starts_with('-');
     if (is_negative) text.remove_prefix(1);
     const bool is_hexadecimal = text.starts_with("0x");

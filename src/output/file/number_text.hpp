@@ -20,7 +20,7 @@ namespace lostbits::output::file {
 
 /// Bits that are kept, rounded down, so that the text does not claim more than was measured: `21.9` for 21.97. A
 /// shortfall of 1e-9 counts as the rounding of a subtraction.
-[[nodiscard]] std::string kept_text(double bits, int decimals = 1);
+[[nodiscard]] std::string kept_bits_text(double bits, int decimals = 1);
 
 /// The exact value as a C hexadecimal float: `0x1.8p+1`, `-0x0p+0`; `nan`, `inf`, `-inf`. A float converts to
 /// double exactly, so one function serves both.
@@ -28,18 +28,18 @@ namespace lostbits::output::file {
 
 /// A list of numbers, each written by `text`, separated by `between`.
 template <class Numbers>
-[[nodiscard]] std::string listed(const Numbers& numbers, std::string (*text)(double), std::string_view separator) {
+[[nodiscard]] std::string number_list(const Numbers& numbers, std::string (*text)(double), std::string_view separator) {
     std::string list;
     for (const double x : numbers) (list += list.empty() ? "" : separator) += text(x);
     return list;
 }
 
 /// A list of words: `a, b and c`.
-[[nodiscard]] std::string enumerated(const std::vector<std::string>& items);
+[[nodiscard]] std::string word_list(const std::vector<std::string>& items);
 
 /// Reads a number that `decimal` or `hex` wrote, in every locale. Returns nothing for any other text, and for a number
 /// outside the range of a double.
-[[nodiscard]] std::optional<double> number_in(std::string_view text);
+[[nodiscard]] std::optional<double> parse_number(std::string_view text);
 
 /// The double nearest to digits · 10^exponent; 0 or infinity outside its range.
 [[nodiscard]] double nearest_double(std::string_view digits, long exponent);

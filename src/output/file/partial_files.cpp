@@ -19,9 +19,9 @@
 namespace lostbits::output::file {
 namespace {
 
-// A signal handler may not lock or allocate, so the registry is a list of arrays that only grows. Whoever exchanges a
-// slot to null owns its string. The handler never frees a string, which leaks a name in a process that is ending
-// anyway.
+// A signal handler may not lock or allocate, so the registry is a list of arrays that only grows. The thread or handler
+// that sets a slot to null owns its string from then on. The handler never frees a string: it leaks, but the process is
+// about to end.
 struct Slots {
     std::array<std::atomic<char*>, 1024> names{};
     std::atomic<Slots*> next{nullptr};
@@ -33,7 +33,7 @@ std::atomic<void (*)(const char*) noexcept> partial_listener{nullptr};
 static_assert(std::atomic<char*>::is_always_lock_free && std::atomic<Slots*>::is_always_lock_free);
 
 std::atomic<int> threads_creating{0};
-std::atomic<bool> is_ending{false};
+std::atomic<bool> is_process_ending{false};
 
 /// Calls `use` on each slot until a call returns true. Returns false if none does.
 template <class Use>
@@ -45,13 +45,13 @@ bool any_slot(const Use& use) {
 }
 
 void add_slots() {
-    auto fresh = std::make_unique<Slots>();
+    auto new_block = std::make_unique<Slots>();
     for (Slots* block = &first_slots;;) {
         Slots* next = nullptr;
-        if (block->next.compare_exchange_strong(next, fresh.get())) break;
+        if (block->next.compare_exchange_strong(next, new_block.get())) break;
         block = next;
     }
-    static_cast<void>(fresh.release());  // lives as long as the process
+    static_cast<void>(new_block.release());  // lives as long as the process
 }
 
 }  // namespace
@@ -61,18 +61,18 @@ CreationGuard::CreationGuard() {
     sigfillset(&all_signals);
     pthread_sigmask(SIG_BLOCK, &all_signals, &previous_mask_);
     ++threads_creating;
-    if (!is_ending) return;
-    leave();
+    if (!is_process_ending) return;
+    end_creation();
     throw Interrupted();
 }
-CreationGuard::~CreationGuard() { leave(); }
+CreationGuard::~CreationGuard() { end_creation(); }
 
-void CreationGuard::leave() noexcept {
+void CreationGuard::end_creation() noexcept {
     --threads_creating;
     pthread_sigmask(SIG_SETMASK, &previous_mask_, nullptr);
 }
 
-std::atomic<char*>* register_partial(const std::string& partial) {
+std::atomic<char*>* register_partial_file(const std::string& partial) {
     char* const name = ::strdup(partial.c_str());
     if (name == nullptr) throw std::bad_alloc();
     std::atomic<char*>* free_slot = nullptr;
@@ -87,14 +87,14 @@ std::atomic<char*>* register_partial(const std::string& partial) {
     return free_slot;
 }
 
-bool unregister_partial(std::atomic<char*>* slot) noexcept {
+bool unregister_partial_file(std::atomic<char*>* slot) noexcept {
     const std::lock_guard lock(names_mutex);
     char* name = slot->exchange(nullptr);
     std::free(name);
     return name != nullptr;
 }
 
-bool is_live(const std::string& prefix, std::size_t letters) {
+bool is_being_written(const std::string& prefix, std::size_t letters) {
     const std::lock_guard lock(names_mutex);
     return any_slot([&](const std::atomic<char*>& slot) {
         const char* const name = slot.load();
@@ -105,7 +105,7 @@ bool is_live(const std::string& prefix, std::size_t letters) {
 
 void remove_partial_files() noexcept {
     const int saved_errno = errno;
-    is_ending = true;
+    is_process_ending = true;
     // Waits at most a second: a forked copy of the process has the count but not the thread.
     for (int k = 0; k < 1000 && threads_creating > 0; ++k) ::poll(nullptr, 0, 1);
     any_slot([](std::atomic<char*>& slot) {

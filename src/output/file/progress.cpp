@@ -88,8 +88,8 @@ void Progress::draw() {
     const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
     const std::string line = progress_line(label_, done_.load(), total_, elapsed, terminal_columns(fd_));
     std::string text = "\r" + line;
-    if (line.size() < drawn_) text.append(drawn_ - line.size(), ' ');
-    drawn_ = std::max(drawn_, line.size());
+    if (line.size() < drawn_length_) text.append(drawn_length_ - line.size(), ' ');
+    drawn_length_ = std::max(drawn_length_, line.size());
     if (has_colour_) {
         const auto bar_start = text.find('['), filled_end = text.find_last_of('#');
         if (bar_start != std::string::npos && filled_end != std::string::npos && filled_end > bar_start) {
@@ -101,16 +101,16 @@ void Progress::draw() {
 }
 
 void Progress::erase() {
-    if (drawn_ == 0) return;
+    if (drawn_length_ == 0) return;
     std::string blank = "\r";
-    blank.append(drawn_, ' ');
+    blank.append(drawn_length_, ' ');
     write_raw(blank += '\r');
-    drawn_ = 0;
+    drawn_length_ = 0;
 }
 
 void Progress::say(std::string_view message) {
     const std::lock_guard lock(mutex_);
-    const bool was_drawn = drawn_ > 0;
+    const bool was_drawn = drawn_length_ > 0;
     erase();
     write_raw(std::string(message) + "\n");
     if (was_drawn) draw();
@@ -135,7 +135,7 @@ void Progress::write_raw(std::string_view text) noexcept {
 std::optional<std::string> estimate_text(std::string_view name, const ProgressPoint& first, const ProgressPoint& now,
                                          std::uint64_t total, std::uint64_t starts) {
     const double watched_seconds = now.seconds - first.seconds;
-    if (now.units <= first.units || now.units >= total || watched_seconds < first_piece_s) return {};
+    if (now.units <= first.units || now.units >= total || watched_seconds < estimate_window_s) return {};
     const double seconds_per_unit = watched_seconds / static_cast<double>(now.units - first.units);
     const double total_seconds =
         first.seconds * static_cast<double>(starts) + seconds_per_unit * static_cast<double>(total - first.units);
@@ -151,7 +151,7 @@ void Estimate::advance(std::uint64_t n) {
     now_ = {now_.units + n, std::chrono::duration<double>(Clock::now() - start_).count()};
     if (first_.units == 0) first_ = now_;
     // One estimate is enough: a run that is short after its first part stays short.
-    if (now_.seconds - first_.seconds < first_piece_s || is_announced_.exchange(true)) return;
+    if (now_.seconds - first_.seconds < estimate_window_s || is_announced_.exchange(true)) return;
     if (const auto text = estimate_text(name_, first_, now_, total_, starts_)) progress_.say(*text);
 }
 

@@ -31,10 +31,10 @@ public:
     /// Prints a message on a line of its own on stderr, above the bar.
     void say(std::string_view message);
 
-    /// Erases the bar and calls `print`, so that its lines do not mix with the bar. The next `advance` draws the bar
-    /// again.
+    /// Erases the bar and calls `print`, so that the printed lines do not mix with the bar. The next `advance` draws
+    /// the bar again.
     template <class Print>
-    void aside(const Print& print) {
+    void print_without_bar(const Print& print) {
         const std::lock_guard lock(mutex_);
         erase();
         print();
@@ -61,7 +61,7 @@ private:
     std::atomic<std::uint64_t> done_{0};
     std::atomic<std::int64_t> next_draw_ms_;
     std::mutex mutex_;  // guards the state of the screen
-    std::size_t drawn_ = 0;
+    std::size_t drawn_length_ = 0;
 };
 
 /// Text of the bar, at most `columns` characters: label, bar, percent, elapsed and remaining time (`?` while the
@@ -72,10 +72,10 @@ private:
 /// A duration as `7s`, `2m05s` or `1h03m`.
 [[nodiscard]] std::string duration_text(double seconds);
 
-/// Seconds that an estimate watches, from the moment when the first units are finished. The time before that moment
-/// includes the start of the run.
-inline constexpr double first_piece_s = 2;
-/// Duration in seconds from which a run is long. A shorter run ends before its estimate is read.
+/// Seconds for which a run is watched before its duration is estimated. They begin when the first units are finished,
+/// because the time before includes the start of the run.
+inline constexpr double estimate_window_s = 2;
+/// Shortest duration, in seconds, for which an estimate is printed. A shorter run would end before anybody reads it.
 inline constexpr double long_run_s = 30;
 
 /// Number of units that were finished `seconds` after the start of the run.
@@ -84,9 +84,10 @@ struct ProgressPoint {
     double seconds = 0;
 };
 
-/// Estimate as text: `NAME will take about 3m20s: its first 1 % took 2s`. Nothing if less than `first_piece_s` were
-/// watched, or if all `total` units would take less than `long_run_s`. Before the `first` units are finished, a run
-/// starts up and finds the truth for all forms. It does so `starts` times: once per band of the picture in a map.
+/// Estimate as text: `NAME will take about 3m20s: its first 1 % took 2s`. Nothing if the run was watched for less than
+/// `estimate_window_s`, or if all `total` units would take less than `long_run_s`. Before the `first` units are
+/// finished, a run starts up and finds the truth for all forms. It does so `starts` times: once per band of the picture
+/// in a map.
 [[nodiscard]] std::optional<std::string> estimate_text(std::string_view name, const ProgressPoint& first,
                                                        const ProgressPoint& now, std::uint64_t total,
                                                        std::uint64_t starts = 1);

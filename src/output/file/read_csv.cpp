@@ -27,7 +27,7 @@ public:
     bool is_at_end() const { return position_ == text_.size(); }
     std::size_t line() const { return line_; }
     void skip_byte_order_mark() {
-        if (text_.starts_with("\xEF\xBB\xBF")) position_ = 3;  // spreadsheets write it
+        if (text_.starts_with("\xEF\xBB\xBF")) position_ = 3;  // spreadsheets write this mark
     }
 
     /// Reads the cells of a row and moves past its end.
@@ -60,7 +60,7 @@ private:
     }
 
     std::string_view read_plain_cell() {
-        const std::size_t begin = position_;
+        const std::size_t cell_begin = position_;
         for (; !is_row_end() && text_[position_] != ','; ++position_) {
             const char c = text_[position_];
             if (c == '"')
@@ -71,12 +71,12 @@ private:
                 fail(line_, "is not a CSV file: a carriage return without a line feed; end lines with LF or CRLF");
             if (c == '\0') fail(line_, "is not a CSV file: a NUL byte; give a text file");
         }
-        return {text_.data() + begin, position_ - begin};
+        return {text_.data() + cell_begin, position_ - cell_begin};
     }
 
     std::string_view read_quoted_cell() {
-        const std::size_t first_line = line_, begin = ++position_;
-        std::size_t cell_end = begin;
+        const std::size_t first_line = line_, cell_begin = ++position_;
+        std::size_t cell_end = cell_begin;
         for (;; ++position_) {
             if (is_at_end())
                 fail(first_line,
@@ -89,7 +89,7 @@ private:
         }
         if (!is_row_end() && text_[position_] != ',')
             fail(line_, "is not a CSV file: text after a closing quote; double the quotes inside a quoted cell");
-        return {text_.data() + begin, cell_end - begin};
+        return {text_.data() + cell_begin, cell_end - cell_begin};
     }
 
     std::string& text_;
@@ -97,33 +97,34 @@ private:
     std::size_t position_ = 0, line_ = 1;
 };
 
-bool take_one_of(std::string_view& text, std::string_view allowed) {
+/// Removes the first character of `text` if it is one of `allowed`. Returns false if it is not.
+bool skip_one_of(std::string_view& text, std::string_view allowed) {
     if (text.empty() || allowed.find(text.front()) == std::string_view::npos) return false;
     text.remove_prefix(1);
     return true;
 }
 
-/// Moves the digits at the beginning of `text` to the end of `digits`, and returns how many there were.
-std::size_t take_digits(std::string_view& text, std::string& digits, std::string_view allowed) {
+/// Moves the digits at the beginning of `text` to the end of `digits`. Returns their number.
+std::size_t move_digits(std::string_view& text, std::string& digits, std::string_view allowed) {
     const std::size_t count = std::min(text.find_first_not_of(allowed), text.size());
     digits += text.substr(0, count);
     text.remove_prefix(count);
     return count;
 }
 
-/// Reads digits* ('.' digits*)? (mark sign? decimal+)? as digits and an exponent. The value is the digits times
-/// 10^exponent after the mark e, and the hexadecimal digits times 2^exponent after the mark p. Returns false for other
-/// text, and for too many digits or too large an exponent.
-bool parse_number(std::string_view text, bool is_hexadecimal, std::string& digits, int& exponent) {
+/// Reads an unsigned number, as digits and an exponent. Its grammar is digits* ('.' digits*)? (mark sign? decimal+)?.
+/// After the mark e, the value is digits · 10^exponent; after the mark p, the digits are hexadecimal and the value is
+/// digits · 2^exponent. Returns false for any other text, for too many digits, and for an exponent out of range.
+bool parse_digits(std::string_view text, bool is_hexadecimal, std::string& digits, int& exponent) {
     constexpr int max_digits = 10000;
     // 2^-1200 has 839 decimal digits. 2^-10000 would have 6990, from a cell of ten letters.
     const int max_exponent = is_hexadecimal ? 1200 : max_digits;
     const std::string_view allowed = is_hexadecimal ? "0123456789abcdefABCDEF" : "0123456789";
-    take_digits(text, digits, allowed);
-    const std::size_t fraction_digits = take_one_of(text, ".") ? take_digits(text, digits, allowed) : 0;
+    move_digits(text, digits, allowed);
+    const std::size_t fraction_digits = skip_one_of(text, ".") ? move_digits(text, digits, allowed) : 0;
     if (digits.empty() || digits.size() > max_digits) return false;
-    if (take_one_of(text, is_hexadecimal ? "pP" : "eE")) {
-        const bool has_plus = take_one_of(text, "+");
+    if (skip_one_of(text, is_hexadecimal ? "pP" : "eE")) {
+        const bool has_plus = skip_one_of(text, "+");
         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), exponent);
         if (error != std::errc{} || (has_plus && text.front() == '-')) return false;
         text.remove_prefix(static_cast<std::size_t>(end - text.data()));
@@ -133,9 +134,9 @@ bool parse_number(std::string_view text, bool is_hexadecimal, std::string& digit
     return true;
 }
 
-/// Replaces hexadecimal digits and a binary exponent by decimal ones, exactly: for exponent < 0, digits · 2^exponent =
-/// digits · 5^-exponent · 10^exponent.
-void to_decimal(std::string& digits, int& exponent) {
+/// Replaces hexadecimal digits and a binary exponent by decimal ones without rounding. For exponent < 0, digits ·
+/// 2^exponent = digits · 5^-exponent · 10^exponent.
+void convert_to_decimal(std::string& digits, int& exponent) {
     using boost::multiprecision::cpp_int;
     cpp_int n("0x" + digits);
     if (exponent >= 0) n <<= exponent;
@@ -201,20 +202,20 @@ std::string read_file(const std::filesystem::path& path) {
 }
 
 bool CellValue::operator==(const CellValue& other) const {
-    return kind == other.kind && kind != Kind::text && negative == other.negative && digits == other.digits &&
+    return kind == other.kind && kind != Kind::text && is_negative == other.is_negative && digits == other.digits &&
            exponent == other.exponent;
 }
 
-double CellValue::approximate() const {
+double CellValue::to_double() const {
     const double magnitude = nearest_double(digits.empty() ? "0" : digits, exponent);
-    return negative ? -magnitude : magnitude;
+    return is_negative ? -magnitude : magnitude;
 }
 
 CellValue read_cell(std::string_view cell) {
     using enum CellValue::Kind;
     if (cell.empty()) return {};
     const bool is_negative = cell.front() == '-';
-    take_one_of(cell, "+-");
+    skip_one_of(cell, "+-");
     std::string prefix(cell.substr(0, 9));
     for (char& c : prefix) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     if (prefix == "nan") return {nan, false, {}, 0};
@@ -223,8 +224,8 @@ CellValue read_cell(std::string_view cell) {
     CellValue value{number, is_negative, {}, 0};
     const bool is_hexadecimal = prefix.starts_with("0x");
     if (is_hexadecimal) cell.remove_prefix(2);
-    if (!parse_number(cell, is_hexadecimal, value.digits, value.exponent)) return {text, false, {}, 0};
-    if (is_hexadecimal) to_decimal(value.digits, value.exponent);
+    if (!parse_digits(cell, is_hexadecimal, value.digits, value.exponent)) return {text, false, {}, 0};
+    if (is_hexadecimal) convert_to_decimal(value.digits, value.exponent);
     const std::size_t last_nonzero = value.digits.find_last_not_of('0');
     if (last_nonzero == std::string::npos) return {number, is_negative, {}, 0};
     value.exponent += static_cast<int>(value.digits.size() - 1 - last_nonzero);

@@ -34,8 +34,11 @@ struct CsvTable {
 /// Reads the table in `text`: a header, then rows. Lines end with LF or CRLF; the last line may end without either. A
 /// quoted cell may hold commas, line breaks and doubled quotes. A byte order mark at the beginning is skipped.
 ///
-/// Throws InputError, with `source:line:`, if the text is not CSV: it is empty, a row has another number of cells than
-/// the header, a quote never closes or is inside an unquoted cell, a column name occurs twice, or there is a NUL byte.
+/// Throws InputError, with `source:line:`, if the text is not CSV:
+/// - it is empty, or has a NUL byte;
+/// - a row has another number of cells than the header;
+/// - a quote never closes, or is inside an unquoted cell;
+/// - a column name occurs twice.
 [[nodiscard]] CsvTable parse_csv(std::string text, const std::string& source);
 
 /// Reads a file with `read_file` and `parse_csv`, and throws as they do.
@@ -45,20 +48,20 @@ struct CsvTable {
 /// it cannot be read.
 [[nodiscard]] std::string read_file(const std::filesystem::path& path);
 
-/// Value of a cell, however it is written. `1e3`, `1000.0` and `0x1.f4p+9` are equal, exactly and not after rounding;
-/// `-0` and `0` are not equal. A value of kind text equals nothing: compare the cells themselves.
+/// Exact value of a cell, independent of its notation: `1e3`, `1000.0` and `0x1.f4p+9` are equal; `-0` and `0` are not.
+/// A value of kind text equals nothing; compare the cells themselves.
 struct CellValue {
     enum class Kind { missing, text, nan, infinity, number };
 
     Kind kind = Kind::missing;
-    bool negative = false;  ///< sign of a number or an infinity; NaN has none
-    std::string digits;     ///< |number| = digits · 10^exponent, without zeros at either end; empty is zero
+    bool is_negative = false;  ///< sign of a number or an infinity; NaN has none
+    std::string digits;        ///< |number| = digits · 10^exponent, without zeros at either end; empty is zero
     int exponent = 0;
 
     [[nodiscard]] bool operator==(const CellValue& other) const;
 
-    /// The double nearest to a number, with its sign.
-    [[nodiscard]] double approximate() const;
+    /// The double nearest to the number, with its sign.
+    [[nodiscard]] double to_double() const;
 };
 
 /// Reads a decimal, a C hexadecimal float, or `nan`, `inf`, `infinity` in any case with or without a sign. Everything

@@ -44,7 +44,7 @@ fs::path absolute_path(const fs::path& path) {
 }
 
 /// Path relative to the folder; empty if the path is not inside the folder.
-std::string name_in(const fs::path& folder, const fs::path& path) {
+std::string relative_name(const fs::path& folder, const fs::path& path) {
     const fs::path relative = absolute_path(path).lexically_relative(folder);
     return relative.empty() || *relative.begin() == ".." ? "" : relative.generic_string();
 }
@@ -61,22 +61,22 @@ bool is_half_written(const fs::path& path) {
     return name.starts_with('.') && name.find(".partial-") != std::string::npos;
 }
 
-void remove_abandoned(const fs::path& folder) {
+void remove_abandoned_files(const fs::path& folder) {
     std::error_code ignored;
     for (auto entry = fs::recursive_directory_iterator(folder, ignored); entry != fs::end(entry);
          entry.increment(ignored)) {
         if (is_half_written(entry->path()) && fs::is_regular_file(entry->symlink_status(ignored)))
-            remove_if_abandoned(entry->path());
+            remove_abandoned_file(entry->path());
     }
 }
 
-std::string text_in(const fs::path& file) {
+std::string read_text(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 /// True if a live run is writing the folder that holds this marker.
-bool is_held(const fs::path& marker) {
+bool is_locked_by_run(const fs::path& marker) {
     const int fd = ::open(marker.c_str(), O_RDONLY | O_CLOEXEC);
     if (fd < 0) return false;
     const bool is_locked = ::flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
@@ -97,44 +97,44 @@ std::string command_name(const std::string& command) {
 
 }  // namespace
 
-std::optional<Provenance> ResultFolder::last_run_in(const fs::path& folder) {
+std::optional<Provenance> ResultFolder::last_run(const fs::path& folder) {
     const auto runs = manifest_runs(folder);
     if (runs.empty()) return {};
     return runs.front().provenance;
 }
 
-std::string ResultFolder::unfinished_in(const fs::path& folder) {
+std::string ResultFolder::unfinished_sentence(const fs::path& folder) {
     const fs::path marker = folder / marker_name;
-    if (!text_in(marker).starts_with(marker_sentence)) return "";
-    if (is_held(marker))
+    if (!read_text(marker).starts_with(marker_sentence)) return "";
+    if (is_locked_by_run(marker))
         return fmt::format("{}: is not finished: a run is writing to it now; wait until it ends", folder.string());
     return fmt::format("{}: is not finished: the run that wrote it was stopped; run the command in its {} again",
                        folder.string(), marker_name);
 }
 
-ResultFolder::ResultFolder(fs::path folder, Provenance made_by, Rules rules)
+ResultFolder::ResultFolder(fs::path folder, Provenance provenance, Rules rules)
     : folder_(absolute_path(folder)),
-      made_by_(std::move(made_by)),
+      provenance_(std::move(provenance)),
       rules_(rules),
       initial_exceptions_(std::uncaught_exceptions()) {
     std::error_code error, ignored;
     for (auto missing_folder = folder_;
          missing_folder != missing_folder.parent_path() && !fs::exists(fs::symlink_status(missing_folder, ignored));
          missing_folder = missing_folder.parent_path())
-        created_.push_back(missing_folder);
+        created_folders_.push_back(missing_folder);
     fs::create_directories(folder_, error);
     if (!fs::is_directory(folder_, ignored))
         throw EnvironmentError(fmt::format("{}: cannot create the folder: {}; choose another -o", folder.string(),
                                            error ? error.message() : "a file has that name"));
     for (ManifestRun& run : manifest_runs(folder_)) {
-        if (rules_.shared && command_name(run.provenance.command) != command_name(made_by_.command))
+        if (rules_.is_shared && command_name(run.provenance.command) != command_name(provenance_.command))
             other_runs_.push_back(std::move(run));
         else earlier_files_.merge(run.files);
     }
     require_own_manifest();
-    if (!rules_.keep) require_removable_results();
-    if (!rules_.force && !rules_.shared) require_no_strange_results();
-    if (!rules_.keep) {
+    if (!rules_.continues_run) require_removable_results();
+    if (!rules_.allows_unlisted && !rules_.is_shared) require_no_unlisted_results();
+    if (!rules_.continues_run) {
         for (const std::string& name : earlier_files_) scene::toml::note_written(folder_ / name);
     }
     lock_fd_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -143,8 +143,8 @@ ResultFolder::ResultFolder(fs::path folder, Provenance made_by, Rules rules)
         ::close(lock_fd_);
         throw another_run_error(folder);
     }
-    remove_abandoned(folder_);
-    if (rules_.keep) files_ = earlier_files_;
+    remove_abandoned_files(folder_);
+    if (rules_.continues_run) files_ = earlier_files_;
     const std::lock_guard lock(owned_folders().mutex);
     owned_folders().folders.push_back(this);
 }
@@ -158,10 +158,11 @@ ResultFolder::~ResultFolder() {
     if (marker_fd_ >= 0) ::close(marker_fd_);
     if (lock_fd_ >= 0) ::close(lock_fd_);
     std::error_code ignored;
-    for (const auto& created : created_) fs::remove(created, ignored);  // folders that are not empty stay
+    for (const auto& created_folder : created_folders_)
+        fs::remove(created_folder, ignored);  // folders that are not empty stay
 }
 
-void ResultFolder::require_no_strange_results() const {
+void ResultFolder::require_no_unlisted_results() const {
     std::vector<std::string> unlisted;
     std::error_code ignored;
     for (auto entry = fs::recursive_directory_iterator(folder_, ignored); entry != fs::end(entry);
@@ -169,7 +170,7 @@ void ResultFolder::require_no_strange_results() const {
         if (entry->is_directory(ignored) && fs::exists(entry->path() / manifest_name, ignored))
             entry.disable_recursion_pending();
         if (!entry->is_regular_file(ignored) || !looks_like_a_result(entry->path())) continue;
-        const std::string name = name_in(folder_, entry->path());
+        const std::string name = relative_name(folder_, entry->path());
         if (!earlier_files_.contains(name)) unlisted.push_back(name);
     }
     if (unlisted.empty()) return;
@@ -199,7 +200,7 @@ void ResultFolder::require_own_file(const std::string& name) {
     const auto status = fs::symlink_status(path, ignored);
     if (!fs::exists(status)) return;
     const bool is_elsewhere =
-        name_in(fs::canonical(folder_, ignored), fs::weakly_canonical(path.parent_path(), ignored) / "x").empty();
+        relative_name(fs::canonical(folder_, ignored), fs::weakly_canonical(path.parent_path(), ignored) / "x").empty();
     const auto lists_file = [&name](const ManifestRun& run) { return run.files.contains(name); };
     const std::lock_guard lock(mutex_);
     const bool is_listed =
@@ -241,7 +242,7 @@ void ResultFolder::remove_earlier_results() const {
         const fs::path path = folder_ / name;
         // A listed name that leads through a link to another folder is somebody else's file.
         const fs::path parent = fs::canonical(path.parent_path(), ignored);
-        if (ignored || name_in(real_folder, parent / "x").empty() ||
+        if (ignored || relative_name(real_folder, parent / "x").empty() ||
             !fs::is_regular_file(fs::symlink_status(path, ignored)))
             continue;
         fs::remove(path, error);
@@ -254,7 +255,7 @@ void ResultFolder::remove_earlier_results() const {
 
 void ResultFolder::begin_results() {
     const fs::path marker = folder_ / marker_name;
-    const std::string old_text = text_in(marker);
+    const std::string old_text = read_text(marker);
     if (!old_text.empty() && !old_text.starts_with(marker_sentence))
         throw InputError(marker.string() +
                          ": has the name of the file in which a run says that it is not finished; rename that file");
@@ -267,15 +268,15 @@ void ResultFolder::begin_results() {
     const std::string text = fmt::format(
         "{}\nA run is writing them now, or was stopped:\n\n    {}\n\nRun that command again{}. It replaces the results "
         "and removes this file.\n",
-        marker_sentence, to_valid_utf8(made_by_.command),
-        rules_.resumes ? " with --resume to continue where it stopped (without --resume it starts over)" : "");
+        marker_sentence, to_valid_utf8(provenance_.command),
+        rules_.can_resume ? " with --resume to continue where it stopped (without --resume it starts over)" : "");
     // The text is written before the file is cut to size, so that nobody ever reads an empty marker of a run that has
     // results.
     if (::pwrite(marker_fd_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size()) ||
         ::ftruncate(marker_fd_, static_cast<off_t>(text.size())) != 0)
         throw EnvironmentError(fmt::format("{}: cannot write: {}; free space or choose another -o", marker.string(),
                                            std::generic_category().message(errno)));
-    if (!rules_.keep) remove_earlier_results();
+    if (!rules_.continues_run) remove_earlier_results();
 }
 
 /// Removes the marker. Returns 0, or the error number if it could not be removed.
@@ -302,7 +303,7 @@ void ResultFolder::add_result(const std::string& name) {
     if (files_.insert(name).second) write_manifest();
 }
 
-void ResultFolder::drop_result(const std::string& name) {
+void ResultFolder::remove_entry(const std::string& name) {
     const std::lock_guard lock(mutex_);
     if (files_.erase(name) > 0) write_manifest();
 }
@@ -311,13 +312,13 @@ void ResultFolder::write_manifest() {
     for (ManifestRun& other : other_runs_) {
         for (const std::string& name : files_) other.files.erase(name);
     }
-    write_file(folder_ / manifest_name, manifest_text({made_by_, files_}, other_runs_));
+    write_file(folder_ / manifest_name, manifest_text({provenance_, files_}, other_runs_));
 }
 
 ResultFolder* ResultFolder::owner_of(const fs::path& path, std::string& name) {
     const std::lock_guard lock(owned_folders().mutex);
     for (ResultFolder* folder : owned_folders().folders) {
-        name = name_in(folder->folder_, path);
+        name = relative_name(folder->folder_, path);
         if (!name.empty() && name != manifest_name) return folder;
     }
     return nullptr;
@@ -325,8 +326,9 @@ ResultFolder* ResultFolder::owner_of(const fs::path& path, std::string& name) {
 
 bool is_in_own_folder(const fs::path& path) {
     const std::lock_guard lock(owned_folders().mutex);
-    return std::ranges::any_of(owned_folders().folders,
-                               [&path](const ResultFolder* folder) { return !name_in(folder->folder_, path).empty(); });
+    return std::ranges::any_of(owned_folders().folders, [&path](const ResultFolder* folder) {
+        return !relative_name(folder->folder_, path).empty();
+    });
 }
 
 void note_result(const fs::path& path) {
@@ -334,7 +336,7 @@ void note_result(const fs::path& path) {
     if (ResultFolder* const owner = ResultFolder::owner_of(path, name)) owner->add_result(name);
 }
 
-void require_own(const fs::path& path) {
+void require_own_result(const fs::path& path) {
     std::string name;
     if (ResultFolder* const owner = ResultFolder::owner_of(path, name)) owner->require_own_file(name);
 }
@@ -346,17 +348,17 @@ std::string external_forms_text(const Provenance& provenance) {
     return text;
 }
 
-void forget_result(const fs::path& path) {
+void remove_result(const fs::path& path) {
     std::error_code error;
     fs::remove(path, error);
     if (error)
         throw EnvironmentError(fmt::format("{}: is no longer needed and cannot be removed: {}; remove it",
                                            path.string(), error.message()));
     std::string name;
-    if (ResultFolder* const owner = ResultFolder::owner_of(path, name)) owner->drop_result(name);
+    if (ResultFolder* const owner = ResultFolder::owner_of(path, name)) owner->remove_entry(name);
 }
 
-void add_generator(const fs::path& path, std::vector<std::pair<std::string, std::string>>& attributes) {
+void add_provenance(const fs::path& path, std::vector<std::pair<std::string, std::string>>& attributes) {
     const auto provenance = provenance_of(path);
     if (!provenance) return;
     for (const auto& [name, value] : {std::pair("lostbits:command", provenance->command),
@@ -368,7 +370,7 @@ void add_generator(const fs::path& path, std::vector<std::pair<std::string, std:
     }
 }
 
-std::vector<std::string> figures_in(const fs::path& path) {
+std::vector<std::string> figure_kinds(const fs::path& path) {
     if (path.extension() == ".svg") return {"svg"};
     std::string name;
     const ResultFolder* const owner = ResultFolder::owner_of(path, name);
@@ -377,7 +379,7 @@ std::vector<std::string> figures_in(const fs::path& path) {
 
 std::optional<Provenance> provenance_of(const fs::path& path) {
     std::string name;
-    if (const ResultFolder* const owner = ResultFolder::owner_of(path, name)) return owner->made_by_;
+    if (const ResultFolder* const owner = ResultFolder::owner_of(path, name)) return owner->provenance_;
     return {};
 }
 

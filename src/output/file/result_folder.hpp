@@ -22,23 +22,29 @@ struct Provenance {
 
 /// Options of a folder of results.
 struct ResultFolderRules {
-    bool force = false;  ///< results that are in no manifest are allowed there; they stay and are not replaced
-    /// True if others keep files in the folder on purpose. Results that are in no manifest are then allowed. Results of
+    /// Set by `--force`: the folder may hold results that no manifest lists. They stay and are not replaced.
+    bool allows_unlisted = false;
+    /// True if others keep files in the folder on purpose. Results that no manifest lists are then allowed. Results of
     /// other commands of this program stay, in the folder and in the manifest.
-    bool shared = false;
-    bool keep = false;                      ///< files that the earlier run listed stay, because this run continues it
-    bool resumes = false;                   ///< a stopped run leaves its state, and `--resume` continues from it
+    bool is_shared = false;
+    /// True if this run continues the earlier one. The files that the earlier run listed then stay.
+    bool continues_run = false;
+    /// True if a stopped run leaves its state, so that `--resume` can continue it.
+    bool can_resume = false;
     std::vector<std::string> figures = {};  ///< kinds of pictures: png, svg, pdf; empty: png
 };
 
 /// A folder of results that this run owns for the lifetime of the object.
 ///
-/// Every file is listed in `manifest.json` before it gets its final name in the folder. Just before the first result,
-/// the files that the manifest of an earlier run lists are removed. So a folder never holds the results of two runs,
-/// and a run that ends without results leaves the earlier ones. Files that no manifest lists belong to somebody else
-/// and stay. Half-written files of killed runs (`.NAME.partial-…`) are removed at once, unless their run is alive.
-/// From the first result to the last the folder holds `UNFINISHED.txt`, which says that the folder is not finished; a
-/// run that is killed or ends by an exception leaves that file.
+/// The object lists each file in `manifest.json` before the file gets its final name. Just before the first result it
+/// removes the files that the manifest of an earlier run lists. A folder therefore never holds the results of two runs,
+/// and a run that ends without results leaves the earlier results in place.
+///
+/// Files that no manifest lists belong to somebody else and stay. Half-written files of killed runs
+/// (`.NAME.partial-…`) are removed at once; those of a run that is still writing stay.
+///
+/// From the first result to the last the folder holds `UNFINISHED.txt`, which says that the results are not complete. A
+/// run that is killed, or that ends by an exception, leaves that file.
 class ResultFolder {
 public:
     using Rules = ResultFolderRules;
@@ -50,7 +56,7 @@ public:
 
     /// Throws InputError if the folder holds results that no manifest lists, or if another run is writing to the
     /// folder; EnvironmentError if the folder cannot be made, or if results of an earlier run cannot be removed.
-    ResultFolder(std::filesystem::path folder, Provenance made_by, Rules rules);
+    ResultFolder(std::filesystem::path folder, Provenance provenance, Rules rules);
     /// Marks the results as complete, unless an exception is propagating. Removes the folder if this object made it and
     /// it is empty.
     ~ResultFolder();
@@ -63,24 +69,24 @@ public:
     void complete();
 
     /// The last run in the manifest of a folder; nothing if the folder has no manifest of this program.
-    [[nodiscard]] static std::optional<Provenance> last_run_in(const std::filesystem::path& folder);
+    [[nodiscard]] static std::optional<Provenance> last_run(const std::filesystem::path& folder);
 
     /// A sentence that says that the results of a folder are not complete, and what to do; empty if they are complete.
-    [[nodiscard]] static std::string unfinished_in(const std::filesystem::path& folder);
+    [[nodiscard]] static std::string unfinished_sentence(const std::filesystem::path& folder);
 
 private:
     friend void note_result(const std::filesystem::path& path);
-    friend void require_own(const std::filesystem::path& path);
-    friend void forget_result(const std::filesystem::path& path);
+    friend void require_own_result(const std::filesystem::path& path);
+    friend void remove_result(const std::filesystem::path& path);
     friend bool is_in_own_folder(const std::filesystem::path& path);
     friend std::optional<Provenance> provenance_of(const std::filesystem::path& path);
-    friend std::vector<std::string> figures_in(const std::filesystem::path& path);
+    friend std::vector<std::string> figure_kinds(const std::filesystem::path& path);
     static ResultFolder* owner_of(const std::filesystem::path& path, std::string& name);
-    void require_no_strange_results() const;
+    void require_no_unlisted_results() const;
     void require_own_manifest() const;
     void require_own_file(const std::string& name);
     void add_result(const std::string& name);
-    void drop_result(const std::string& name);
+    void remove_entry(const std::string& name);
     void write_manifest();
     void begin_results();
     [[nodiscard]] int remove_marker() noexcept;
@@ -88,9 +94,9 @@ private:
     void remove_earlier_results() const;
 
     std::filesystem::path folder_;  // absolute, normal
-    Provenance made_by_;
+    Provenance provenance_;
     Rules rules_;
-    std::vector<std::filesystem::path> created_;  // folders that were not there, deepest first
+    std::vector<std::filesystem::path> created_folders_;  // folders that this object made, deepest first
     std::set<std::string> earlier_files_, files_;
     std::vector<ManifestRun> other_runs_;  // runs of other commands and their files, if the folder is shared
     std::mutex mutex_;
@@ -105,19 +111,18 @@ inline constexpr const char* manifest_name = "manifest.json";
 /// program.
 [[nodiscard]] std::vector<ResultFolder::ManifestRun> manifest_runs(const std::filesystem::path& folder);
 /// The text of a manifest.
-[[nodiscard]] std::string manifest_text(const ResultFolder::ManifestRun& last,
+[[nodiscard]] std::string manifest_text(const ResultFolder::ManifestRun& last_run,
                                         const std::vector<ResultFolder::ManifestRun>& others);
 
-/// Called by AtomicFile when a file is about to get its final name.
+/// Adds a file to the manifest of its folder. AtomicFile calls this just before the file gets its final name.
 void note_result(const std::filesystem::path& path);
 
-/// Called by AtomicFile. Throws InputError if the path is in the folder of a run and a file there belongs to somebody
-/// else: no manifest lists the file, or the file is a link or is reached through one.
-void require_own(const std::filesystem::path& path);
+/// Throws InputError if the path is in the folder of a run and the file there belongs to somebody else: no manifest
+/// lists the file, or the file is a link or is reached through one. AtomicFile calls this before it opens a file.
+void require_own_result(const std::filesystem::path& path);
 
-/// Removes a file, and its entry in the manifest: the state of an unfinished run is no longer needed when the run
-/// ends.
-void forget_result(const std::filesystem::path& path);
+/// Removes a file and its entry in the manifest. A run does this at its end with the state that `--resume` reads.
+void remove_result(const std::filesystem::path& path);
 
 /// True if the path is in a folder that a run of this process owns now.
 [[nodiscard]] bool is_in_own_folder(const std::filesystem::path& path);
@@ -127,11 +132,11 @@ void forget_result(const std::filesystem::path& path);
 
 /// Adds the attributes `lostbits:command`, `lostbits:program` and `lostbits:forms` of the run that owns the folder of
 /// `path`. Skips empty values, and names that `attributes` already has.
-void add_generator(const std::filesystem::path& path, std::vector<std::pair<std::string, std::string>>& attributes);
+void add_provenance(const std::filesystem::path& path, std::vector<std::pair<std::string, std::string>>& attributes);
 
-/// Kinds of pictures written by the run that owns the folder of `path`, at least one: png unless `--figure` names
-/// others. A path that ends in .svg asks for that kind alone.
-[[nodiscard]] std::vector<std::string> figures_in(const std::filesystem::path& path);
+/// Kinds of pictures that the run that owns the folder of `path` writes, at least one: png unless `--figure` names
+/// others. For a path that ends in .svg: svg alone.
+[[nodiscard]] std::vector<std::string> figure_kinds(const std::filesystem::path& path);
 
 /// The run that owns the folder of `path`; nothing if no run of this process does.
 [[nodiscard]] std::optional<Provenance> provenance_of(const std::filesystem::path& path);

@@ -10,19 +10,19 @@ namespace lostbits::output::image {
 namespace {
 
 constexpr int ramp_width = 16;
-constexpr int swatch = 12;
+constexpr int swatch_size = 12;
 constexpr int swatch_gap = 6;
 constexpr int column_gap = 18;
 
-std::uint8_t blend(std::uint8_t paper, std::uint8_t ink, int coverage) {
-    return static_cast<std::uint8_t>((paper * (255 - coverage) + ink * coverage + 127) / 255);
+std::uint8_t blend(std::uint8_t background, std::uint8_t ink, int coverage) {
+    return static_cast<std::uint8_t>((background * (255 - coverage) + ink * coverage + 127) / 255);
 }
 
 std::string entry_text(const LegendEntry& entry) {
     return entry.count.empty() ? entry.label : entry.label + "  " + entry.count;
 }
 
-/// End of the first whole UTF-8 character that ends at or after byte `n`.
+/// End of the first UTF-8 character that ends at or after byte `n`.
 std::size_t character_end(std::string_view text, std::size_t n) {
     while (n < text.size() && (static_cast<unsigned char>(text[n]) & 0xC0) == 0x80) ++n;
     return std::min(n, text.size());
@@ -92,10 +92,10 @@ public:
         blend_in({line.x, line.y, line.text.width, line.text.height}, line.text.coverage, mark, 1);
     }
 
-    void paint(const CanvasMark::Coat& coat, const CanvasMark& mark) {
-        const PixelBox box = figure_bounds(coat.figures, mark.clip);
+    void paint(const CanvasMark::FigureGroup& group, const CanvasMark& mark) {
+        const PixelBox box = figure_bounds(group.figures, mark.clip);
         if (box.width > 0 && box.height > 0)
-            blend_in(box, image_backend().cover(coat.figures, box), mark, coat.opacity);
+            blend_in(box, image_backend().cover(group.figures, box), mark, group.opacity);
     }
 
     void paint(const CanvasMark::Field& field, const CanvasMark& mark) {
@@ -135,11 +135,11 @@ private:
 
 }  // namespace
 
-Canvas::Canvas(int width, int height, Rgb8 paper)
-    : width_(std::max(width, 0)), height_(std::max(height, 0)), paper_(paper) {}
+Canvas::Canvas(int width, int height, Rgb8 background)
+    : width_(std::max(width, 0)), height_(std::max(height, 0)), background_(background) {}
 
 std::vector<Rgb8> Canvas::pixels() const {
-    std::vector<Rgb8> pixels(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), paper_);
+    std::vector<Rgb8> pixels(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), background_);
     Painter painter(pixels, width_);
     draw_with([&painter](const auto& shape, const CanvasMark& mark) { painter.paint(shape, mark); });
     return pixels;
@@ -170,10 +170,10 @@ void Canvas::field(const PixelBox& box, int columns, std::vector<Rgb8> samples) 
         marks_.push_back({CanvasMark::Field{box, columns, std::move(samples)}, {}, bounds(), mark_data_});
 }
 
-void Canvas::coat(const PixelBox& box, std::vector<Figure> figures, Rgb8 colour, double opacity) {
+void Canvas::draw_figures(const PixelBox& box, std::vector<Figure> figures, Rgb8 colour, double opacity) {
     if (!figures.empty())
         marks_.push_back(
-            {CanvasMark::Coat{std::move(figures), opacity}, colour, intersection(box, bounds()), mark_data_});
+            {CanvasMark::FigureGroup{std::move(figures), opacity}, colour, intersection(box, bounds()), mark_data_});
 }
 
 namespace {
@@ -183,8 +183,8 @@ void move(CanvasMark::Line& line, int x, int y) {
     line.y += y;
 }
 
-void move(CanvasMark::Coat& coat, int x, int y) {
-    for (Figure& figure : coat.figures)
+void move(CanvasMark::FigureGroup& group, int x, int y) {
+    for (Figure& figure : group.figures)
         for (Point& point : figure.points) point = {point.x + x, point.y + y};
 }
 
@@ -192,7 +192,7 @@ void move(CanvasMark::Field& field, int x, int y) { field.box = moved(field.box,
 
 }  // namespace
 
-void Canvas::picture(int x, int y, const Canvas& other) {
+void Canvas::draw_canvas(int x, int y, const Canvas& other) {
     for (const CanvasMark& mark : other.marks_) {
         if (const auto* const fill_shape = std::get_if<CanvasMark::Fill>(&mark.shape)) {
             for (const PixelBox& box : fill_shape->boxes)
@@ -225,7 +225,7 @@ namespace {
 std::vector<std::string_view> wrapped_lines(std::string_view text, int size, bool bold, int width) {
     std::vector<std::string_view> lines;
     while (!text.empty()) {
-        // Every letter has at most four bytes and is at least a pixel wide. Without this limit, cutting lines off a
+        // A letter has at most four bytes and is at least a pixel wide. Without this limit, cutting lines off a
         // long text would take quadratic time.
         const auto max_bytes = 4 * static_cast<std::size_t>(std::max(width, 1));
         std::size_t length = fitting_prefix(text.substr(0, character_end(text, max_bytes)), size, bold, width);
@@ -339,14 +339,14 @@ Legend::Legend(std::span<const LegendEntry> widest, int width) : width_(width), 
     if (widest.empty()) return;
     for (const auto& entry : widest) {
         const int entry_width =
-            swatch + 2 + swatch_gap + image_backend().render_text(entry_text(entry), style::text_size).width;
+            swatch_size + 2 + swatch_gap + image_backend().render_text(entry_text(entry), style::text_size).width;
         column_width_ = std::max(column_width_, entry_width);
     }
     column_width_ = std::min(column_width_, width);
     const int count = static_cast<int>(widest.size());
     columns_ = std::clamp((width + column_gap) / (column_width_ + column_gap), 1, count);
     const int rows = (count + columns_ - 1) / columns_;
-    columns_ = (count + rows - 1) / rows;  // three and three instead of five and one
+    columns_ = (count + rows - 1) / rows;  // rows of equal length: 3 + 3 entries rather than 5 + 1
     height_ = rows * (style::line_height(style::text_size) + 4);
 }
 
@@ -356,12 +356,12 @@ Canvas Legend::draw(std::span<const LegendEntry> entries) const {
     for (std::size_t i = 0; i < entries.size(); ++i) {
         const int x = static_cast<int>(i) % columns_ * (column_width_ + column_gap);
         const int y = static_cast<int>(i) / columns_ * (style::line_height(style::text_size) + 4);
-        out.fill(x + 1, y + 3, swatch, swatch, entries[i].colour);
-        out.frame(x + 1, y + 3, swatch, swatch, style::line);
-        const int text_x = x + swatch + 2 + swatch_gap;
+        out.fill(x + 1, y + 3, swatch_size, swatch_size, entries[i].colour);
+        out.frame(x + 1, y + 3, swatch_size, swatch_size, style::line);
+        const int text_x = x + swatch_size + 2 + swatch_gap;
         const auto text =
-            fit_text(entry_text(entries[i]), style::text_size, false, column_width_ - (swatch + 2 + swatch_gap));
-        out.text(text_x, y + 3 + swatch - text.baseline, text, style::ink);
+            fit_text(entry_text(entries[i]), style::text_size, false, column_width_ - (swatch_size + 2 + swatch_gap));
+        out.text(text_x, y + 3 + swatch_size - text.baseline, text, style::ink);
     }
     return out;
 }

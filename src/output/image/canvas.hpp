@@ -20,11 +20,11 @@ inline constexpr Rgb8 page{250, 250, 248};
 inline constexpr Rgb8 ink{32, 32, 36};
 inline constexpr Rgb8 soft_ink{96, 96, 104};
 inline constexpr Rgb8 line{176, 176, 180};
-inline constexpr int margin = 16;                      // pixels around everything
-inline constexpr int gap = 14;                         // between parts
-inline constexpr int least_content = 440;              // space for a title and a legend beside a narrow field
-inline constexpr int least_bar = 150, most_bar = 480;  // height of the colour bar in pixels
-inline constexpr int title_size = 18;                  // pixels per em
+inline constexpr int margin = 16;              // pixels around everything
+inline constexpr int gap = 14;                 // between parts
+inline constexpr int min_content_width = 440;  // space for a title and a legend beside a narrow field
+inline constexpr int min_bar_height = 150, max_bar_height = 480;  // of the colour bar, in pixels
+inline constexpr int title_size = 18;                             // pixels per em
 inline constexpr int text_size = 13;
 inline constexpr int small_size = 11;
 inline constexpr int smallest_size = 9;  // smaller letters are not legible
@@ -47,17 +47,17 @@ struct CanvasMark {
     struct Fill {
         std::vector<PixelBox> boxes;
     };
-    /// A line of text; its upper left corner.
+    /// A line of text, and its upper left corner.
     struct Line {
         int x, y;
         TextBitmap text;
     };
-    /// Figures that are painted together.
-    struct Coat {
+    /// Figures that are painted as one, so that overlaps are not darker.
+    struct FigureGroup {
         std::vector<Figure> figures;
         double opacity;
     };
-    /// Samples row by row, stretched to the box; a sample is a flat rectangle.
+    /// Samples row by row, stretched to the box: each sample becomes a rectangle of one colour.
     struct Field {
         PixelBox box;
         int columns;
@@ -65,24 +65,24 @@ struct CanvasMark {
 
         [[nodiscard]] int rows() const { return static_cast<int>(samples.size()) / columns; }
     };
-    std::variant<Fill, Line, Coat, Field> shape;
-    Rgb8 colour;    ///< colour of every shape but a field
+    std::variant<Fill, Line, FigureGroup, Field> shape;
+    Rgb8 colour;    ///< colour of the shape; unused by a field
     PixelBox clip;  ///< anything outside this box is cut off
     std::shared_ptr<const MarkData> data = {};
 };
 
-/// A drawing of whole pixels in size. It keeps its marks in the order in which they are drawn. Anything outside is cut
-/// off.
+/// A drawing whose size is a whole number of pixels. It keeps its marks in the order in which they are drawn. Anything
+/// outside is cut off.
 class Canvas {
 public:
-    Canvas(int width, int height, Rgb8 paper = style::page);
+    Canvas(int width, int height, Rgb8 background = style::page);
 
     [[nodiscard]] int width() const noexcept { return width_; }
     [[nodiscard]] int height() const noexcept { return height_; }
-    [[nodiscard]] Rgb8 paper() const noexcept { return paper_; }
+    [[nodiscard]] Rgb8 background() const noexcept { return background_; }
 
-    /// Passes each mark to a writer, `write(shape, mark)`, in the order in which the marks are drawn. The writers of
-    /// all kinds of files use it.
+    /// Calls `write(shape, mark)` for each mark, in the order in which the marks are drawn. The writers of PNG, SVG and
+    /// PDF use it.
     void draw_with(auto&& write) const {
         for (const CanvasMark& mark : marks_) std::visit([&](const auto& shape) { write(shape, mark); }, mark.shape);
     }
@@ -96,24 +96,24 @@ public:
     /// Draws samples row by row, `columns` in a row, each as a rectangle of the box.
     void field(const PixelBox& box, int columns, std::vector<Rgb8> samples);
     /// Blends `colour` into the pixels of the box that the figures cover.
-    void coat(const PixelBox& box, std::vector<Figure> figures, Rgb8 colour, double opacity = 1);
+    void draw_figures(const PixelBox& box, std::vector<Figure> figures, Rgb8 colour, double opacity = 1);
     /// Gives `data` to the marks that follow, until the next call.
     void set_mark_data(MarkData data) { mark_data_ = std::make_shared<const MarkData>(std::move(data)); }
     void clear_mark_data() { mark_data_ = nullptr; }
-    /// Draws the marks of `other`, cut off at its edges, without its paper.
-    void picture(int x, int y, const Canvas& other);
+    /// Draws the marks of `other`, cut off at its edges, without its background.
+    void draw_canvas(int x, int y, const Canvas& other);
 
 private:
     [[nodiscard]] PixelBox bounds() const noexcept { return {0, 0, width_, height_}; }
 
     int width_, height_;
-    Rgb8 paper_;
+    Rgb8 background_;
     std::vector<CanvasMark> marks_;
     std::shared_ptr<const MarkData> mark_data_;
 };
 
-/// Collects figures of one colour and paints them together, so that neither a line that crosses itself nor the joint
-/// of two segments is darker than the rest. Anything outside the box is cut off.
+/// Collects figures of one colour and paints them together. Otherwise the joints of segments, and points where a line
+/// crosses itself, would be darker than the rest. Anything outside the box is cut off.
 class Stroke {
 public:
     explicit Stroke(const PixelBox& box) : box_(box) {}
@@ -131,7 +131,7 @@ public:
 
     /// Draws the figures on the canvas and forgets them.
     void paint(Canvas& canvas, Rgb8 colour, double opacity = 1) {
-        canvas.coat(box_, std::exchange(figures_, {}), colour, opacity);
+        canvas.draw_figures(box_, std::exchange(figures_, {}), colour, opacity);
     }
 
 private:
@@ -155,15 +155,15 @@ private:
 /// Colour bar with its ticks to the right and its unit above, `height` pixels in total.
 [[nodiscard]] Canvas colour_bar(const ColourScale& scale, std::string_view unit, int height);
 
-/// One class in the legend: its colour, its name and its number of pixels.
+/// One class in a legend: its colour, its name and its number of pixels.
 struct LegendEntry {
     std::string label;  ///< `false miss`
     Rgb8 colour;
     std::string count;  ///< `1234 (3.1%)`, or empty
 };
 
-/// The legend below a picture. Its size is measured before the work, with the widest possible counts. The legend is
-/// drawn after the work, with the real counts.
+/// The legend below a picture. Its size is measured before the run, with the widest possible counts; it is drawn after
+/// the run, with the actual counts.
 class Legend {
 public:
     /// `widest` lists every possible entry, each with the widest `count` it can have.

@@ -11,8 +11,8 @@
 namespace lostbits::output::image {
 namespace {
 
-// Kelly's idea of maximal contrast, with colours that can be told apart on a screen.
-constexpr std::array<Rgb8, 20> object_colours{{
+// Colours of maximal contrast, an idea of Kelly's, that can be told apart on a screen.
+constexpr std::array<Rgb8, 20> first_colours{{
     {230, 159, 0},  {86, 180, 233},  {0, 158, 115},   {240, 228, 66},  {0, 114, 178},
     {213, 94, 0},   {204, 121, 167}, {153, 221, 85},  {136, 34, 85},   {170, 170, 255},
     {153, 102, 51}, {68, 221, 221},  {255, 153, 136}, {102, 51, 170},  {187, 187, 119},
@@ -39,16 +39,17 @@ inline Rgb8 colour_at(const std::vector<Rgb8>& table, double position) {
     return table[below + (exact_index - static_cast<double>(below) >= 0.5 ? 1 : 0)];
 }
 
-bool divides(double step, double value) {
+bool is_divisor(double step, double value) {
     const double n = value / step;
     return std::fabs(n - std::round(n)) < 1e-6;
 }
 
 /// A round step of at least `min_step`: a step that divides both ends if there is one, else the step of axes.
-double step_between(double lo, double hi, double min_step) {
+double choose_step(double lo, double hi, double min_step) {
     const double power_of_10 = std::pow(10.0, std::floor(std::log10(min_step)));
     for (const double m : {1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0}) {
-        if (m * power_of_10 >= min_step * (1 - 1e-9) && divides(m * power_of_10, lo) && divides(m * power_of_10, hi))
+        if (m * power_of_10 >= min_step * (1 - 1e-9) && is_divisor(m * power_of_10, lo) &&
+            is_divisor(m * power_of_10, hi))
             return m * power_of_10;
     }
     return round_step(min_step);
@@ -107,9 +108,9 @@ private:
 
 Rgb8 distinct_colour(std::size_t index) {
     static const auto colours = [] {
-        std::vector<Rgb8> list(object_colours.begin(), object_colours.end());
+        std::vector<Rgb8> list(first_colours.begin(), first_colours.end());
         FarthestColours farthest;
-        for (const Rgb8 c : object_colours) farthest.exclude(c);
+        for (const Rgb8 c : first_colours) farthest.exclude(c);
         for (const Rgb8 c : outcome_colours) farthest.exclude(c);
         farthest.exclude({255, 255, 255});
         while (list.size() < 1000) list.push_back(farthest.take_next());
@@ -189,7 +190,7 @@ std::vector<ColourScale::Tick> ColourScale::ticks(int max_ticks) const {
                            has_plain_labels || e == 0 ? file::decimal(std::exp2(e)) : "2^" + file::decimal(e)});
         }
     } else {
-        const double step = step_between(lo_, hi_, (hi_ / 2 - lo_ / 2) / (max_ticks - 1) * 2);
+        const double step = choose_step(lo_, hi_, (hi_ / 2 - lo_ / 2) / (max_ticks - 1) * 2);
         for (const double value : multiples(step, lo_, hi_))
             out.push_back({position(value), file::short_decimal(value, tick_digits)});
     }

@@ -1,4 +1,4 @@
-// Colours of numbers, outcomes and objects, the same in every picture.
+// Colours of numbers, outcomes and primitives, the same in every picture.
 #pragma once
 
 #include <array>
@@ -97,7 +97,7 @@ public:
     [[nodiscard]] double hi() const noexcept { return hi_; }
     [[nodiscard]] Spacing spacing() const noexcept { return spacing_; }
     /// True if both scales give every value the same position.
-    [[nodiscard]] bool is_as(const ColourScale& o) const noexcept {
+    [[nodiscard]] bool is_same_scale(const ColourScale& o) const noexcept {
         return lo_ == o.lo_ && hi_ == o.hi_ && spacing_ == o.spacing_ && name_ == o.name_;
     }
 

@@ -72,15 +72,15 @@ ContactSheet::ContactSheet(const std::filesystem::path& path, SheetSpec spec)
     int bar_width = 0;
     for (const ColourScale& scale : spec_.scales) {
         const int single_bar_height =
-            std::clamp(block_height_ - style::gap - static_cast<int>(spec_.note_lines) * note_line, style::least_bar,
-                       style::most_bar);
+            std::clamp(block_height_ - style::gap - static_cast<int>(spec_.note_lines) * note_line,
+                       style::min_bar_height, style::max_bar_height);
         bars_.push_back(
             colour_bar(scale, spec_.unit,
                        has_bar_per_line ? std::max(line_bar_height, thumb_height_ + unit_height) : single_bar_height));
         bar_width = std::max(bar_width, bars_.back().width());
     }
     if (!bars_.empty()) content_width_ += style::gap + bar_width;
-    content_width_ = std::max(content_width_, style::least_content);
+    content_width_ = std::max(content_width_, style::min_content_width);
     heading_ = heading(spec_.title, spec_.subtitle, content_width_);
     files_ = std::make_unique<FigureFiles>(path);
 }
@@ -188,17 +188,17 @@ int ContactSheet::page_height(std::size_t columns, const Legend& legend) const {
     const int blocks = (static_cast<int>(columns) + columns_ - 1) / columns_,
               grid = blocks * (block_height_ + block_gap) - block_gap,
               bar = bars_.size() == 1 ? bars_.front().height() : 0;
-    return block_y(0) + (is_parted_ ? part_line : 0) + std::max(grid, bar) + legend.height() + style::margin;
+    return block_y(0) + (has_two_parts_ ? part_line : 0) + std::max(grid, bar) + legend.height() + style::margin;
 }
 
 int ContactSheet::block_y(int block) const {
-    const int lines = is_parted_ ? std::min(block + 1, 2) * part_line : 0;
+    const int lines = has_two_parts_ ? std::min(block + 1, 2) * part_line : 0;
     return style::margin + heading_.height() + style::gap + lines + block * (block_height_ + block_gap);
 }
 
-bool ContactSheet::are_alike(std::size_t a, std::size_t b) const {
+bool ContactSheet::look_alike(std::size_t form_a, std::size_t form_b) const {
     for (std::size_t first = 0; first < cells_.size(); first += spec_.forms.size()) {
-        const Cell &cell_a = cells_[first + a], &cell_b = cells_[first + b];
+        const Cell &cell_a = cells_[first + form_a], &cell_b = cells_[first + form_b];
         const bool is_drawn = cell_a.thumbnail && cell_a.thumbnail->is_complete();
         if (cell_a.note != cell_b.note || cell_a.zoom != cell_b.zoom ||
             is_drawn != (cell_b.thumbnail && cell_b.thumbnail->is_complete()))
@@ -213,7 +213,7 @@ std::vector<ContactSheet::FormGroup> ContactSheet::columns_of(std::span<const st
     for (std::size_t position = 0; position < spec_.forms.size(); ++position) {
         const std::size_t form = order.empty() ? position : order[position];
         const auto shared = std::ranges::find_if(
-            columns, [&](const FormGroup& column) { return spec_.collapses && are_alike(column.front(), form); });
+            columns, [&](const FormGroup& column) { return spec_.collapses && look_alike(column.front(), form); });
         if (shared == columns.end()) columns.push_back({form});
         else shared->push_back(form);
     }
@@ -221,13 +221,13 @@ std::vector<ContactSheet::FormGroup> ContactSheet::columns_of(std::span<const st
 }
 
 /// Sum of the differences of all colours of two forms; cells that are not complete are left out.
-std::uint64_t ContactSheet::difference(std::size_t a, std::size_t b) const {
+std::uint64_t ContactSheet::difference(std::size_t form_a, std::size_t form_b) const {
     const auto channel_difference = [](std::uint8_t x, std::uint8_t y) {
         return static_cast<std::uint64_t>(std::abs(x - y));
     };
     std::uint64_t sum = 0;
     for (std::size_t first = 0; first < cells_.size(); first += spec_.forms.size()) {
-        const Cell &cell_a = cells_[first + a], &cell_b = cells_[first + b];
+        const Cell &cell_a = cells_[first + form_a], &cell_b = cells_[first + form_b];
         if (!cell_a.thumbnail || !cell_a.thumbnail->is_complete() || !cell_b.thumbnail ||
             !cell_b.thumbnail->is_complete())
             continue;
@@ -281,11 +281,11 @@ void ContactSheet::draw_parts(Canvas& page, std::size_t columns) const {
 /// Draws one bar beside the first block, or a bar beside each line of every block, as high as its thumbnails.
 void ContactSheet::draw_bars(Canvas& page, std::size_t columns) const {
     const int x = style::margin + grid_width_ + style::gap;
-    if (bars_.size() == 1) return page.picture(x, block_y(0), bars_.front());
+    if (bars_.size() == 1) return page.draw_canvas(x, block_y(0), bars_.front());
     for (std::size_t line = 0; line < bars_.size(); ++line) {
         const int y = column_head_height_ - unit_height + static_cast<int>(line) * row_height_;
         for (std::size_t column = 0; column < columns; column += static_cast<std::size_t>(columns_))
-            page.picture(x, block_y(static_cast<int>(column) / columns_) + y, bars_[line]);
+            page.draw_canvas(x, block_y(static_cast<int>(column) / columns_) + y, bars_[line]);
     }
 }
 
@@ -317,15 +317,15 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
     }
     const Legend classes(legend, content_width_);
     auto columns = columns_of(order);
-    is_parted_ = spec_.collapses && !order.empty() && columns.size() > static_cast<std::size_t>(columns_);
-    if (is_parted_) move_most_different_first(columns);
+    has_two_parts_ = spec_.collapses && !order.empty() && columns.size() > static_cast<std::size_t>(columns_);
+    if (has_two_parts_) move_most_different_first(columns);
     if (columns.size() < spec_.forms.size()) {  // the names of forms that share a column are a line of their own
         column_head_height_ += name_line;
         block_height_ += name_line;
     }
     Canvas page(content_width_ + 2 * style::margin, page_height(columns.size(), classes));
-    page.picture(style::margin, style::margin, heading_);
-    if (is_parted_) draw_parts(page, columns.size());
+    page.draw_canvas(style::margin, style::margin, heading_);
+    if (has_two_parts_) draw_parts(page, columns.size());
     for (std::size_t position = 0; position < columns.size(); ++position) {
         const int column_in_block = static_cast<int>(position) % columns_,
                   y = block_y(static_cast<int>(position) / columns_);
@@ -340,7 +340,7 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
         }
     }
     draw_bars(page, columns.size());
-    page.picture(style::margin, page.height() - style::margin - classes.height(), classes.draw(legend));
+    page.draw_canvas(style::margin, page.height() - style::margin - classes.height(), classes.draw(legend));
     files_->save(page);
 }
 

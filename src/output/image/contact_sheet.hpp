@@ -44,16 +44,16 @@ public:
 private:
     void add_row(int y, std::span<const Rgb8> samples);
     void pick_row(int y, std::span<const Rgb8> samples);
-    void resolve();
+    void average_sums();
 
     int field_width_, field_height_, width_, height_;
     Shrink shrink_;
-    int factor_ = 0;  // factor of enlargement; 0: made smaller
+    int factor_ = 0;  // factor of enlargement; 0: the field is shrunk
     int added_rows_ = 0;
-    /// Pixel into which a column of the field falls, and its weight there. The rest falls into the next pixel.
+    /// Pixel into which a column of the field falls, its weight there, and its weight in the next pixel.
     struct Overlap {
         std::size_t pixel;
-        std::uint64_t weight, rest;
+        std::uint64_t weight, next_weight;
     };
     static std::vector<Overlap> overlaps(std::int64_t field, std::int64_t thumbnail);
     std::vector<Overlap> across_, down_;
@@ -68,9 +68,9 @@ struct SheetSpec {
     std::vector<std::string> forms = {};    ///< across
     std::vector<std::string> formats = {};  ///< down
     int field_width = 0, field_height = 0;  ///< size of every cell, in samples
-    std::vector<ColourScale> scales = {};   ///< none; one for all cells; or one for each line of cells
+    std::vector<ColourScale> scales = {};   ///< empty, or one for all cells, or one for each line of cells
     std::string unit = {};                  ///< label over a colour bar
-    bool shows_categories = false;          ///< colours are names, so cells are not averaged
+    bool shows_categories = false;          ///< colours stand for categories, so they are not averaged
     std::size_t note_lines = 4;             ///< number of lines of small text under each cell
     bool collapses = false;                 ///< forms whose cells and texts are all the same share a column
     bool zooms = false;                     ///< cells keep their samples, so that `set_zoom` can enlarge some of them
@@ -116,9 +116,9 @@ private:
     /// Forms that share a column. The first of them is drawn.
     using FormGroup = std::vector<std::size_t>;
     Cell& cell(std::size_t form, std::size_t format);
-    [[nodiscard]] bool are_alike(std::size_t a, std::size_t b) const;
+    [[nodiscard]] bool look_alike(std::size_t form_a, std::size_t form_b) const;
     [[nodiscard]] std::vector<FormGroup> columns_of(std::span<const std::size_t> order) const;
-    [[nodiscard]] std::uint64_t difference(std::size_t a, std::size_t b) const;
+    [[nodiscard]] std::uint64_t difference(std::size_t form_a, std::size_t form_b) const;
     void move_most_different_first(std::vector<FormGroup>& columns) const;
     [[nodiscard]] int block_y(int block) const;
     [[nodiscard]] int page_height(std::size_t columns, const Legend& legend) const;
@@ -135,7 +135,7 @@ private:
     int columns_ = 1, cell_width_ = 0, row_label_width_ = 0, column_head_height_ = 0, row_height_ = 0,
         block_height_ = 0;
     int content_width_ = 0, grid_width_ = 0;
-    bool is_parted_ = false;  ///< the first block has the six forms that differ most
+    bool has_two_parts_ = false;  ///< the first block has the six forms that differ most
     Canvas heading_{0, 0};
     std::vector<Canvas> bars_;  // one per scale
     std::unique_ptr<FigureFiles> files_;

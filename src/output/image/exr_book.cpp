@@ -40,13 +40,13 @@ void append_attribute(std::string& out, const std::string& name, const char* typ
 }
 
 template <class Number>
-std::string packed(std::initializer_list<Number> numbers) {
+std::string to_bytes(std::initializer_list<Number> numbers) {
     std::string bytes;
     for (const Number x : numbers) append_number(bytes, x);
     return bytes;
 }
 
-int blocks_of(const ExrSpec& spec) { return (spec.height + block_lines - 1) / block_lines; }
+int block_count(const ExrSpec& spec) { return (spec.height + block_lines - 1) / block_lines; }
 
 /// Indices of the channels in the spec, sorted by name as in the file.
 std::vector<std::size_t> sorted_channels(const ExrSpec& spec) {
@@ -62,28 +62,28 @@ std::string channel_list(const ExrSpec& spec) {
         append_name(list, spec.channels[c].name);
         append_number(list, std::int32_t{spec.channels[c].type == Channel::Type::u32 ? 0 : 2});
         append_number(list, std::int32_t{0});  // not perceptually linear, and three reserved bytes
-        list += packed<std::int32_t>({1, 1});
+        list += to_bytes<std::int32_t>({1, 1});
     }
     list += '\0';
     return list;
 }
 
-std::string header_of(const ExrPart& part) {
+std::string header_bytes(const ExrPart& part) {
     const ExrSpec& spec = part.spec;
-    const auto window = packed<std::int32_t>({0, 0, spec.width - 1, spec.height - 1});
+    const auto window = to_bytes<std::int32_t>({0, 0, spec.width - 1, spec.height - 1});
     std::string out;
     append_attribute(out, "channels", "chlist", channel_list(spec));
     append_attribute(out, "compression", "compression", "\3");
     append_attribute(out, "dataWindow", "box2i", window);
     append_attribute(out, "displayWindow", "box2i", window);
     append_attribute(out, "lineOrder", "lineOrder", std::string(1, '\0'));
-    append_attribute(out, "pixelAspectRatio", "float", packed({1.0F}));
-    append_attribute(out, "screenWindowCenter", "v2f", packed({0.0F, 0.0F}));
-    append_attribute(out, "screenWindowWidth", "float", packed({1.0F}));
+    append_attribute(out, "pixelAspectRatio", "float", to_bytes({1.0F}));
+    append_attribute(out, "screenWindowCenter", "v2f", to_bytes({0.0F, 0.0F}));
+    append_attribute(out, "screenWindowWidth", "float", to_bytes({1.0F}));
     if (!part.name.empty()) {
         append_attribute(out, "name", "string", part.name);
         append_attribute(out, "type", "string", "scanlineimage");
-        append_attribute(out, "chunkCount", "int", packed<std::int32_t>({blocks_of(spec)}));
+        append_attribute(out, "chunkCount", "int", to_bytes<std::int32_t>({block_count(spec)}));
     }
     for (const auto& [name, value] : spec.attributes) append_attribute(out, name, "string", value);
     out += '\0';
@@ -96,24 +96,24 @@ bool has_long_name(const ExrPart& part) {
            std::ranges::any_of(part.spec.attributes, is_long, [](const auto& a) { return a.first; });
 }
 
-/// Compresses a block as EXR's ZIP does. The bytes at even indices come first, then the bytes at odd indices; each
-/// byte is replaced by its difference from the byte before it, plus 128; the result is deflated. A block that would
-/// not get smaller is returned as it is; a reader recognises it by its size.
-std::string compressed(const std::string& raw) {
-    std::string split(raw.size(), '\0');
-    const std::size_t half = (raw.size() + 1) / 2;
-    for (std::size_t i = 0; i < raw.size(); ++i) split[i / 2 + (i % 2 ? half : 0)] = raw[i];
-    unsigned char previous = static_cast<unsigned char>(split[0]);
-    for (std::size_t i = 1; i < split.size(); ++i) {
-        const auto byte = static_cast<unsigned char>(split[i]);
-        split[i] = static_cast<char>(static_cast<unsigned char>(byte - previous + 128));
+/// Compresses a block as EXR's ZIP does, in three steps: the bytes at even indices come first, then those at odd
+/// indices; each byte is replaced by its difference from the byte before it, plus 128; the result is deflated. A block
+/// that would not get smaller is returned as it is. A reader recognises such a block by its size.
+std::string compress_block(const std::string& raw) {
+    std::string reordered(raw.size(), '\0');
+    const std::size_t odd_begin = (raw.size() + 1) / 2;
+    for (std::size_t i = 0; i < raw.size(); ++i) reordered[i / 2 + (i % 2 ? odd_begin : 0)] = raw[i];
+    unsigned char previous = static_cast<unsigned char>(reordered[0]);
+    for (std::size_t i = 1; i < reordered.size(); ++i) {
+        const auto byte = static_cast<unsigned char>(reordered[i]);
+        reordered[i] = static_cast<char>(static_cast<unsigned char>(byte - previous + 128));
         previous = byte;
     }
-    uLongf size = compressBound(static_cast<uLong>(split.size()));
+    uLongf size = compressBound(static_cast<uLong>(reordered.size()));
     std::string deflated(size, '\0');
     const int code =
-        compress2(reinterpret_cast<Bytef*>(deflated.data()), &size, reinterpret_cast<const Bytef*>(split.data()),
-                  static_cast<uLong>(split.size()), zlib_level);
+        compress2(reinterpret_cast<Bytef*>(deflated.data()), &size, reinterpret_cast<const Bytef*>(reordered.data()),
+                  static_cast<uLong>(reordered.size()), zlib_level);
     if (code != Z_OK) throw std::runtime_error("zlib could not deflate a block: code " + std::to_string(code));
     if (size >= raw.size()) return raw;
     deflated.resize(size);
@@ -122,18 +122,18 @@ std::string compressed(const std::string& raw) {
 
 }  // namespace
 
-struct ExrBook::Page {
+struct ExrBook::PartState {
     ExrPart part;
     std::vector<std::size_t> channels;       ///< in the file's order
     std::string block = {};                  ///< lines of the block that is being filled
-    int lines = 0;                           ///< number of lines received so far
+    int received_lines = 0;                  ///< number of lines received so far
     std::vector<std::int64_t> offsets = {};  ///< offsets of the blocks in the file
 };
 
-ExrBook::ExrBook(const std::filesystem::path& path, std::vector<ExrPart> parts) : path_(path.string()), out_(path) {
+ExrBook::ExrBook(const std::filesystem::path& path, std::vector<ExrPart> parts) : path_(path.string()), file_(path) {
     std::set<std::string> names;
     for (ExrPart& part : parts) {
-        file::add_generator(path, part.spec.attributes);
+        file::add_provenance(path, part.spec.attributes);
         const ExrSpec& spec = part.spec;
         std::set<std::string_view> channels;
         for (const Channel& channel : spec.channels) channels.insert(channel.name);
@@ -143,64 +143,65 @@ ExrBook::ExrBook(const std::filesystem::path& path, std::vector<ExrPart> parts) 
             spec.width != parts.front().spec.width || spec.height != parts.front().spec.height)
             throw std::logic_error(path_ + ": part " + part.name + " has no pixels, a name or a size of its own");
         if (part.name.empty() && parts.size() > 1) throw std::logic_error(path_ + ": a part without a name");
-        for (int block = 0; block < blocks_of(spec); ++block)
+        for (int block = 0; block < block_count(spec); ++block)
             order_.emplace_back(part.run, block, static_cast<std::size_t>(&part - parts.data()));
     }
     if (parts.empty()) throw std::logic_error(path_ + ": an EXR without parts");
     std::ranges::sort(order_);
     for (ExrPart& part : parts) {
         std::vector<std::size_t> channels = sorted_channels(part.spec);
-        pages_.push_back({std::move(part), std::move(channels)});
+        part_states_.push_back({std::move(part), std::move(channels)});
     }
     write_header();
 }
 
 ExrBook::~ExrBook() = default;
 
-bool ExrBook::has_parts() const { return !pages_.front().part.name.empty(); }
+bool ExrBook::has_parts() const { return !part_states_.front().part.name.empty(); }
 
 void ExrBook::write_header() {
     constexpr std::int32_t magic = 20000630, version = 2, long_names = 0x400, several_parts = 0x1000;
-    const bool has_long_names = std::ranges::any_of(pages_, [](const Page& page) { return has_long_name(page.part); });
-    std::string header =
-        packed<std::int32_t>({magic, version | (has_parts() ? several_parts : 0) | (has_long_names ? long_names : 0)});
-    for (const Page& page : pages_) header += header_of(page.part);
+    const bool has_long_names =
+        std::ranges::any_of(part_states_, [](const PartState& state) { return has_long_name(state.part); });
+    std::string header = to_bytes<std::int32_t>(
+        {magic, version | (has_parts() ? several_parts : 0) | (has_long_names ? long_names : 0)});
+    for (const PartState& state : part_states_) header += header_bytes(state.part);
     if (has_parts()) header += '\0';
-    out_.seek(0);
-    out_.write(header);
-    for (Page& page : pages_) {
-        page.offsets.resize(static_cast<std::size_t>(blocks_of(page.part.spec)));
-        out_.write(std::as_bytes(std::span(page.offsets)));
+    file_.seek(0);
+    file_.write(header);
+    for (PartState& state : part_states_) {
+        state.offsets.resize(static_cast<std::size_t>(block_count(state.part.spec)));
+        file_.write(std::as_bytes(std::span(state.offsets)));
     }
 }
 
 void ExrBook::write_rows(std::size_t part, int y_begin, int rows, std::span<const std::byte> pixels) {
-    Page& page = pages_.at(part);
-    const ExrSpec& spec = page.part.spec;
+    PartState& state = part_states_.at(part);
+    const ExrSpec& spec = state.part.spec;
     const auto width = static_cast<std::size_t>(spec.width);
     const std::size_t pixel_bytes = spec.channels.size() * sample_bytes;
-    if (y_begin != page.lines || rows < 0 || rows > spec.height - page.lines ||
+    if (y_begin != state.received_lines || rows < 0 || rows > spec.height - state.received_lines ||
         pixels.size() != static_cast<std::size_t>(rows) * width * pixel_bytes)
-        throw std::logic_error(path_ + ": rows of part " + page.part.name + " out of order or of another size");
+        throw std::logic_error(path_ + ": rows of part " + state.part.name + " out of order or of another size");
     for (int y = 0; y < rows; ++y, pixels = pixels.subspan(width * pixel_bytes)) {
-        for (const std::size_t c : page.channels) {
-            const std::size_t start = page.block.size();
-            page.block.resize(start + width * sample_bytes);
+        for (const std::size_t c : state.channels) {
+            const std::size_t start = state.block.size();
+            state.block.resize(start + width * sample_bytes);
             for (std::size_t x = 0; x < width; ++x)
-                std::memcpy(page.block.data() + start + x * sample_bytes,
+                std::memcpy(state.block.data() + start + x * sample_bytes,
                             pixels.data() + x * pixel_bytes + c * sample_bytes, sample_bytes);
         }
-        ++page.lines;
-        if (page.lines % block_lines != 0 && page.lines != spec.height) continue;
-        add_block(part, (page.lines - 1) / block_lines, compressed(page.block));
-        page.block.clear();
+        ++state.received_lines;
+        if (state.received_lines % block_lines != 0 && state.received_lines != spec.height) continue;
+        add_block(part, (state.received_lines - 1) / block_lines, compress_block(state.block));
+        state.block.clear();
     }
 }
 
 void ExrBook::add_block(std::size_t part, int block, std::string bytes) {
     const std::lock_guard lock(mutex_);
     if (failure_) std::rethrow_exception(failure_);
-    waiting_blocks_.emplace(BlockPosition(pages_[part].part.run, block, part), std::move(bytes));
+    waiting_blocks_.emplace(BlockPosition(part_states_[part].part.run, block, part), std::move(bytes));
     try {
         write_waiting_blocks();
     } catch (...) {
@@ -213,10 +214,10 @@ void ExrBook::write_waiting_blocks() {
     for (auto entry = waiting_blocks_.begin(); entry != waiting_blocks_.end() && entry->first == order_[next_in_order_];
          entry = waiting_blocks_.erase(entry), ++next_in_order_) {
         const auto& [run, block, part] = entry->first;
-        pages_[part].offsets[static_cast<std::size_t>(block)] = out_.tell();
-        if (has_parts()) out_.write(packed({static_cast<std::int32_t>(part)}));
-        out_.write(packed({block * block_lines, static_cast<std::int32_t>(entry->second.size())}));
-        out_.write(entry->second);
+        part_states_[part].offsets[static_cast<std::size_t>(block)] = file_.tell();
+        if (has_parts()) file_.write(to_bytes({static_cast<std::int32_t>(part)}));
+        file_.write(to_bytes({block * block_lines, static_cast<std::int32_t>(entry->second.size())}));
+        file_.write(entry->second);
     }
 }
 
@@ -227,7 +228,7 @@ void ExrBook::close() {
                                std::to_string(order_.size()) + " blocks");
     next_in_order_ = 0;
     write_header();
-    out_.commit();
+    file_.commit();
 }
 
 }  // namespace lostbits::output::image

@@ -5,8 +5,8 @@
 //
 // OpenEXR's own library, tested at 3.1.5, requires no order in Imf::MultiPartOutputFile, and its files have exactly
 // the size of ours. But a call of OutputPart::writePixels holds the lock of the whole file while it compresses. Two
-// threads then take as long as one, and blocks lie in the file in the order of the calls, so the bytes differ from run
-// to run. In a fixed order, rows would wait uncompressed for their turn and be compressed by the library's own thread
+// threads then take as long as one. Blocks lie in the file in the order of the calls, so the bytes differ from run to
+// run. In a fixed order, rows would wait uncompressed for their turn and be compressed by the library's own thread
 // pool beside ours. The C interface accepts blocks that are compressed already, but only one part after the other
 // (EXR_ERR_INCORRECT_PART). Here each thread compresses its own rows and holds no lock meanwhile.
 //
@@ -49,7 +49,7 @@ public:
     ExrBook& operator=(const ExrBook&) = delete;
 
     /// Writes the next `rows` rows of a part, starting at row `y_begin`. `pixels` holds rows · width · channels samples
-    /// of four bytes in native byte order, with the channels of a pixel side by side in the order of the spec.
+    /// of four bytes in native byte order. The channels of a pixel lie side by side, in the order of the spec.
     /// Different parts may be written concurrently. Throws EnvironmentError (a full disk), and std::logic_error for
     /// rows out of order or a wrong size.
     void write_rows(std::size_t part, int y_begin, int rows, std::span<const std::byte> pixels);
@@ -58,7 +58,7 @@ public:
     void close();
 
 private:
-    struct Page;
+    struct PartState;
     using BlockPosition = std::tuple<int, int, std::size_t>;  ///< run, block, part
 
     [[nodiscard]] bool has_parts() const;
@@ -67,9 +67,9 @@ private:
     void write_waiting_blocks();
 
     std::string path_;
-    std::vector<Page> pages_;
+    std::vector<PartState> part_states_;
     std::mutex mutex_;  ///< guards all members below it
-    file::AtomicFile out_;
+    file::AtomicFile file_;
     std::map<BlockPosition, std::string> waiting_blocks_;
     std::vector<BlockPosition> order_;  ///< order in which blocks are written
     std::size_t next_in_order_ = 0;     ///< index in `order_` of the next block

@@ -6,7 +6,7 @@ namespace lostbits::output::image {
 
 namespace fs = std::filesystem;
 
-FigureFiles::FigureFiles(const fs::path& path) : FigureFiles(path, file::figures_in(path)) {}
+FigureFiles::FigureFiles(const fs::path& path) : FigureFiles(path, file::figure_kinds(path)) {}
 
 FigureFiles::FigureFiles(const fs::path& path, const std::vector<std::string>& kinds) {
     for (const std::string& kind : kinds)
@@ -33,7 +33,7 @@ void save_figure(const fs::path& path, const Canvas& canvas) { FigureFiles(path)
 
 std::vector<fs::path> figure_paths(const fs::path& path) {
     std::vector<fs::path> paths;
-    for (const std::string& kind : file::figures_in(path)) paths.push_back(fs::path(path).replace_extension(kind));
+    for (const std::string& kind : file::figure_kinds(path)) paths.push_back(fs::path(path).replace_extension(kind));
     return paths;
 }
 

@@ -13,7 +13,7 @@
 namespace lostbits::output::image {
 
 /// The files of one drawing, opened at once like AtomicFile: one of each kind, by default the kinds of pictures in the
-/// folder (`file::figures_in`). `path` ends in .png; a file of another kind has that ending instead.
+/// folder (`file::figure_kinds`). `path` ends in .png; a file of another kind has that ending instead.
 class FigureFiles {
 public:
     explicit FigureFiles(const std::filesystem::path& path);

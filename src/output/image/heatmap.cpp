@@ -21,25 +21,26 @@ int choose_factor(int width, int height) {
 
 HeatmapWriter::HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec) : spec_(std::move(spec)) {
     if (spec_.width <= 0 || spec_.height <= 0) throw std::logic_error(path.string() + ": a field without samples");
-    factor_ = choose_factor(spec_.width, spec_.height);
-    field_width_ = spec_.width * factor_;
-    field_height_ = spec_.height * factor_;
+    enlargement_ = choose_factor(spec_.width, spec_.height);
+    field_width_ = spec_.width * enlargement_;
+    field_height_ = spec_.height * enlargement_;
     body_height_ = field_height_ + 2;  // the frame
     int content = field_width_ + 2;
     if (spec_.scale) {
-        bar_ = colour_bar(*spec_.scale, spec_.unit, std::clamp(body_height_, style::least_bar, style::most_bar));
+        bar_ = colour_bar(*spec_.scale, spec_.unit,
+                          std::clamp(body_height_, style::min_bar_height, style::max_bar_height));
         content += style::gap + bar_.width();
         body_height_ = std::max(body_height_, bar_.height());
     }
-    content = std::max(content, style::least_content);
+    content = std::max(content, style::min_content_width);
     page_width_ = content + 2 * style::margin;
     const Canvas head = heading(spec_.title, spec_.subtitle, content);
     legend_.emplace(spec_.legend, content);
     caption_lines_ = static_cast<int>(wrap_text(spec_.widest_caption, style::text_size, false, content).size());
     const int head_height = style::margin + head.height() + (head.height() > 0 ? style::gap : 0);
     top_ = Canvas(page_width_, head_height);
-    top_.picture(style::margin, style::margin, head);
-    auto kinds = file::figures_in(path);
+    top_.draw_canvas(style::margin, style::margin, head);
+    auto kinds = file::figure_kinds(path);
     const bool has_png = std::erase(kinds, "png") > 0;
     if (!kinds.empty()) other_files_ = std::make_unique<FigureFiles>(path, kinds);
     if (!has_png) return;
@@ -55,9 +56,9 @@ void HeatmapWriter::write_body_row(std::span<const Rgb8> samples) {
     auto out = page_row_.begin() + style::margin;
     if (!samples.empty()) {
         *out++ = style::line;
-        if (factor_ == 1) out = std::ranges::copy(samples, out).out;
+        if (enlargement_ == 1) out = std::ranges::copy(samples, out).out;
         else
-            for (const Rgb8 sample : samples) out = std::fill_n(out, factor_, sample);
+            for (const Rgb8 sample : samples) out = std::fill_n(out, enlargement_, sample);
         *out++ = style::line;
     } else {
         out += field_width_ + 2;
@@ -76,7 +77,7 @@ void HeatmapWriter::write_rows(std::span<const Rgb8> samples) {
     }
     if (other_files_) field_.insert(field_.end(), samples.begin(), samples.end());
     for (; !samples.empty(); samples = samples.subspan(width)) {
-        for (int i = 0; i < factor_ && png_; ++i) write_body_row(samples.first(width));
+        for (int i = 0; i < enlargement_ && png_; ++i) write_body_row(samples.first(width));
         ++written_rows_;
     }
 }
@@ -98,7 +99,7 @@ void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view
     for (std::size_t i = 0; i < lines.size(); ++i)
         foot.text(style::margin, style::gap + static_cast<int>(i) * style::line_height(style::text_size), lines[i],
                   style::ink);
-    foot.picture(style::margin, style::gap + caption_height(), legend_->draw(legend));
+    foot.draw_canvas(style::margin, style::gap + caption_height(), legend_->draw(legend));
     if (other_files_) save_other_files(foot);
     if (!png_) return;
     const std::vector<Rgb8> frame_row(static_cast<std::size_t>(spec_.width), style::line);
@@ -110,12 +111,12 @@ void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view
 
 void HeatmapWriter::save_other_files(const Canvas& foot) {
     Canvas page(page_width_, top_.height() + body_height_ + foot.height());
-    page.picture(0, 0, top_);
+    page.draw_canvas(0, 0, top_);
     const PixelBox box{style::margin + 1, top_.height() + 1, field_width_, field_height_};
     page.frame(box.x, box.y, box.width, box.height, style::line);
     page.field(box, spec_.width, std::move(field_));
-    page.picture(box.x + field_width_ + 1 + style::gap, top_.height(), bar_);
-    page.picture(0, top_.height() + body_height_, foot);
+    page.draw_canvas(box.x + field_width_ + 1 + style::gap, top_.height(), bar_);
+    page.draw_canvas(0, top_.height() + body_height_, foot);
     other_files_->save(page);
 }
 

@@ -20,11 +20,11 @@ struct HeatmapSpec {
     std::string title;
     std::vector<std::string> subtitle;
     int width = 0, height = 0;         ///< size of the field, in samples
-    std::optional<ColourScale> scale;  ///< missing for a map of only classes or objects
+    std::optional<ColourScale> scale;  ///< missing if the map has only categories
     std::string unit;                  ///< label over the colour bar: `lost bits`
     std::vector<LegendEntry> legend;   ///< every class that may occur, with the widest count that it may get
-    std::string widest_caption =
-        {};  ///< space for the lines above the legend, whose text is known at the end; empty: none
+    /// Space for the lines above the legend, whose text is known only at the end; empty: no space.
+    std::string widest_caption = {};
 };
 
 /// Streams a field into a picture. Fields narrower than 384 samples are enlarged by a whole factor with nearest
@@ -51,7 +51,7 @@ private:
     HeatmapSpec spec_;
     [[nodiscard]] int foot_height() const;
     [[nodiscard]] int caption_height() const;
-    int factor_ = 1;
+    int enlargement_ = 1;
     int field_width_ = 0, field_height_ = 0, body_height_ = 0, page_width_ = 0;
     int caption_lines_ = 0;
     int written_rows_ = 0;  // rows of the field that were passed to `write_rows`

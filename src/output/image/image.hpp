@@ -34,7 +34,7 @@ struct ExrSpec {
     std::vector<std::pair<std::string, std::string>> attributes;  ///< `lostbits:scene`, ...; written as strings
 };
 
-/// Texts that a picture records about itself: keyword and text.
+/// Keywords and texts that a picture file records about itself.
 using FileMetadata = std::vector<std::pair<std::string, std::string>>;
 
 /// Metadata of the run that made the file, if the file is in a run's own folder: `Software`, `lostbits:command`,
@@ -60,7 +60,7 @@ public:
     virtual void close() = 0;
 };
 
-/// Letters of one size on one baseline, for files that keep text as text.
+/// Letters of one size on one baseline. SVG and PDF files store them as text.
 struct TextRun {
     std::string text;  ///< UTF-8
     int size;          ///< pixels per em
@@ -69,14 +69,15 @@ struct TextRun {
     bool is_exponent = false;  ///< copied text has a `^` before it
 };
 
-/// A line of text as coverage, 0 (paper) to 255 (ink), row by row. All lines of one size have the same height and
-/// baseline.
+/// A line of text as the coverage of each pixel, from 0 (paper) to 255 (ink), row by row. All lines of one size have
+/// the same height and baseline.
 struct TextBitmap {
     int width = 0, height = 0;
     int baseline = 0;  ///< rows from the top to the baseline
     std::vector<std::uint8_t> coverage;
-    std::vector<TextRun> runs = {};     ///< an exponent is a run of its own
-    bool bold = false, turned = false;  ///< turned: by 90 degrees counterclockwise; `runs` are those of the level line
+    std::vector<TextRun> runs = {};  ///< an exponent is a run of its own
+    bool is_bold = false;
+    bool is_rotated = false;  ///< by 90 degrees counterclockwise; `runs` are those of the level line
 };
 
 /// A position on a canvas. Pixel (i, j) covers i..i+1 by j..j+1, so its middle is at i + 1/2.
@@ -84,7 +85,7 @@ struct Point {
     double x, y;
 };
 
-/// A line through points, with round ends and joints. With zero thickness, the polygon between them.
+/// A line through points, with round ends and joints. If the thickness is 0: the polygon with these corners.
 struct Figure {
     std::vector<Point> points;
     double thickness = 0;             ///< pixels
@@ -130,7 +131,7 @@ public:
     /// file::ResultFolder) the file records what made it, in the text chunks `lostbits:command` and `Software`. Throws
     /// EnvironmentError, and std::logic_error for a picture without pixels.
     [[nodiscard]] std::unique_ptr<PngWriter> open_png(const std::filesystem::path& path, int width, int height);
-    /// Does the same for a file that is already open.
+    /// Like the other overload, for a file that is already open.
     [[nodiscard]] std::unique_ptr<PngWriter> open_png(std::unique_ptr<file::AtomicFile> file, int width, int height);
 
     /// The bytes of a PNG of these pixels, without text chunks.

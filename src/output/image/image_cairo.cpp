@@ -30,10 +30,10 @@ void check(cairo_status_t status) {
         throw EnvironmentError(std::string("cannot draw: ") + cairo_status_to_string(status));
 }
 
-/// A picture that holds only coverage, empty at first, and a pen for it.
-class Paper {
+/// A surface that stores only coverage, at first 0 everywhere, and a Cairo context that draws on it.
+class CoverageSurface {
 public:
-    Paper(int width, int height)
+    CoverageSurface(int width, int height)
         : surface_(cairo_image_surface_create(CAIRO_FORMAT_A8, width, height), cairo_surface_destroy),
           pen_(cairo_create(surface_.get()), cairo_destroy) {}
 
@@ -91,22 +91,22 @@ cairo_scaled_font_t* make_font(int size, bool bold) {
     return font;
 }
 
-cairo_scaled_font_t* font_of(int size, bool bold) {
+cairo_scaled_font_t* cached_font(int size, bool bold) {
     static std::map<std::pair<int, bool>, cairo_scaled_font_t*> fonts;
     const auto entry = fonts.find({size, bold});
     return entry != fonts.end() ? entry->second
                                 : fonts.emplace(std::pair(size, bold), make_font(size, bold)).first->second;
 }
 
-/// Letters of one size with their positions.
-struct Letters {
+/// Glyphs of one size with their positions.
+struct GlyphRun {
     cairo_scaled_font_t* font;
     std::unique_ptr<cairo_glyph_t, void (*)(cairo_glyph_t*)> glyphs;
     int count;
     TextRun run;
 };
 
-Letters lay_out(cairo_scaled_font_t* font, std::string_view utf8, const Point& origin) {
+GlyphRun lay_out(cairo_scaled_font_t* font, std::string_view utf8, const Point& origin) {
     cairo_glyph_t* glyphs = nullptr;
     int count = 0;
     std::string text(utf8);
@@ -176,14 +176,14 @@ TextBitmap cairo_text(std::string_view utf8, int size, bool bold) {
     out.baseline = static_cast<int>(std::ceil(0.93 * size));
     out.height = out.baseline + static_cast<int>(std::ceil(0.24 * size));
     const int exponent_size = std::max(size * 3 / 4, style::smallest_size - 1), exponent_rise = size * 2 / 5;
-    out.bold = bold;
-    std::vector<Letters> line;
+    out.is_bold = bold;
+    std::vector<GlyphRun> glyph_runs;
     double pen_x = 0;
     const auto add_run = [&](std::string_view text, int letter_size, double raised_by) {
         if (text.empty()) return;
-        line.push_back(lay_out(font_of(letter_size, bold), text, {pen_x, out.baseline - raised_by}));
-        pen_x += line.back().run.width;
-        out.runs.push_back(line.back().run);
+        glyph_runs.push_back(lay_out(cached_font(letter_size, bold), text, {pen_x, out.baseline - raised_by}));
+        pen_x += glyph_runs.back().run.width;
+        out.runs.push_back(glyph_runs.back().run);
         out.runs.back().size = letter_size;
         out.runs.back().is_exponent = raised_by > 0;
     };
@@ -197,32 +197,32 @@ TextBitmap cairo_text(std::string_view utf8, int size, bool bold) {
     }
     add_run(utf8.substr(start), size, 0);
     out.width = static_cast<int>(std::lround(std::clamp(pen_x, 0.0, max_width)));
-    const Paper paper(out.width, out.height);
-    for (const Letters& letters : line) {
-        cairo_set_scaled_font(paper.pen(), letters.font);
-        cairo_show_glyphs(paper.pen(), letters.glyphs.get(), letters.count);
+    const CoverageSurface surface(out.width, out.height);
+    for (const GlyphRun& glyph_run : glyph_runs) {
+        cairo_set_scaled_font(surface.pen(), glyph_run.font);
+        cairo_show_glyphs(surface.pen(), glyph_run.glyphs.get(), glyph_run.count);
     }
-    out.coverage = paper.coverage();
+    out.coverage = surface.coverage();
     return out;
 }
 
 std::vector<std::uint8_t> cairo_coverage(std::span<const Figure> figures, const PixelBox& box) {
     const FloatingPointGuard guard;
-    const Paper paper(box.width, box.height);
-    cairo_t* const pen = paper.pen();
+    const CoverageSurface surface(box.width, box.height);
+    cairo_t* const pen = surface.pen();
     cairo_translate(pen, -box.x, -box.y);
     cairo_set_antialias(pen, CAIRO_ANTIALIAS_BEST);
     cairo_set_tolerance(pen, 0.01);  // markers are circles of three pixels
     draw_figures(pen, figures);
-    return paper.coverage();
+    return surface.coverage();
 }
 
 namespace {
 
 constexpr double points_per_pixel = 0.75;  // 72 points and 96 pixels are an inch
 
-/// A page of a PDF. The bytes go to the sink. The sink's first error is kept until the end, because Cairo calls it
-/// from C.
+/// Writes a page of a PDF to a sink. The first error of the sink is kept until the end, because an exception must not
+/// pass through the C code of Cairo.
 class PdfPage {
 public:
     PdfPage(file::ByteSink& sink, const Canvas& canvas, const FileMetadata& metadata)
@@ -233,11 +233,11 @@ public:
         // Cairo writes the time of day if no date is given.
         cairo_pdf_surface_set_metadata(surface_.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
         for (const auto& [keyword, text] : metadata)
-            cairo_pdf_surface_set_metadata(surface_.get(), entry_of(keyword), text.c_str());
+            cairo_pdf_surface_set_metadata(surface_.get(), metadata_field(keyword), text.c_str());
         const std::unique_ptr<cairo_t, void (*)(cairo_t*)> pen(cairo_create(surface_.get()), cairo_destroy);
         pen_ = pen.get();
         cairo_scale(pen_, points_per_pixel, points_per_pixel);
-        set_colour(canvas.paper());
+        set_colour(canvas.background());
         cairo_paint(pen_);
         canvas.draw_with([this](const auto& shape, const CanvasMark& mark) {
             cairo_save(pen_);
@@ -255,7 +255,7 @@ public:
     }
 
 private:
-    static cairo_pdf_metadata_t entry_of(std::string_view keyword) {
+    static cairo_pdf_metadata_t metadata_field(std::string_view keyword) {
         return keyword == "Software"           ? CAIRO_PDF_METADATA_CREATOR
                : keyword == "lostbits:command" ? CAIRO_PDF_METADATA_SUBJECT
                                                : CAIRO_PDF_METADATA_KEYWORDS;
@@ -280,15 +280,15 @@ private:
         cairo_fill(pen_);
     }
 
-    /// Overlapping figures are one coat: they are painted opaquely, and the whole coat is then blended.
-    void paint(const CanvasMark::Coat& coat, const CanvasMark& mark) {
-        const bool is_blended = coat.opacity < 1 && coat.figures.size() > 1;
+    /// Paints overlapping figures opaquely and then blends the whole group, so that overlaps are not darker.
+    void paint(const CanvasMark::FigureGroup& group, const CanvasMark& mark) {
+        const bool is_blended = group.opacity < 1 && group.figures.size() > 1;
         if (is_blended) cairo_push_group(pen_);
-        else set_colour(mark.colour, coat.opacity);
-        draw_figures(pen_, coat.figures);
+        else set_colour(mark.colour, group.opacity);
+        draw_figures(pen_, group.figures);
         if (!is_blended) return;
         cairo_pop_group_to_source(pen_);
-        cairo_paint_with_alpha(pen_, coat.opacity);
+        cairo_paint_with_alpha(pen_, group.opacity);
     }
 
     void paint(const CanvasMark::Field& field, const CanvasMark& /*mark*/) {
@@ -317,17 +317,17 @@ private:
 
     void paint(const CanvasMark::Line& line, const CanvasMark& /*mark*/) {
         cairo_translate(pen_, line.x, line.y);
-        if (line.text.turned) {
+        if (line.text.is_rotated) {
             cairo_translate(pen_, 0, line.text.height);
             cairo_rotate(pen_, -std::acos(0.0));
         }
-        for (const TextRun& run : line.text.runs) paint_run(run, line.text.bold);
+        for (const TextRun& run : line.text.runs) paint_run(run, line.text.is_bold);
     }
 
-    /// Letters without hinting are narrower or wider by some percent, so they are set at the distances of the picture.
+    /// Letters without hinting are some percent narrower or wider, so they get the positions that they have in the PNG.
     /// The first letter of an exponent stands for itself and a `^`, so that copied text reads `2^-10` and not `2-10`.
     void paint_run(const TextRun& run, bool bold) {
-        cairo_set_font_face(pen_, cairo_scaled_font_get_font_face(font_of(style::text_size, bold)));
+        cairo_set_font_face(pen_, cairo_scaled_font_get_font_face(cached_font(style::text_size, bold)));
         cairo_set_font_size(pen_, run.size);
         cairo_glyph_t* glyphs = nullptr;
         cairo_text_cluster_t* clusters = nullptr;

@@ -34,10 +34,10 @@ inline std::uint64_t saturating_product(std::uint64_t a, std::uint64_t b) {
     return b != 0 && a > largest / b ? largest : a * b;
 }
 
-/// Pixels that a header claims.
+/// Size of a picture as its header claims it.
 struct ClaimedPixels {
     std::uint64_t width = 0, height = 0, bytes_each = 0;
-    std::uint64_t max_growth = 0;  ///< most bytes that one byte of the file can become; 0: unknown
+    std::uint64_t max_growth = 0;  ///< largest number of bytes that one byte of the file can become; 0: unknown
 };
 
 /// Refuses a header that claims more pixels than the file can hold (InputError) or this machine can hold
@@ -62,7 +62,7 @@ class ExrHeads {
 public:
     explicit ExrHeads(const std::filesystem::path& path) : path_(path), in_(path, std::ios::binary) {
         std::error_code error;
-        size_ = std::filesystem::file_size(path, error);
+        file_bytes_ = std::filesystem::file_size(path, error);
         if (!in_ || error) throw InputError(path.string() + ": cannot read; give an existing openexr file");
         if (read_number(4) != 20000630) throw InputError(path.string() + ": is not an openexr file");
         version_ = read_number(4);
@@ -71,11 +71,11 @@ public:
              is_first = false) {
             const Head head = read_head();
             if (head.is_empty) break;
-            blocks += blocks_of(head);
+            blocks += block_count(head);
             pixels_ += saturating_product(head.pixels.width, head.pixels.height);
             require_pixel_memory(path_, head.pixels, 1);
         }
-        if (saturating_product(blocks, 8) > size_ - position_) throw_cut_off();
+        if (saturating_product(blocks, 8) > file_bytes_ - position_) throw_cut_off();
     }
     /// Number of pixels of all parts together.
     [[nodiscard]] std::uint64_t pixels() const { return pixels_; }
@@ -92,34 +92,34 @@ private:
     /// Largest growth of a byte of the file, and lines per block, for each compression in OpenEXR's order: none, RLE
     /// (two bytes for 128), ZIP of one line and of 16 (deflate's longest match takes two bits, RFC 1951), PIZ, PXR24,
     /// B44, B44A, DWAA, DWAB.
-    static constexpr std::array<unsigned, 10> growth{1, 64, 1032, 1032, 0, 0, 0, 0, 0, 0},
-        lines{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
+    static constexpr std::array<unsigned, 10> max_growths{1, 64, 1032, 1032, 0, 0, 0, 0, 0, 0},
+        block_lines{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
 
-    /// Sizes of types whose values all have one size.
-    static constexpr std::array<std::pair<std::string_view, unsigned>, 24> sizes{{{"box2f", 16},
-                                                                                  {"box2i", 16},
-                                                                                  {"chromaticities", 32},
-                                                                                  {"compression", 1},
-                                                                                  {"deepImageState", 1},
-                                                                                  {"double", 8},
-                                                                                  {"envmap", 1},
-                                                                                  {"float", 4},
-                                                                                  {"int", 4},
-                                                                                  {"keycode", 28},
-                                                                                  {"lineOrder", 1},
-                                                                                  {"m33d", 72},
-                                                                                  {"m33f", 36},
-                                                                                  {"m44d", 128},
-                                                                                  {"m44f", 64},
-                                                                                  {"rational", 8},
-                                                                                  {"tiledesc", 9},
-                                                                                  {"timecode", 8},
-                                                                                  {"v2d", 16},
-                                                                                  {"v2f", 8},
-                                                                                  {"v2i", 8},
-                                                                                  {"v3d", 24},
-                                                                                  {"v3f", 12},
-                                                                                  {"v3i", 12}}};
+    /// Number of bytes of a value, for each type of attribute whose values all have the same size.
+    static constexpr std::array<std::pair<std::string_view, unsigned>, 24> type_sizes{{{"box2f", 16},
+                                                                                       {"box2i", 16},
+                                                                                       {"chromaticities", 32},
+                                                                                       {"compression", 1},
+                                                                                       {"deepImageState", 1},
+                                                                                       {"double", 8},
+                                                                                       {"envmap", 1},
+                                                                                       {"float", 4},
+                                                                                       {"int", 4},
+                                                                                       {"keycode", 28},
+                                                                                       {"lineOrder", 1},
+                                                                                       {"m33d", 72},
+                                                                                       {"m33f", 36},
+                                                                                       {"m44d", 128},
+                                                                                       {"m44f", 64},
+                                                                                       {"rational", 8},
+                                                                                       {"tiledesc", 9},
+                                                                                       {"timecode", 8},
+                                                                                       {"v2d", 16},
+                                                                                       {"v2f", 8},
+                                                                                       {"v2i", 8},
+                                                                                       {"v3d", 24},
+                                                                                       {"v3f", 12},
+                                                                                       {"v3i", 12}}};
     static constexpr auto not_found = std::string::npos;
 
     [[noreturn]] void throw_cut_off() const {
@@ -127,7 +127,7 @@ private:
     }
     std::uint64_t read_number(std::uint64_t bytes) {
         std::array<unsigned char, 8> raw{};
-        if (bytes > size_ - position_ ||
+        if (bytes > file_bytes_ - position_ ||
             !in_.read(reinterpret_cast<char*>(raw.data()), static_cast<std::streamsize>(bytes)))
             throw_cut_off();
         position_ += bytes;
@@ -150,9 +150,9 @@ private:
             head.is_empty = false;
             const std::string type = read_name();
             const std::uint64_t bytes = read_number(4), begin = position_, end = position_ + bytes;
-            if (bytes > size_ - position_) throw_cut_off();
+            if (bytes > file_bytes_ - position_) throw_cut_off();
             require_value(type, bytes);
-            go_to(begin);
+            seek_to(begin);
             if (attribute == "channels") head.pixels.bytes_each = pixel_bytes(end);
             if (attribute == "compression" && bytes == 1) head.compression = static_cast<unsigned>(read_number(1));
             if (attribute == "dataWindow" && bytes == 16) read_window(head.pixels);
@@ -162,16 +162,16 @@ private:
             }
             if (attribute == "type" && (version_ & 0x1000U) != 0)
                 head.is_tiled = read_text(bytes).find("tile") != not_found;
-            go_to(end);
+            seek_to(end);
         }
-        if (head.compression < growth.size()) head.pixels.max_growth = growth[head.compression];
+        if (head.compression < max_growths.size()) head.pixels.max_growth = max_growths[head.compression];
         return head;
     }
     /// Checks the size of a value. The library reads the size that the type has, whatever the header says, and
     /// allocates memory for lengths inside the value.
     void require_value(const std::string& type, std::uint64_t bytes) {
-        const auto fixed_size = std::ranges::find(sizes, type, &std::pair<std::string_view, unsigned>::first);
-        if (fixed_size != sizes.end() && fixed_size->second != bytes) throw_cut_off();
+        const auto fixed_size = std::ranges::find(type_sizes, type, &std::pair<std::string_view, unsigned>::first);
+        if (fixed_size != type_sizes.end() && fixed_size->second != bytes) throw_cut_off();
         const std::uint64_t end = position_ + bytes;
         if (type == "chlist") static_cast<void>(pixel_bytes(end));
         if (type == "preview") {
@@ -182,10 +182,10 @@ private:
         while (type == "stringvector" && position_ < end) {
             const std::uint64_t length = read_number(4);
             if (position_ > end || length > end - position_) throw_cut_off();
-            go_to(position_ + length);
+            seek_to(position_ + length);
         }
     }
-    void go_to(std::uint64_t position) {
+    void seek_to(std::uint64_t position) {
         position_ = position;
         in_.seekg(static_cast<std::streamoff>(position));
     }
@@ -214,19 +214,20 @@ private:
         pixels.width = static_cast<std::uint64_t>(std::max<std::int64_t>(corners[2] - corners[0] + 1, 0));
         pixels.height = static_cast<std::uint64_t>(std::max<std::int64_t>(corners[3] - corners[1] + 1, 0));
     }
-    static std::uint64_t blocks_of(const Head& head) {
+    static std::uint64_t block_count(const Head& head) {
         const auto count_pieces = [](std::uint64_t length, std::uint64_t piece_length) {
             return (length + std::max<std::uint64_t>(piece_length, 1) - 1) / std::max<std::uint64_t>(piece_length, 1);
         };
         if (head.is_tiled)
             return saturating_product(count_pieces(head.pixels.width, head.tile_width),
                                       count_pieces(head.pixels.height, head.tile_height));
-        return count_pieces(head.pixels.height, head.compression < lines.size() ? lines[head.compression] : 256);
+        return count_pieces(head.pixels.height,
+                            head.compression < block_lines.size() ? block_lines[head.compression] : 256);
     }
 
     std::filesystem::path path_;
     std::ifstream in_;
-    std::uint64_t size_ = 0, position_ = 0, version_ = 0, pixels_ = 0;
+    std::uint64_t file_bytes_ = 0, position_ = 0, version_ = 0, pixels_ = 0;
 };
 
 }  // namespace lostbits::output::image

@@ -109,16 +109,16 @@ private:
         const TextBitmap& text = line.text;
         if (text.runs.empty()) return;
         text_ += "<text";
-        if (text.turned)
+        if (text.is_rotated)
             text_ += fmt::format(" transform=\"translate({} {})rotate(-90)\"", line.x, line.y + text.height);
         const auto run_attributes = [&](const TextRun& run) {
             // If the viewer has another font, its letters are set as wide as these.
             return fmt::format(" x=\"{}\" y=\"{}\" font-size=\"{}\" textLength=\"{}\"",
-                               number_text(run.x + (text.turned ? 0 : line.x)),
-                               number_text(run.y + (text.turned ? 0 : line.y)), run.size, number_text(run.width));
+                               number_text(run.x + (text.is_rotated ? 0 : line.x)),
+                               number_text(run.y + (text.is_rotated ? 0 : line.y)), run.size, number_text(run.width));
         };
         if (text.runs.size() == 1) text_ += run_attributes(text.runs.front());
-        if (text.bold) text_ += " font-weight=\"bold\"";
+        if (text.is_bold) text_ += " font-weight=\"bold\"";
         text_ += fmt::format(" fill=\"{}\">", colour_text(mark.colour));
         for (const TextRun& run : text.runs) {
             const std::string escaped_text = file::html(run.text);
@@ -128,12 +128,12 @@ private:
         text_ += "</text>\n";
     }
 
-    void add(const CanvasMark::Coat& coat, const CanvasMark& mark) {
-        clip_to(reaches_beyond(coat, mark.clip) ? std::optional(mark.clip) : std::nullopt);
+    void add(const CanvasMark::FigureGroup& group, const CanvasMark& mark) {
+        clip_to(reaches_beyond(group, mark.clip) ? std::optional(mark.clip) : std::nullopt);
         const std::string ink = colour_text(mark.colour);
         // A group blends overlapping figures only once.
-        if (coat.opacity < 1) text_ += fmt::format("<g opacity=\"{}\">", number_text(coat.opacity));
-        for (auto figure = coat.figures.begin(); figure != coat.figures.end(); ++figure) {
+        if (group.opacity < 1) text_ += fmt::format("<g opacity=\"{}\">", number_text(group.opacity));
+        for (auto figure = group.figures.begin(); figure != group.figures.end(); ++figure) {
             if (is_disc(*figure)) {
                 text_ += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"{}\"/>\n",
                                      number_text(figure->points[0].x), number_text(figure->points[0].y),
@@ -145,12 +145,12 @@ private:
                 text_ += fmt::format("<path fill=\"{}\" d=\"{}z\"/>\n", ink, path);
                 continue;
             }
-            for (; figure + 1 != coat.figures.end() && can_share_path(*figure, figure[1]); ++figure)
+            for (; figure + 1 != group.figures.end() && can_share_path(*figure, figure[1]); ++figure)
                 path += path_through(figure[1].points);
             text_ += fmt::format("<path fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"{} d=\"{}\"/>\n", ink,
                                  number_text(figure->thickness), dashes_of(*figure), path);
         }
-        if (coat.opacity < 1) text_ += "</g>\n";
+        if (group.opacity < 1) text_ += "</g>\n";
     }
 
     static std::string dashes_of(const Figure& figure) {
@@ -159,8 +159,8 @@ private:
         return lengths.empty() ? "" : fmt::format(" stroke-dasharray=\"{}\"", lengths);
     }
 
-    static bool reaches_beyond(const CanvasMark::Coat& coat, const PixelBox& box) {
-        return std::ranges::any_of(coat.figures, [&box](const Figure& figure) {
+    static bool reaches_beyond(const CanvasMark::FigureGroup& group, const PixelBox& box) {
+        return std::ranges::any_of(group.figures, [&box](const Figure& figure) {
             const double radius = figure.thickness / 2;
             return std::ranges::any_of(figure.points, [&](const Point& p) {
                 return p.x - radius < box.x || p.y - radius < box.y || p.x + radius > box.x + box.width ||
@@ -194,7 +194,7 @@ std::string svg_text(const Canvas& canvas, const FileMetadata& metadata) {
         "xml:space=\"preserve\">\n{2}<rect width=\"{0}\" height=\"{1}\" fill=\"{3}\"/>\n{4}</svg>\n",
         canvas.width(), canvas.height(),
         metadata_text.empty() ? "" : fmt::format("<metadata>{}</metadata>\n", metadata_text),
-        colour_text(canvas.paper()), SvgElements(canvas).text());
+        colour_text(canvas.background()), SvgElements(canvas).text());
 }
 
 }  // namespace lostbits::output::image

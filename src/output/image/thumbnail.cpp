@@ -51,7 +51,7 @@ void Thumbnail::add_rows(int y_begin, std::span<const Rgb8> samples) {
         add_row(y_begin + static_cast<int>(i), samples.subspan(i * width, width));
     }
     added_rows_ += static_cast<int>(rows);
-    if (is_complete() && factor_ == 0 && shrink_ == Shrink::average) resolve();
+    if (is_complete() && factor_ == 0 && shrink_ == Shrink::average) average_sums();
 }
 
 /// Along each axis, pixel i of `thumbnail` pixels takes sample ⌊(2i + 1)·field/(2·thumbnail)⌋ of `field` samples. If
@@ -95,12 +95,12 @@ void Thumbnail::add_row(int y, std::span<const Rgb8> samples) {
         const std::array<std::uint64_t, 3> light{light_of_byte[sample.r], light_of_byte[sample.g],
                                                  light_of_byte[sample.b]};
         for (std::size_t c = 0; c < 3; ++c) out[c] += overlap.weight * light[c];
-        if (overlap.rest == 0) continue;
-        for (std::size_t c = 0; c < 3; ++c) out[c + 3] += overlap.rest * light[c];
+        if (overlap.next_weight == 0) continue;
+        for (std::size_t c = 0; c < 3; ++c) out[c + 3] += overlap.next_weight * light[c];
     }
     const Overlap& overlap = down_[static_cast<std::size_t>(y)];
     for (const auto& [pixel, weight] :
-         {std::pair(overlap.pixel, overlap.weight), std::pair(overlap.pixel + 1, overlap.rest)}) {
+         {std::pair(overlap.pixel, overlap.weight), std::pair(overlap.pixel + 1, overlap.next_weight)}) {
         if (weight == 0) continue;
         std::uint64_t* const out = sums_.data() + 3 * out_width * pixel;
         for (std::size_t i = 0; i < 3 * out_width; ++i) out[i] += weight * row_sums_[i];
@@ -121,7 +121,7 @@ std::vector<Thumbnail::Overlap> Thumbnail::overlaps(std::int64_t field, std::int
     return list;
 }
 
-void Thumbnail::resolve() {
+void Thumbnail::average_sums() {
     const std::uint64_t weight = static_cast<std::uint64_t>(field_width_) * static_cast<std::uint64_t>(field_height_);
     const auto average = [&](std::uint64_t sum) {
         return srgb_byte(static_cast<std::uint16_t>((sum + weight / 2) / weight));

@@ -156,7 +156,7 @@ struct JudgeFiles::Parts {
     std::vector<std::unique_ptr<RowParts>> rows = {};
 
     /// For a shard: adds the lines of the series' table to the map's piece of the series.
-    [[nodiscard]] pixel::KeepPiece keep_of_map() {
+    [[nodiscard]] pixel::PieceReceiver keep_of_map() {
         if (!options.keep) return {};
         return [this](std::size_t row_index, pixel::Piece&& piece) {
             if (rows.at(row_index)->rows()) piece.lines = rows[row_index]->rows()->take_lines();
@@ -225,7 +225,7 @@ bool JudgeFiles::finish(const measure::judge::JudgeResult& result) {
     }
     const bool has_cases = p.worst && !cases.empty();
     if (has_cases) {
-        p.worst->write(sweep::head_of_cases("The worst rays of " + p.options.title, p.options.command) + cases);
+        p.worst->write(sweep::case_file_head("The worst rays of " + p.options.title, p.options.command) + cases);
         p.worst->commit();
     }
     // A worst.toml of an earlier run is about other answers.

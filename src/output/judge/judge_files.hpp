@@ -20,11 +20,11 @@ struct JudgeFilesOptions {
     std::string id, title;
     std::string command;  ///< the command that finds the worst rays again
     std::vector<const measure::metric::Metric*> drawn_metrics =
-        {};                        ///< metrics on sheets; empty: the rays are no picture
-    bool single_pictures = false;  ///< also each picture of a sheet alone
-    bool rows = false;             ///< one row per ray in `<form>.<format>.csv`
-    std::size_t worst = 10;        ///< number of rays of each kind in worst.toml
-    pixel::KeepPiece keep = {};    ///< receives the pieces of a shard
+        {};                          ///< metrics on sheets; empty: the rays are no picture
+    bool single_pictures = false;    ///< also each picture of a sheet alone
+    bool rows = false;               ///< one row per ray in `<form>.<format>.csv`
+    std::size_t worst = 10;          ///< number of rays of each kind in worst.toml
+    pixel::PieceReceiver keep = {};  ///< receives the pieces of a shard
 };
 
 /// Opens every file before any work and gives all files their final names in `finish`, like `MapFiles`.

@@ -91,7 +91,7 @@ std::vector<MeshFaultRow> mesh_fault_rows(const MeshAnswersResult& result) {
 
 std::string words_of(const JudgedAnswer& answer, bool is_point) {
     const Vec<double>& origin = answer.ray.origin;
-    if (is_point) return file::listed(std::array{origin.x, origin.y, origin.z}, file::hex, ",");
+    if (is_point) return file::number_list(std::array{origin.x, origin.y, origin.z}, file::hex, ",");
     scene::rays::RayGroup group = scene::rays::group_of(answer.ray);
     group.rays.tmin = {answer.range.tmin}, group.rays.tmax = {answer.range.tmax}, group.rays.open = answer.range.open;
     return attribution::explain_ray_arguments(&group);

@@ -23,7 +23,7 @@ struct FoundForm {
 
 /// `21.7`, `22`
 std::string bits_text(double kept_bits) {
-    const std::string text = file::kept_text(kept_bits);
+    const std::string text = file::kept_bits_text(kept_bits);
     return text.ends_with(".0") ? text.substr(0, text.size() - 2) : text;
 }
 

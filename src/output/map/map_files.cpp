@@ -81,7 +81,7 @@ MapFiles::MapFiles(const MapStudy& request, const MapFilesOptions& options)
         (options.single_pictures ? options.drawn_metrics.size() : 0) + (options.pixels_csv ? 1 : 0);
     file::require_open_files(request.rows.size() * files_per_row + options.drawn_metrics.size() + 2,
                              options.folder.string(), "select fewer forms, formats or metrics");
-    const bool has_tables = !options.keep && options.sheet_alone.empty();
+    const bool has_tables = !options.keep && options.sheet_only_file.empty();
     if (has_tables)
         p.summary.emplace(options.folder, "summary.csv",
                           options.by.empty() ? "One row per form and format" : "One row per form, format and group",

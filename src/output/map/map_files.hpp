@@ -32,11 +32,11 @@ struct MapFilesOptions {
     RayArguments ray_arguments = {};     ///< replaces `scene_arguments` if the rays come from a file
     bool is_list = false;                ///< the rays are a list and not a picture, so none is drawn
     std::optional<BarRange> range = {};  ///< for every colour bar; absent: what fits each format
-    pixel::KeepPiece keep = {};          ///< receives the pieces of a shard
+    pixel::PieceReceiver keep = {};      ///< receives the pieces of a shard
     std::string by = {};                 ///< column whose values group the rays; empty: none
     /// If set, the path of the only file: the sheet of lost bits. Nothing else is drawn, and the legend leaves out
     /// correct hits without a value.
-    std::filesystem::path sheet_alone = {};
+    std::filesystem::path sheet_only_file = {};
 };
 
 /// Opens every file of a map at once, before any work. Receives the bands of all series, and gives all files their

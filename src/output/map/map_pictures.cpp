@@ -78,8 +78,8 @@ pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
             scales.push_back(metric_scale(*m, form_row.format.parameters, options_.range));
         }
     }
-    const auto differs = [&scales](const image::ColourScale& s) { return !s.is_as(scales.front()); };
-    const bool is_only_file = !options_.sheet_alone.empty();
+    const auto differs = [&scales](const image::ColourScale& s) { return !s.is_same_scale(scales.front()); };
+    const bool is_only_file = !options_.sheet_only_file.empty();
     const bool has_several_bars = is_only_file ? scales.size() > 1 : std::ranges::any_of(scales, differs);
     if (!scales.empty() && !has_several_bars) scales.resize(1, scales.front());
     const std::string name = &sheet == sheets_.data()
@@ -87,7 +87,7 @@ pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
                                  : fmt::format("contact.{}.png", file_name_part(*sheet.metrics.front()));
     const scene::file::Scene& scene = *request_.scene;
     const auto described_rows = options_.is_list ? std::span<const TestedForm>() : request_.rows;
-    return {is_only_file ? options_.sheet_alone : options_.folder / name,
+    return {is_only_file ? options_.sheet_only_file : options_.folder / name,
             {.title = scene.title,
              .subtitle =
                  sheet_subtitle({scene, options_.scene_arguments, described_rows, sheet.paint, has_several_bars,
@@ -103,7 +103,7 @@ pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
 }
 
 bool MapPictures::zooms(const MetricPaint& paint) const {
-    return request_.scene->mesh != nullptr && paint.names_worst() && options_.sheet_alone.empty() &&
+    return request_.scene->mesh != nullptr && paint.names_worst() && options_.sheet_only_file.empty() &&
            !options_.is_list && request_.scene->pixels() <= most_kept_pixels;
 }
 
@@ -138,7 +138,7 @@ MapPictures::Column MapPictures::column_of(const Drawing& drawing) const {
             m.domain == measure::metric::MetricDomain::pairs ? fmt::format(" {}", form_row.against->info->name) : ""),
         .subtitle = {title_of(*form_row.form->info), drawing.paint->note()},
         .look = std::make_shared<const pixel::Look>(look_of(drawing)),
-        .places = {drawing.position},
+        .sheet_positions = {drawing.position},
         .widest_caption = drawing.paint->widest_caption(scene.pixels()) +
                           worst_pixel_text(drawing, {.x = scene.width, .y = scene.height})};
     if (std::string note = input_note(scene, std::span(&form_row, 1)); !note.empty() && !options_.is_list)
@@ -160,7 +160,7 @@ MapPictures::Column MapPictures::column_of(const Drawing& drawing) const {
 pixel::Look MapPictures::look_of(const Drawing& drawing) const {
     pixel::Look look = drawing.paint->look(request_.scene->mesh != nullptr);
     look.unit = drawing.paint->metric().unit;
-    if (!options_.sheet_alone.empty()) look.categories[drawing.paint->index_of(Outcome::agree_hit)].name.clear();
+    if (!options_.sheet_only_file.empty()) look.categories[drawing.paint->index_of(Outcome::agree_hit)].name.clear();
     if (is_enveloped(drawing.paint->metric()))
         look.categories.push_back({paler_means, paler(look.scale->map(look.scale->hi() / 2))});
     return look;
@@ -185,7 +185,7 @@ std::string MapPictures::worst_pixel_text(const Drawing& drawing, const measure:
 
 pixel::SheetEnd MapPictures::end_of(std::size_t sheet, const std::vector<FormSummary>& summaries) const {
     std::vector<SheetCell> cells;
-    bool nothing_hit = options_.sheet_alone.empty();
+    bool nothing_hit = options_.sheet_only_file.empty();
     for (const Drawing& d : drawings_) {
         if (d.position.sheet != sheet) continue;
         const FormSummary& summary = summaries[d.row];
@@ -193,7 +193,7 @@ pixel::SheetEnd MapPictures::end_of(std::size_t sheet, const std::vector<FormSum
         nothing_hit &= summary.count(Outcome::agree_miss) == summary.rays;
     }
     // The sheet of a claim needs no headline, because it stands below the claim's sentence.
-    const bool has_headline = options_.sheet_alone.empty() && sheets_[sheet].paint.metric().name == "lost_bits";
+    const bool has_headline = options_.sheet_only_file.empty() && sheets_[sheet].paint.metric().name == "lost_bits";
     return {best_first(sheets_[sheet].forms.size(), cells, lost_bits_index_),
             nothing_hit ? ": no ray hits anything" : "", has_headline ? finding_text(request_, summaries) : ""};
 }
@@ -222,7 +222,7 @@ std::string input_note(const scene::file::Scene& scene, std::span<const TestedFo
     }
     if (narrow_formats.empty()) return "";
     return fmt::format("in {} the inputs are rounded too, and errors include that rounding (metric input_error)",
-                       file::enumerated(narrow_formats));
+                       file::word_list(narrow_formats));
 }
 
 std::vector<std::string> sheet_subtitle(const SheetSubject& sheet) {

@@ -68,8 +68,8 @@ std::string faults_of(const FormSummary& s) {
 /// `22.7 lost, 30.3/53 kept`, which fits below a cell of a sheet. Kept bits are rounded down, as in tables, and lost
 /// bits up.
 std::string lost_and_kept(double lost, int precision) {
-    const std::string kept = file::kept_text(precision - lost);
-    return fmt::format("{:.1f} lost, {}/{} kept", precision - file::number_in(kept).value(), kept, precision);
+    const std::string kept = file::kept_bits_text(precision - lost);
+    return fmt::format("{:.1f} lost, {}/{} kept", precision - file::parse_number(kept).value(), kept, precision);
 }
 
 /// Colour of a value that is one of the metric's categories.
@@ -138,7 +138,7 @@ pixel::PixelValue MetricPaint::pixel(Outcome outcome, double value) const {
 pixel::Look MetricPaint::look(bool has_mesh) const {
     pixel::Look look = look_;
     if (metric_->by_run)
-        look.own_legend = [*this](const pixel::CategoryCounts* counts, std::uint64_t pixels) {
+        look.make_legend = [*this](const pixel::CategoryCounts* counts, std::uint64_t pixels) {
             return counts ? culprit_legend(*counts) : widest_culprit_legend(pixels);
         };
     for (std::size_t o = measure::answer::outcomes_without_mesh; !has_mesh && o < image::outcome_colours.size(); ++o)

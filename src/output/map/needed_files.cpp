@@ -178,7 +178,7 @@ NeededFiles::NeededFiles(const NeededStudy& request, const NeededFilesOptions& o
 NeededFiles::~NeededFiles() = default;
 
 measure::study::ShowBand<NeededStudy> NeededFiles::show() {
-    return [this](std::size_t form, const NeededBand& band) { parts_->forms.at(form)->band(band); };
+    return [this](std::size_t form, const NeededBand& band) { parts_->forms.at(form)->add_band(band); };
 }
 
 std::vector<file::DataResource> NeededFiles::resources() const {

@@ -17,10 +17,10 @@ namespace lostbits::output::map {
 inline constexpr image::Rgb8 beyond_colour{0, 45, 0};
 
 struct NeededFilesOptions {
-    std::filesystem::path folder;      ///< folder of the scene; created if missing
-    bool pixels_csv = false;           ///< a row per pixel in `<form>.needed.csv`
-    MapExr* exr = nullptr;             ///< for the same request; null: no EXR is written
-    pixel::KeepPiece keep_piece = {};  ///< receives the pieces of a shard
+    std::filesystem::path folder;          ///< folder of the scene; created if missing
+    bool pixels_csv = false;               ///< a row per pixel in `<form>.needed.csv`
+    MapExr* exr = nullptr;                 ///< for the same request; null: no EXR is written
+    pixel::PieceReceiver keep_piece = {};  ///< receives the pieces of a shard
 };
 
 /// Writes `<form>.needed.png`, which shows the width on viridis from 2 to 53; `needed.csv`, a row per form; and the

@@ -123,7 +123,7 @@ std::vector<PixelColumn<OffsetBand>> OffsetView::columns(const OffsetStudy& stud
                                     .title = fmt::format("{} {}", strategy.name, in_words(side)),
                                     .subtitle = {row_text, fmt::format("the new origin: {}", strategy.title)},
                                     .look = result_look,
-                                    .places = {{k + 1, line_of(r, side)}}},
+                                    .sheet_positions = {{k + 1, line_of(r, side)}}},
                                    r,
                                    pixel::drawn_by<OffsetBand>([side, k](const OffsetBand& band, std::size_t i) {
                                        return PixelValue{
@@ -136,7 +136,7 @@ std::vector<PixelColumn<OffsetBand>> OffsetView::columns(const OffsetStudy& stud
                                              "colour: the smallest offset along the normal for which every ray is "
                                              "right by truth, clamped at both ends of the bar"},
                                 .look = safe_offset_look,
-                                .places = {{0, line_of(r, side)}}},
+                                .sheet_positions = {{0, line_of(r, side)}}},
                                r,
                                pixel::drawn_by<OffsetBand>([side](const OffsetBand& band, std::size_t i) {
                                    return safe_offset(band, i, side);

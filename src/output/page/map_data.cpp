@@ -28,9 +28,9 @@ constexpr std::array<std::string_view, 5> derived_metrics{"lost_bits", "correct_
                                                           "absolute_error"};
 
 bool is_derived(const Metric& m) { return std::ranges::find(derived_metrics, m.name) != derived_metrics.end(); }
-/// True for the metric that is stored for every true hit, whatever the form answers: values of neighbours lie nearly on
-/// a line.
-bool is_inherent(const Metric& m) { return m.name == "inherent_bits"; }
+/// True for `inherent_bits`. It is stored for every true hit, whatever the form answers, so that the values of
+/// neighbours lie nearly on a line.
+bool is_inherent_bits(const Metric& m) { return m.name == "inherent_bits"; }
 bool is_condition(const Metric& m) { return m.name == "condition"; }
 
 constexpr std::int16_t exact_bound = -32768;
@@ -48,27 +48,27 @@ std::int16_t bound_exponent(const measure::truth::Certified& x) {
 /// Data that all rows with the same truth share. The first of these rows fills it.
 struct MapData::Group {
     map::TruthKind kind;
-    Layer hit, object, truth, remainder, bound, condition;
+    Layer decision, primitive, truth, remainder, bound, condition;
 
-    Group(const TestedForm& form_row, std::size_t n)
+    Group(const TestedForm& form_row, std::size_t pixel_count)
         : kind(map::truth_kind(form_row)),
-          hit(1, n),
-          object(4, n),
-          truth(8, n),
-          remainder(4, n),
-          bound(2, n),
-          condition(4, n) {}
+          decision(1, pixel_count),
+          primitive(4, pixel_count),
+          truth(8, pixel_count),
+          remainder(4, pixel_count),
+          bound(2, pixel_count),
+          condition(4, pixel_count) {}
 
     void set_pixel(std::size_t pixel, std::size_t i, const BandResult& result, bool stores_condition) {
         const auto& [direction, convention, generator] = kind;
         const measure::truth::Truth& ray_truth = result.truth(i);
-        hit.set(pixel, static_cast<std::uint64_t>(ray_truth.decision));
-        object.set(pixel, static_cast<std::uint64_t>(ray_truth.object + 1));
-        if (i % static_cast<std::size_t>(result.width) == 0) truths_.begin_row();
+        decision.set(pixel, static_cast<std::uint64_t>(ray_truth.decision));
+        primitive.set(pixel, static_cast<std::uint64_t>(ray_truth.object + 1));
+        if (i % static_cast<std::size_t>(result.width) == 0) truth_predictor_.begin_row();
         if (!ray_truth.is_hit()) return;
         const measure::truth::Certified& exact = direction == Direction::unit ? ray_truth.distance : ray_truth.t;
         const double rounded = result.band->rounded_truth(i, binary64, direction, convention);
-        truth.set(pixel, truths_.code(std::bit_cast<std::uint64_t>(rounded), 8));
+        truth.set(pixel, truth_predictor_.encode(std::bit_cast<std::uint64_t>(rounded), 8));
         remainder.set(
             pixel, static_cast<float>(measure::truth::scaled_difference(exact, measure::truth::exactly(rounded), 0)));
         bound.set(pixel, std::uint64_t{static_cast<std::uint16_t>(bound_exponent(exact))});
@@ -76,51 +76,53 @@ struct MapData::Group {
     }
 
 private:
-    LineOfHits truths_;
+    HitPredictor truth_predictor_;
 };
 
 class MapData::Row {
 public:
-    Row(const MapStudy& request, const TestedForm& form_row, std::size_t n, std::size_t group, Group* group_to_fill)
-        : row_(form_row),
+    Row(const MapStudy& request, const TestedForm& form_row, std::size_t pixel_count, std::size_t group,
+        Group* group_to_fill)
+        : form_row_(form_row),
           group_(group),
           group_to_fill_(group_to_fill),
-          outcome_(1, n),
-          object_(4, n),
-          t_(form_row.format.engine == Format::Engine::native32 ? 4 : 8, n),
-          error_sizes_(n, std::numeric_limits<float>::quiet_NaN()) {
+          outcome_(1, pixel_count),
+          primitive_(4, pixel_count),
+          t_(form_row.format.engine == Format::Engine::native32 ? 4 : 8, pixel_count),
+          error_sizes_(pixel_count, std::numeric_limits<float>::quiet_NaN()) {
         for (std::size_t m = 0; m < request.metrics.size(); ++m) {
             stores_condition_ |=
                 (measure::evaluate::needs_of({request.metrics[m]}) & measure::metric::needs_condition) != 0;
             const Metric& metric = *request.metrics[m];
-            if (is_inherent(metric)) inherent_ = m;
-            if (metric.name == "ulp_error") ulps_ = m;
-            if (!is_derived(metric) && !is_condition(metric)) stored_metrics_.push_back({m, Layer(4, n)});
+            if (is_inherent_bits(metric)) inherent_index_ = m;
+            if (metric.name == "ulp_error") ulp_error_index_ = m;
+            if (!is_derived(metric) && !is_condition(metric)) stored_metrics_.push_back({m, Layer(4, pixel_count)});
         }
     }
 
-    void band(const BandResult& result) {
+    void add_band(const BandResult& result) {
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const std::size_t pixel = static_cast<std::size_t>(result.y0) * static_cast<std::size_t>(result.width) + i;
             if (group_to_fill_) group_to_fill_->set_pixel(pixel, i, result, stores_condition_);
             outcome_.set(pixel, static_cast<std::uint64_t>(result.outcomes[i]));
             if (measure::evaluate::is_wrong(result.outcomes[i]))
                 error_sizes_[pixel] = std::numeric_limits<float>::infinity();
-            else if (ulps_) error_sizes_[pixel] = std::fabs(static_cast<float>(result.metrics[*ulps_][i]));
+            else if (ulp_error_index_)
+                error_sizes_[pixel] = std::fabs(static_cast<float>(result.metrics[*ulp_error_index_][i]));
             for (auto& [m, layer] : stored_metrics_) {
-                if (m == inherent_) set_inherent(layer, pixel, i, result);
+                if (m == inherent_index_) set_inherent_bits(layer, pixel, i, result);
                 else layer.set(pixel, static_cast<float>(result.metrics[m][i]));
             }
             if (!result.answers->hit[i]) continue;
-            object_.set(pixel, static_cast<std::uint64_t>(result.answers->object[i] + 1));
-            t_.set(pixel, difference(result.answers->t[i], result, i));
+            primitive_.set(pixel, static_cast<std::uint64_t>(result.answers->object[i] + 1));
+            t_.set(pixel, encoded_t(result.answers->t[i], result, i));
         }
     }
 
-    /// Bytes of `outcome`, `object` and `t`, then of the stored metrics.
+    /// Bytes of the outcomes, the primitives and t, then of the stored metrics.
     [[nodiscard]] std::string bytes() const {
         std::string result(outcome_.planes());
-        result += object_.planes();
+        result += primitive_.planes();
         result += t_.planes();
         for (const auto& [m, layer] : stored_metrics_) result += layer.planes();
         return result;
@@ -130,13 +132,14 @@ public:
     [[nodiscard]] std::span<const float> error_sizes() const { return error_sizes_; }
 
 private:
-    /// Difference of the bits of t from those of the truth. For formats other than the native two, the bits of t in
+    /// Difference of the bits of t from the bits of the truth. For formats other than f32 and f64: the bits of t in
     /// binary64, whose low bits are zero anyway.
-    [[nodiscard]] std::uint64_t difference(double t, const BandResult& result, std::size_t i) const {
-        const double true_t = result.truth(i).is_hit() ? result.band->rounded_truth(
-                                                             i, binary64, row_.form->info->direction, result.convention)
-                                                       : 0;
-        switch (row_.format.engine) {
+    [[nodiscard]] std::uint64_t encoded_t(double t, const BandResult& result, std::size_t i) const {
+        const double true_t =
+            result.truth(i).is_hit()
+                ? result.band->rounded_truth(i, binary64, form_row_.form->info->direction, result.convention)
+                : 0;
+        switch (form_row_.format.engine) {
             case Format::Engine::native32: return folded_difference(image::float_word(t), image::float_word(true_t), 4);
             case Format::Engine::native64:
                 return folded_difference(std::bit_cast<std::uint64_t>(t), std::bit_cast<std::uint64_t>(true_t), 8);
@@ -146,49 +149,50 @@ private:
     }
 
     /// Stores the inherent bits of a pixel. Called for every pixel; only true hits have a value.
-    void set_inherent(Layer& layer, std::size_t pixel, std::size_t i, const BandResult& result) {
-        if (i % static_cast<std::size_t>(result.width) == 0) inherent_bits_.begin_row();
+    void set_inherent_bits(Layer& layer, std::size_t pixel, std::size_t i, const BandResult& result) {
+        if (i % static_cast<std::size_t>(result.width) == 0) inherent_predictor_.begin_row();
         const measure::truth::Truth truth = result.truth(i);
         if (!truth.is_hit()) return;
-        const Direction direction = row_.form->info->direction;
+        const Direction direction = form_row_.form->info->direction;
         const double reach = result.band->reach(i, result.convention, direction, *result.inputs);
         const double bits = measure::truth::inherent_bits(
-            reach, direction == Direction::unit ? truth.distance : truth.t, row_.format.parameters);
-        layer.set(pixel, inherent_bits_.code(image::float_word(bits), 4));
+            reach, direction == Direction::unit ? truth.distance : truth.t, form_row_.format.parameters);
+        layer.set(pixel, inherent_predictor_.encode(image::float_word(bits), 4));
     }
 
     struct StoredMetric {
         std::size_t metric;
         Layer layer;
     };
-    const TestedForm& row_;
+    const TestedForm& form_row_;
     std::size_t group_;
     Group* group_to_fill_;
     bool stores_condition_ = false;
-    std::optional<std::size_t> inherent_ = {};  ///< index of `inherent_bits`
-    LineOfHits inherent_bits_ = {};
-    std::optional<std::size_t> ulps_ = {};  ///< index of `ulp_error`
-    Layer outcome_, object_, t_;
+    std::optional<std::size_t> inherent_index_ = {};  ///< index of `inherent_bits`
+    HitPredictor inherent_predictor_ = {};
+    std::optional<std::size_t> ulp_error_index_ = {};  ///< index of `ulp_error`
+    Layer outcome_, primitive_, t_;
     std::vector<float> error_sizes_;
     std::vector<StoredMetric> stored_metrics_;
 };
 
 MapData::MapData(const MapStudy& request) : request_(request) {
-    const std::size_t n = request.scene->pixels();
+    const std::size_t pixel_count = request.scene->pixels();
     for (const TestedForm& form_row : request.rows) {
-        const auto found =
+        const auto known_group =
             std::ranges::find_if(groups_, [&form_row](const auto& g) { return g->kind == map::truth_kind(form_row); });
-        const auto g = static_cast<std::size_t>(found - groups_.begin());
-        const bool is_first = found == groups_.end();
-        if (is_first) groups_.push_back(std::make_unique<Group>(form_row, n));
-        rows_.push_back(std::make_unique<Row>(request, form_row, n, g, is_first ? groups_[g].get() : nullptr));
+        const auto g = static_cast<std::size_t>(known_group - groups_.begin());
+        const bool is_first = known_group == groups_.end();
+        if (is_first) groups_.push_back(std::make_unique<Group>(form_row, pixel_count));
+        rows_.push_back(
+            std::make_unique<Row>(request, form_row, pixel_count, g, is_first ? groups_[g].get() : nullptr));
     }
 }
 
 MapData::~MapData() = default;
 
-measure::evaluate::ShowRows MapData::show() {
-    return [this](std::size_t row_index, const BandResult& result) { rows_.at(row_index)->band(result); };
+measure::evaluate::ShowRows MapData::band_receiver() {
+    return [this](std::size_t row_index, const BandResult& result) { rows_.at(row_index)->add_band(result); };
 }
 
 namespace {
@@ -201,10 +205,10 @@ Json metric_json(const Metric& m, std::span<const TestedForm> rows) {
               {"marches", m.domain == measure::metric::MetricDomain::marches},
               {"every_ray", m.domain == measure::metric::MetricDomain::every},
               {"blamed", m.domain == measure::metric::MetricDomain::blamed},
-              {"kind", is_inherent(m)    ? "hits"
-                       : is_derived(m)   ? "derived"
-                       : is_condition(m) ? "shared"
-                                         : "stored"}};
+              {"kind", is_inherent_bits(m) ? "hits"
+                       : is_derived(m)     ? "derived"
+                       : is_condition(m)   ? "shared"
+                                           : "stored"}};
     if (paint.scale()) {  // one scale for each format, as in the pictures
         Json& scales = json["scales"] = Json::object();
         for (const TestedForm& form_row : rows)
@@ -237,13 +241,13 @@ Json summary_json(const MapStudy& request, const TestedForm& form_row, const For
             array_of(measure::metric::quantiles,
                      [&](const measure::metric::Statistic& q) { return number_json(q.of(s.metrics[m])); });
     }
-    const FloatFormat& f = form_row.format.parameters;
+    const FloatFormat& format = form_row.format.parameters;
     const measure::evaluate::WorstRay* const worst = s.worst_ray();
     return {{"form", form_row.form->info->name},
             {"format", form_row.format.name},
             {"title", map::title_of(*form_row.form->info)},
-            {"precision", f.precision},
-            {"emin", f.emin},
+            {"precision", format.precision},
+            {"emin", format.emin},
             {"coding", coding_name(form_row.format)},
             {"direction", form_row.form->info->direction == Direction::unit ? "unit" : "any"},
             {"formula", form_row.form->is_template()},
@@ -262,7 +266,7 @@ Json summary_json(const MapStudy& request, const TestedForm& form_row, const For
 
 }  // namespace
 
-Json MapData::index(const std::vector<FormSummary>& summaries, bool own_size,
+Json MapData::index(const std::vector<FormSummary>& summaries, bool has_scene_size,
                     const std::string& scene_with_size) const {
     const scene::file::Scene& scene = *request_.scene;
     Json rows = Json::array();
@@ -274,7 +278,7 @@ Json MapData::index(const std::vector<FormSummary>& summaries, bool own_size,
             {"named", scene_with_size},
             {"width", scene.width},
             {"height", scene.height},
-            {"own_size", own_size},
+            {"own_size", has_scene_size},
             {"metrics", array_of(request_.metrics, [&](const Metric* m) { return metric_json(*m, request_.rows); })},
             {"rows", std::move(rows)}};
 }
@@ -285,7 +289,7 @@ std::vector<Blob> MapData::blobs(const std::vector<FormSummary>& summaries) cons
         std::string bytes;
         const Group& group = *groups_[g];
         for (const Layer* layer :
-             {&group.hit, &group.object, &group.truth, &group.remainder, &group.bound, &group.condition})
+             {&group.decision, &group.primitive, &group.truth, &group.remainder, &group.bound, &group.condition})
             bytes += layer->planes();
         result.push_back({fmt::format("truth:{}:{}", request_.scene->id, g), pack(bytes)});
     }
@@ -294,7 +298,7 @@ std::vector<Blob> MapData::blobs(const std::vector<FormSummary>& summaries) cons
         const std::string name = fmt::format("{}:{}", request_.scene->id, map::row_name(form_row));
         if (form_row.form->is_template()) {
             const auto rays = choose_rays(summaries[r], rows_[r]->error_sizes(), request_.scene->width);
-            result.push_back({"rays:" + name, pack(text_of(rays_json(request_, form_row, rays)))});
+            result.push_back({"rays:" + name, pack(compact_json(rays_json(request_, form_row, rays)))});
         }
         result.push_back({"row:" + name, pack(rows_[r]->bytes())});
     }

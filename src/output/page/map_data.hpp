@@ -17,11 +17,11 @@ using measure::evaluate::FormSummary;
 using measure::evaluate::MapStudy;
 using measure::evaluate::TestedForm;
 
-/// A pixel whose operations the page holds. `why` has the reasons why it was chosen, such as `median error` or the name
-/// of an outcome.
+/// A pixel whose operations the page holds. `reasons` says why it was chosen: `median error`, or the name of an
+/// outcome.
 struct ChosenRay {
     int x, y;
-    std::vector<std::string> why;
+    std::vector<std::string> reasons;
 };
 
 /// A picture is cut into this many parts in each direction, and the worst ray of each part is chosen.
@@ -42,12 +42,13 @@ struct Blob {
     std::string name, packed;
 };
 
-/// Takes the results of a map row by row and keeps, exactly,
-/// - once for all rows that share a truth (by direction and convention): the true decision, the double T nearest to t*
-/// as its difference from the value that the two hits to the left predict linearly, the remainder t* − T as a float,
-/// the bound as a power of two, and κ as a float;
-/// - for each row: the outcome, the primitive, and the bits of t minus those of the truth, both in the row's format.
-/// Most answers are a few ulps away, so most differences are small;
+/// Collects the results of a map row by row. It keeps exactly
+/// - once for all rows with the same truth (by direction and convention): the true decision; the double T nearest to
+/// t*,
+///   as its difference from the value that the two hits to the left predict linearly; the remainder t* − T as a float;
+///   the bound as a power of two; and κ as a float;
+/// - for each row: the outcome, the primitive, and the bits of t minus those of the truth, both in the row's format
+///   (most answers are a few ulps away, so most differences are small);
 /// - every other metric as a float;
 /// - the output of `lostbits explain` for the rays of `choose_rays`.
 /// The page itself computes the metrics that are functions of t and t* alone (`derived_metrics`).
@@ -59,11 +60,11 @@ public:
     MapData& operator=(const MapData&) = delete;
 
     /// Returns a function that receives the bands of the request's rows.
-    [[nodiscard]] measure::evaluate::ShowRows show();
+    [[nodiscard]] measure::evaluate::ShowRows band_receiver();
 
-    /// All data except the pixels; call this after the map. `own_size`: the map has the scene's own size, so that
+    /// All data except the pixels; call this after the map. `has_scene_size`: the map has the scene's own size, so that
     /// claims are about the same rays. `scene_with_size`: the scene with its size, as a command names it.
-    [[nodiscard]] Json index(const std::vector<FormSummary>& summaries, bool own_size,
+    [[nodiscard]] Json index(const std::vector<FormSummary>& summaries, bool has_scene_size,
                              const std::string& scene_with_size) const;
     /// The pixels and the operations of the chosen rays; call this after the map.
     [[nodiscard]] std::vector<Blob> blobs(const std::vector<FormSummary>& summaries) const;

@@ -23,7 +23,7 @@ using scene::toml::count_with_noun;
 
 namespace {
 
-/// Source expression of a content security policy: `'sha256-…'`.
+/// Source expression for a content security policy: `'sha256-…'`.
 std::string hash_source(const Asset& asset) {
     std::string bytes;
     for (std::size_t i = 0; i + 1 < asset.sha256.size(); i += 2)
@@ -38,16 +38,18 @@ std::string content_policy() {
         hash_source(page_script), hash_source(page_style));
 }
 
-std::string image(const Picture& p) {
+std::string image_html(const Picture& p) {
     return p.png.empty()
                ? std::string()
                : fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", html(p.alt), file::base64(p.png));
 }
 
-std::string noscript_image(const Picture& picture) { return fmt::format("<noscript>{}</noscript>\n", image(picture)); }
+std::string noscript_image_html(const Picture& picture) {
+    return fmt::format("<noscript>{}</noscript>\n", image_html(picture));
+}
 
-/// Chart that every reader sees; the script finds it by its name.
-std::string figure(const Chart& c) {
+/// Chart as every reader sees it, with or without scripts. The script finds it by its name.
+std::string figure_html(const Chart& c) {
     return c.svg.empty() ? std::string()
                          : fmt::format(
                                "<figure class=\"chart{}\" data-chart=\"{}\" role=\"group\" "
@@ -56,9 +58,9 @@ std::string figure(const Chart& c) {
                                c.is_plot ? " plotted" : "", html(c.name), html(c.alt), c.svg);
 }
 
-std::string figures(const std::vector<Chart>& charts) {
+std::string figures_html(const std::vector<Chart>& charts) {
     std::string text;
-    for (const Chart& c : charts) text += figure(c);
+    for (const Chart& c : charts) text += figure_html(c);
     return text;
 }
 
@@ -90,26 +92,26 @@ Json index_json(const Report& report) {
                     {"note", s.note},
                     {"kind", kind_names[static_cast<std::size_t>(s.kind)]},
                     {"charts", array_of(s.charts, [](const Chart& c) { return c.name; })},
-                    {"rows", s.rows}};
+                    {"rows", s.row_names}};
     });
     json["statistics"] = sweep_statistics;
     json["trades"] = array_of(report.trades, [](const TradePart& t) { return t.json; });
     return json;
 }
 
-std::string blob(const std::string& name, const std::string& packed) {
+std::string blob_html(const std::string& name, const std::string& packed) {
     return fmt::format("<script type=\"text/plain\" id=\"{}\">{}</script>\n", html(name), packed);
 }
 
 std::string note_and_source(const std::string& note, const std::string& source) {
     std::string text;
-    if (!note.empty()) text += fmt::format("<p>{}</p>\n", prose(note));
+    if (!note.empty()) text += fmt::format("<p>{}</p>\n", prose_html(note));
     if (!source.empty() && source != "-") text += fmt::format("<p class=\"source\">Source: {}</p>\n", html(source));
     return text;
 }
 
 /// Element that the reader can open and close: a summary, and a body below it. Links lead to `id`, if it is not empty.
-std::string details(const std::string& id, const std::string& summary, const std::string& body) {
+std::string details_html(const std::string& id, const std::string& summary, const std::string& body) {
     return fmt::format("<details open class=\"part\"{}><summary>{}</summary>\n{}</details>\n",
                        id.empty() ? "" : fmt::format(" id=\"{}\"", html(id)), summary, body);
 }
@@ -124,8 +126,8 @@ std::string maps_body(const std::vector<MapPart>& maps) {
     if (maps.empty()) return "";
     std::string text = "<div id=\"map-view\" hidden></div>\n";
     for (const MapPart& m : maps)
-        text += details("scene-" + m.id, title_with_name(m.title, m.id),
-                        note_and_source(m.note, m.source) + m.table + noscript_image(m.sheet));
+        text += details_html("scene-" + m.id, title_with_name(m.title, m.id),
+                             note_and_source(m.note, m.source) + m.table + noscript_image_html(m.sheet));
     return text;
 }
 
@@ -133,8 +135,8 @@ std::string sweeps_body(const std::vector<SweepPart>& sweeps) {
     if (sweeps.empty()) return "";
     std::string text = "<div id=\"sweep-view\" hidden></div>\n";
     for (const SweepPart& s : sweeps)
-        text += details("sweep-" + s.id, title_with_name(s.title, s.id),
-                        note_and_source(s.note, s.source) + s.table + figures(s.charts));
+        text += details_html("sweep-" + s.id, title_with_name(s.title, s.id),
+                             note_and_source(s.note, s.source) + s.table + figures_html(s.charts));
     return text;
 }
 
@@ -149,8 +151,8 @@ std::string trades_body(const Report& report) {
     if (report.trades.empty()) return "";
     std::string text = fmt::format("<p>{}</p>\n<div id=\"trade-view\" hidden></div>\n", timing_note(report));
     for (const TradePart& t : report.trades)
-        text +=
-            details("trade-" + t.shape, html(t.shape), fmt::format("<pre>{}</pre>", html(t.words)) + figures(t.charts));
+        text += details_html("trade-" + t.shape, html(t.shape),
+                             fmt::format("<pre>{}</pre>", html(t.text)) + figures_html(t.charts));
     return text;
 }
 
@@ -167,13 +169,13 @@ std::string choices_body(const Report& report) {
     std::string text =
         fmt::format("<p>Every form and format, measured on the scene's own rays. {}</p>\n", timing_note(report));
     for (const ChoicePart& c : report.choices)
-        text += details("", title_with_name(c.requirement, c.scene) + "<br>" + html(second_line(c.words)),
-                        preformatted(html(c.words)) + figure(c.front) + c.table);
+        text += details_html("", title_with_name(c.requirement, c.scene) + "<br>" + html(second_line(c.text)),
+                             preformatted(html(c.text)) + figure_html(c.front_chart) + c.table);
     return text;
 }
 
-/// Text in which the lines of a diff are marked.
-std::string with_diffs(const std::string& diff) {
+/// Marks the removed and added lines of a diff.
+std::string mark_diff_lines(const std::string& diff) {
     std::string text;
     std::istringstream lines(diff);
     for (std::string line; std::getline(lines, line);) {
@@ -194,17 +196,16 @@ std::string mends_body(const Report& report) {
     if (report.mends.empty()) return "";
     std::string text =
         "<p>The fewest operations that must be done in wider arithmetic so that a form meets a requirement on every "
-        "ray, and "
-        "other ways to write it that give the same result without rounding.";
-    if (std::ranges::any_of(report.mends, &MendPart::timed)) text += " " + timing_note(report);
+        "ray, and other ways to write it that give the same result without rounding.";
+    if (std::ranges::any_of(report.mends, &MendPart::has_times)) text += " " + timing_note(report);
     text += "</p>\n";
     for (const MendPart& m : report.mends) {
         std::string changes;
         for (const std::string& change : distinct_sentences(m.changes))
             changes += fmt::format("<li>{}</li>\n", html(change));
-        text += details(
-            "", title_with_name(m.form + ": " + m.requirement, m.scene),
-            fmt::format("<ul>\n{}</ul>\n", changes) + m.table + figure(m.front) + preformatted(with_diffs(m.words)));
+        text += details_html("", title_with_name(m.form + ": " + m.requirement, m.scene),
+                             fmt::format("<ul>\n{}</ul>\n", changes) + m.table + figure_html(m.front_chart) +
+                                 preformatted(mark_diff_lines(m.text)));
     }
     return text;
 }
@@ -214,17 +215,17 @@ std::string offsets_body(const std::vector<OffsetPart>& offsets) {
     std::string text = fmt::format(
         "<p>A ray that leaves a computed point may hit the primitive that it leaves again, so renderers move its "
         "origin. A move that is too short leaves such self-hits. One that is too long jumps past a neighbour or "
-        "through a thin "
-        "primitive. "
-        "Here the points are computed by {} in {}, and on boxes by {}. The tables give, for each strategy, the share "
-        "of rays that go "
-        "wrong (a start on the wrong side alone does no harm and does not count):</p>\n<div class=\"wide\">{}</div>\n",
+        "through a thin primitive. Here the points are computed by {} in {}, and on boxes by {}. The tables give, for "
+        "each strategy, the share "
+        "of rays that go wrong (a start on the wrong side alone does no harm and does not count):</p>\n<div "
+        "class=\"wide\">{}</div>\n",
         measure::offset::usual_forms()[0], measure::offset::usual_format, measure::offset::usual_forms()[1],
         offset_overview(offsets));
     for (const OffsetPart& o : offsets) {
         std::string paragraphs = note_and_source(o.note, o.source);
-        for (const std::string& line : o.words) paragraphs += fmt::format("<p>{}</p>\n", html(line));
-        text += details("offsets-" + o.id, title_with_name(o.title, o.id), paragraphs + o.table + image(o.sheet));
+        for (const std::string& line : o.sentences) paragraphs += fmt::format("<p>{}</p>\n", html(line));
+        text +=
+            details_html("offsets-" + o.id, title_with_name(o.title, o.id), paragraphs + o.table + image_html(o.sheet));
     }
     return text;
 }
@@ -232,14 +233,14 @@ std::string offsets_body(const std::vector<OffsetPart>& offsets) {
 std::string studies_body(const std::vector<StudyPart>& studies) {
     std::string text;
     for (const StudyPart& s : studies)
-        text += details(
+        text += details_html(
             fmt::format("study-{}-{}", s.study, s.id), title_with_name(fmt::format("{}: {}", s.study, s.title), s.id),
-            fmt::format("<p>{}.</p>\n", html(s.what)) + note_and_source(s.note, "") + s.table + image(s.sheet));
+            fmt::format("<p>{}.</p>\n", html(s.purpose)) + note_and_source(s.note, "") + s.table + image_html(s.sheet));
     return text;
 }
 
 /// First sentences of the page, which say what the page shows.
-constexpr const char* opening_sentence =
+constexpr const char* opening_text =
     "This page shows where ray intersectors lose significand bits, and which of their operations lose them. Every form "
     "answered the same rays in each format, and each answer is compared with the proved true answer.";
 
@@ -251,7 +252,7 @@ std::string results_table(const std::vector<MapPart>& maps) {
         text += fmt::format(
             "<tr><th scope=\"row\"><a class=\"jump\" href=\"#scene-{0}\" data-view=\"scene={0}\">{1}"
             "</a></th><td>{2}</td><td class=\"n\">{3} of {4}</td></tr>\n",
-            html(m.id), html(m.title), html(m.finding), m.faulty, m.rows.size());
+            html(m.id), html(m.title), html(m.finding), m.wrong_row_count, m.row_names.size());
     return text + end_table;
 }
 
@@ -276,18 +277,18 @@ std::string first_step(const Report& report) {
 /// Results of the claims, the meanings of the verdicts, and the claims.
 std::string claims_body(const Report& report) {
     if (report.claims.empty()) return "";
-    const claim::CountsBySource by_source = claim::count_verdicts(report.claims, report.results);
-    const claim::VerdictCounts& n = by_source.all;
-    std::string meaning = by_source.text() + ". ";
+    const claim::CountsBySource counts_by_source = claim::count_verdicts(report.claims, report.results);
+    const claim::VerdictCounts& counts = counts_by_source.all;
+    std::string meaning = counts_by_source.text() + ". ";
     meaning.front() = static_cast<char>(std::toupper(meaning.front()));
-    if (n.qualified > 0)
+    if (counts.qualified > 0)
         meaning += "Qualified: the statement is true under a condition that its source does not state. ";
-    if (n.refuted > 0)
+    if (counts.refuted > 0)
         meaning += "Refuted: the measurement contradicts the statement, as it did when the verdict was written.";
-    if (n.differing + n.broken > 0) meaning += " Failed: the measurement differs from the recorded one.";
+    if (counts.differing + counts.broken > 0) meaning += " Failed: the measurement differs from the recorded one.";
     return fmt::format(
         "<p>{} measured again:</p>\n{}<p class=\"hint\">{}</p>\n<div id=\"claim-view\" hidden></div>\n{}",
-        count_with_noun(report.claims.size(), "claim"), verdict_tiles(n), meaning, claims_table(report));
+        count_with_noun(report.claims.size(), "claim"), verdict_tiles(counts), meaning, claims_table(report));
 }
 
 /// Command that made the page.
@@ -304,7 +305,7 @@ struct Section {
     std::string body;
 };
 
-/// Sections that have something to show. The result comes first, because readers look for it first.
+/// Sections that are not empty. The maps and sweeps come first, because readers look for the results first.
 std::vector<Section> sections_of(const Report& report) {
     std::vector<Section> sections{
         {"maps", "Maps", "Maps", maps_body(report.maps)},
@@ -332,7 +333,7 @@ std::string body_of(const Report& report) {
         "<header><h1>lostbits report</h1>\n<p id=\"opening\">{} {}</p>\n{}<nav>{}</nav>\n<noscript><p>Without scripts "
         "this page shows tables and contact sheets. With scripts it shows every pixel.</p></noscript></header>\n"
         "<main>\n{}</main>\n",
-        opening_sentence, first_step(report), results_table(report.maps), links, text);
+        opening_text, first_step(report), results_table(report.maps), links, text);
 }
 
 }  // namespace
@@ -349,11 +350,12 @@ std::string page(const Report& report) {
         text += fmt::format("<meta name=\"generator\" content=\"{}\">\n", html(report.program));
     text += fmt::format("<style>{}</style>\n", page_style.text);
     text += "</head><body>\n" + body_of(report);
-    text += fmt::format("<script type=\"application/json\" id=\"index\">{}</script>\n", text_of(index_json(report)));
+    text +=
+        fmt::format("<script type=\"application/json\" id=\"index\">{}</script>\n", compact_json(index_json(report)));
     for (const MapPart& m : report.maps) {
-        for (const Blob& b : m.blobs) text += blob(b.name, b.packed);
+        for (const Blob& b : m.blobs) text += blob_html(b.name, b.packed);
     }
-    for (const SweepPart& s : report.sweeps) text += blob("sweep:" + s.id, pack(text_of(s.json)));
+    for (const SweepPart& s : report.sweeps) text += blob_html("sweep:" + s.id, pack(compact_json(s.json)));
     text += fmt::format("<script>{}</script>\n</body></html>\n", page_script.text);
     return text;
 }

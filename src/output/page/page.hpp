@@ -17,18 +17,18 @@
 
 namespace lostbits::output::page {
 
-/// A PNG and a text that describes it.
+/// A PNG, and a text that describes it for readers who do not see it.
 struct Picture {
     std::string alt;
     std::string png;  ///< bytes of the PNG file
 };
 
-/// An SVG, a text that describes it, and a name for the page's script: `lost_bits_p99.f32`.
+/// An SVG, a text that describes it, and the name by which the page's script finds it: `lost_bits_p99.f32`.
 struct Chart {
     std::string alt;
     std::string svg;
     std::string name = {};
-    bool is_plot = true;  ///< lines or points, whose colours only distinguish them
+    bool is_plot = true;  ///< the chart has lines or points, and its colours only tell these apart
 };
 
 /// Lets `draw` write a picture to a file and reads the file back. Throws EnvironmentError if it cannot be read.
@@ -36,15 +36,15 @@ struct Chart {
 
 struct MapPart {
     std::string id, title, note, source;
-    std::vector<std::string> rows;  ///< `map::row_name` of each row
-    Json index;                     ///< from `MapData::index`
+    std::vector<std::string> row_names;  ///< `map::row_name` of each row
+    Json index;                          ///< from `MapData::index`
     std::vector<Blob> blobs;
     std::string table;  ///< HTML, see `summary_table`
     Picture sheet;
-    bool own_size = true;  ///< the map has the scene's own size, so claims are measured on the same rays
+    bool has_scene_size = true;  ///< the map has the scene's own size, so claims are measured on the same rays
     std::vector<std::string> metrics = {};  ///< names of the metrics
     std::string finding = {};               ///< from `map::finding_text`
-    std::size_t faulty = 0;                 ///< number of rows that decide a ray wrongly
+    std::size_t wrong_row_count = 0;        ///< number of rows that decide a ray wrongly
 };
 
 /// A sweep along one axis or over a plane, or a file of cases.
@@ -52,7 +52,7 @@ struct SweepPart {
     enum class Kind { line, plane, cases };
     Kind kind = Kind::line;
     std::string id, title, note, source;
-    std::vector<std::string> rows;               ///< `map::row_name` of each row
+    std::vector<std::string> row_names;          ///< `map::row_name` of each row
     std::vector<std::vector<double>> axes = {};  ///< values of each axis in the order of the page; empty for cases
     std::vector<std::string> cases = {};
     Json json = {};  ///< from `sweep_json`, `plane_json` or `case_json`
@@ -62,42 +62,43 @@ struct SweepPart {
 
 struct TradePart {
     std::string shape;
-    Json json;  ///< from `trade_json`
-    std::string words;
-    std::vector<Chart> charts;  ///< charts, named by their sets of rays
+    Json json;                  ///< from `trade_json`
+    std::string text;           ///< the results as `lostbits trade` prints them
+    std::vector<Chart> charts;  ///< one for each set of rays, with the name of the set
 };
 
 /// The form chosen for a scene by a requirement. The times differ from run to run.
 struct ChoicePart {
     std::string scene, requirement;  ///< id of the scene; `18 correct bits of every hit, no wrong decision`
-    std::string words;               ///< the second line is the answer
+    std::string text;                ///< sentences, of which the second line is the answer
     std::string table;               ///< HTML, see `choice_table`
-    Chart front;
+    Chart front_chart;               ///< time against kept bits
 };
 
 /// The repair of a form for a scene and a requirement.
 struct MendPart {
     std::string form, scene, requirement;  ///< `sphere.half_b in f32`, the scene's id, the requirement
     std::vector<std::string> changes;      ///< one sentence for each form that the repair produced
-    std::string words;                     ///< from `repair::in_words`
+    std::string text;                      ///< from `repair::in_words`
     std::string table;                     ///< HTML, see `mend_table`
-    Chart front;
-    bool timed = false;  ///< the part has times, which differ from run to run
+    Chart front_chart;                     ///< time, or the number of wider operations, against kept bits
+    bool has_times = false;                ///< times differ from run to run
 };
 
 /// Outcomes of rays that leave the points of a scene, for every strategy.
 struct OffsetPart {
     std::string id, title, note, source;
-    std::vector<std::string> words = {};
+    std::vector<std::string> sentences = {};
     std::vector<std::string> strategies = {};
-    std::array<std::vector<double>, 2> bad = {};  ///< for each side and strategy: the share of rays that go wrong
-    std::string table = {};                       ///< HTML, see `offset_table`
+    /// For each side and strategy: the share of rays that go wrong.
+    std::array<std::vector<double>, 2> wrong_shares = {};
+    std::string table = {};  ///< HTML, see `offset_table`
     Picture sheet = {};
 };
 
 /// A study of a scene, such as consistency.
 struct StudyPart {
-    std::string study, what;      ///< name of the study, and what it measures
+    std::string study, purpose;   ///< name of the study, and a text that says what it measures
     std::string id, title, note;  ///< texts of the scene
     std::string table = {};       ///< HTML, see `study_table`
     Picture sheet = {};
@@ -118,8 +119,8 @@ struct Report {
     std::string program = {};    ///< program that made the page: `lostbits 0.1.0`
 };
 
-/// Table of the forms and formats of a map: decisions, and p50, p99 and max of lost bits, which are withheld if too few
-/// hits agree. Each number carries the CSV's own decimal.
+/// Table of the forms and formats of a map: decisions, and p50, p99 and max of lost bits. If too few hits agree, the
+/// quantiles are withheld. Each number carries the decimal of the CSV.
 [[nodiscard]] std::string summary_table(const MapStudy& request, const std::vector<FormSummary>& summaries);
 
 /// Table of every form and format, cheapest first: time, bits kept, wrong decisions, and whether it meets the
@@ -143,7 +144,7 @@ struct Report {
 [[nodiscard]] std::string study_table(const std::vector<file::Column>& columns,
                                       const std::vector<std::vector<file::Cell>>& rows);
 
-/// Tiles of the counts, the gravest first.
+/// Counts of the verdicts as a row of tiles, the gravest first.
 [[nodiscard]] std::string verdict_tiles(const claim::VerdictCounts& counts);
 /// One table per subject, with a row per claim. If the page shows what the claim was measured on, the row links there.
 [[nodiscard]] std::string claims_table(const Report& report);

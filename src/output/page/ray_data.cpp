@@ -18,7 +18,7 @@ using measure::attribution::Explanation;
 namespace {
 
 /// Pixel of the median of the finite errors; ties go to the first pixel. Nothing if no error is finite.
-std::optional<std::size_t> median_of(std::span<const float> error_sizes) {
+std::optional<std::size_t> median_pixel(std::span<const float> error_sizes) {
     std::vector<std::size_t> finite_pixels;
     for (std::size_t i = 0; i < error_sizes.size(); ++i) {
         if (std::isfinite(error_sizes[i])) finite_pixels.push_back(i);
@@ -38,13 +38,13 @@ struct IndexRange {
 };
 
 /// Range of part k of `n` adjacent pixels.
-IndexRange part_of(std::size_t n, std::size_t k) { return {k * n / parts_each_way, (k + 1) * n / parts_each_way}; }
+IndexRange part_range(std::size_t n, std::size_t k) { return {k * n / parts_each_way, (k + 1) * n / parts_each_way}; }
 
 /// Worst pixel of a part of a picture, or nothing if no pixel has an error. Among equally bad pixels, the one nearest
 /// to the middle of the part.
-std::optional<std::size_t> worst_of(std::span<const float> error_sizes, std::size_t width, IndexRange columns,
-                                    IndexRange rows) {
-    std::optional<std::size_t> found;
+std::optional<std::size_t> worst_pixel(std::span<const float> error_sizes, std::size_t width, IndexRange columns,
+                                       IndexRange rows) {
+    std::optional<std::size_t> worst_index;
     std::pair<float, double> worst{-1, 0};  // the error, and minus the distance from the middle
     for (std::size_t y = rows.first; y < rows.last; ++y) {
         for (std::size_t x = columns.first; x < columns.last; ++x) {
@@ -52,17 +52,18 @@ std::optional<std::size_t> worst_of(std::span<const float> error_sizes, std::siz
             const std::pair candidate{error_sizes[i],
                                       -std::hypot(columns.offset_from_middle(x), rows.offset_from_middle(y))};
             if (std::isnan(error_sizes[i]) || candidate <= worst) continue;
-            found = i;
+            worst_index = i;
             worst = candidate;
         }
     }
-    return found;
+    return worst_index;
 }
 
 Json operation_json(const attribution::OperationRow& r) {
     const auto value = [&r](double x) { return r.digits == 0 ? Json(x != 0) : number_json(x); };
     return Json::array({r.node, r.name, r.formula, value(r.computed), value(r.exact), r.digits, r.error_ulps,
-                        r.cancelled, r.local, r.rounding_ulps, r.contribution_ulps, r.culprit, r.branch_flipped});
+                        r.cancelled, r.local_bits, r.rounding_ulps, r.contribution_ulps, r.is_culprit,
+                        r.is_branch_flipped});
 }
 
 Json lines_json(const std::string& text) {
@@ -72,18 +73,18 @@ Json lines_json(const std::string& text) {
     return lines;
 }
 
-/// Sentences above and below the table of `explain`, and the table.
+/// The table of `explain`, and the sentences above and below it.
 Json ray_json(const ChosenRay& chosen, const Explanation& explanation,
               const std::optional<attribution::MarchEnd>& march) {
     const attribution::OperationView view(explanation);
     const attribution::OperationTable table = attribution::operation_table(explanation, view, false);
     Json json{{"x", chosen.x},
               {"y", chosen.y},
-              {"why", chosen.why},
+              {"why", chosen.reasons},
               {"says", lines_json(attribution::verdict_of(explanation, march).text())},
               {"sums", lines_json(attribution::sums_text(explanation, view))},
               {"subject", view.subject()},
-              {"earlier", table.first},
+              {"earlier", table.first_node},
               {"rows", array_of(table.rows, operation_json)}};
     if (explanation.primitives > 1 && is_primitive(explanation.form->shape)) json["primitive"] = explanation.primitive;
     return json;
@@ -93,14 +94,14 @@ Json ray_json(const ChosenRay& chosen, const Explanation& explanation,
 
 std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const float> error_sizes, int width) {
     std::vector<ChosenRay> chosen;
-    const auto add = [&chosen](std::int64_t x, int y, std::string why) {
-        const auto found = std::ranges::find_if(chosen, [&](const ChosenRay& r) { return r.x == x && r.y == y; });
-        if (found == chosen.end()) chosen.push_back({static_cast<int>(x), y, {std::move(why)}});
-        else found->why.push_back(std::move(why));
+    const auto add = [&chosen](std::int64_t x, int y, std::string reason) {
+        const auto known_ray = std::ranges::find_if(chosen, [&](const ChosenRay& r) { return r.x == x && r.y == y; });
+        if (known_ray == chosen.end()) chosen.push_back({static_cast<int>(x), y, {std::move(reason)}});
+        else known_ray->reasons.push_back(std::move(reason));
     };
-    const auto w = static_cast<std::size_t>(width);
-    const auto add_pixel = [&](std::size_t i, const char* why) {
-        add(static_cast<std::int64_t>(i % w), static_cast<int>(i / w), why);
+    const auto picture_width = static_cast<std::size_t>(width);
+    const auto add_pixel = [&](std::size_t i, const char* reason) {
+        add(static_cast<std::int64_t>(i % picture_width), static_cast<int>(i / picture_width), reason);
     };
     if (const auto* const worst = summary.worst_ray()) add(worst->x, worst->y, "worst ray");
     for (const measure::answer::Outcome wrong : measure::answer::wrong_decisions) {
@@ -109,11 +110,12 @@ std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const f
                 fmt::format("{}: the first", measure::answer::outcome_names[static_cast<std::size_t>(wrong)]));
     }
     if (summary.worst.x >= 0) add(summary.worst.x, summary.worst.y, "largest error");
-    if (const auto i = median_of(error_sizes)) add_pixel(*i, "median error");
+    if (const auto i = median_pixel(error_sizes)) add_pixel(*i, "median error");
     for (std::size_t part = 0; part < parts_each_way * parts_each_way; ++part) {
-        const IndexRange columns = part_of(w, part % parts_each_way),
-                         rows = part_of(error_sizes.size() / w, part / parts_each_way);
-        if (const auto i = worst_of(error_sizes, w, columns, rows)) add_pixel(*i, "worst in its part of the picture");
+        const IndexRange columns = part_range(picture_width, part % parts_each_way),
+                         rows = part_range(error_sizes.size() / picture_width, part / parts_each_way);
+        if (const auto i = worst_pixel(error_sizes, picture_width, columns, rows))
+            add_pixel(*i, "worst in its part of the picture");
     }
     return chosen;
 }

@@ -19,8 +19,9 @@ using measure::metric::Metric;
 
 namespace {
 
-/// `{"form":…,"format":…,"values":[statistic][cell],"outcomes":[cell][outcome],"true_hits":[cell]}`: the numbers of a
-/// row at every step, cell or case. `summary_at(cell)` is the result of the row there.
+/// Numbers of a row at every step, cell or case:
+/// `{"form":…,"format":…,"values":[statistic][cell],"outcomes":[cell][outcome],"true_hits":[cell]}`.
+/// `summary_at(cell)` is the result of the row in that cell.
 Json row_json(const measure::evaluate::TestedForm& form_row, const std::vector<const Metric*>& metrics,
               std::size_t cells, const auto& summary_at) {
     const auto columns = measure::evaluate::summary_columns(metrics);
@@ -44,8 +45,8 @@ Json row_json(const measure::evaluate::TestedForm& form_row, const std::vector<c
             {"true_hits", std::move(true_hits)}};
 }
 
-/// Adds the statistics and the rows of a sweep. `summary_at(r, cell)` is a result of row r, and `add_details(json, r)`
-/// adds what else the page shows of the row.
+/// Adds the statistics and the rows of a sweep. `summary_at(r, cell)` is the result of row r in a cell.
+/// `add_details(json, r)` adds the other members of row r.
 Json with_rows(Json json, const auto& request, std::size_t cells, const auto& summary_at, const auto& add_details) {
     json["statistics"] = sweep_statistics;
     Json& rows = json["rows"] = Json::array();
@@ -103,20 +104,21 @@ Json plane_json(const SweepRequest& request, const std::vector<measure::sweep::S
 
 Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std::vector<FormSummary>>& cases) {
     const scene::sweep::CaseFile& file = request.file;
-    const std::size_t inherent = measure::metric::index_of(request.metrics, "inherent_bits");
+    const std::size_t inherent_index = measure::metric::index_of(request.metrics, "inherent_bits");
     Json names = Json::array();
     for (std::size_t i = 0; i < file.size(); ++i) names.push_back(Json::array({file.name(i), file.note_of(i)}));
     return with_rows(
         {{"id", file.id},
          {"kind", "cases"},
          {"cases", names},
-         {"within_means", sweep::within_means(file)},
+         {"within_means", sweep::within_meaning(file)},
          {"conventions", array_of(file.conventions, intersect::convention_name)}},
         request, cases.size(), [&](std::size_t r, std::size_t i) -> const FormSummary& { return cases[i][r]; },
         [&](Json& row, std::size_t r) {
             row["inherent"] = array_of(cases, [&](const std::vector<FormSummary>& case_summaries) {
-                return number_json(inherent < request.metrics.size() ? case_summaries[r].metrics[inherent].quantile(1)
-                                                                     : measure::truth::missing);
+                return number_json(inherent_index < request.metrics.size()
+                                       ? case_summaries[r].metrics[inherent_index].quantile(1)
+                                       : measure::truth::missing);
             });
             row["judged"] = intersect::convention_name(request.rows[r].touching);
             row["verdicts"] = array_of(cases, [&](const std::vector<FormSummary>& case_summaries) {
@@ -131,9 +133,9 @@ namespace {
 /// `427 (400 to 510)`: the onset in the file's own draw, and its range over all draws.
 std::string onset_text(const Onset& o) {
     const auto spread = o.spread();
-    return spread.low == spread.high
-               ? shown(o.first_bad)
-               : fmt::format("{} ({} to {})", shown(o.first_bad), shown(spread.low), shown(spread.high));
+    return spread.low == spread.high ? number_html(o.first_bad)
+                                     : fmt::format("{} ({} to {})", number_html(o.first_bad), number_html(spread.low),
+                                                   number_html(spread.high));
 }
 
 /// Number of rays among which a first failure was found, and number of draws.
@@ -175,13 +177,13 @@ std::string onset_table(const SweepRequest& request, const std::vector<Onset>& o
             const double threshold = column.share == 0   ? 1
                                      : column.share == 4 ? 4
                                                          : column.share * form_row.format.parameters.precision;
-            const auto found = std::ranges::find_if(onsets, [&](const Onset& o) {
+            const auto onset = std::ranges::find_if(onsets, [&](const Onset& o) {
                 return o.row == r && o.event == column.event && o.statistic == column.statistic &&
                        o.threshold == threshold;
             });
-            const bool is_found = found != onsets.end() && found->found;
-            text += fmt::format("<td class=\"n\">{}{}</td>", is_found ? onset_text(*found) : "&ndash;",
-                                is_found && found->from_start ? " (from the start)" : "");
+            const bool is_found = onset != onsets.end() && onset->found;
+            text += fmt::format("<td class=\"n\">{}{}</td>", is_found ? onset_text(*onset) : "&ndash;",
+                                is_found && onset->from_start ? " (from the start)" : "");
         }
         text += "</tr>\n";
     }

@@ -50,16 +50,16 @@ std::string summary_table(const MapStudy& request, const std::vector<FormSummary
     struct CountColumn {
         const char *title, *column;
     };
-    std::vector<CountColumn> counts{{"false hits", "false_hit"},
-                                    {"false misses", "false_miss"},
-                                    {"NaN", "not_a_number"},
-                                    {"wrong primitives", "wrong_primitive"}};
+    std::vector<CountColumn> count_columns{{"false hits", "false_hit"},
+                                           {"false misses", "false_miss"},
+                                           {"NaN", "not_a_number"},
+                                           {"wrong primitives", "wrong_primitive"}};
     if (request.scene->mesh)
-        counts.insert(counts.end(),
-                      {{"cracks", "crack"}, {"double hits", "double_hit"}, {"out of order", "out_of_order"}});
-    counts.push_back({"unresolved", "unresolved"});
+        count_columns.insert(count_columns.end(),
+                             {{"cracks", "crack"}, {"double hits", "double_hit"}, {"out of order", "out_of_order"}});
+    count_columns.push_back({"unresolved", "unresolved"});
     std::vector<std::string> names{"form", "format"};
-    for (const CountColumn& count_column : counts) names.emplace_back(count_column.title);
+    for (const CountColumn& count_column : count_columns) names.emplace_back(count_column.title);
     names.insert(names.end(), {"agreed hits", "lost bits p50", "p99", "max", "excess p99", "worst pixel"});
     std::string text = begin_table(names);
     for (std::size_t r = 0; r < summaries.size(); ++r) {
@@ -67,14 +67,14 @@ std::string summary_table(const MapStudy& request, const std::vector<FormSummary
         const TestedForm& form_row = request.rows[r];
         text += fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(form_row)),
                             html(form_row.form->info->name), form_row.format.name);
-        for (const CountColumn& count_column : counts)
+        for (const CountColumn& count_column : count_columns)
             text += fmt::format("<td class=\"n\">{}</td>", static_cast<std::uint64_t>(value(count_column.column, s)));
         text += fmt::format("<td class=\"n\">{}</td>", s.count(measure::answer::Outcome::agree_hit));
         if (s.true_hits > 0 && !s.agreement().is_enough()) {
             text += fmt::format("<td class=\"few\" colspan=\"4\">{}</td>", s.agreement().too_few());
         } else {
             for (const char* name : {"lost_bits_p50", "lost_bits_p99", "lost_bits_max", "excess_bits_p99"})
-                text += fmt::format("<td class=\"n\">{}</td>", shown(value(name, s)));
+                text += fmt::format("<td class=\"n\">{}</td>", number_html(value(name, s)));
         }
         const measure::evaluate::WorstRay* const worst = s.worst_ray();
         if (worst == nullptr) text += "<td>&ndash;</td></tr>\n";
@@ -92,32 +92,34 @@ std::string choice_table(const choice::ChoiceResult& chosen) {
     std::string text = begin_table({"form", "format", "registers", "ns per ray and primitive", "bits kept",
                                     "rays wrong", "meets the requirement"});
     for (const std::size_t k : measure::choice::by_price(chosen.all)) {
-        const measure::choice::Candidate& c = chosen.all[k];
+        const measure::choice::Candidate& candidate = chosen.all[k];
         text += fmt::format("<tr{}><th scope=\"row\">{}</th><td>{}</td><td>{}</td>",
-                            chosen.cheapest_index == k ? " class=\"chosen\"" : "", html(c.row.form->info->name),
-                            c.row.format.name, c.isa == "scalar" ? "one ray" : fmt::format("{} bits", c.isa));
-        text += fmt::format("<td class=\"n\">{:.2f}</td><td class=\"n\">{}</td>", c.time.median * 1e9,
-                            std::isnan(c.quality.kept_bits) ? "&ndash;" : file::kept_text(c.quality.kept_bits));
-        text += share_cell(c.quality.wrong_fraction());
-        text += fmt::format("<td>{}</td></tr>\n", chosen.cheapest_index == k                    ? "yes, chosen"
-                                                  : c.quality.meets(chosen.request.requirement) ? "yes"
-                                                                                                : "no");
+                            chosen.cheapest_index == k ? " class=\"chosen\"" : "", html(candidate.row.form->info->name),
+                            candidate.row.format.name,
+                            candidate.isa == "scalar" ? "one ray" : fmt::format("{} bits", candidate.isa));
+        text += fmt::format(
+            "<td class=\"n\">{:.2f}</td><td class=\"n\">{}</td>", candidate.time.median * 1e9,
+            std::isnan(candidate.quality.kept_bits) ? "&ndash;" : file::kept_bits_text(candidate.quality.kept_bits));
+        text += share_cell(candidate.quality.wrong_fraction());
+        text += fmt::format("<td>{}</td></tr>\n", chosen.cheapest_index == k                            ? "yes, chosen"
+                                                  : candidate.quality.meets(chosen.request.requirement) ? "yes"
+                                                                                                        : "no");
     }
     return text + end_table;
 }
 
-std::string mend_table(const repair::RepairSummary& r) {
-    const auto& requirement = r.request.requirement;
-    const auto proposals = proposals_of(r);
-    const repair::Proposal* const best = best_of(proposals, r);
+std::string mend_table(const repair::RepairSummary& result) {
+    const auto& requirement = result.request.requirement;
+    const auto proposals = proposals_of(result);
+    const repair::Proposal* const best = best_of(proposals, result);
     std::vector<std::string> names{
-        "form",       "rounding operations",  "of them in " + repair::name_of_wider(r.repair.wider),
+        "form",       "rounding operations",  "of them in " + repair::name_of_wider(result.repair.wider),
         "bits kept",  "rays wrong",           "on other rays: bits kept",
         "rays wrong", "meets the requirement"};
-    if (!r.prices.empty()) names.insert(names.end(), {"ns per ray and primitive in packs", "ns alone", "front"});
+    if (!result.prices.empty()) names.insert(names.end(), {"ns per ray and primitive in packs", "ns alone", "front"});
     std::string text = begin_table(names);
-    const auto add_cell = [&text](double value) { text += fmt::format("<td class=\"n\">{}</td>", shown(value)); };
-    for (const repair::FormRow& row : rows_of(r)) {
+    const auto add_cell = [&text](double value) { text += fmt::format("<td class=\"n\">{}</td>", number_html(value)); };
+    for (const repair::FormRow& row : rows_of(result)) {
         if (!row.is_shown) continue;
         const bool is_best = best && best->quality == row.quality, is_known = row.operations > 0;
         text += fmt::format("<tr{}><th scope=\"row\">{}</th>", is_best ? " class=\"chosen\"" : "", html(row.name));
@@ -130,7 +132,7 @@ std::string mend_table(const repair::RepairSummary& r) {
         text += fmt::format("<td>{}</td>", is_best                           ? "yes, recommended"
                                            : row.quality->meets(requirement) ? "yes"
                                                                              : "no");
-        if (!r.prices.empty()) {
+        if (!result.prices.empty()) {
             add_cell(row.price ? row.price->packed.median * 1e9 : NAN);
             add_cell(row.price ? row.price->single.median * 1e9 : NAN);
             text += fmt::format("<td>{}</td>", row.front ? "yes" : row.price ? "no" : "");
@@ -151,7 +153,8 @@ std::string offset_table(const measure::offset::OffsetStudy& study, const measur
             for (const StrategyColumn& column : strategy_columns) {
                 const double value =
                     column_named(measure::offset::offset_columns(), column.column, "the page").value(summary, side, k);
-                text += column.is_share ? share_cell(value) : fmt::format("<td class=\"n\">{}</td>", shown(value));
+                text +=
+                    column.is_share ? share_cell(value) : fmt::format("<td class=\"n\">{}</td>", number_html(value));
             }
             text += "</tr>\n";
         }
@@ -178,7 +181,7 @@ std::string study_table(const std::vector<file::Column>& columns, const std::vec
         text += "<tr>";
         for (const std::size_t c : shown_columns)
             text += columns[c].type == "string" ? fmt::format("<td>{}</td>", html(row[c].text()))
-                                                : fmt::format("<td class=\"n\">{}</td>", shown(row[c].number()));
+                                                : fmt::format("<td class=\"n\">{}</td>", number_html(row[c].number()));
         text += "</tr>\n";
     }
     return text + end_table;
@@ -193,7 +196,7 @@ std::string offset_overview(const std::vector<OffsetPart>& parts) {
         text += begin_table(names, "", fmt::format("Rays {}", offset::in_words(side)));
         for (std::size_t k = 0; k < parts.front().strategies.size(); ++k) {
             text += fmt::format("<tr><th scope=\"row\">{}</th>", html(parts.front().strategies[k]));
-            for (const OffsetPart& p : parts) text += share_cell(p.bad[s][k]);
+            for (const OffsetPart& p : parts) text += share_cell(p.wrong_shares[s][k]);
             text += "</tr>\n";
         }
         text += end_table;

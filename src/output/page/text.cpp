@@ -8,7 +8,7 @@
 
 namespace lostbits::output::page {
 
-std::string prose(std::string_view text) {
+std::string prose_html(std::string_view text) {
     std::string result;
     for (;;) {
         const auto open = text.find('`');
@@ -28,7 +28,7 @@ std::string begin_table(const std::vector<std::string>& names, std::string_view 
     return text + "</tr></thead><tbody>\n";
 }
 
-std::string shown(double value) {
+std::string number_html(double value) {
     if (std::isnan(value)) return "&ndash;";
     const std::string rounded = value != 0 && (std::fabs(value) < 1e-3 || std::fabs(value) >= 1e7)
                                     ? fmt::format("{:.2e}", value)
@@ -39,7 +39,7 @@ std::string shown(double value) {
 
 namespace {
 
-std::string quoted(const std::string& text) {
+std::string quoted_json(const std::string& text) {
     std::string result;
     for (const char c : Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)) {
         if (c == '<') result += "\\u003c";
@@ -66,15 +66,15 @@ Json scale_json(const image::ColourScale& scale) {
              })}};
 }
 
-std::string text_of(const Json& json) {
-    if (json.is_string()) return quoted(json.get_ref<const std::string&>());
+std::string compact_json(const Json& json) {
+    if (json.is_string()) return quoted_json(json.get_ref<const std::string&>());
     if (json.is_number_float()) return file::decimal(json.get<double>());
     if (!json.is_structured()) return json.dump();
     std::string text;
     for (const auto& [key, value] : json.items()) {
         if (!text.empty()) text += ',';
-        if (json.is_object()) text += quoted(key) + ':';
-        text += text_of(value);
+        if (json.is_object()) text += quoted_json(key) + ':';
+        text += compact_json(value);
     }
     return json.is_object() ? '{' + text + '}' : '[' + text + ']';
 }

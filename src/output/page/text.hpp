@@ -13,12 +13,12 @@ namespace lostbits::output::page {
 
 using file::html;
 
-/// Converts prose of users to HTML: text between backquotes becomes code.
-[[nodiscard]] std::string prose(std::string_view text);
+/// Converts prose that users wrote to HTML. Text between backquotes becomes code.
+[[nodiscard]] std::string prose_html(std::string_view text);
 
-/// A rounded number for display that carries the exact one: `<data value="12.818665731680333">12.82</data>`. NaN is a
-/// dash.
-[[nodiscard]] std::string shown(double value);
+/// A rounded number for display that carries the exact number: `<data value="12.818665731680333">12.82</data>`. NaN
+/// becomes a dash.
+[[nodiscard]] std::string number_html(double value);
 
 /// Beginning of a table, up to its first row. The table is in a box of its own, which scrolls sideways if the window is
 /// narrower. `attributes` begin with a blank, and `caption` is HTML.
@@ -29,7 +29,7 @@ inline constexpr const char* end_table = "</tbody></table></div>\n";
 /// JSON object whose members keep the order in which they are added.
 using Json = nlohmann::ordered_json;
 
-/// Converts a number; null for NaN, and "inf" or "-inf" as strings, because JSON has no such numbers.
+/// Converts a number to JSON: null for NaN, and the strings "inf" and "-inf", because JSON has no such numbers.
 [[nodiscard]] Json number_json(double value);
 
 /// `[r,g,b]`
@@ -46,9 +46,9 @@ template <class Items, class Convert>
     return array;
 }
 
-/// JSON text without spaces. A double is written as the shortest decimal that reads back to it, as in the CSV (dump()
-/// is not always the shortest and writes 1 as 1.0). `<` is written as \u003c, so that the text may stand inside a
-/// script element.
-[[nodiscard]] std::string text_of(const Json& json);
+/// Writes JSON without spaces. A double is written as the shortest decimal that reads back to it, as in the CSV.
+/// nlohmann's dump() does not always write the shortest one, and writes 1 as 1.0. `<` is written as \u003c, so that the
+/// text may stand inside a script element.
+[[nodiscard]] std::string compact_json(const Json& json);
 
 }  // namespace lostbits::output::page

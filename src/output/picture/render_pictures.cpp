@@ -103,9 +103,11 @@ public:
 private:
     /// The certified picture, which all rows share. It is drawn from the bands of the first row.
     void add_reference(std::size_t s) {
-        pixel::ColumnSpec spec{
-            .file = fmt::format("{}.reference.png", name_of(study_.stages[s])), .look = pictures_, .bare = true};
-        for (std::size_t f = 0; f < grid_.formats.size(); ++f) spec.places.push_back({0, s * grid_.formats.size() + f});
+        pixel::ColumnSpec spec{.file = fmt::format("{}.reference.png", name_of(study_.stages[s])),
+                               .look = pictures_,
+                               .has_only_pixels = true};
+        for (std::size_t f = 0; f < grid_.formats.size(); ++f)
+            spec.sheet_positions.push_back({0, s * grid_.formats.size() + f});
         add(std::move(spec), 0,
             [stage = static_cast<std::size_t>(study_.stages[s])](const RenderBand& band, std::size_t i) {
                 return certified_pixel(band.truth[i].colours[stage]);
@@ -119,8 +121,8 @@ private:
             const map::RowGrid::GridCell cell = grid_.cells[r];
             add({.file = fmt::format("{}.{}.png", stage, name),
                  .look = pictures_,
-                 .places = {{1 + cell.form, s * grid_.formats.size() + cell.format}},
-                 .bare = true},
+                 .sheet_positions = {{1 + cell.form, s * grid_.formats.size() + cell.format}},
+                 .has_only_pixels = true},
                 r, [s](const RenderBand& band, std::size_t i) { return pixel_of(band.painted[s][i]); });
             add(map_spec(r, fmt::format("{}.{}.colour.png", stage, name),
                          fmt::format("{}, {}", stage, colour_map.title), colour_map.note, colours_),

@@ -34,8 +34,8 @@ void ColumnWriter::open_single(const Pages& pages, const ColumnSpec& column) {
     const scene::file::Scene& scene = pages.scene;
     const auto path = pages.single_picture_folder / column.file;
     SinglePicture& single = single_pictures_.emplace_back();
-    if (column.bare) {
-        single.bare = image::image_backend().open_png(path, scene.width, scene.height);
+    if (column.has_only_pixels) {
+        single.png = image::image_backend().open_png(path, scene.width, scene.height);
         return;
     }
     image::HeatmapSpec spec{.title = column.title,
@@ -50,39 +50,40 @@ void ColumnWriter::open_single(const Pages& pages, const ColumnSpec& column) {
     single.heatmap = std::make_unique<image::HeatmapWriter>(path, std::move(spec));
 }
 
-Strip ColumnWriter::strip(std::size_t column, std::size_t pixels) const {
+Strip ColumnWriter::empty_strip(std::size_t column, std::size_t pixels) const {
     return {std::vector<image::Rgb8>(pixels), CategoryCounts(counts_[column].size())};
 }
 
 void ColumnWriter::write_strip(std::size_t column, int y0, const Strip& strip) {
     for (std::size_t k = 0; k < counts_[column].size(); ++k) counts_[column][k] += strip.counts.at(k);
-    for (const auto& [across, down, sheet] : columns_[column].places)
+    for (const auto& [across, down, sheet] : columns_[column].sheet_positions)
         sheets_[sheet]->add_rows(across, down, y0, strip.colours);
     if (single_pictures_.empty()) return;
     const SinglePicture& single = single_pictures_[column];
     if (single.heatmap) single.heatmap->write_rows(strip.colours);
-    else single.bare->write_rows(static_cast<int>(strip.colours.size() / width_), strip.colours);
+    else single.png->write_rows(static_cast<int>(strip.colours.size() / width_), strip.colours);
 }
 
-/// Lists each name once, in the order of the columns. A column whose look makes its own legend replaces the list.
+/// Lists each name once, in the order of the columns. If the look of a column makes a legend, that legend replaces the
+/// list.
 std::vector<LegendEntry> ColumnWriter::sheet_legend(std::size_t sheet) const {
     std::vector<LegendEntry> entries;
     std::vector<bool> occurs;
-    const Look* own_look = nullptr;
-    CategoryCounts own_counts;
+    const Look* legend_look = nullptr;
+    CategoryCounts legend_counts;
     for (std::size_t c = 0; c < columns_.size(); ++c) {
-        if (std::ranges::count(columns_[c].places, sheet, &SheetPosition::sheet) == 0) continue;
-        if (look(c).own_legend) {
-            own_look = &look(c);
-            own_counts.resize(counts_[c].size());
-            std::ranges::transform(own_counts, counts_[c], own_counts.begin(), std::plus());
+        if (std::ranges::count(columns_[c].sheet_positions, sheet, &SheetPosition::sheet) == 0) continue;
+        if (look(c).make_legend) {
+            legend_look = &look(c);
+            legend_counts.resize(counts_[c].size());
+            std::ranges::transform(legend_counts, counts_[c], legend_counts.begin(), std::plus());
             continue;
         }
         const auto& categories = look(c).categories;
         for (std::size_t k = 0; k < categories.size(); ++k) {
-            const auto& [name, colour, on_sheet] = categories[k];
+            const auto& [name, colour, sheet_name] = categories[k];
             if (name.empty()) continue;
-            const std::string& label = on_sheet.empty() ? name : on_sheet;
+            const std::string& label = sheet_name.empty() ? name : sheet_name;
             const auto index =
                 static_cast<std::size_t>(std::ranges::find(entries, label, &LegendEntry::label) - entries.begin());
             if (index == entries.size()) {
@@ -92,9 +93,10 @@ std::vector<LegendEntry> ColumnWriter::sheet_legend(std::size_t sheet) const {
             if (counts_[c][k] > 0) occurs[index] = true;
         }
     }
-    std::vector<LegendEntry> legend = own_look ? own_look->legend(own_counts, pixels_) : std::vector<LegendEntry>();
+    std::vector<LegendEntry> legend =
+        legend_look ? legend_look->legend(legend_counts, pixels_) : std::vector<LegendEntry>();
     for (LegendEntry& entry : legend) entry.count.clear();
-    for (std::size_t k = 0; !own_look && k < entries.size(); ++k)
+    for (std::size_t k = 0; !legend_look && k < entries.size(); ++k)
         if (occurs[k]) legend.push_back(entries[k]);
     return legend;
 }
@@ -102,7 +104,7 @@ std::vector<LegendEntry> ColumnWriter::sheet_legend(std::size_t sheet) const {
 void ColumnWriter::finish_single(std::size_t c) {
     if (single_pictures_[c].heatmap)
         single_pictures_[c].heatmap->finish(look(c).legend(counts_[c], pixels_), captions_[c]);
-    else single_pictures_[c].bare->close();
+    else single_pictures_[c].png->close();
 }
 
 void ColumnWriter::finish(const std::vector<SheetEnd>& ends) {

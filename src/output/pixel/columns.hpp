@@ -28,8 +28,8 @@ struct ColumnSpec {
     std::string title = {};
     std::vector<std::string> subtitle = {};  ///< below the scene's title
     std::shared_ptr<const Look> look;
-    std::vector<SheetPosition> places = {};  ///< the column's cells on sheets; empty: none
-    bool bare = false;  ///< the column's own picture has only the pixels, without texts, and is not enlarged
+    std::vector<SheetPosition> sheet_positions = {};  ///< cells of sheets that show the column; empty: none
+    bool has_only_pixels = false;                     ///< the column's own picture has no texts and is not enlarged
     std::string widest_caption = {};  ///< space for the caption below the column's own picture; see `HeatmapSpec`
 };
 
@@ -58,17 +58,17 @@ struct SceneFilesOptions {
     std::string command = {};      ///< the command that makes these files again, for the header of an EXR
     bool single_pictures = false;  ///< also a picture of its own for each cell of the sheet
     std::vector<file::DataResource> other_tables = {};  ///< further tables in the folder
-    std::filesystem::path sheet_alone = {};  ///< a file: only the sheet is written, to this file; `folder` is empty
+    std::filesystem::path sheet_only_file = {};         ///< if not empty: only the sheet is written, to this file
 
     [[nodiscard]] std::filesystem::path sheet() const {
-        return sheet_alone.empty() ? folder / "contact.png" : sheet_alone;
+        return sheet_only_file.empty() ? folder / "contact.png" : sheet_only_file;
     }
     [[nodiscard]] std::filesystem::path folder_of_single_pictures() const {
         return single_pictures ? folder : std::filesystem::path();
     }
 };
 
-/// Properties of a sheet that are known only at the end.
+/// Properties of a sheet that are known only when all cells are drawn.
 struct SheetEnd {
     std::vector<std::size_t> order = {};  ///< order of the sheet's cells across; see `ContactSheet::finish`
     std::string remark = {};              ///< appended to the first entry of the sheet's legend
@@ -81,7 +81,7 @@ struct Pages {
     std::vector<Sheet> sheets;
     std::filesystem::path single_picture_folder = {};  ///< folder of the columns' own pictures; empty: they have none
     intersect::process::StopToken stop = {};
-    bool opens_files = true;  ///< false: strips are drawn here and written elsewhere
+    bool opens_files = true;  ///< false in a shard, which only draws the strips
 };
 
 /// Writes the strips that columns draw. Different columns may be written at the same time, each from top to bottom.
@@ -93,9 +93,11 @@ public:
     [[nodiscard]] const Look& look(std::size_t column) const { return *columns_[column].look; }
     /// True if any file shows the column.
     [[nodiscard]] bool shows(std::size_t column) const {
-        return has_single_pictures_ || !columns_[column].places.empty();
+        return has_single_pictures_ || !columns_[column].sheet_positions.empty();
     }
-    [[nodiscard]] Strip strip(std::size_t column, std::size_t pixels) const;
+    /// A strip of this number of pixels, without colours and counts.
+    [[nodiscard]] Strip empty_strip(std::size_t column, std::size_t pixels) const;
+    /// Writes the next strip of a column, which begins at scanline `y0`.
     void write_strip(std::size_t column, int y0, const Strip& strip);
     /// Number of pixels of each category that were written so far.
     [[nodiscard]] const CategoryCounts& counts(std::size_t column) const { return counts_[column]; }
@@ -120,7 +122,7 @@ private:
 
     struct SinglePicture {
         std::unique_ptr<image::HeatmapWriter> heatmap = {};
-        std::unique_ptr<image::PngWriter> bare = {};
+        std::unique_ptr<image::PngWriter> png = {};
     };
     std::size_t width_;
     std::uint64_t pixels_;
@@ -135,7 +137,7 @@ private:
 /// A column that is drawn from bands.
 template <class Band>
 struct PixelColumn {
-    ColumnSpec about;
+    ColumnSpec spec;
     std::size_t row = 0;  ///< the row of the study whose bands it draws
     std::function<void(const Band&, const Look&, Strip&)> draw;
 };
@@ -163,7 +165,7 @@ public:
     [[nodiscard]] std::vector<Strip> draw(std::size_t row_index, const Band& band, std::size_t pixels) const {
         std::vector<Strip> strips;
         for (const std::size_t c : shown_columns(row_index)) {
-            strips.push_back(writer_.strip(c, pixels));
+            strips.push_back(writer_.empty_strip(c, pixels));
             columns_[c].draw(band, writer_.look(c), strips.back());
         }
         return strips;
@@ -173,7 +175,7 @@ public:
         std::size_t strip_index = 0;
         for (const std::size_t c : shown_columns(row_index)) writer_.write_strip(c, y0, strips.at(strip_index++));
     }
-    void take(std::size_t row_index, const Band& band, int y0, std::size_t pixels) {
+    void draw_and_write(std::size_t row_index, const Band& band, int y0, std::size_t pixels) {
         write_strips(row_index, y0, draw(row_index, band, pixels));
     }
     [[nodiscard]] ColumnWriter& writer() { return writer_; }
@@ -187,7 +189,7 @@ private:
     }
     static std::vector<ColumnSpec> specs_of(const std::vector<PixelColumn<Band>>& columns) {
         std::vector<ColumnSpec> specs;
-        for (const PixelColumn<Band>& column : columns) specs.push_back(column.about);
+        for (const PixelColumn<Band>& column : columns) specs.push_back(column.spec);
         return specs;
     }
     std::vector<PixelColumn<Band>> columns_;

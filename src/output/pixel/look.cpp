@@ -9,7 +9,7 @@ namespace lostbits::output::pixel {
 using image::LegendEntry;
 
 std::vector<LegendEntry> Look::legend(const CategoryCounts& counts, std::uint64_t pixels) const {
-    if (own_legend) return own_legend(&counts, pixels);
+    if (make_legend) return make_legend(&counts, pixels);
     std::vector<LegendEntry> entries;
     for (std::size_t k = 0; k < categories.size(); ++k) {
         if (counts[k] > 0 && !categories[k].name.empty())
@@ -19,7 +19,7 @@ std::vector<LegendEntry> Look::legend(const CategoryCounts& counts, std::uint64_
 }
 
 std::vector<LegendEntry> Look::widest_legend(std::uint64_t pixels) const {
-    if (own_legend) return own_legend(nullptr, pixels);
+    if (make_legend) return make_legend(nullptr, pixels);
     std::vector<LegendEntry> entries;
     for (const Category& category : categories) {
         if (!category.name.empty()) entries.push_back({category.name, category.colour, widest_count(pixels)});

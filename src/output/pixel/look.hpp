@@ -19,15 +19,15 @@ namespace lostbits::output::pixel {
     return image::outcome_colours[static_cast<std::size_t>(o)];
 }
 
-/// A kind of pixel: instead of a number, or in addition to one.
+/// A kind of pixel, which a pixel has instead of a number or in addition to one.
 struct Category {
     std::string name;  ///< name in legends; empty: no legend lists the category
     image::Rgb8 colour = {};
-    std::string on_sheet = {};  ///< name in the legend of a sheet; empty: `name`
+    std::string sheet_name = {};  ///< name in the legend of a sheet; empty: `name`
 };
 
-/// A pixel of a column, which is counted in its category. The pixel has the colour of `value` on the scale if there is
-/// a value, or else `colour`, or else the colour of its category.
+/// A pixel of a column. It is counted in its category. Its colour is that of `value` on the scale; without a value, it
+/// is `colour`; without that, the colour of the category.
 struct PixelValue {
     std::size_t category = 0;
     double value = std::numeric_limits<double>::quiet_NaN();
@@ -37,14 +37,14 @@ struct PixelValue {
 /// Number of pixels of each category.
 using CategoryCounts = std::vector<std::uint64_t>;
 
-/// How the pixels of a column are coloured and what its legend says.
+/// Colours of the pixels of a column, and its legend.
 struct Look {
     std::vector<Category> categories;
     std::optional<image::ColourScale> scale = {};
     std::string unit = {};  ///< unit above the colour bar
     /// Makes the legend, in place of the categories, from the counts and the number of pixels of the picture. Without
     /// counts (null) it makes the widest legend. Empty: the legend lists the categories.
-    std::function<std::vector<image::LegendEntry>(const CategoryCounts*, std::uint64_t pixels)> own_legend = {};
+    std::function<std::vector<image::LegendEntry>(const CategoryCounts*, std::uint64_t pixels)> make_legend = {};
 
     [[nodiscard]] image::Rgb8 colour(const PixelValue& pixel) const {
         if (!std::isnan(pixel.value)) return scale->map(pixel.value);

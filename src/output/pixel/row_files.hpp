@@ -28,7 +28,7 @@ void fields(Bits& bits, ExrRows& piece) {
     bits(part, y0, rows, samples);
 }
 
-/// Everything that files receive from one band of a series. A shard keeps the piece; other runs write it.
+/// Everything that the files receive from one band of a series. A shard stores the piece; other runs write it.
 struct Piece {
     int y0 = 0;
     std::vector<Strip> strips = {};  ///< strips of the pictures that are drawn, in the pictures' order
@@ -44,15 +44,15 @@ void fields(Bits& bits, Piece& piece) {
     bits(y0, strips, exr, lines);
 }
 
-/// Receives the pieces of each row instead of the files; then no file is opened.
-using KeepPiece = std::function<void(std::size_t row_index, Piece&& piece)>;
+/// Receives the pieces of each row in place of the files, which are then not opened.
+using PieceReceiver = std::function<void(std::size_t row_index, Piece&& piece)>;
 
 /// Files that the rows of a scene share.
 template <class Band>
 struct BandFiles {
     ColumnFiles<Band>& pictures;
     std::function<void(const std::vector<ExrRows>&)> write_exr;  ///< empty: no EXR is written
-    const KeepPiece& keep;                                       ///< receives the pieces of a shard
+    const PieceReceiver& receive_piece;                          ///< receives the pieces of a shard
 };
 
 /// Files of one series. `Pixel` is the record of a row of the table of pixels.
@@ -60,9 +60,9 @@ template <class Band, class Pixel>
 class RowFiles {
 public:
     struct Writers {
-        /// Turns a band into rows of the EXR; empty: there is none.
+        /// Turns a band into rows of the EXR; empty: the run writes no EXR.
         std::function<std::vector<ExrRows>(const Band&, std::span<const image::Rgb8> preview)> exr_rows = {};
-        /// Adds pixel i to the table; empty: there is no table.
+        /// Adds pixel i to the table; empty: the run writes no table.
         std::function<void(table::TableFile<Pixel>&, const Band&, std::size_t i)> add_pixel = {};
         std::size_t (*pixels)(const Band&);  ///< the number of pixels of a band
     };
@@ -70,15 +70,15 @@ public:
              std::unique_ptr<table::TableFile<Pixel>> table)
         : row_(row_index), files_(files), writers_(std::move(writers)), table_(std::move(table)) {}
 
-    void band(const Band& result) {
+    void add_band(const Band& result) {
         const std::size_t pixels = writers_.pixels(result);
         Piece piece{.y0 = result.y0, .strips = files_.pictures.draw(row_, result, pixels)};
         if (writers_.exr_rows)
             piece.exr = writers_.exr_rows(
                 result, piece.strips.empty() ? std::span<const image::Rgb8>() : piece.strips[0].colours);
         for (std::size_t i = 0; table_ && i < pixels; ++i) writers_.add_pixel(*table_, result, i);
-        if (table_ && files_.keep) piece.lines = table_->take_lines();
-        if (files_.keep) files_.keep(row_, std::move(piece));
+        if (table_ && files_.receive_piece) piece.lines = table_->take_lines();
+        if (files_.receive_piece) files_.receive_piece(row_, std::move(piece));
         else write_piece(piece);
     }
 

@@ -94,7 +94,7 @@ Canvas matrix_plot(const MatrixPlotSpec& spec) {
     const int y0 = group_y + group_labels.front().height + label_height + 2 * beside_label;
     const int below = y0 + std::max(field_height, bar.height()) + block_gap;
     Canvas page(content_width + 2 * image::style::margin, below + legend.height() + image::style::margin);
-    page.picture(image::style::margin, image::style::margin, head);
+    page.draw_canvas(image::style::margin, image::style::margin, head);
 
     std::size_t c = 0;
     for (std::size_t g = 0; g < spec.groups.size(); ++g) {
@@ -117,8 +117,8 @@ Canvas matrix_plot(const MatrixPlotSpec& spec) {
             draw_cell(page, x0 + offsets[k], y, cell_width, spec.cells[r * columns + k]);
     }
     page.clear_mark_data();
-    page.picture(x0 + field_width + block_gap, y0, bar);
-    page.picture(image::style::margin, below, legend.draw(spec.legend));
+    page.draw_canvas(x0 + field_width + block_gap, y0, bar);
+    page.draw_canvas(image::style::margin, below, legend.draw(spec.legend));
     return page;
 }
 
@@ -235,7 +235,7 @@ Canvas plane_plot(const PlanePlotSpec& spec) {
     const int foot =
         1 + axes.below() + (legend.height() > 0 ? image::style::gap + legend.height() : 0) + image::style::margin;
     Canvas page(content_width + 2 * image::style::margin, frame.y + frame.height + foot);
-    page.picture(image::style::margin, image::style::margin, head);
+    page.draw_canvas(image::style::margin, image::style::margin, head);
 
     const auto pixel = [](double position) { return static_cast<int>(std::lround(position)); };
     const auto column = [&](std::size_t i) { return pixel(frame.across(x.position(x_edges[i]))); };
@@ -263,8 +263,9 @@ Canvas plane_plot(const PlanePlotSpec& spec) {
     page.clear_mark_data();
     outline(page, spec, column, row);
     axes.draw(page, frame);
-    page.picture(frame.x + frame.width + 1 + image::style::gap, frame.y - 1, bar);
-    page.picture(image::style::margin, page.height() - image::style::margin - legend.height(), legend.draw(entries));
+    page.draw_canvas(frame.x + frame.width + 1 + image::style::gap, frame.y - 1, bar);
+    page.draw_canvas(image::style::margin, page.height() - image::style::margin - legend.height(),
+                     legend.draw(entries));
     return page;
 }
 

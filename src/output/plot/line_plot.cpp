@@ -279,8 +279,8 @@ Canvas page_without_plot(const LinePlotSpec& spec) {
     const Canvas head = image::heading(spec.title, spec.subtitle, content),
                  sentence = image::heading({}, std::span(&spec.empty_text, 1), content);
     Canvas page(spec.width, 2 * image::style::margin + head.height() + image::style::gap + sentence.height());
-    page.picture(image::style::margin, image::style::margin, head);
-    page.picture(image::style::margin, image::style::margin + head.height() + image::style::gap, sentence);
+    page.draw_canvas(image::style::margin, image::style::margin, head);
+    page.draw_canvas(image::style::margin, image::style::margin + head.height() + image::style::gap, sentence);
     return page;
 }
 
@@ -341,7 +341,7 @@ Canvas line_plot(const LinePlotSpec& spec) {
     frame.height = std::max({spec.height - frame.y - foot, nominal_height / 2, legend.height()});
 
     Canvas page(spec.width, frame.y + frame.height + foot);
-    page.picture(image::style::margin, image::style::margin, head);
+    page.draw_canvas(image::style::margin, image::style::margin, head);
     Plot plot(spec, x, y, frame);
     plot.draw_shades(page);
     if (spec.envelope) plot.draw_envelope(page);
@@ -373,7 +373,7 @@ Canvas line_plot(const LinePlotSpec& spec) {
     const int legend_x = spec.width - image::style::margin - legend.width();
     plot.draw_leaders(page, sorted, legend, legend_x);
     legend.draw(page, legend_x, frame.y);
-    page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
+    page.draw_canvas(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
     return page;
 }
 

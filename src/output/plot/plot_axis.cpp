@@ -209,7 +209,7 @@ constexpr int tick_pitch_x = 76, tick_pitch_y = 44;  // pixels per labelled tick
 }  // namespace
 
 TextBitmap turned(const TextBitmap& text) {
-    TextBitmap result{text.height, text.width, text.width, {}, text.runs, text.bold, true};
+    TextBitmap result{text.height, text.width, text.width, {}, text.runs, text.is_bold, true};
     result.coverage.resize(text.coverage.size());
     for (int y = 0; y < text.height; ++y) {
         for (int x = 0; x < text.width; ++x) {

@@ -211,7 +211,7 @@ Canvas scatter_plot(const ScatterPlotSpec& spec) {
     frame.height = std::max(spec.height - frame.y - foot, 200);
 
     Canvas page(spec.width, frame.y + frame.height + foot);
-    page.picture(image::style::margin, image::style::margin, head);
+    page.draw_canvas(image::style::margin, image::style::margin, head);
     axes.draw_grid(page, frame);
     Scatter scatter(spec, x, y, frame);
     scatter.draw_points(page, true);
@@ -220,7 +220,7 @@ Canvas scatter_plot(const ScatterPlotSpec& spec) {
     scatter.draw_labels(page);
     axes.draw(page, frame);
     keys.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.below() + image::style::gap);
-    page.picture(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
+    page.draw_canvas(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
     return page;
 }
 

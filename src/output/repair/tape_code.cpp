@@ -40,7 +40,7 @@ TapeCode::TapeCode(const Tape& tape, const Intersector& form, std::vector<NodeId
 std::vector<std::string> TapeCode::statements() const {
     std::vector<std::string> lines;
     for (NodeId i = 0; i < tape_.size(); ++i)
-        if (slice_.needs(i) && !is_given(tape_[i].op) && !is_inlined(i)) lines.push_back(statement(i));
+        if (slice_.is_needed(i) && !is_given(tape_[i].op) && !is_inlined(i)) lines.push_back(statement(i));
     return lines;
 }
 
@@ -137,7 +137,7 @@ std::string TapeCode::input_difference_name(const TapeNode& n) const {
 int TapeCode::uses(NodeId i) const {
     int count = 0;
     for (NodeId k = i + 1; k < tape_.size(); ++k) {
-        if (!slice_.needs(k) || is_given(tape_[k].op)) continue;
+        if (!slice_.is_needed(k) || is_given(tape_[k].op)) continue;
         for (const NodeId operand : tape_[k].operands) {
             if (operand == i) count += tape_[k].op == TapeOp::convert ? uses(k) : 1;
         }

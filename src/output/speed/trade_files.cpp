@@ -255,10 +255,10 @@ std::string ranking_text(const TradeRequest& request, const TradeResult& result,
         if (!listed.emplace(form, format).second) continue;
         const Timing t = timing(k);
         const double kept_bits = qualities[k].kept_bits;
-        text +=
-            fmt::format("  {} {:<28} {:<5} {:>9} {:>9.2f} {:>5.1f}% {:>15} {:>7.3g}%\n", is_dominated[k] ? ' ' : '*',
-                        form, format, isa, qualities[k].time_ns, 50 * (t.high_quartile - t.low_quartile) / t.median,
-                        std::isnan(kept_bits) ? "-" : file::kept_text(kept_bits), 100 * qualities[k].wrong_fraction);
+        text += fmt::format(
+            "  {} {:<28} {:<5} {:>9} {:>9.2f} {:>5.1f}% {:>15} {:>7.3g}%\n", is_dominated[k] ? ' ' : '*', form, format,
+            isa, qualities[k].time_ns, 50 * (t.high_quartile - t.low_quartile) / t.median,
+            std::isnan(kept_bits) ? "-" : file::kept_bits_text(kept_bits), 100 * qualities[k].wrong_fraction);
     }
     return text + "  * on the Pareto front; +-: half the distance between the quartiles\n";
 }

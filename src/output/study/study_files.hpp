@@ -56,7 +56,7 @@ public:
 
     /// `study` must outlive the object. If `keep` is not empty, it receives the pieces of a shard, and no file is
     /// opened.
-    StudyFiles(const Study& study, pixel::SceneFilesOptions options, pixel::KeepPiece keep = {})
+    StudyFiles(const Study& study, pixel::SceneFilesOptions options, pixel::PieceReceiver keep = {})
         : study_(study),
           options_(std::move(options)),
           keep_(std::move(keep)),
@@ -74,7 +74,7 @@ public:
 
     /// Returns the function that receives the bands of the study.
     [[nodiscard]] measure::study::ShowBand<Study> show() {
-        return [this](std::size_t row_index, const Band& band) { rows_[row_index].band(band); };
+        return [this](std::size_t row_index, const Band& band) { rows_[row_index].add_band(band); };
     }
     /// Writes the next piece of a row. Another run kept the piece.
     void put(std::size_t row_index, pixel::Piece&& piece) { rows_.at(row_index).write_piece(piece); }
@@ -130,7 +130,7 @@ private:
 
     const Study& study_;
     pixel::SceneFilesOptions options_;
-    pixel::KeepPiece keep_;
+    pixel::PieceReceiver keep_;
     pixel::ColumnFiles<Band> pictures_;
     std::optional<table::TableFile<typename View::SummaryRow>> table_;  ///< none in a shard
     std::deque<Rows> rows_;

@@ -17,12 +17,12 @@ namespace lostbits::output::sweep {
 using measure::answer::Outcome;
 using measure::sweep::Verdict;
 
-std::string right_means(const scene::sweep::CaseFile& file) {
+std::string right_meaning(const scene::sweep::CaseFile& file) {
     return fmt::format("every decision is right, and no answer loses more than {} bits",
                        file::decimal(file.right_within_bits));
 }
 
-std::string within_means(const scene::sweep::CaseFile& file) {
+std::string within_meaning(const scene::sweep::CaseFile& file) {
     return fmt::format("within {} bits of what the inputs allow", file::decimal(file.right_within_bits));
 }
 
@@ -45,7 +45,7 @@ table::Table<CaseRow> case_table(const CaseRequest& request) {
          fmt::format(
              "right ({}), within_inputs (every decision is right, and every answer is {}: half an ulp in each input "
              "would cost the remaining bits), wrong_value, or the most frequent wrong decision",
-             right_means(request.file), within_means(request.file)),
+             right_meaning(request.file), within_meaning(request.file)),
          [](const R& r) { return measure::sweep::verdict_names[static_cast<std::size_t>(r.verdict)]; }}};
     return table.add(summary, &R::summary);
 }
@@ -71,18 +71,17 @@ struct CellLook {
     }
 
 private:
-    /// If only some of the rays have the outcome, their number is written; otherwise the colour alone shows the
-    /// outcome.
+    /// A cell in the colour of a wrong outcome. If only some of the rays have the outcome, the cell gives their number.
     [[nodiscard]] static plot::MatrixCell wrong_cell(const FormSummary& s, Outcome o) {
         const std::uint64_t n = s.count(o);
         return {image::outcome_colours[static_cast<std::size_t>(o)],
                 n < s.rays ? fmt::format("{}/{}", n, s.rays) : std::string()};
     }
 
-    [[nodiscard]] plot::MatrixCell value_cell(const FormSummary& s, bool is_within) const {
+    [[nodiscard]] plot::MatrixCell value_cell(const FormSummary& s, bool is_within_inputs) const {
         const double lost_bits = s.metrics[measure::metric::index_of(metrics, "lost_bits")].quantile(1);
         const std::size_t inherent_index = measure::metric::index_of(metrics, "inherent_bits");
-        if (!is_within) return {scale.colour(lost_bits, format), fmt::format("{:.0f} b", lost_bits)};
+        if (!is_within_inputs) return {scale.colour(lost_bits, format), fmt::format("{:.0f} b", lost_bits)};
         return {map::paler(scale.colour(lost_bits, format)),
                 inherent_index < metrics.size()
                     ? fmt::format("{:.0f}/{:.0f} b", lost_bits, s.metrics[inherent_index].quantile(1))
@@ -95,14 +94,15 @@ private:
 image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vector<FormSummary>>& cases,
                           std::optional<intersect::Touching> touching) {
     const map::LostBitsScale scale(request.rows);
-    plot::MatrixPlotSpec spec{.title = touching ? fmt::format("{}: judged by the {} primitive", request.file.title,
-                                                              intersect::convention_name(touching))
-                                                : request.file.title,
-                              .subtitle = {fmt::format("Right: {}. {}.", right_means(request.file), numbers_mean)},
-                              .legend = {{"right", case_right_colour, {}}},
-                              .scale = scale.bar(),
-                              .unit = scale.unit()};
-    std::vector<std::size_t> order;  // rows of the request, by format
+    plot::MatrixPlotSpec spec{
+        .title = touching ? fmt::format("{}: judged by the {} primitive", request.file.title,
+                                        intersect::convention_name(touching))
+                          : request.file.title,
+        .subtitle = {fmt::format("Right: {}. {}.", right_meaning(request.file), cell_numbers_meaning)},
+        .legend = {{"right", case_right_colour, {}}},
+        .scale = scale.bar(),
+        .unit = scale.unit()};
+    std::vector<std::size_t> row_order;  // indices of rows of the request, by format
     for (const measure::evaluate::TestedForm& form_row : request.rows) {
         const std::string& format = form_row.format.name;
         if (std::ranges::find(spec.groups, format, &plot::MatrixPlotSpec::Group::label) == spec.groups.end())
@@ -112,14 +112,14 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
             if (request.rows[r].format.name != group.label || request.rows[r].touching != touching) continue;
             group.columns.push_back(map::short_name(*request.rows[r].form->info));
-            order.push_back(r);
+            row_order.push_back(r);
             spec.keys += (spec.keys.empty() ? "" : " ") + map::row_name(request.rows[r]);
         }
     }
     for (const Outcome o : {Outcome::false_hit, Outcome::false_miss, Outcome::not_a_number, Outcome::wrong_primitive,
                             Outcome::unresolved}) {
         const bool occurs = std::ranges::any_of(cases, [&](const auto& rows) {
-            return std::ranges::any_of(order, [&](std::size_t r) { return rows[r].count(o) > 0; });
+            return std::ranges::any_of(row_order, [&](std::size_t r) { return rows[r].count(o) > 0; });
         });
         if (occurs)
             spec.legend.push_back({map::plain_name(o), image::outcome_colours[static_cast<std::size_t>(o)], {}});
@@ -127,21 +127,22 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
     const auto cell_of = [&](const FormSummary& s, Verdict verdict, const FloatFormat& format) {
         return CellLook{request.metrics, scale, format}.cell(s, verdict);
     };
-    bool any_wrong_value = false, any_within = false;
+    bool has_wrong_value = false, has_within_inputs = false;
     for (std::size_t i = 0; i < cases.size(); ++i) {
         spec.rows.push_back(request.file.name(i));
-        for (const std::size_t r : order) {
+        for (const std::size_t r : row_order) {
             const Verdict verdict =
                 measure::sweep::verdict_of(cases[i][r], request.metrics, request.file.right_within_bits);
-            any_wrong_value |= verdict == Verdict::wrong_value;
-            any_within |= verdict == Verdict::within_inputs;
+            has_wrong_value |= verdict == Verdict::wrong_value;
+            has_within_inputs |= verdict == Verdict::within_inputs;
             spec.cells.push_back(cell_of(cases[i][r], verdict, request.rows[r].format.parameters));
         }
     }
-    if (any_within) {
-        spec.legend.insert(spec.legend.begin() + 1, {within_means(request.file), map::paler(scale.bar().at(0.5)), {}});
+    if (has_within_inputs) {
+        spec.legend.insert(spec.legend.begin() + 1,
+                           {within_meaning(request.file), map::paler(scale.bar().at(0.5)), {}});
     }
-    if (!any_wrong_value && !any_within) spec.scale.reset();
+    if (!has_wrong_value && !has_within_inputs) spec.scale.reset();
     return plot::matrix_plot(spec);
 }
 

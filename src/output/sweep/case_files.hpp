@@ -14,15 +14,15 @@ namespace lostbits::output::sweep {
 using measure::evaluate::FormSummary;
 using measure::sweep::CaseRequest;
 
-/// Colour of a case that a form answers right.
+/// Colour of a case that a form answers correctly.
 inline constexpr image::Rgb8 case_right_colour{226, 238, 226};
 
-/// Text for the verdict `right`: `every decision is right, and no answer loses more than 3 bits`.
-[[nodiscard]] std::string right_means(const scene::sweep::CaseFile& file);
-/// Text for the verdict `within_inputs`: `within 3 bits of what the inputs allow`.
-[[nodiscard]] std::string within_means(const scene::sweep::CaseFile& file);
-/// Text for the numbers in the cells of a matrix.
-inline constexpr const char* numbers_mean =
+/// Meaning of the verdict `right`: `every decision is right, and no answer loses more than 3 bits`.
+[[nodiscard]] std::string right_meaning(const scene::sweep::CaseFile& file);
+/// Meaning of the verdict `within_inputs`: `within 3 bits of what the inputs allow`.
+[[nodiscard]] std::string within_meaning(const scene::sweep::CaseFile& file);
+/// Meaning of the numbers in the cells of a matrix.
+inline constexpr const char* cell_numbers_meaning =
     "24/48: 24 of the case's 48 rays; 22 b: bits that the worst ray loses; 22/21 b: those, and the bits that the "
     "inputs cost";
 

@@ -22,7 +22,7 @@ using measure::sweep::FloatTally;
 using scene::sweep::float_at;
 using table::Table;
 
-/// Floats of a ray in one range, as answered by a form in a format.
+/// Answers of a form in a format, on one ray, for the floats of one range.
 struct FloatsRow {
     struct Worst {
         std::uint32_t float_index;
@@ -56,7 +56,7 @@ struct FloatEventRow {
     std::size_t event;
     std::optional<std::uint32_t> first_bad, last_good;  ///< the first float with the event, and the float before it
 
-    [[nodiscard]] bool is_of_bits() const { return first_events[event].lost_bits > 0; }
+    [[nodiscard]] bool is_about_lost_bits() const { return first_events[event].lost_bits > 0; }
 };
 
 namespace {
@@ -191,10 +191,11 @@ Table<FloatEventRow> onset_table(const ExhaustiveRequest& request) {
     table.add(subject_columns().add(end_columns(unit)), &R::floats_row);
     table.add({{"event", "the event: lost_bits reach the threshold, or an outcome occurs",
                 [](const R& r) {
-                    return r.is_of_bits() ? std::string_view("lost_bits") : outcome_name(first_events[r.event].outcome);
+                    return r.is_about_lost_bits() ? std::string_view("lost_bits")
+                                                  : outcome_name(first_events[r.event].outcome);
                 }},
                {"threshold", "bits", "threshold of the lost bits; 1 for an outcome",
-                [](const R& r) { return r.is_of_bits() ? first_events[r.event].lost_bits : 1; }},
+                [](const R& r) { return r.is_about_lost_bits() ? first_events[r.event].lost_bits : 1; }},
                {"found", "true if the event happens at any of the floats",
                 [](const R& r) { return r.first_bad.has_value(); }}});
     using P = std::uint32_t;
@@ -209,7 +210,7 @@ Table<FloatEventRow> onset_table(const ExhaustiveRequest& request) {
         &R::first_bad);
     table.add({"ulp_error", "ulp", "(t − t*)/ulp(t*) at first_bad; missing for an outcome",
                [](const R& r) -> std::optional<double> {
-                   if (!r.first_bad || !r.is_of_bits()) return {};
+                   if (!r.first_bad || !r.is_about_lost_bits()) return {};
                    return answer_at(r.floats_row.request, r.floats_row.ray, r.floats_row.row, *r.first_bad).ulps;
                }});
     table.add(Table<FloatsRow>{count_column()}, &R::floats_row);
@@ -253,15 +254,15 @@ std::string float_text(std::uint32_t float_index) {
 
 }  // namespace
 
-std::string statement(const ExhaustiveRequest& request, const RangeFinding& f) {
+std::string statement(const ExhaustiveRequest& request, const RangeFinding& finding) {
     const auto& sweep = request.sweep;
-    const FloatTally& tally = f.tally;
-    std::string text =
-        fmt::format("all {} between {} and {} were tried: {}", scene::toml::count_with_noun(tally.floats(), "float"),
-                    float_text(f.floats.first), float_text(f.floats.last), request.rows[f.row].form->info->name);
-    if (const auto touching = request.rows[f.row].touching)
+    const FloatTally& tally = finding.tally;
+    std::string text = fmt::format(
+        "all {} between {} and {} were tried: {}", scene::toml::count_with_noun(tally.floats(), "float"),
+        float_text(finding.floats.first), float_text(finding.floats.last), request.rows[finding.row].form->info->name);
+    if (const auto touching = request.rows[finding.row].touching)
         text += fmt::format(", judged by the {} primitive,", intersect::convention_name(touching));
-    if (sweep.rays.size() > 1) text += fmt::format(" on the ray {}", sweep.rays[f.ray].name);
+    if (sweep.rays.size() > 1) text += fmt::format(" on the ray {}", sweep.rays[finding.ray].name);
     if (!tally.first_wrong) {
         text += tally.count(Outcome::unresolved) == 0
                     ? " decides correctly for every one of them"
@@ -270,11 +271,11 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& f) {
         return text;
     }
     const auto& wrong = *tally.first_wrong;
-    const auto good = f.before(wrong.place);
-    text += good ? fmt::format(" decides correctly for every float {} {}, and first fails at {}: {}",
-                               f.floats.falls() ? "down to" : "up to", float_text(*good), float_text(wrong.place),
-                               failure_phrase(wrong.outcome))
-                 : fmt::format(" already fails at the first of them: {}", failure_phrase(wrong.outcome));
+    const auto last_right = finding.before(wrong.place);
+    text += last_right ? fmt::format(" decides correctly for every float {} {}, and first fails at {}: {}",
+                                     finding.floats.falls() ? "down to" : "up to", float_text(*last_right),
+                                     float_text(wrong.place), failure_phrase(wrong.outcome))
+                       : fmt::format(" already fails at the first of them: {}", failure_phrase(wrong.outcome));
     text += fmt::format("; it is wrong for {} in all{}, the last at {}",
                         scene::toml::count_with_noun(tally.wrong(), "float"), sweep.mesh ? kinds_text(tally) : "",
                         float_text(tally.last_wrong->place));
@@ -305,23 +306,26 @@ void ExhaustiveFiles::add_binades(const ExhaustiveState& state) {
     }
 }
 
-void ExhaustiveFiles::add_onsets(const RangeFinding& f) {
+void ExhaustiveFiles::add_onsets(const RangeFinding& finding) {
     for (std::size_t e = 0; e < first_events.size(); ++e) {
         if (!request_.sweep.mesh && !is_of_one_primitive(first_events[e])) continue;
-        const auto bad = f.tally.first[e];
-        onsets_.add({{request_, f.ray, f.row, f.floats, f.tally}, e, bad, bad ? f.before(*bad) : std::nullopt});
+        const auto first_bad = finding.tally.first[e];
+        onsets_.add({{request_, finding.ray, finding.row, finding.floats, finding.tally},
+                     e,
+                     first_bad,
+                     first_bad ? finding.before(*first_bad) : std::nullopt});
     }
 }
 
 void ExhaustiveFiles::finish(const ExhaustiveState& state, const std::vector<RangeFinding>& findings) {
     add_binades(state);
-    for (const RangeFinding& f : findings) {
-        add_onsets(f);
-        FloatsRow floats_row{request_, f.ray, f.row, f.floats, f.tally};
+    for (const RangeFinding& finding : findings) {
+        add_onsets(finding);
+        FloatsRow floats_row{request_, finding.ray, finding.row, finding.floats, finding.tally};
         floats_row.find_worst();
-        if (const auto& wrong = f.tally.first_wrong)
-            if (const auto good = f.before(wrong->place)) floats_row.right_up_to = hex_of(*good);
-        floats_row.statement = statement(request_, f);
+        if (const auto& wrong = finding.tally.first_wrong)
+            if (const auto last_right = finding.before(wrong->place)) floats_row.right_up_to = hex_of(*last_right);
+        floats_row.statement = statement(request_, finding);
         statements_.add(floats_row);
     }
     if (const auto plots = exhaustive_plots(request_, state)) {

@@ -34,8 +34,8 @@ private:
     table::TableFile<FloatEventRow> onsets_;
 };
 
-/// Least share of a binade above 0: one float of a whole binade. A share of 0 is drawn below this share.
-inline constexpr double least_share = 0x1p-23;
+/// Smallest share of a binade above 0: one float of a whole binade. A share of 0 is drawn below it.
+inline constexpr double smallest_share = 0x1p-23;
 
 struct ExhaustivePlots {
     plot::LinePlotSpec lost_bits;  ///< lost bits of the worst float of each binade

@@ -25,17 +25,17 @@ namespace {
 /// Value of a binade for the plot; NaN if it has none.
 using TallyValue = std::function<double(const FloatTally&)>;
 
-/// True if the floats of a binade are on the axis of sizes; zeros, infinities and NaNs are not.
+/// True if the floats of a binade are on the axis, which shows sizes. Zeros, infinities and NaNs are not on it.
 bool is_on_axis(const BinadePart& part) {
     using K = scene::sweep::Binade::Kind;
     return part.binade.kind == K::normal || part.binade.kind == K::subnormal;
 }
 
 /// Sizes of the smallest and the largest float of a binade that were tried.
-struct Sizes {
+struct SizeRange {
     double low, high;
 };
-Sizes sizes_of(const BinadePart& part) {
+SizeRange size_range_of(const BinadePart& part) {
     const auto size = [](std::uint32_t float_index) {
         return static_cast<double>(std::fabs(scene::sweep::float_at(float_index)));
     };
@@ -56,23 +56,23 @@ public:
         : request_(request), state_(state), parts_(measure::sweep::binades_of(request.sweep)) {
         for (const BinadePart& part : parts_) {
             if (!is_on_axis(part)) {
-                lacks_floats_ = true;
+                omits_floats_ = true;
                 continue;
             }
             ++(part.binade.negative ? negative_count_ : positive_count_);
-            const auto [low, high] = sizes_of(part);
-            sizes_ = {std::min(sizes_.low, low), std::max(sizes_.high, high)};
+            const auto [low, high] = size_range_of(part);
+            size_range_ = {std::min(size_range_.low, low), std::max(size_range_.high, high)};
         }
     }
 
     [[nodiscard]] bool is_worth_drawing() const { return std::max(negative_count_, positive_count_) >= 2; }
 
-    /// A line that is level in each binade, in the order of size.
+    /// A line over the sizes, with one value for each binade.
     [[nodiscard]] plot::Series series(const AxisHalf& half, const TallyValue& value) const {
         plot::Series series{.label = label(half), .look = plot::form_look(*request_.rows[half.row].form)};
         for (std::size_t b = 0; b < parts_.size(); ++b) {
             if (!is_on_axis(parts_[b]) || parts_[b].binade.negative != half.is_negative) continue;
-            const auto [low, high] = sizes_of(parts_[b]);
+            const auto [low, high] = size_range_of(parts_[b]);
             const double y = value(state_.tallies[request_.place(b, half.ray, half.row)]);
             const bool goes_last = series.x.empty() || series.x.back() < low;
             series.x.insert(goes_last ? series.x.end() : series.x.begin(), {low, high});
@@ -84,18 +84,19 @@ public:
     [[nodiscard]] plot::AxisSpec axis() const {
         const auto& axis = request_.sweep.axis;
         // Less than two octaves have too few powers of two for ticks.
-        const bool has_few_octaves = sizes_.high < 4 * sizes_.low;
+        const bool has_few_octaves = size_range_.high < 4 * size_range_.low;
         return {axis.label + (negative_count_ == 0   ? ""
                               : positive_count_ == 0 ? ", below 0, in size"
                                                      : ", in size"),
-                has_few_octaves ? plot::AxisSpec::Scale::linear : plot::AxisSpec::Scale::log2, sizes_.low, sizes_.high};
+                has_few_octaves ? plot::AxisSpec::Scale::linear : plot::AxisSpec::Scale::log2, size_range_.low,
+                size_range_.high};
     }
 
     [[nodiscard]] std::vector<std::string> subtitle() const {
         std::vector<std::string> lines{request_.sweep.title, "every float in each binade was tried"};
         if (const auto touching = request_.sweep.convention)
             lines.front() += fmt::format(", judged by the {} primitive", intersect::convention_name(touching));
-        if (lacks_floats_) lines.back() += "; zeros, infinities and NaNs are only in the tables";
+        if (omits_floats_) lines.back() += "; zeros, infinities and NaNs are only in the tables";
         return lines;
     }
 
@@ -126,8 +127,8 @@ private:
     const ExhaustiveState& state_;
     std::vector<BinadePart> parts_;
     int negative_count_ = 0, positive_count_ = 0;  ///< number of binades of each sign that are drawn
-    bool lacks_floats_ = false;                    ///< some floats are not on the axis
-    Sizes sizes_{std::numeric_limits<double>::infinity(), 0};
+    bool omits_floats_ = false;                    ///< some floats are not on the axis
+    SizeRange size_range_{std::numeric_limits<double>::infinity(), 0};
 };
 
 }  // namespace
@@ -143,7 +144,7 @@ std::optional<ExhaustivePlots> exhaustive_plots(const ExhaustiveRequest& request
     plot::LinePlotSpec wrong{.title = "Floats with a wrong decision in f32",
                              .subtitle = binades.subtitle(),
                              .x = binades.axis(),
-                             .y = {"share of the tried floats in the binade", S::log2, least_share, 1.0, true}};
+                             .y = {"share of the tried floats in the binade", S::log2, smallest_share, 1.0, true}};
     wrong.subtitle.emplace_back("a line at 0, below the log scale, means no such float in that binade");
     for (const AxisHalf& half : binades.halves()) {
         lost.series.push_back(binades.series(half, [](const FloatTally& t) {

@@ -17,8 +17,8 @@ using table::when;
 namespace {
 
 template <class Row>
-Table<AtStep<Row>> along_axes(const SweepRequest& request, const Table<Row>& columns) {
-    using R = AtStep<Row>;
+Table<StepRow<Row>> along_axes(const SweepRequest& request, const Table<Row>& columns) {
+    using R = StepRow<Row>;
     Table<R> table;
     std::size_t axis_index = 0;
     for (const scene::sweep::Axis& axis : request.sweep.axes)

@@ -16,11 +16,11 @@ using measure::sweep::SweepStep;
 
 /// A row of results for a form, or for one of its culprits, at a step of the sweep.
 template <class Row>
-struct AtStep {
+struct StepRow {
     const SweepStep* step;
     Row row;
 };
-using SampleRow = AtStep<map::SummaryRow>;
+using SampleRow = StepRow<map::SummaryRow>;
 
 /// Columns and rows of samples.csv, and columns of onsets.csv.
 table::Table<SampleRow> sample_table(const SweepRequest& request);
@@ -40,7 +40,7 @@ private:
     std::filesystem::path folder_;
     table::TableFile<SampleRow> samples_;
     std::optional<table::TableFile<Onset>> onsets_;  ///< for a sweep with one axis
-    std::optional<table::TableFile<AtStep<map::Culprit>>> culprits_;
+    std::optional<table::TableFile<StepRow<map::Culprit>>> culprits_;
 };
 
 }  // namespace lostbits::output::sweep

@@ -50,8 +50,9 @@ std::vector<Layer> layers_of(const SweepRequest& request) {
             {"class.not_a_number", share(Outcome::not_a_number)}};
 }
 
-void write_exr(const std::filesystem::path& path, const SweepRequest& request, const SweepGrid& plane, std::size_t r) {
-    const TestedForm& form_row = request.rows[r];
+void write_exr(const std::filesystem::path& path, const SweepRequest& request, const SweepGrid& plane,
+               std::size_t row_index) {
+    const TestedForm& form_row = request.rows[row_index];
     image::ExrSpec spec;
     spec.width = static_cast<int>(plane.x.size());
     spec.height = static_cast<int>(plane.y.size());
@@ -63,13 +64,13 @@ void write_exr(const std::filesystem::path& path, const SweepRequest& request, c
                        {"lostbits:form", std::string(form_row.form->info->name)},
                        {"lostbits:format", form_row.format.name},
                        {"lostbits:x", axes[0].name},
-                       {"lostbits:x_values", file::listed(plane.x, file::decimal, " ")},
+                       {"lostbits:x_values", file::number_list(plane.x, file::decimal, " ")},
                        {"lostbits:y", axes[1].name},
-                       {"lostbits:y_values", file::listed(std::views::reverse(plane.y), file::decimal, " ")}};
+                       {"lostbits:y_values", file::number_list(std::views::reverse(plane.y), file::decimal, " ")}};
     std::vector<float> samples;
     for (std::size_t line = plane.y.size(); line-- > 0;) {
         for (std::size_t column = 0; column < plane.x.size(); ++column) {
-            for (const Layer& layer : layers) samples.push_back(layer.value(plane.at(r, column, line)));
+            for (const Layer& layer : layers) samples.push_back(layer.value(plane.at(row_index, column, line)));
         }
     }
     image::ExrBook exr(path, {{"", spec}});
@@ -96,10 +97,10 @@ const FormSummary& SweepGrid::at(std::size_t form_index, std::size_t x_index, st
 
 namespace {
 
-/// Counts of the cells that have an outcome's colour, because most of their rays are wrong.
+/// Counts of the cells that have the colour of an outcome because most of their rays are wrong.
 struct CellCounts {
     std::array<std::uint64_t, measure::answer::outcome_names.size()> outcomes{};  ///< only wrong outcomes are counted
-    std::uint64_t cells = 0;                                                      ///< all cells, coloured so or not
+    std::uint64_t cells = 0;                                                      ///< number of all cells
 
     [[nodiscard]] std::uint64_t wrong_count() const {
         return std::accumulate(outcomes.begin(), outcomes.end(), std::uint64_t{0});
@@ -111,10 +112,10 @@ struct DrawnPlane {
     std::vector<plot::PlaneCell> cells = {};  ///< in the order of `PlanePlotSpec`
     std::vector<bool> is_explained = {};      ///< for each cell, see `map::is_inside_envelope`
     CellCounts counts = {};
-    bool has_outlined = false, has_too_few_agreed = false;
+    bool has_outlined_cells = false, has_withheld_cells = false;
 };
 
-DrawnPlane drawn_plane(const SweepRequest& request, const SweepGrid& plane, std::size_t row_index) {
+DrawnPlane draw_plane(const SweepRequest& request, const SweepGrid& plane, std::size_t row_index) {
     const std::size_t lost_index = measure::metric::index_of(request.metrics, "lost_bits"),
                       excess_index = measure::metric::index_of(request.metrics, "excess_bits");
     DrawnPlane drawn;
@@ -124,13 +125,13 @@ DrawnPlane drawn_plane(const SweepRequest& request, const SweepGrid& plane, std:
             plot::PlaneCell cell;
             bool is_explained = false;
             ++drawn.counts.cells;
-            if (wrong_share(s) <= 0.5) {
+            if (share_of_wrong_rays(s) <= 0.5) {
                 cell.value = drawn_quantile(s, lost_index, 0.99);
-                drawn.has_too_few_agreed |= s.true_hits > 0 && !s.agreement().is_enough();
+                drawn.has_withheld_cells |= s.true_hits > 0 && !s.agreement().is_enough();
                 const double excess_bits = s.metrics[excess_index].quantile(0.99);
                 cell.outlined = cell.value >= 1 && excess_bits >= 1;
                 is_explained = map::is_inside_envelope(cell.value, excess_bits);
-                drawn.has_outlined |= cell.outlined;
+                drawn.has_outlined_cells |= cell.outlined;
             } else {
                 const Outcome worst_outcome = s.wrong().value();
                 cell.colour = pixel::colour_of(worst_outcome);
@@ -143,10 +144,10 @@ DrawnPlane drawn_plane(const SweepRequest& request, const SweepGrid& plane, std:
     return drawn;
 }
 
-/// Colour of a cell without a value: other sheets show a correct hit without a value in it.
-constexpr image::Rgb8 no_value = image::outcome_colours[0];
+/// Colour of a cell without a value, the same as on other sheets for a correct hit without a value.
+constexpr image::Rgb8 no_value_colour = image::outcome_colours[0];
 
-/// Colours of the cells from the top, for a sheet; outlines have no space there.
+/// Colours of the cells for a sheet, the top line first. Cells of a sheet are too small for outlines.
 std::vector<image::Rgb8> colours_of(const DrawnPlane& drawn, std::size_t width, const map::LostBitsScale& scale,
                                     const FloatFormat& format) {
     std::vector<image::Rgb8> colours;
@@ -154,7 +155,7 @@ std::vector<image::Rgb8> colours_of(const DrawnPlane& drawn, std::size_t width, 
         for (std::size_t k = line * width; k < (line + 1) * width; ++k) {
             const plot::PlaneCell& cell = drawn.cells[k];
             const image::Rgb8 colour = cell.colour              ? *cell.colour
-                                       : std::isnan(cell.value) ? no_value
+                                       : std::isnan(cell.value) ? no_value_colour
                                                                 : scale.colour(cell.value, format);
             colours.push_back(drawn.is_explained[k] ? map::paler(colour) : colour);
         }
@@ -182,10 +183,11 @@ image::Canvas plane_picture(const SweepRequest& request, const std::vector<Sweep
     const auto& axes = request.sweep.axes;
     const TestedForm& tested = request.rows[row_index];
     const SweepGrid plane(request, steps);
-    const DrawnPlane drawn = drawn_plane(request, plane, row_index);
+    const DrawnPlane drawn = draw_plane(request, plane, row_index);
     return plot::plane_plot(
         {.title = fmt::format("{} in {}: lost bits, p99", tested.form->info->name, tested.format.name),
-         .subtitle = {request.sweep.title, std::string(drawn.has_outlined ? outlined_means : nowhere_outlined) + "."},
+         .subtitle = {request.sweep.title,
+                      std::string(drawn.has_outlined_cells ? outline_meaning : no_outline_text) + "."},
          .x_axis = plot_axis(axes[0]),
          .y_axis = plot_axis(axes[1]),
          .x = plane.x,
@@ -194,7 +196,7 @@ image::Canvas plane_picture(const SweepRequest& request, const std::vector<Sweep
          .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), tested.format.parameters),
          .unit = "lost bits",
          .legend = map::outcome_legend(drawn.counts.outcomes, drawn.counts.cells),
-         .hatching_means = drawn.has_too_few_agreed ? gap_text() : "no value"});
+         .hatching_means = drawn.has_withheld_cells ? gap_text() : "no value"});
 }
 
 void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& request,
@@ -206,7 +208,7 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
     CellCounts total;
     bool has_gap = false, has_explained = false;
     for (std::size_t r = 0; r < request.rows.size(); ++r) {
-        const DrawnPlane& drawn = planes.emplace_back(drawn_plane(request, plane, r));
+        const DrawnPlane& drawn = planes.emplace_back(draw_plane(request, plane, r));
         for (std::size_t o = 0; o < total.outcomes.size(); ++o) total.outcomes[o] += drawn.counts.outcomes[o];
         total.cells += drawn.counts.cells;
         has_gap |= std::ranges::any_of(drawn.cells, [](const auto& c) { return !c.colour && std::isnan(c.value); });
@@ -214,7 +216,7 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
     }
     std::vector<image::LegendEntry> legend = map::outcome_legend(total.outcomes, total.cells);
     for (image::LegendEntry& entry : legend) entry.count.clear();
-    if (has_gap) legend.push_back({gap_text(), no_value, ""});
+    if (has_gap) legend.push_back({gap_text(), no_value_colour, ""});
     if (has_explained) legend.push_back({map::paler_means, map::paler(scale.bar().at(0.5)), ""});
     const auto axis_text = [](const scene::sweep::Axis& axis, const std::vector<double>& values) {
         return fmt::format("{}, from {} to {}", plot_axis(axis).title, file::short_decimal(values.front(), 3),

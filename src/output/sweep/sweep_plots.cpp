@@ -30,12 +30,19 @@ plot::AxisSpec plot_axis(const scene::sweep::Axis& axis) {
 }
 
 plot::AxisSpec lost_bits_axis(const FloatFormat& format, std::string_view name) {
-    const double bits = format.precision;
-    return {
-        fmt::format("lost bits, of {} in {}", bits, name), plot::AxisSpec::Scale::linear, 0.0, {}, false, false, bits};
+    const double precision = format.precision;
+    return {fmt::format("lost bits, of {} in {}", precision, name),
+            plot::AxisSpec::Scale::linear,
+            0.0,
+            {},
+            false,
+            false,
+            precision};
 }
 
-double wrong_share(const FormSummary& s) { return static_cast<double>(s.wrong_count()) / static_cast<double>(s.rays); }
+double share_of_wrong_rays(const FormSummary& s) {
+    return static_cast<double>(s.wrong_count()) / static_cast<double>(s.rays);
+}
 
 namespace {
 
@@ -43,7 +50,7 @@ using scene::sweep::Axis;
 
 const plot::AxisSpec share_axis{"share of rays", plot::AxisSpec::Scale::linear, 0.0, {}, false, false, 1};
 
-/// One value of a row of the request along the sweep, by rising parameter.
+/// A value of one row of the request at every step, by rising value of the axis.
 Series series_of(const std::vector<SweepStep>& steps, std::size_t row_index, const std::string& label,
                  const std::function<double(const FormSummary&)>& value) {
     Series series{label};
@@ -63,8 +70,8 @@ struct Quantity {
     plot::AxisSpec axis;
     std::function<double(const FormSummary&)> value;
     std::function<double(const FormSummary&)> envelope = {};  ///< empty: no envelope
-    bool over_hits = false;                                   ///< a quantile over agreed hits, withheld if they are few
-    std::string note = {};                                    ///< text that ends the subtitle
+    bool is_over_hits = false;  ///< the value is a quantile over agreed hits, withheld if few agree
+    std::string note = {};      ///< text that ends the subtitle
     bool (*shows)(const TestedForm&) = [](const TestedForm&) { return true; };
     std::string empty_text = {};  ///< reason why there is nothing to draw; empty: there is something to draw
 };
@@ -82,16 +89,16 @@ std::string rays_text(const MeasuredSweep& sweep) {
                        scene::toml::count_with_noun(first_summary.views, "independent view"));
 }
 
-/// Plot with the parts common to all plots along a sweep: the sweep's title, its axis, and the number of rays per
-/// step.
-LinePlotSpec plot_along(const MeasuredSweep& sweep, const std::string& title, const plot::AxisSpec& y) {
+/// The parts that all plots along a sweep share: its title, its axis, and the number of rays per step.
+LinePlotSpec common_spec(const MeasuredSweep& sweep, const std::string& title, const plot::AxisSpec& y) {
     const scene::sweep::SweepFile& file = sweep.request.sweep;
     return {.title = title, .subtitle = {file.title, rays_text(sweep)}, .x = plot_axis(file.axes.front()), .y = y};
 }
 
-image::Canvas lines_of(const MeasuredSweep& sweep, const Format& format, const Quantity& quantity, PlotSize size = {}) {
+image::Canvas line_chart(const MeasuredSweep& sweep, const Format& format, const Quantity& quantity,
+                         PlotSize size = {}) {
     const SweepRequest& request = sweep.request;
-    LinePlotSpec spec = plot_along(sweep, fmt::format("{} in {}", quantity.title, format.name), quantity.axis);
+    LinePlotSpec spec = common_spec(sweep, fmt::format("{} in {}", quantity.title, format.name), quantity.axis);
     spec.width = size.width;
     spec.height = size.height;
     if (!quantity.note.empty()) spec.subtitle.back() += "; " + quantity.note;
@@ -114,7 +121,7 @@ image::Canvas lines_of(const MeasuredSweep& sweep, const Format& format, const Q
         spec.empty_text = quantity.empty_text;
         return plot::line_plot(spec);
     }
-    shade_and_note(spec, sweep, format, quantity.over_hits);
+    add_shade_and_notes(spec, sweep, format, quantity.is_over_hits);
     for (const auto& mark : request.sweep.marks) {
         if (!mark.format.empty() && mark.format != format.name) continue;
         spec.marks.push_back({mark.at, mark.label});
@@ -143,10 +150,10 @@ image::Canvas lost_bits_plot(const MeasuredSweep& sweep, const Format& format, d
     Quantity quantity{.title = fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
                       .axis = lost_bits_axis(format.parameters, format.name),
                       .value = [lost_index, q](const FormSummary& s) { return drawn_quantile(s, lost_index, q); },
-                      .over_hits = true};
+                      .is_over_hits = true};
     if (inherent_index < request.metrics.size())
         quantity.envelope = [inherent_index, q](const FormSummary& s) { return drawn_quantile(s, inherent_index, q); };
-    return lines_of(sweep, format, quantity, size);
+    return line_chart(sweep, format, quantity, size);
 }
 
 image::Canvas wrong_plot(const MeasuredSweep& sweep, const Format& format, Outcome outcome, PlotSize size) {
@@ -167,10 +174,10 @@ image::Canvas wrong_plot(const MeasuredSweep& sweep, const Format& format, Outco
         });
     if (is_possible) quantity.note = "a line at 0, below the log scale, means no such ray in that step";
     else quantity.empty_text = "No ray of this sweep truly misses, so none can be a false hit.";
-    return lines_of(sweep, format, quantity, size);
+    return line_chart(sweep, format, quantity, size);
 }
 
-bool occurs(const MeasuredSweep& sweep, const Format& format, Outcome outcome) {
+bool has_outcome(const MeasuredSweep& sweep, const Format& format, Outcome outcome) {
     return std::ranges::any_of(sweep.steps, [&](const SweepStep& step) {
         for (std::size_t r = 0; r < step.rows.size(); ++r)
             if (sweep.request.rows[r].format == format && step.rows[r].count(outcome) > 0) return true;
@@ -182,7 +189,7 @@ std::vector<Outcome> wrong_outcomes(const MeasuredSweep& sweep, const Format& fo
     std::vector<Outcome> outcomes{Outcome::false_hit, Outcome::false_miss};
     for (const Outcome o :
          {Outcome::wrong_primitive, Outcome::crack, Outcome::double_hit, Outcome::out_of_order, Outcome::not_a_number})
-        if (occurs(sweep, format, o)) outcomes.push_back(o);
+        if (has_outcome(sweep, format, o)) outcomes.push_back(o);
     return outcomes;
 }
 
@@ -201,22 +208,24 @@ std::string wrong_title(Outcome outcome) {
 namespace {
 
 /// Metrics of one plot, each with the label of its line.
-using Parts = std::vector<std::pair<std::string, std::string>>;
+using LabelledMetrics = std::vector<std::pair<std::string, std::string>>;
 
 /// Plots the medians of the parts of one row's error side by side, and where each step of a transform first loses an
 /// ulp.
-image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t r, const std::string& title, const Parts& parts) {
+image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t row_index, const std::string& title,
+                         const LabelledMetrics& parts) {
     const SweepRequest& request = sweep.request;
-    const TestedForm& form_row = request.rows[r];
-    LinePlotSpec spec = plot_along(
+    const TestedForm& form_row = request.rows[row_index];
+    LinePlotSpec spec = common_spec(
         sweep, fmt::format("{} of {} in {}, medians", title, form_row.form->info->name, form_row.format.name),
         {"ulp", plot::AxisSpec::Scale::log2, 0x1p-6, {}});
     for (const auto& [metric, label] : parts) {
-        const std::size_t m = measure::metric::index_of(request.metrics, metric);
-        spec.series.push_back(
-            series_of(sweep.steps, r, label, [m](const FormSummary& s) { return drawn_quantile(s, m, 0.5); }));
+        const std::size_t metric_index = measure::metric::index_of(request.metrics, metric);
+        spec.series.push_back(series_of(sweep.steps, row_index, label, [metric_index](const FormSummary& s) {
+            return drawn_quantile(s, metric_index, 0.5);
+        }));
         for (const Onset& o : sweep.onsets)
-            if (o.found && !o.from_start && o.row == r && o.event == metric)
+            if (o.found && !o.from_start && o.row == row_index && o.event == metric)
                 spec.marks.push_back({o.first_bad, label + ": 1 ulp"});
     }
     for (const auto& mark : request.sweep.marks) {
@@ -225,9 +234,9 @@ image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t r, const std::s
     return plot::line_plot(spec);
 }
 
-/// The measured steps of a transform.
-Parts steps_of(const SweepRequest& request) {
-    Parts steps;
+/// The metrics of the steps of a transform that the request measures.
+LabelledMetrics transform_step_metrics(const SweepRequest& request) {
+    LabelledMetrics steps;
     for (const auto* metric : request.metrics)
         if ((metric->needs & measure::metric::needs_steps) && !metric->label.empty())
             steps.emplace_back(metric->name, metric->label);
@@ -251,11 +260,11 @@ void write_march_plots(const SaveAs& save, const MeasuredSweep& sweep, const For
                static_cast<double>(s.rays);
     };
     save("unfinished",
-         lines_of(
+         line_chart(
              sweep, format,
              {.title = "Marches that did not finish", .axis = share_axis, .value = unfinished, .shows = is_marching}));
     save("iterations",
-         lines_of(
+         line_chart(
              sweep, format,
              {.title = "Samples of the field, 99th percentile",
               .axis = {"samples", plot::AxisSpec::Scale::log2, 1.0, {}},
@@ -272,18 +281,19 @@ void write_march_plots(const SaveAs& save, const MeasuredSweep& sweep, const For
 
 /// Plots the culprits of one row along the axis: the shares of the operations that are blamed most at any step, and
 /// the share of all other operations together. Nothing if no operation is blamed.
-std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_t r) {
+std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_t row_index) {
     const SweepRequest& request = sweep.request;
     constexpr std::size_t max_operations = 7;
     constexpr std::size_t max_letters = 70;
-    const TestedForm& form_row = request.rows[r];
-    const auto m = static_cast<std::size_t>(std::ranges::find_if(request.metrics, &measure::metric::Metric::by_run) -
-                                            request.metrics.begin());
-    std::vector<double> peak_share(request.metrics[m]->categories.size());
+    const TestedForm& form_row = request.rows[row_index];
+    const auto culprit_metric = static_cast<std::size_t>(
+        std::ranges::find_if(request.metrics, &measure::metric::Metric::by_run) - request.metrics.begin());
+    std::vector<double> peak_share(request.metrics[culprit_metric]->categories.size());
     for (const SweepStep& step : sweep.steps) {
         for (std::size_t c = 1; c < peak_share.size(); ++c)
-            peak_share[c] = std::fmax(peak_share[c],
-                                      measure::attribution::culprit_share(step.rows[r].categories[m], std::array{c}));
+            peak_share[c] = std::fmax(
+                peak_share[c],
+                measure::attribution::culprit_share(step.rows[row_index].categories[culprit_metric], std::array{c}));
     }
     std::vector<std::size_t> order;
     for (std::size_t c = 1; c < peak_share.size(); ++c) {
@@ -291,17 +301,17 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
     }
     if (order.empty()) return {};
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return peak_share[a] > peak_share[b]; });
-    LinePlotSpec spec = plot_along(
+    LinePlotSpec spec = common_spec(
         sweep, fmt::format("Culprits of {} in {}", form_row.form->info->name, form_row.format.name), share_axis);
     spec.subtitle.back() += "; an operation's share of the rays that have a culprit";
     const auto add = [&](const std::string& label, std::span<const std::size_t> categories) {
-        spec.series.push_back(series_of(sweep.steps, r, label, [&](const FormSummary& s) {
-            return measure::attribution::culprit_share(s.categories[m], categories);
+        spec.series.push_back(series_of(sweep.steps, row_index, label, [&](const FormSummary& s) {
+            return measure::attribution::culprit_share(s.categories[culprit_metric], categories);
         }));
     };
     const std::size_t named_count = order.size() <= max_operations + 1 ? order.size() : max_operations;
     for (std::size_t k = 0; k < named_count; ++k) {
-        const std::string_view operation = request.metrics[m]->categories[order[k]];
+        const std::string_view operation = request.metrics[culprit_metric]->categories[order[k]];
         add(operation.size() <= max_letters ? std::string(operation)
                                             : std::string(operation.substr(0, max_letters - 2)) + "..",
             std::span(order).subspan(k, 1));
@@ -337,9 +347,9 @@ void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep&
         write_march_plots(save, sweep, format);
         for (std::size_t r = 0; r < request.rows.size(); ++r) {
             const TestedForm& form_row = request.rows[r];
-            if (const Parts parts = steps_of(request);
-                form_row.format == format && !parts.empty() && form_row.form->is_placed)
-                save(fmt::format("steps.{}", form_row.form->info->name), parts_plot(sweep, r, "Steps", parts));
+            if (const LabelledMetrics metrics = transform_step_metrics(request);
+                form_row.format == format && !metrics.empty() && form_row.form->is_placed)
+                save(fmt::format("steps.{}", form_row.form->info->name), parts_plot(sweep, r, "Steps", metrics));
             if (form_row.format != format || !map::asks_for_culprits(request.metrics)) continue;
             if (const auto plot = culprit_plot(sweep, r))
                 save(fmt::format("culprit.{}", form_row.form->info->name), *plot);

@@ -1,4 +1,4 @@
-// Pictures of a sweep: lines along one axis or a plane over two, and the part where their numbers lose their meaning.
+// Pictures of a sweep: lines along one axis or a plane over two, and the part of an axis where t cannot be resolved.
 #pragma once
 
 #include <filesystem>
@@ -25,12 +25,12 @@ struct MeasuredSweep {
 
 /// The formats of the rows of a sweep, each once.
 [[nodiscard]] std::vector<Format> formats_of(const MeasuredSweep& sweep);
-/// Axis of a plot for an axis of a sweep.
+/// Axis of a plot that shows an axis of a sweep.
 plot::AxisSpec plot_axis(const scene::sweep::Axis& axis);
-/// Axis of lost bits in a format, whose name is in the title: `lost bits, of 24 in f32`.
+/// Axis of lost bits in the format called `name`: `lost bits, of 24 in f32`.
 plot::AxisSpec lost_bits_axis(const FloatFormat& format, std::string_view name);
 /// Share of rays with a wrong decision or NaN.
-double wrong_share(const FormSummary& s);
+double share_of_wrong_rays(const FormSummary& s);
 
 /// Writes the pictures of a sweep. For one axis: `lost_bits_p50.<format>.png` and `lost_bits_p99.<format>.png` with
 /// every form, the conditioning envelope (inherent bits, if the request measures them) and the sweep's own marks;
@@ -52,13 +52,14 @@ image::Canvas lost_bits_plot(const MeasuredSweep& sweep, const Format& format, d
 image::Canvas wrong_plot(const MeasuredSweep& sweep, const Format& format, Outcome outcome, PlotSize size = {});
 
 /// True if any ray of a form in the format has the outcome.
-[[nodiscard]] bool occurs(const MeasuredSweep& sweep, const Format& format, Outcome outcome);
+[[nodiscard]] bool has_outcome(const MeasuredSweep& sweep, const Format& format, Outcome outcome);
 /// Outcomes that have a plot of their own: false hits, false misses, and other wrong outcomes that occur.
 [[nodiscard]] std::vector<Outcome> wrong_outcomes(const MeasuredSweep& sweep, const Format& format);
 /// `False hits`
 [[nodiscard]] std::string wrong_title(Outcome outcome);
 
-/// The steps of a sweep over two axes as a plane: columns by rising first axis, lines by rising second axis.
+/// The steps of a sweep over two axes as a plane. Columns are sorted by the first axis and lines by the second, both
+/// rising.
 class SweepGrid {
 public:
     SweepGrid(const SweepRequest& request, const std::vector<SweepStep>& steps);
@@ -72,16 +73,16 @@ private:
 };
 
 /// Meaning of the outline in a plane, here and on the page.
-inline constexpr const char* outlined_means =
+inline constexpr const char* outline_meaning =
     "Outlined: the form loses a bit or more beyond what half an ulp in each input would cost";
-inline constexpr const char* nowhere_outlined =
+inline constexpr const char* no_outline_text =
     "Nowhere does the form lose a bit beyond what half an ulp in each input would cost";
 
 /// Writes `contact.png`: a plane of each form and format. With `single_pictures` also each plane alone, as
 /// `<form>.<format>.png`: the 99th percentile of lost bits, or the colour of the most frequent wrong outcome if most
 /// rays are wrong. A cell is outlined where the form, not the problem, loses the bits, and hatched where too few hits
-/// agree. In `<form>.<format>.exr` the columns are the values of the first axis in rising order, and the rows the
-/// values of the second axis from the top, the highest first; the attributes hold the values.
+/// agree. In `<form>.<format>.exr` the columns are the values of the first axis in rising order. The rows are the
+/// values of the second axis, the highest at the top. The attributes hold the values.
 void write_planes(const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
                   bool single_pictures);
 /// The plane of one row of the request, as `write_planes` saves it.
@@ -101,14 +102,16 @@ struct AxisPart {
     double from, to;
 };
 
-/// Part of a sweep with one axis in which an ulp of the distance D to its one sphere is at least as long as the sphere
-/// is wide: ulp_F(D) ≥ 2r, that is, from 2^p radii on. No form's t along a unit direction then tells front from back.
+/// Part of a sweep with one axis and one sphere in which an ulp of the distance D is at least as long as the sphere is
+/// wide: ulp_F(D) ≥ 2r, that is, from 2^p radii on. There no form's t along a unit direction tells the front of the
+/// sphere from its back.
 /// Found by bisection to 2^-9 of the value, on the first ray; the rays of a distribution are all equally far away.
 /// Nothing if neither end of the axis is in the part, or if there is not exactly one sphere.
-[[nodiscard]] std::optional<AxisPart> too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format);
+[[nodiscard]] std::optional<AxisPart> too_far_part(const scene::sweep::SweepFile& sweep, const FloatFormat& format);
 inline constexpr const char* too_far_text = "shaded: an ulp of the distance is at least as wide as the sphere";
 
-/// Shades the part that is too far in a plot along a sweep, and explains the gaps of lines over agreed hits.
-void shade_and_note(plot::LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& format, bool over_hits);
+/// Shades the part of `too_far_part` in a plot along a sweep. If `is_over_hits`, the lines are
+/// quantiles over agreed hits, and a note explains their gaps if there are any.
+void add_shade_and_notes(plot::LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& format, bool is_over_hits);
 
 }  // namespace lostbits::output::sweep

@@ -39,7 +39,7 @@ std::string gap_text() {
     return fmt::format("no value where fewer than {:.0f} % of the hits agree", 100 * measure::metric::least_agreement);
 }
 
-std::optional<AxisPart> too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format) {
+std::optional<AxisPart> too_far_part(const scene::sweep::SweepFile& sweep, const FloatFormat& format) {
     const scene::sweep::Axis& axis = sweep.axes.front();
     const auto [low, high] = std::ranges::minmax(axis.values);
     const auto is_far = [&](double value) { return is_too_far(sweep, format, value); };
@@ -55,8 +55,9 @@ std::optional<AxisPart> too_far(const scene::sweep::SweepFile& sweep, const Floa
     return is_far_at_low ? AxisPart{low, far_end} : AxisPart{far_end, high};
 }
 
-void shade_and_note(plot::LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& format, bool over_hits) {
-    if (const auto part = too_far(sweep.request.sweep, format.parameters)) {
+void add_shade_and_notes(plot::LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& format,
+                         bool is_over_hits) {
+    if (const auto part = too_far_part(sweep.request.sweep, format.parameters)) {
         // Built in place, because gcc 12 warns without cause about a moved temporary.
         plot::PlotShade& shade = spec.shades.emplace_back();
         shade.from = part->from;
@@ -70,7 +71,7 @@ void shade_and_note(plot::LinePlotSpec& spec, const MeasuredSweep& sweep, const 
         }
         return false;
     };
-    if (over_hits && std::ranges::any_of(sweep.steps, is_withheld))
+    if (is_over_hits && std::ranges::any_of(sweep.steps, is_withheld))
         spec.notes.push_back("A gap in a line means " + gap_text() + ".");
 }
 

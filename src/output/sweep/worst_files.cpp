@@ -26,30 +26,30 @@ using table::or_missing;
 
 namespace {
 
-std::string hex_list(std::span<const double> x) { return "[\"" + file::listed(x, file::hex, "\", \"") + "\"]"; }
+std::string hex_array(std::span<const double> x) { return "[\"" + file::number_list(x, file::hex, "\", \"") + "\"]"; }
 
 std::string primitive_text(const Primitive<double>& primitive) {
     std::string keys;
     for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
         keys += fmt::format("{} {} = ", keys.empty() ? "" : ",", key.name);
-        keys += key.count() == 3 ? hex_list(primitive.used().subspan(k, 3))
+        keys += key.count() == 3 ? hex_array(primitive.used().subspan(k, 3))
                                  : fmt::format("\"{}\"", file::hex(primitive.numbers[k]));
     });
     if (primitive.placed)
         keys += fmt::format(", {} = {}", primitive.placed->is_inverse ? "inverse_matrix" : "matrix",
-                            hex_list(primitive.placed->matrix));
+                            hex_array(primitive.placed->matrix));
     return fmt::format("{{{} }}", keys);
 }
 
 }  // namespace
 
-std::string head_of_cases(const std::string& title, const std::string& source) {
+std::string case_file_head(const std::string& title, const std::string& source) {
     return fmt::format("schema = \"lostbits-sweep/1\"\ntitle = {}\nsource = {}\n", file::toml_string(title),
                        file::toml_string(source));
 }
 
 std::string case_text(const std::string& name, const scene::rays::RayGroup& group) {
-    std::vector<std::pair<Shape, std::string>> lists;  // a shape stands where its first primitive stands
+    std::vector<std::pair<Shape, std::string>> lists;  // in the order of the first primitive of each shape
     for (const Primitive<double>& primitive : group.primitives) {
         auto list = std::ranges::find(lists, primitive.shape, &std::pair<Shape, std::string>::first);
         if (list == lists.end()) list = lists.insert(list, {primitive.shape, ""});
@@ -64,7 +64,7 @@ std::string case_text(const std::string& name, const scene::rays::RayGroup& grou
     const std::string_view open = name_of(range.open);
     return fmt::format("\n[[case]]\nname = {}\n{}{}rays = [{{ origin = {}, direction = {}{}{} }}]\n",
                        file::toml_string(name), open == "none" ? "" : fmt::format("open_ends = \"{}\"\n", open),
-                       primitives, hex_list(origin), hex_list(direction),
+                       primitives, hex_array(origin), hex_array(direction),
                        range.tmin == 0 ? "" : fmt::format(", tmin = \"{}\"", file::hex(range.tmin)),
                        std::isinf(range.tmax) ? "" : fmt::format(", tmax = \"{}\"", file::hex(range.tmax)));
 }
@@ -138,11 +138,11 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
     file::AtomicFile hard_cases(folder / "hard.toml");
     const std::string title = "The worst rays of each form: " + search.title;
     std::string text =
-        head_of_cases(title.size() > scene::toml::TableReader::most_title_bytes ? search.title : title,
-                      fmt::format("lostbits sweep {} --worst: seed {}, {} starts of {} generations of 32, {} {}",
-                                  search.id, search.seed, search.starts, search.generations,
-                                  search.smallest ? "smallest" : "largest", search.metric) +
-                          (search.nearest ? ", nearest wrong decision" : ""));
+        case_file_head(title.size() > scene::toml::TableReader::most_title_bytes ? search.title : title,
+                       fmt::format("lostbits sweep {} --worst: seed {}, {} starts of {} generations of 32, {} {}",
+                                   search.id, search.seed, search.starts, search.generations,
+                                   search.smallest ? "smallest" : "largest", search.metric) +
+                           (search.nearest ? ", nearest wrong decision" : ""));
     for (std::size_t r = 0; r < results.size(); ++r) {
         csv.add({request.rows[r], results[r]});
         if (results[r]) text += worst_case_text(request, request.rows[r], *results[r]);
@@ -234,39 +234,40 @@ std::string census_phrase(const measure::edges::EdgeFinding& finding) {
 void NearestFiles::write(const std::filesystem::path& folder) const {
     const auto explain = [this](std::size_t r, const NearestRay& nearest) {
         const scene::rays::RayGroup group = scene::rays::group_of(nearest.ray);
-        return attribution::explain_command(scene + " " + attribution::explain_ray_arguments(&group), request.rows[r]);
+        return attribution::explain_command(scene_argument + " " + attribution::explain_ray_arguments(&group),
+                                            request.rows[r]);
     };
     table::TableFile<NearestRow> csv(
         folder, "worst.csv", "One row per form, format and outcome: the nearest ray found at an edge", nearest_table());
-    for (std::size_t r = 0; r < found.size(); ++r) {
+    for (std::size_t r = 0; r < findings.size(); ++r) {
         for (std::size_t k = 0; k < searched_outcomes.size(); ++k) {
-            const auto& nearest = found[r].nearest.at(k);
-            csv.add(
-                {request.rows[r], searched_name(k), found[r].rays.at(k), nearest, nearest ? explain(r, *nearest) : ""});
+            const auto& nearest = findings[r].nearest.at(k);
+            csv.add({request.rows[r], searched_name(k), findings[r].rays.at(k), nearest,
+                     nearest ? explain(r, *nearest) : ""});
         }
     }
     table::TableFile<CensusRow> census(folder, "census.csv",
                                        "One row per form, format and target: cracks and double hits of the rays of the "
                                        "census",
                                        census_table());
-    for (std::size_t r = 0; r < found.size(); ++r)
-        for (std::size_t k = 0; k < found[r].census.size(); ++k)
-            if (found[r].census.at(k).rays > 0) census.add({request.rows[r], k, found[r].census.at(k)});
+    for (std::size_t r = 0; r < findings.size(); ++r)
+        for (std::size_t k = 0; k < findings[r].census.size(); ++k)
+            if (findings[r].census.at(k).rays > 0) census.add({request.rows[r], k, findings[r].census.at(k)});
     table::close_tables(folder, request.search.title, csv, census);
 }
 
 std::string NearestFiles::sentence(std::size_t r) const {
     std::string text = fmt::format("{} in {}:", request.rows[r].form->info->name, request.rows[r].format.name);
-    const std::string counts = census_phrase(found[r]);
+    const std::string counts = census_phrase(findings[r]);
     if (!counts.empty()) text += " " + counts + ";";
     for (std::size_t k = 0; k < searched_outcomes.size(); ++k) {
         const std::string outcome_phrase = map::in_words(searched_name(k));
-        const auto& nearest = found[r].nearest.at(k);
+        const auto& nearest = findings[r].nearest.at(k);
         text += nearest ? fmt::format("{} the nearest {} of {} rays is {:.4g} edge lengths away", k > 0 ? "," : "",
-                                      outcome_phrase, found[r].rays.at(k), nearest->distance)
+                                      outcome_phrase, findings[r].rays.at(k), nearest->distance)
                         : fmt::format("{}{} no {} among {}", k > 0 ? "," : "",
                                       counts.empty() || k > 0 ? "" : " the search for the nearest found",
-                                      outcome_phrase, scene::toml::count_with_noun(found[r].rays.at(k), "ray"));
+                                      outcome_phrase, scene::toml::count_with_noun(findings[r].rays.at(k), "ray"));
     }
     return text;
 }

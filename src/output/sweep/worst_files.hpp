@@ -11,8 +11,8 @@
 
 namespace lostbits::output::sweep {
 
-/// Text before the first case of a file of cases.
-std::string head_of_cases(const std::string& title, const std::string& source);
+/// Text that begins a file of cases, before its first case.
+std::string case_file_head(const std::string& title, const std::string& source);
 
 /// A `[[case]]` with the first ray of a group, the ends of its range if it has any, and all primitives of the group.
 /// Every number is hexadecimal.
@@ -25,8 +25,8 @@ void write_worst(const std::filesystem::path& folder, const measure::sweep::Wors
 /// Results of a search along the edges of a mesh.
 struct NearestFiles {
     const measure::edges::EdgeRequest& request;
-    const std::vector<measure::edges::EdgeFinding>& found;  ///< one per row of the request
-    std::string scene;                                      ///< name of the scene for a command line
+    const std::vector<measure::edges::EdgeFinding>& findings;  ///< one per row of the request
+    std::string scene_argument;                                ///< the scene as an argument of a command
 
     /// Writes worst.csv with a row for each form, format and outcome, and census.csv with a row for each form, format
     /// and target.

@@ -34,7 +34,7 @@ namespace lostbits::output {
 namespace file {
 void note_result(const std::filesystem::path& /*path*/) { unreached(); }
 bool is_in_own_folder(const std::filesystem::path& /*path*/) { unreached(); }
-void require_own(const std::filesystem::path& /*path*/) { unreached(); }
+void require_own_result(const std::filesystem::path& /*path*/) { unreached(); }
 }  // namespace file
 namespace image {
 std::pair<std::string, std::string> compiler_attribute() { unreached(); }

@@ -258,7 +258,7 @@ TEST_CASE("an explanation never prints an infinity or a NaN as a number") {
         }
         for (const output::attribution::OperationRow& row : operation_table(s.x, words, true).rows)
             for (const std::string* const cell :
-                 {&row.error_ulps, &row.cancelled, &row.local, &row.rounding_ulps, &row.contribution_ulps})
+                 {&row.error_ulps, &row.cancelled, &row.local_bits, &row.rounding_ulps, &row.contribution_ulps})
                 CHECK_FALSE(std::regex_search(*cell, raw_number()));
     });
     CHECK(seen["infinity"] > 0);
@@ -301,7 +301,7 @@ TEST_CASE("operations marked as not on the way change neither the decision nor t
         const output::attribution::OperationView words(s.x);
         int place = 0;
         for (const output::attribution::OperationRow& row : operation_table(s.x, words, true).rows) {
-            if (!row.off_path || s.x.tape[row.node].op == TapeOp::call || place++ % 7 != 0) continue;
+            if (!row.is_off_path || s.x.tape[row.node].op == TapeOp::call || place++ % 7 != 0) continue;
             CHECK(row.contribution_ulps.empty());
             Tape other = s.x.tape;
             other[row.node] = {.op = TapeOp::input, .format = other[row.node].format, .operands = {0}, .value = 1.5};

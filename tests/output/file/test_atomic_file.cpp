@@ -169,7 +169,7 @@ TEST_CASE("a file that is being written is never taken for abandoned", "[atomic_
             std::error_code gone;
             for (auto at = fs::directory_iterator(folder.path(), gone); at != fs::end(at); at.increment(gone)) {
                 if (at->path().filename().string().find(".partial-") != std::string::npos)
-                    remove_if_abandoned(at->path());
+                    remove_abandoned_file(at->path());
             }
         }
     });
@@ -252,7 +252,7 @@ TEST_CASE("no thread creates a file while the signal handler runs", "[atomic_fil
 
 TEST_CASE("a folder is marked as unfinished from the first result to the last", "[result_folder]") {
     const Scratch folder;
-    const auto unfinished = [&] { return ResultFolder::unfinished_in(folder.path()); };
+    const auto unfinished = [&] { return ResultFolder::unfinished_sentence(folder.path()); };
     const auto write = [&](const std::string& name) { write_file(folder / name, name); };
     const Provenance first{"lostbits map a", "lostbits 0"}, second{"lostbits map b", "lostbits 0"};
     {

@@ -192,7 +192,7 @@ TEST_CASE("escaped text in HTML is plain text", "[escape]") {
 
 TEST_CASE("text in JSON reads back, and cannot end a script element", "[escape]") {
     for_texts(many, [](const std::string& text) {
-        const std::string json = output::page::text_of(output::page::Json(text));
+        const std::string json = output::page::compact_json(output::page::Json(text));
         REQUIRE(json.find('<') == std::string::npos);
         REQUIRE(to_valid_utf8(nlohmann::json::parse(json).get<std::string>()).size() >= text.size() / 4);
         if (to_valid_utf8(text) == text) REQUIRE(nlohmann::json::parse(json) == text);
@@ -239,7 +239,7 @@ TEST_CASE("a cell of a table reads back, and no spreadsheet evaluates it", "[esc
     std::vector<std::string> texts;
     for (int i = 0; i < many; ++i) texts.push_back(random_text(random));
     CsvWriter csv(folder / "t.csv", {{"text", "string", "", "-"}, {"n", "integer", "", "-"}});
-    for (const std::string& text : texts) csv.row({text, 1});
+    for (const std::string& text : texts) csv.add_row({text, 1});
     csv.close();
     const CsvTable table = read_csv(folder / "t.csv");
     REQUIRE(table.rows() == texts.size());

@@ -129,8 +129,8 @@ TEST_CASE("a colour scale clamps its values and refuses a value that has no colo
     CHECK(root.map(-1) == Rgb8{0, 0, 0});
     CHECK(root.map(inf) == Rgb8{100, 0, 0});
     CHECK_THROWS_AS(ColourScale("grey", grey_ramp(), -1, 1, Spacing::root), std::invalid_argument);
-    CHECK(root.is_as(ColourScale("grey", grey_ramp(), 0, 16, Spacing::root)));
-    CHECK_FALSE(root.is_as(ColourScale("grey", grey_ramp(), 0, 16)));
+    CHECK(root.is_same_scale(ColourScale("grey", grey_ramp(), 0, 16, Spacing::root)));
+    CHECK_FALSE(root.is_same_scale(ColourScale("grey", grey_ramp(), 0, 16)));
 }
 
 TEST_CASE("ticks of a colour bar are round, within the range and few", "[colour]") {

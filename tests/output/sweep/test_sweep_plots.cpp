@@ -36,7 +36,7 @@ std::string sweep_of(const std::string& distribution, const std::string& axis, c
 
 std::optional<output::sweep::AxisPart> part_of(const std::string& text, const FloatFormat& format) {
     const TextFile file(text);
-    return output::sweep::too_far(scene::sweep::SweepFile(file.path(), LOSTBITS_DATA_DIR), format);
+    return output::sweep::too_far_part(scene::sweep::SweepFile(file.path(), LOSTBITS_DATA_DIR), format);
 }
 
 /// A sweep whose numbers are made up.

@@ -165,7 +165,7 @@ function buildPane(map, row) {
         ...wrong.map(([name, n]) => make("small", `${n} ${words(name)}`)), make("small", quantile));
     pane.title = `${row.title}; click to show it, shift-click to compare with it`;
     pane.dataset.row = keyOf(row);
-    steer(canvas, () => {});
+    handlePointer(canvas, () => {});
     return { row, canvas, pane };
 }
 

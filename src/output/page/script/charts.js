@@ -44,13 +44,13 @@ function readChart(figure) {
     chart.pin = document.createElementNS(svg.namespaceURI, "g");
     chart.pin.setAttribute("class", "pin");
     svg.append(chart.pin);
-    zoomedBy(chart);
+    enableZoom(chart);
     return chart;
 }
 const chartOf = (figure) => once(figure, () => readChart(figure));
 
 /** Position of the pointer in units of the viewBox. */
-function placeIn({ svg }, { clientX, clientY }) {
+function pointerPosition({ svg }, { clientX, clientY }) {
     const { x, y } = new DOMPoint(clientX, clientY).matrixTransform(svg.getScreenCTM().inverse());
     return [x, y];
 }
@@ -63,7 +63,7 @@ const heightAt = ({ frame }, line, step) => line.vertices.find(([x]) => Math.abs
 
 /** The step under the pointer and the line nearest to it, if one is near. */
 function stepUnder(chart, event) {
-    const [x, y] = placeIn(chart, event), { frame } = chart, step = nearestOf(frame.x, x);
+    const [x, y] = pointerPosition(chart, event), { frame } = chart, step = nearestOf(frame.x, x);
     if (step < 0 || y < frame.y[0] || y > frame.y[1] || x < frame.x[0] - 15 || x > frame.x.at(-1) + 15) return null;
     const away = chart.lines.map((line) => Math.abs(heightAt(chart, line, step) - y)), k = nearestOf(away, 0);
     return { step, line: away[k] < 24 ? chart.lines[k] : null };
@@ -71,7 +71,7 @@ function stepUnder(chart, event) {
 
 /** Column and line of the cell under the pointer. Columns of a table have gaps; lines may run upwards. */
 function cellUnder(chart, event) {
-    const [x, y] = placeIn(chart, event), { frame } = chart, pairs = frame.keys.length > 0;
+    const [x, y] = pointerPosition(chart, event), { frame } = chart, pairs = frame.keys.length > 0;
     const between = (places, at, by) => {
         for (let k = 0; k + 1 < places.length; k += by)
             if ((at - places[k]) * (at - places[k + 1]) <= 0) return k / by;
@@ -82,12 +82,12 @@ function cellUnder(chart, event) {
 }
 
 function pointUnder(chart, event) {
-    const [x, y] = placeIn(chart, event), away = chart.points.map((p) => Math.hypot(p.x - x, p.y - y)),
+    const [x, y] = pointerPosition(chart, event), away = chart.points.map((p) => Math.hypot(p.x - x, p.y - y)),
               k = nearestOf(away, 0);
     return away[k] < 20 ? chart.points[k] : null;
 }
 
-/** Replaces what is drawn over a chart: elements by name and attributes. */
+/** Replaces the marks that are drawn over a chart. Each element is a name and its attributes. */
 function pinOn({ svg, pin }, ...elements) {
     pin.replaceChildren(...elements.map(([name, attributes]) => {
         const element = document.createElementNS(svg.namespaceURI, name);
@@ -96,7 +96,7 @@ function pinOn({ svg, pin }, ...elements) {
     }));
 }
 
-/** Pins a step: a rule, and a ring where it meets a line. */
+/** Marks a step: a vertical line, and a ring where it meets a line of the chart. */
 function pinStep(chart, step, line) {
     const x = chart.frame?.x[step], y = line ? heightAt(chart, line, step) : NaN, [top, foot] = chart.frame?.y ?? [];
     if (!Number.isFinite(x)) return pinOn(chart);
@@ -141,19 +141,19 @@ function zoomChartBy(chart, factor) {
  * Dragging zooms to a rectangle, and a double click shows all again. Dragging over text selects it. `dragged` tells a
  * drag from a click.
  */
-function zoomedBy(chart) {
+function enableZoom(chart) {
     const { svg } = chart;
     let from = null;
     svg.addEventListener("pointerdown", (event) => {
         chart.dragged = false;
         from = null;
         if (event.pointerType !== "mouse" || event.button !== 0 || event.target.closest("text")) return;
-        from = placeIn(chart, event);
+        from = pointerPosition(chart, event);
         event.preventDefault();  // selects nothing on the way
     });
     svg.addEventListener("pointerup", (event) => {
         if (!from) return;
-        const to = placeIn(chart, event), w = Math.abs(to[0] - from[0]), h = Math.abs(to[1] - from[1]);
+        const to = pointerPosition(chart, event), w = Math.abs(to[0] - from[0]), h = Math.abs(to[1] - from[1]);
         chart.dragged = Math.max(w, h) > 6;
         if (w > 6 && h > 6) zoomChart(chart, [Math.min(from[0], to[0]), Math.min(from[1], to[1]), w, h]);
         from = null;

@@ -13,11 +13,11 @@ const isEnough = (agreed, hits) => hits === 0 || (agreed > 0 && agreed >= index.
 const tooFew = (agreed, hits) =>
     `${agreed} of ${hits} hit${hits === 1 ? "" : "s"} ${agreed === 1 ? "agrees" : "agree"}`;
 
-/** Calls `read` at most once for a name and returns the same result, or promise, from then on. */
-const kept = new Map();
+/** Returns `read()`, a result or a promise. Calls `read` only once for each name. */
+const cachedResults = new Map();
 function once(name, read) {
-    if (!kept.has(name)) kept.set(name, read());
-    return kept.get(name);
+    if (!cachedResults.has(name)) cachedResults.set(name, read());
+    return cachedResults.get(name);
 }
 
 async function bytesOf(name) {
@@ -33,19 +33,19 @@ async function bytesOf(name) {
 const jsonOf = (name) => once(name, async () => JSON.parse(new TextDecoder().decode(await bytesOf(name))));
 
 /**
- * Reads planes: plane k holds byte k of all numbers, lowest byte first. Browsers run on little-endian machines, so the
- * bytes are used in this order.
+ * Reads numbers from planes: plane k holds byte k of all numbers, the lowest byte first. Browsers run on little-endian
+ * machines, so the bytes are used in this order.
  */
 class Planes {
     constructor(bytes, count) {
         this.bytes = bytes;
         this.count = count;
-        this.at = 0;
+        this.position = 0;
     }
     read(Type) {
         const n = this.count, width = Type.BYTES_PER_ELEMENT, bytes = new Uint8Array(n * width);
-        for (let k = 0; k < width; ++k, this.at += n) {
-            for (let i = 0; i < n; ++i) bytes[i * width + k] = this.bytes[this.at + i];
+        for (let k = 0; k < width; ++k, this.position += n) {
+            for (let i = 0; i < n; ++i) bytes[i * width + k] = this.bytes[this.position + i];
         }
         return new Type(bytes.buffer);
     }
@@ -68,10 +68,10 @@ function addPair(words, at, low, high) {
 }
 
 /**
- * Calls `undo(i, last, before)` for each true hit along each row of a picture. `last` and `before` are the indices of
- * the two true hits to the left, or `none`.
+ * Calls `undo(i, last, before)` for each true hit, row by row and from left to right. `last` and `before` are the
+ * indices of the two true hits to the left, or `none`.
  */
-function alongRows(width, decision, none, undo) {
+function forEachHit(width, decision, none, undo) {
     for (let i = 0, last = none, before = none; i < decision.length; ++i) {
         if (i % width === 0) last = before = none;
         if (decision[i] !== 1) continue;
@@ -81,13 +81,13 @@ function alongRows(width, decision, none, undo) {
 }
 
 /**
- * Undoes what `MapData::Group` does: the stored bits are the bits less (2 last - before). They are 0 where nothing is
- * hit.
+ * Undoes `HitPredictor` (pack.hpp) for doubles: the stored bits are the bits minus (2 last - before). The bits are 0
+ * where nothing is hit.
  */
-function pointedTo(doubles, width, decision) {
+function undoPrediction(doubles, width, decision) {
     const n = doubles.length, words = new Uint32Array(2 * n + 2);  // one more for `none`, whose bits are 0
     words.set(new Uint32Array(doubles.buffer));
-    alongRows(width, decision, n, (i, last, before) => {
+    forEachHit(width, decision, n, (i, last, before) => {
         unfoldPair(words, 2 * i);
         addPair(words, 2 * i, words[2 * last], words[2 * last + 1]);
         if (words[2 * before] === 0 && words[2 * before + 1] === 0) return;
@@ -104,25 +104,25 @@ async function truthOf(map, group) {
     return {
         decision,
         object: planes.read(Uint32Array),
-        truth: pointedTo(planes.read(Float64Array), map.width, decision),
+        truth: undoPrediction(planes.read(Float64Array), map.width, decision),
         rest: planes.read(Float32Array),
         bound: planes.read(Int16Array),
         condition: planes.read(Float32Array),
     };
 }
 
-/** Reads floats of true hits, whose bits are stored less (2 last - before); NaN elsewhere. */
-function floatsPointedTo(d, width, decision) {
+/** Undoes `HitPredictor` for floats: the stored bits are the bits minus (2 last - before). NaN where nothing is hit. */
+function undoFloatPrediction(d, width, decision) {
     const values = new Float32Array(d.length + 1).fill(NaN), bits = new Uint32Array(values.buffer), none = d.length;
     bits[none] = 0;
-    alongRows(width, decision, none, (i, last, before) => {
+    forEachHit(width, decision, none, (i, last, before) => {
         bits[i] = unfold(d[i]) + (bits[before] === 0 ? bits[last] : 2 * bits[last] - bits[before]);
     });
     return values.subarray(0, none);
 }
 
-/** Reads the answers, whose bits are stored less the bits of the truth in the same format. */
-function answers(planes, { coding }, { truth }) {
+/** Reads the answers. The stored bits are the bits minus those of the truth in the same format. */
+function readAnswers(planes, { coding }, { truth }) {
     if (coding === "plain64") return planes.read(Float64Array);
     if (coding === "bits32") {
         const bits = new Uint32Array(Float32Array.from(truth).buffer);
@@ -130,10 +130,10 @@ function answers(planes, { coding }, { truth }) {
         return Float64Array.from(new Float32Array(bits.buffer));
     }
     const t = planes.read(Float64Array), words = new Uint32Array(t.buffer),
-          near = new Uint32Array(Float64Array.from(truth).buffer);
+          truthWords = new Uint32Array(Float64Array.from(truth).buffer);
     for (let i = 0; i < words.length; i += 2) {
         unfoldPair(words, i);
-        addPair(words, i, near[i], near[i + 1]);
+        addPair(words, i, truthWords[i], truthWords[i + 1]);
     }
     return t;
 }
@@ -149,12 +149,12 @@ async function readRow(map, row) {
         ...{ row, truth, stored, painted: new Map() },
         outcome: planes.read(Uint8Array),
         object: planes.read(Uint32Array),
-        t: answers(planes, row, truth)
+        t: readAnswers(planes, row, truth)
     };
     for (const metric of map.metrics) {
         if (metric.kind === "stored") stored[metric.name] = planes.read(Float32Array);
         if (metric.kind === "hits")
-            stored[metric.name] = floatsPointedTo(planes.read(Uint32Array), map.width, truth.decision);
+            stored[metric.name] = undoFloatPrediction(planes.read(Uint32Array), map.width, truth.decision);
     }
     return pixels;
 }

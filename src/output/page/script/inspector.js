@@ -11,10 +11,11 @@ async function pixelFacts(map, row, x, y) {
         outcome: pixels.outcome[i],
         truth: Object.fromEntries(Object.entries(truth).map(([name, values]) => [name, values[i]])),
         answers: all.map((p) => {
-            const agreed = p.outcome[i] === agreeHit, of = (name) => (agreed ? derived[name](sampleAt(p, i)) : NaN);
+            const agreed = p.outcome[i] === agreeHit,
+                  metricOf = (name) => (agreed ? derived[name](sampleAt(p, i)) : NaN);
             return {
                 ...{ format: p.row.format, outcome: p.outcome[i], hit: p.object[i] > 0, t: p.t[i] },
-                ...{ ulp_error: of("ulp_error"), lost_bits: of("lost_bits") }
+                ...{ ulp_error: metricOf("ulp_error"), lost_bits: metricOf("lost_bits") }
             };
         }),
         metrics: map.metrics.filter((m) => !m.marches || marches(row.form)).map((m) => [m, valueAt(pixels, m, i)])

@@ -44,14 +44,16 @@ function ringAround(context, x, y, w, h) {
 
 async function drawMap() {
     const map = mapNow(), metric = metricNow(), other = otherRow(), { canvas } = mapParts;
-    // Use the full width. If the numbers stand beside the picture, leave them their space, and stay within the window's
-    // height. The canvas has a whole number of pixels per ray and is shown a little smaller.
-    const wide = document.getElementById("map-view").clientWidth, tall = (0.86 * innerHeight * map.width) / map.height,
-          room = Math.min(1024, wide >= 960 ? Math.min(wide - 484, Math.max(480, tall)) : wide);
-    const factor = Math.max(1, Math.ceil(room / map.width));
+    // The picture has the full width. If the numbers stand beside it, it leaves them space and stays within the height
+    // of the window. The canvas has a whole number of pixels per ray and is shown a little smaller.
+    const viewWidth = document.getElementById("map-view").clientWidth,
+          fittingWidth = (0.86 * innerHeight * map.width) / map.height,
+          pictureWidth =
+              Math.min(1024, viewWidth >= 960 ? Math.min(viewWidth - 484, Math.max(480, fittingWidth)) : viewWidth);
+    const factor = Math.max(1, Math.ceil(pictureWidth / map.width));
     canvas.width = map.width * factor;
     canvas.height = map.height * factor;
-    canvas.style.width = mapParts.picture.style.width = `${room}px`;  // the slider is as long as the picture
+    canvas.style.width = mapParts.picture.style.width = `${pictureWidth}px`;  // the slider is as long as the picture
     nameHalves();
     const fields = await Promise.all(
         [rowNow(), ...(other ? [other] : [])].map(async (row) => paint(map, await pixelsOf(map, row), metric)));
@@ -92,7 +94,7 @@ function drawPickers() {
         picker(
             "format", "pick-format", "format",
             names(map.rows.filter((r) => r.form === state.form).map((r) => r.format))),
-        picker("metric", "pick-metric", "metric", ableMetrics(map).map((m) => [m.name, words(m.name)])),
+        picker("metric", "pick-metric", "metric", metricsOfForm(map).map((m) => [m.name, words(m.name)])),
         picker(
             otherRow() ? "B: compare with" : "compare with", "pick-other", "other",
             [["", "nothing"], ...others.map((r) => [keyOf(r), title(r)])]));
@@ -144,16 +146,16 @@ async function hover({ x, y }) {
 }
 
 /** Chooses the pixel of a ray, and centres it if the view is zoomed in. */
-const toPixel = ({ x, y }) => goTo({ x, y, ...(state.zoom > 1 ? centredAt(mapNow(), x, y) : {}) });
-const toWorst = () => rowNow().worst && toPixel(rowNow().worst);
+const goToPixel = ({ x, y }) => goTo({ x, y, ...(state.zoom > 1 ? centredAt(mapNow(), x, y) : {}) });
+const goToWorst = () => rowNow().worst && goToPixel(rowNow().worst);
 
-const turnMetric = (by) => turn("metric", ableMetrics(mapNow()).map((m) => m.name), by);
-const turnForm = (by) => turn("form", [...new Set(mapNow().rows.map((r) => r.form))], by);
+const cycleMetric = (by) => cycle("metric", metricsOfForm(mapNow()).map((m) => m.name), by);
+const cycleForm = (by) => cycle("form", [...new Set(mapNow().rows.map((r) => r.form))], by);
 
 const mapKeys = {
-    w: toWorst,
-    n: () => turnRay(1),
-    N: () => turnRay(-1),
+    w: goToWorst,
+    n: () => cycleRay(1),
+    N: () => cycleRay(-1),
     ArrowLeft: () => step(-1, 0),
     ArrowRight: () => step(1, 0),
     ArrowUp: () => step(0, -1),
@@ -162,15 +164,15 @@ const mapKeys = {
     "=": () => goTo(centred(state.zoom * 2)),
     "-": () => goTo(centred(state.zoom / 2)),
     0: () => goTo({ zoom: 1 }),
-    m: () => turnMetric(1),
-    M: () => turnMetric(-1),
-    "]": () => turnForm(1),
-    "[": () => turnForm(-1),
+    m: () => cycleMetric(1),
+    M: () => cycleMetric(-1),
+    "]": () => cycleForm(1),
+    "[": () => cycleForm(-1),
     x: () => otherRow() && goTo({ form: otherRow().form, format: otherRow().format, other: keyOf(rowNow()) }),
     Escape: () => goTo({ x: -1, y: -1 })
 };
 
-function turn(key, names, by) {
+function cycle(key, names, by) {
     return goTo({ [key]: names[(names.indexOf(state[key]) + by + names.length) % names.length] });
 }
 
@@ -187,7 +189,7 @@ function step(dx, dy) {
 }
 
 /** Handles wheel, drag and click on a picture of the current map. */
-function steer(canvas, onclick) {
+function handlePointer(canvas, onclick) {
     let held = null;
     canvas.addEventListener("wheel", (event) => {
         event.preventDefault();
@@ -249,12 +251,12 @@ function buildMaps() {
         make(
             "div.stage", parts.picture,
             make(
-                "div.side", parts.inspector, make("div.buttons", button("#worst", toWorst, "worst pixel"), ...buttons),
-                parts.noClaim, copied)),
+                "div.side", parts.inspector,
+                make("div.buttons", button("#worst", goToWorst, "worst pixel"), ...buttons), parts.noClaim, copied)),
         parts.operations, make("div#panes"));
     root.hidden = false;
 
-    steer(canvas, (event) => {
+    handlePointer(canvas, (event) => {
         canvas.focus();
         goTo(pixelUnder(canvas, mapNow(), event));
     });

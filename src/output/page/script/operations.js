@@ -13,17 +13,17 @@ function nearestRay(rays, x, y) {
 }
 
 /** Goes to the next held ray, or to the first if the chosen pixel has no held ray. */
-async function turnRay(by) {
+async function cycleRay(by) {
     const rays = await raysOf(mapNow(), rowNow()), at = rays.findIndex(isAt(state.x, state.y));
     if (rays.length === 0) return;
-    await toPixel(rays[at < 0 ? 0 : (at + by + rays.length) % rays.length]);
+    await goToPixel(rays[at < 0 ? 0 : (at + by + rays.length) % rays.length]);
 }
 
-/** The list of the held rays. The ray in the table is chosen. */
+/** A picker with the held rays. The ray whose operations are shown is chosen. */
 function rayPicker(rays, x, y) {
     const named = rays.map((ray, k) => [String(k), `${ray.x}, ${ray.y}: ${reasons(ray)}`]),
           at = rays.findIndex(isAt(x, y));
-    const choose = (k) => k !== "" && toPixel(rays[Number(k)]);
+    const choose = (k) => k !== "" && goToPixel(rays[Number(k)]);
     return make(
         "div.rays",
         choice(
@@ -31,23 +31,24 @@ function rayPicker(rays, x, y) {
             at < 0 ? "" : String(at), choose));
 }
 
-/** `held` has the order of `operation_json` (ray_data.cpp). */
-function operationRow(held) {
-    const [node, name, formula, computed, exact, digits, off, cancelled, local, own, share, culprit, turned] = held;
+/** Makes a row of the table. `values` has the order of `operation_json` (ray_data.cpp). */
+function operationRow(values) {
+    const [node, name, formula, computed, exact, digits, error, cancelled, local, rounding, share, isCulprit, isFlipped] =
+        values;
     const shown = (x) => {
         if (digits === 0) return String(x);
         const value = asNumber(x);
         return decimal(Number.isFinite(value) ? Number(value.toPrecision(digits)) : value);
     };
-    const line = cells("td", name, formula, shown(computed), shown(exact), off, cancelled, local, own, share);
+    const line = cells("td", name, formula, shown(computed), shown(exact), error, cancelled, local, rounding, share);
     line.children[1].className = "expression";
     if (digits !== 0) {
         line.children[2].title = hex(asNumber(computed));
         line.children[3].title = decimal(asNumber(exact));
     }
     line.dataset.node = node;
-    if (culprit) line.className = "culprit";
-    if (turned) line.children[1].append(make("em", " rounding chose the other side"));
+    if (isCulprit) line.className = "culprit";
+    if (isFlipped) line.children[1].append(make("em", " rounding chose the other side"));
     return line;
 }
 
@@ -77,7 +78,7 @@ function operationTable(row, ray) {
 }
 
 /** Text for a pixel whose operations the page does not hold: the command that shows them, and the nearest held ray. */
-function elsewhere(map, row, rays, x, y) {
+function missingOperations(map, row, rays, x, y) {
     const { explain } = commandsFor(map, row, x, y, metricNow());
     const says = row.formula ? " shows the operations of this ray." : " names forms that do better.";
     const parts = [
@@ -89,7 +90,7 @@ function elsewhere(map, row, rays, x, y) {
         const { ray, pixels } = nearestRay(rays, x, y);
         parts.push(
             ` The nearest ray whose operations it holds is ${rounded(pixels)} pixel${pixels === 1 ? "" : "s"} away: `,
-            button("#nearest-ray", () => toPixel(ray), `pixel ${ray.x}, ${ray.y} (${reasons(ray)})`));
+            button("#nearest-ray", () => goToPixel(ray), `pixel ${ray.x}, ${ray.y} (${reasons(ray)})`));
     }
     return hint(...parts);
 }
@@ -100,13 +101,13 @@ let operationsAsked = 0;
 async function showOperations(element, map, row, x, y) {
     const number = ++operationsAsked, rays = await raysOf(map, row);
     if (number !== operationsAsked) return;  // another pixel has been asked for since
-    const ray = rays.find(isAt(x, y)), held = document.activeElement?.id;
+    const ray = rays.find(isAt(x, y)), focusedId = document.activeElement?.id;
     element.replaceChildren(
         ...(rays.length > 0 ? [rayPicker(rays, x, y)] : []),
         ...(ray       ? operationTable(row, ray) :
                 x < 0 ? [] :
-                        [elsewhere(map, row, rays, x, y)]));
-    if (held === "pick-ray" || (held === "nearest-ray" && ray)) document.getElementById("pick-ray")?.focus();
+                        [missingOperations(map, row, rays, x, y)]));
+    if (focusedId === "pick-ray" || (focusedId === "nearest-ray" && ray)) document.getElementById("pick-ray")?.focus();
     if (x < 0) delete element.dataset.pixel;
     else element.dataset.pixel = `${x},${y}`;
 }

@@ -1,4 +1,5 @@
-// The state of the page: what is looked at. All of it is kept in location.hash, so that a link restores the view.
+// The state of the page: the view that the reader has chosen. All of it is stored in location.hash, so that a link
+// restores the view.
 
 const classes = {
     name: "outcome",
@@ -52,11 +53,11 @@ function companion() {
 const metricNow = () => metricsOf(mapNow()).find((m) => m.name === state.metric);
 /** Metrics of a march exist only for forms that march. */
 const marches = (form) => form.startsWith("sdf.");
-const ableMetrics = (map) => metricsOf(map).filter((m) => !m.marches || marches(state.form));
+const metricsOfForm = (map) => metricsOf(map).filter((m) => !m.marches || marches(state.form));
 
 const sweepHas = (key) => index.sweeps.find((s) => s.id === state.sweep)?.rows.includes(key) === true;
 
-/** Replaces choices that do not exist by ones that exist. `asked` holds the choices of a link. */
+/** Replaces choices that this page does not have by choices that it has. `asked` holds the choices of a link. */
 function settle(asked = {}) {
     const choose = (key, names) => {
         if (names.includes(state[key])) return;
@@ -78,7 +79,7 @@ function settle(asked = {}) {
         if (alongSweep) asked = {...asked, form: "", format: "" };
         choose("form", map.rows.map((r) => r.form));
         choose("format", map.rows.filter((r) => r.form === state.form).map((r) => r.format));
-        choose("metric", ableMetrics(map).map((m) => m.name));
+        choose("metric", metricsOfForm(map).map((m) => m.name));
         if (state.other) choose("other", ["", ...map.rows.map(keyOf)]);
         if (state.other === null || state.other === keyOf(rowNow())) state.other = companion();
         if (!(state.x >= 0 && state.x < map.width && state.y >= 0 && state.y < map.height)) state.x = state.y = -1;
@@ -99,11 +100,11 @@ function settle(asked = {}) {
 /** The parts of the state that differ from what the page shows by default. */
 function hashOf() {
     const usual = (key) => (key === "other" && index.maps.length > 0 ? companion() : initial[key]);
-    const isSaid = (key, value) => (key !== "split" || state.other !== "") && value !== usual(key) &&
+    const isListed = (key, value) => (key !== "split" || state.other !== "") && value !== usual(key) &&
         !(key === "line" && value === `${state.form}.${state.format}`);
     const text = (value) => (typeof value === "number" ? Number(value.toFixed(4)) : encodeURIComponent(value));
-    const said = Object.entries(state).filter(([key, value]) => isSaid(key, value));
-    return "#" + said.map(([key, value]) => `${key}=${text(value)}`).join("&");
+    const listed = Object.entries(state).filter(([key, value]) => isListed(key, value));
+    return "#" + listed.map(([key, value]) => `${key}=${text(value)}`).join("&");
 }
 
 /** Reads the state from a hash; returns false for a plain anchor. */
@@ -116,9 +117,9 @@ function readHash(hash) {
         if (!(key in state)) notes.push(`"${key}" is not a key that links can have`);
         else state[key] = typeof state[key] === "number" ? (value === "" ? NaN : Number(value)) : value;
     }
-    const forgotten = ["line", "judged", "u", "v", ...(asked.zoom ? [] : ["zoom", "cx", "cy"])];
-    if (asked.scene) forgotten.push("other", ...("x" in asked ? [] : ["x", "y"]));
-    for (const key of forgotten)
+    const resetKeys = ["line", "judged", "u", "v", ...(asked.zoom ? [] : ["zoom", "cx", "cy"])];
+    if (asked.scene) resetKeys.push("other", ...("x" in asked ? [] : ["x", "y"]));
+    for (const key of resetKeys)
         if (!(key in asked) || key === "y") state[key] = initial[key];
     if (asked.sweep && !asked.scene && asked.form) state.line = `${asked.form}.${asked.format ?? state.format}`;
     state.x = Math.trunc(state.x);
@@ -166,11 +167,11 @@ function choice(label, id, options, value, onchange) {
     return make("label", label + " ", select);
 }
 
-/** Replaces the pickers in a place. The picker that was just used keeps the focus. */
-function showPickers(place, ...pickers) {
-    const held = document.activeElement?.id;
-    place.replaceChildren(...pickers);
-    if (held) place.querySelector(`#${held}`)?.focus();
+/** Replaces the pickers in an element. The picker that was just used keeps the focus. */
+function showPickers(element, ...pickers) {
+    const focusedId = document.activeElement?.id;
+    element.replaceChildren(...pickers);
+    if (focusedId) element.querySelector(`#${focusedId}`)?.focus();
 }
 
 /**
@@ -203,6 +204,6 @@ function copyText(text, output) {
 }
 
 const copiedBox = () => make("pre.copied", { hidden: true });
-/** Buttons that each copy the text of a function. Each entry is an id, a caption and the function. */
+/** Makes buttons that copy a text. Each entry is an id, a caption, and a function that returns the text. */
 const copyButtons = (output, ...all) =>
     all.map(([id, words, text]) => button(`#${id}`, async () => copyText(await text(), output), words));

@@ -17,7 +17,7 @@ function sweepKey() {
 }
 
 /** Chooses a row of the sweep, and the same row in the map if the map has it. */
-function goAlong(row, more = {}) {
+function goToRow(row, more = {}) {
     const inMap = index.maps.length > 0 && mapNow().rows.some((r) => keyOf(r) === keyOf(row));
     return goTo({ line: keyOf(row), ...(inMap ? { form: row.form, format: row.format } : {}), ...more });
 }
@@ -112,7 +112,7 @@ function cellAt(i, j) {
 }
 
 const chooseCell = (i, j) =>
-    (sweepParts.now.sweep.kind === "plane" ? goTo({ u: i, v: j }) : goAlong(rowOfColumn(i), { v: j }));
+    (sweepParts.now.sweep.kind === "plane" ? goTo({ u: i, v: j }) : goToRow(rowOfColumn(i), { v: j }));
 
 function factsTable({ row, cell, place }) {
     const { sweep } = sweepParts.now, body = make("tbody"), rays = total(row.outcomes[cell]);
@@ -187,12 +187,12 @@ function sweepClaim() {
         sweep.is_drawn);
 }
 
-function turnRow(by) {
+function cycleRow(by) {
     const { rows, chosen } = sweepParts.now;
-    return goAlong(rows[(rows.indexOf(chosen) + by + rows.length) % rows.length]);
+    return goToRow(rows[(rows.indexOf(chosen) + by + rows.length) % rows.length]);
 }
 
-function turnStatistic(by) {
+function cycleStatistic(by) {
     const { sweep, chosen, statistic } = sweepParts.now, all = statisticsOf(sweep, chosen.format),
                                      at = all.indexOf(statistic);
     return at < 0 ? null : goTo({ statistic: all[(at + by + all.length) % all.length] });
@@ -205,7 +205,7 @@ function walk(dx, dy) {
     const { sweep } = sweepParts.now, { frame } = sweepParts.chart;
     if (sweep.kind === "line") {
         const last = sweep.steps.length - 1;
-        if (dy !== 0) return turnRow(-dy);
+        if (dy !== 0) return cycleRow(-dy);
         return goTo({ u: state.u < 0 ? (last >> 1) : within(state.u + dx, 0, last) });
     }
     const isPlane = sweep.kind === "plane", columns = isPlane ? sweep.axes[0].values.length : frame.keys.length,
@@ -221,10 +221,10 @@ const sweepKeys = {
     ArrowUp: () => walk(0, 1),
     ArrowDown: () => walk(0, -1),
     Escape: () => goTo({ u: -1, v: -1 }),
-    m: () => turnStatistic(1),
-    M: () => turnStatistic(-1),
-    "]": () => turnRow(1),
-    "[": () => turnRow(-1),
+    m: () => cycleStatistic(1),
+    M: () => cycleStatistic(-1),
+    "]": () => cycleRow(1),
+    "[": () => cycleRow(-1),
     ...zoomKeys(() => sweepParts.chart)
 };
 
@@ -242,7 +242,7 @@ function underPointer(event) {
     const { step, line } = found, { rows } = sweepParts.now,
                        key = !line || line.keys.includes(keyOf(chosen)) ? keyOf(chosen) : line.keys[0],
                        row = rows.find((r) => keyOf(r) === key);
-    return {...stepAt(step, row), line, choose: () => goAlong(row, { u: step }) };
+    return {...stepAt(step, row), line, choose: () => goToRow(row, { u: step }) };
 }
 
 function drawSweepPickers() {
@@ -251,7 +251,7 @@ function drawSweepPickers() {
         choice(label, `pick-${id}`, options.map((o) => (Array.isArray(o) ? o : [o, o])), value, onchange);
     const ofFormat = (format) => {
         const all = sweep.rows.filter((r) => r.format === format);
-        return goAlong(all.find((r) => r.form === chosen.form) ?? all[0]);
+        return goToRow(all.find((r) => r.form === chosen.form) ?? all[0]);
     };
     showPickers(
         sweepParts.pickers,
@@ -264,7 +264,7 @@ function drawSweepPickers() {
         picker("format", "sweep-format", [...new Set(sweep.rows.map((r) => r.format))], chosen.format, ofFormat),
         picker(
             "form", "sweep-form", rows.map((r) => r.form), chosen.form,
-            (form) => goAlong(rows.find((r) => r.form === form))),
+            (form) => goToRow(rows.find((r) => r.form === form))),
         ...(sweep.conventions?.length > 1 ?
                 [picker(
                     "judged by", "judged", sweep.conventions.map((c) => [c, `the ${c} primitive`]), judged,

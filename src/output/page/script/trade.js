@@ -4,7 +4,7 @@ const tradeParts = {
     shown: ""
 };
 
-/** The numbers of a point of the chart: its keys are a row and an index. */
+/** The numbers of a point of the chart. The keys of a point are its row and its index. */
 const tradePoint = (point) => point && tradeParts.points[Number(point.keys[1])];
 
 function sayPoint(point) {
