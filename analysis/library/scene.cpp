@@ -204,7 +204,7 @@ int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t ve
         for (std::size_t i = 0; i < vertex_count; ++i) {
             const double* const v = &all_vertices[3 * i];
             for (int k = 0; k < 3; ++k)
-                if (const auto fault = scene::triangle::fault_of_coordinate(v[k], stored); !fault.empty())
+                if (const auto fault = scene::triangle::coordinate_error(v[k], stored); !fault.empty())
                     throw InputError("vertex " + std::to_string(i) + " has a number that " + std::string(fault));
             mesh.vertices.emplace_back(v[0], v[1], v[2]);
         }
@@ -246,7 +246,7 @@ int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int in
             numbers[k] = x;
         }
         const Placement<double> placement = placement_of(numbers, inverse != 0);
-        if (!placement.is_proper()) throw InputError("transform: the matrix " + std::string(singular_words));
+        if (!placement.is_proper()) throw InputError("transform: the matrix " + std::string(singular_reason));
         for (Primitive<Real>& primitive : target.listed)
             primitive.placed = transformed(placement, [](double x) { return Real(x); });
         if (target.mesh) target.mesh_placed = placement;

@@ -104,7 +104,7 @@ Placement<double> placement_in(const std::string& text, const char* option, cons
     std::array<double, Affine<double>::numbers> numbers;
     std::ranges::transform(x, numbers.begin(), stored_number);
     const Placement<double> placement = placement_of(numbers, is_inverse);
-    if (!placement.is_proper()) throw InputError(fmt::format("{} …@{}: the matrix {}", option, text, singular_words));
+    if (!placement.is_proper()) throw InputError(fmt::format("{} …@{}: the matrix {}", option, text, singular_reason));
     return placement;
 }
 

@@ -26,7 +26,7 @@ struct CappedSpan {
     mask_t<T> open;
     T d2;  ///< d·d
 
-    static constexpr bool may_hit_behind_touch = false;
+    static constexpr bool may_hit_beyond_touch = false;
 
     /// True if some point of the line lies in the closed primitive. It is enough to test the points at the planes and
     /// at the minimum of P.
@@ -47,7 +47,7 @@ struct CappedSpan {
     /// If t is past `entry` and P > 0, the line has left the primitive if it entered by the plane, or if t is past the
     /// minimum of P, which exists only for a > 0. Otherwise it has yet to enter.
     template <class At = Fraction<T>>
-    [[nodiscard]] Order<mask_t<T>> enters_to(const At& t) const {
+    [[nodiscard]] Order<mask_t<T>> compare_entry(const At& t) const {
         const T zero(0);
         const auto entry_order = order_of(entry, t);
         const auto& [value, half_slope] = quadratic_at(side, t);
@@ -57,7 +57,7 @@ struct CappedSpan {
             (!crossed || entry_order.at_most) && (by_cap || value <= zero || (opens_upwards && half_slope >= zero))};
     }
     template <class At = Fraction<T>>
-    [[nodiscard]] Order<mask_t<T>> leaves_to(const At& t) const {
+    [[nodiscard]] Order<mask_t<T>> compare_exit(const At& t) const {
         const T zero(0);
         const auto entry_order = order_of(entry, t), exit_order = order_of(exit, t);
         const auto& [value, half_slope] = quadratic_at(side, t);

@@ -17,7 +17,7 @@ struct SurfaceCrossing {
 /// with a fraction.
 template <class S, class T>
 concept SurfaceSpan = requires(const S& s, const Fraction<T>& t) {
-    S::crossings, s.crossing(0), s.order_to(0, t);
+    S::crossings, s.crossing(0), s.compare_crossing(0, t);
 };
 
 /// The t at which a line crosses the plane of a flat surface, and whether it crosses the surface there. A line parallel
@@ -31,9 +31,9 @@ struct FlatSpan {
     T d2;              ///< d·d
 
     static constexpr int crossings = 1;
-    static constexpr bool may_hit_behind_touch = false;
+    static constexpr bool may_hit_beyond_touch = false;
     [[nodiscard]] SurfaceCrossing<mask_t<T>> crossing(int) const { return {closed, open}; }
-    [[nodiscard]] Order<mask_t<T>> order_to(int, const Fraction<T>& t) const { return order_of(at, t); }
+    [[nodiscard]] Order<mask_t<T>> compare_crossing(int, const Fraction<T>& t) const { return order_of(at, t); }
 };
 
 /// Both ends are the crossing. Returns nothing if the line is not known to cross.

@@ -18,9 +18,9 @@ struct Key {
         non_negative_below_previous,  ///< 0 or more, and less than the previous length
         positive_below_previous,      ///< greater than 0, and less than the previous length
         not_zero,                     ///< a direction whose length is not 0
-        at_least_before,              ///< in each component at least the previous key
-        off_line_before,              ///< a point that does not lie on one line with the two previous keys
-        apart_from_before             ///< a point that differs from the previous key
+        at_least_previous,            ///< in each component at least the previous key
+        not_collinear_with_previous,  ///< a point that does not lie on one line with the two previous keys
+        differs_from_previous         ///< a point that differs from the previous key
     };
 
     std::string_view name;    ///< such as `centre`: the key in TOML tables, paths and shaders

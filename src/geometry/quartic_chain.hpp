@@ -82,7 +82,7 @@ struct RootsBetween {
     mask_t<P> none, some;
 };
 template <class E, class P = typename E::P>
-RootsBetween<P> roots_between(const Changes<E>& a, const Changes<E>& b, const E& last) {
+RootsBetween<P> prove_roots_between(const Changes<E>& a, const Changes<E>& b, const E& last) {
     const auto is_rising = (last > E(0)).yes(), is_falling = (last < E(0)).yes();
     const auto last_adds_change = (b.is_penultimate_positive && !a.is_penultimate_positive && is_rising) ||
                                   (a.is_penultimate_positive && !b.is_penultimate_positive && is_falling),
@@ -106,12 +106,12 @@ mask_t<typename E::P> is_first_between(const QuarticChain<E>& f, const Changes<E
     const auto is_simple = (f.last > zero).yes() || (f.last < zero).yes() ||
                            (low_changes.is_penultimate_positive && (bend > zero).yes()) ||
                            (!low_changes.is_penultimate_positive && (bend < zero).yes());
-    return changes_sign && is_simple && roots_between(begin_changes, low_changes, f.last).none;
+    return changes_sign && is_simple && prove_roots_between(begin_changes, low_changes, f.last).none;
 }
 
 /// Approximates the first root behind `begin` by the signs along the chain: 24 bisection steps, then Newton steps.
 template <class T>
-T near_first_root(const QuarticChain<T>& chain, const T& begin, const T& bound, int steps) {
+T approximate_first_root(const QuarticChain<T>& chain, const T& begin, const T& bound, int steps) {
     const T begin_changes = sign_changes(chain.at(begin)), half = T(1) / T(2);
     T low = select(begin > -bound, begin, -bound), high = bound;
     for (int i = 0; i < 24; ++i) {

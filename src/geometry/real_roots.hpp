@@ -12,7 +12,7 @@ inline int precision_of(double) { return 53; }
 
 /// Approximate roots: at most four numbers in ascending order.
 template <class T>
-struct NearRoots {
+struct ApproximateRoots {
     std::array<T, 4> x;
     int count = 0;
 
@@ -46,9 +46,9 @@ A near_root(const Polynomial<A>& f, A low, A high) {
 /// Approximates the roots within ±bound at which f changes sign. Between two neighbouring roots of this kind of its
 /// slope, f has one such root or none.
 template <class A>
-NearRoots<A> near_roots(const Polynomial<A>& f, const A& bound) {
-    NearRoots<A> turns, roots;
-    if (f.degree > 1) turns = near_roots(f.slope(), bound);
+ApproximateRoots<A> approximate_roots(const Polynomial<A>& f, const A& bound) {
+    ApproximateRoots<A> turns, roots;
+    if (f.degree > 1) turns = approximate_roots(f.slope(), bound);
     if (f.degree < 1) return roots;
     A low = -bound;
     auto sign_before = known_sign(middle(f.at(low)));
@@ -105,15 +105,15 @@ namespace detail {
 /// Approximates the roots within ±bound of a polynomial in double. With y = x/bound, the coefficients divided by the
 /// leading one are in the range of double, except for lines so far away that f has no root.
 template <class E>
-NearRoots<E> approximate_in_double(const Polynomial<E>& f, const E& bound) {
+ApproximateRoots<E> approximate_in_double(const Polynomial<E>& f, const E& bound) {
     Polynomial<double> in_double{{}, f.degree};
     E power(1);
     for (int i = f.degree; i >= 0; --i) {
         in_double.of(i) = nearest_double(f.of(i) / (f.leading() * power));
         power = power * bound;
     }
-    const NearRoots<double> approximations = near_roots(in_double, 1.0);
-    NearRoots<E> roots;
+    const ApproximateRoots<double> approximations = approximate_roots(in_double, 1.0);
+    ApproximateRoots<E> roots;
     for (int i = 0; i < approximations.count; ++i)
         roots.add(middle(E(approximations.x[static_cast<std::size_t>(i)]) * bound));
     return roots;
@@ -121,8 +121,8 @@ NearRoots<E> approximate_in_double(const Polynomial<E>& f, const E& bound) {
 
 /// Improves approximations with `bits` correct bits by Newton steps, each of which doubles the number of correct bits.
 template <class E>
-NearRoots<E> refine(const Polynomial<E>& f, const NearRoots<E>& start, long bits) {
-    NearRoots<E> roots = start;
+ApproximateRoots<E> refine(const Polynomial<E>& f, const ApproximateRoots<E>& start, long bits) {
+    ApproximateRoots<E> roots = start;
     const Polynomial<E> slope = f.slope();
     for (const long full_bits = precision_of(E(0)); bits < full_bits; bits *= 2) {
         const typename E::Precision precision(std::min(2 * bits, full_bits));
@@ -140,20 +140,20 @@ inline constexpr long bits_of_search = 192;
 
 /// Approximates the roots in `bits_of_search`.
 template <class E>
-NearRoots<E> approximate_in_few_bits(const Polynomial<E>& f, const E& bound) {
+ApproximateRoots<E> approximate_in_few_bits(const Polynomial<E>& f, const E& bound) {
     const typename E::Precision precision(bits_of_search);
     Polynomial<E> rounded_f{{}, f.degree};
     for (int i = 0; i <= f.degree; ++i) rounded_f.of(i) = middle(f.of(i));
-    return near_roots(rounded_f, E(middle(bound)));
+    return approximate_roots(rounded_f, E(middle(bound)));
 }
 
 /// Approximates the roots of a polynomial over balls in double, which is accurate enough for most polynomials.
 template <class E>
-NearRoots<E> approximate_by_first_words(const Polynomial<E>& f, const E& bound) {
+ApproximateRoots<E> approximate_by_first_words(const Polynomial<E>& f, const E& bound) {
     Polynomial<double> in_double{{}, f.degree};
     for (int i = 0; i <= f.degree; ++i) in_double.of(i) = f.of(i).hi();
-    const NearRoots<double> approximations = near_roots(in_double, bound.hi());
-    NearRoots<E> roots;
+    const ApproximateRoots<double> approximations = approximate_roots(in_double, bound.hi());
+    ApproximateRoots<E> roots;
     for (int i = 0; i < approximations.count; ++i) roots.add(E(approximations.x[static_cast<std::size_t>(i)]));
     return roots;
 }
@@ -177,7 +177,7 @@ EnclosedRoot<E> enclose_root(const Polynomial<E>& f, const Polynomial<E>& slope,
 
 /// Encloses the roots near their approximations. Each root is proved to lie between two points.
 template <class E>
-std::optional<EnclosedRoots<E>> enclosed_from(const NearRoots<E>& approximations, EnclosedRoots<E> roots,
+std::optional<EnclosedRoots<E>> enclosed_from(const ApproximateRoots<E>& approximations, EnclosedRoots<E> roots,
                                               bool are_simple, const E& bound) {
     if (approximations.count != roots.count) return std::nullopt;
     const Polynomial<E> slope = roots.simple.slope();
@@ -223,7 +223,7 @@ std::optional<EnclosedRoots<E>> enclosed_roots(const Polynomial<E>& f, const E& 
         if (!trim(roots.simple)) return std::nullopt;
     }
     const E end = middle(bound);
-    const auto enclose_from = [&](const NearRoots<E>& approximations) {
+    const auto enclose_from = [&](const ApproximateRoots<E>& approximations) {
         return detail::enclosed_from(approximations, roots, are_simple, bound);
     };
     if constexpr (requires { bound.hi(); }) {
@@ -235,9 +235,9 @@ std::optional<EnclosedRoots<E>> enclosed_roots(const Polynomial<E>& f, const E& 
         if (auto enclosed = enclose_from(detail::refine(
                 roots.simple, detail::approximate_in_few_bits(roots.simple, end), detail::bits_of_search)))
             return enclosed;
-        return enclose_from(near_roots(roots.simple, end));
+        return enclose_from(approximate_roots(roots.simple, end));
     } else {
-        return enclose_from(near_roots(roots.simple, end));
+        return enclose_from(approximate_roots(roots.simple, end));
     }
 }
 

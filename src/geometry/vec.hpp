@@ -62,10 +62,10 @@ const Vec<T>& named(std::string_view label, const Vec<T>& v) {
 
 /// Two unit vectors perpendicular to v and to each other. v must not be 0.
 template <class T>
-struct AcrossAxis {
+struct PerpendicularAxes {
     Vec<T> side, other;
 
-    explicit AcrossAxis(const Vec<T>& v) : side(unit(cross(v, along_least(v)))), other(unit(cross(v, side))) {}
+    explicit PerpendicularAxes(const Vec<T>& v) : side(unit(cross(v, along_least(v)))), other(unit(cross(v, side))) {}
 
 private:
     static Vec<T> unit(const Vec<T>& v) { return (T(1) / length(v)) * v; }

@@ -17,7 +17,7 @@ struct WallSpan {
     T d2;  ///< d·d
 
     static constexpr int crossings = 2;
-    static constexpr bool may_hit_behind_touch = true;
+    static constexpr bool may_hit_beyond_touch = true;
 
     [[nodiscard]] SurfaceCrossing<mask_t<T>> crossing(int i) const {
         const T zero(0);
@@ -30,7 +30,7 @@ struct WallSpan {
     }
     /// Compares a root with t.
     template <class At = Fraction<T>>
-    [[nodiscard]] Order<mask_t<T>> order_to(int i, const At& t) const {
+    [[nodiscard]] Order<mask_t<T>> compare_crossing(int i, const At& t) const {
         const auto quadratic = quadratic_at(primitive.side, t);
         return i == 0 ? quadratic.near_root() : quadratic.far_root();
     }

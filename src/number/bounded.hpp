@@ -146,7 +146,7 @@ public:
 
     /// Result of a call. How it depends on its arguments is not known, so its error is known only if the arguments are
     /// exact.
-    friend Bounded called(const Call& callee, std::span<const Bounded> arguments, F value) {
+    friend Bounded call_result(const Call& callee, std::span<const Bounded> arguments, F value) {
         for (const Bounded& a : arguments)
             if (a.error_ != 0) return unknown(value);
         if (callee.answer == CallAnswer::decision) return {value, 0};

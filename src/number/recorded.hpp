@@ -45,7 +45,7 @@ public:
     /// The value of a number; for a decision, 1 or 0.
     [[nodiscard]] virtual double value(NodeId x) const = 0;
     /// True if a loop of the formula with this condition goes on.
-    virtual bool goes_on(NodeId decision) = 0;
+    virtual bool continues_loop(NodeId decision) = 0;
     /// Names an operation as the source of the form does.
     virtual void name(NodeId /*x*/, std::string_view /*label*/) {}
     /// Gives all operations that follow this name, until it is called with an empty name.
@@ -87,7 +87,9 @@ public:
     }
     friend RecordedMask operator!(const RecordedMask& a) { return RecordedMask(record(TapeOp::opposite, a.node_)); }
     /// Condition of a form's loops. It is recorded because without rounding the loop might have gone on.
-    friend bool any_of(const RecordedMask& a) { return Recorder::current().goes_on(record(TapeOp::any, a.node_)); }
+    friend bool any_of(const RecordedMask& a) {
+        return Recorder::current().continues_loop(record(TapeOp::any, a.node_));
+    }
 
 private:
     NodeId node_;
@@ -120,7 +122,7 @@ public:
     [[nodiscard]] auto value() const {
         const double x = Recorder::current().value(node_);
         if constexpr (in_double) return x;
-        else return RoundedAny::holding(x);
+        else return RoundedAny::from_value(x);
     }
     static FloatFormat format() { return in_double ? binary64 : Recorder::current().format(); }
 
@@ -176,7 +178,7 @@ public:
 
     /// The result of a call on recorded numbers.
     template <class Value>
-    friend BasicRecorded called(const Call& callee, std::span<const BasicRecorded> arguments, const Value& value) {
+    friend BasicRecorded call_result(const Call& callee, std::span<const BasicRecorded> arguments, const Value& value) {
         std::vector<NodeId> nodes;
         for (const BasicRecorded& a : arguments) nodes.push_back(a.node_);
         double x;

@@ -88,7 +88,7 @@ public:
     explicit BasicRounded(double x) : value_(rounding::to_format(x, 0, F::get())) {}
 
     /// Wraps a double that is a number of the format already.
-    static BasicRounded holding(double value) { return with_value(value); }
+    static BasicRounded from_value(double value) { return with_value(value); }
 
     [[nodiscard]] double value() const { return value_; }
     static FloatFormat format() { return F::get(); }

@@ -130,7 +130,7 @@ public:
     /// The decisions that a part of the formula depends on (`decide`).
     std::vector<NodeId> sides;
     /// If true, every loop condition holds, so that the tape has all operations that a form can ever do.
-    bool every_loop = false;
+    bool runs_every_loop = false;
     /// The name of every operation that is recorded while this name is not empty (`Part`).
     std::string_view part = {};
 

@@ -30,10 +30,10 @@ private:
 /// A three-valued decision in each lane of a pack: the lanes that are certainly true, and those that are certainly
 /// false. M is the mask of the pack.
 template <class M>
-class Tris : public NotABool {
+class TriMask : public NotABool {
 public:
-    Tris() = default;
-    Tris(const M& yes, const M& no) : yes_(yes), no_(no) {}
+    TriMask() = default;
+    TriMask(const M& yes, const M& no) : yes_(yes), no_(no) {}
 
     [[nodiscard]] const M& yes() const { return yes_; }
     [[nodiscard]] const M& no() const { return no_; }
@@ -43,11 +43,11 @@ public:
     [[nodiscard]] bool is_no() const requires std::same_as<M, bool> { return no_; }
     [[nodiscard]] bool is_unknown() const requires std::same_as<M, bool> { return !yes_ && !no_; }
 
-    friend Tris operator&&(const Tris& a, const Tris& b) { return {a.yes_ && b.yes_, a.no_ || b.no_}; }
-    friend Tris operator||(const Tris& a, const Tris& b) { return {a.yes_ || b.yes_, a.no_ && b.no_}; }
-    friend Tris operator!(const Tris& a) { return {a.no_, a.yes_}; }
-    friend bool any_of(const Tris& a) { return any_of(!a.no_); }
-    friend Tris select(const M& mask, const Tris& a, const Tris& b) {
+    friend TriMask operator&&(const TriMask& a, const TriMask& b) { return {a.yes_ && b.yes_, a.no_ || b.no_}; }
+    friend TriMask operator||(const TriMask& a, const TriMask& b) { return {a.yes_ || b.yes_, a.no_ && b.no_}; }
+    friend TriMask operator!(const TriMask& a) { return {a.no_, a.yes_}; }
+    friend bool any_of(const TriMask& a) { return any_of(!a.no_); }
+    friend TriMask select(const M& mask, const TriMask& a, const TriMask& b) {
         return {(mask && a.yes_) || (!mask && b.yes_), (mask && a.no_) || (!mask && b.no_)};
     }
 

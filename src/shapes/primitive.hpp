@@ -90,27 +90,28 @@ Primitive<S> scaled(const Primitive<S>& primitive, const S& k) {
 
 /// Sets d·d in every part of a span to that of the world ray; it was that of the ray in the space of the primitive.
 template <class Span, class S>
-void tell_distances(Span& span, const S& d2) {
+void set_direction_square(Span& span, const S& d2) {
     span.d2 = d2;
-    if constexpr (requires { span.side.d2; }) tell_distances(span.side, d2);
-    if constexpr (requires { span.primitive.d2; }) tell_distances(span.primitive, d2);
-    if constexpr (requires { span.enter.d2; }) tell_distances(span.enter, d2), tell_distances(span.leave, d2);
+    if constexpr (requires { span.side.d2; }) set_direction_square(span.side, d2);
+    if constexpr (requires { span.primitive.d2; }) set_direction_square(span.primitive, d2);
+    if constexpr (requires { span.enter.d2; })
+        set_direction_square(span.enter, d2), set_direction_square(span.leave, d2);
 }
 
 /// Calls `act(shape, ray)` with a primitive of shape `Of` and the ray, both in the space of the primitive.
 template <template <class> class Of, class S, class Act>
-auto in_object_space(const Ray<S>& ray, const Primitive<S>& primitive, const Act& act) {
+auto visit_in_object_space(const Ray<S>& ray, const Primitive<S>& primitive, const Act& act) {
     if (!primitive.placed) return act(primitive.template as<Of>(), ray);
-    const InObject<S> in = in_object(ray, *primitive.placed);
+    const ObjectSpaceRay<S> in = to_object_space(ray, *primitive.placed);
     return act(scaled(primitive, in.scale).template as<Of>(), in.ray);
 }
 
 /// Returns the interval in which the ray's line is inside a primitive of shape `Of`. Distances are in the world.
 template <template <class> class Of, class S>
 auto span_of(const Ray<S>& ray, const Primitive<S>& primitive) {
-    auto span = in_object_space<Of>(
+    auto span = visit_in_object_space<Of>(
         ray, primitive, [](const Of<S>& shape, const Ray<S>& object_ray) { return shape.span(object_ray); });
-    if (primitive.placed) tell_distances(span, square(ray.direction));
+    if (primitive.placed) set_direction_square(span, square(ray.direction));
     return span;
 }
 
@@ -171,10 +172,10 @@ template <class S>
 std::optional<BrokenLimit> broken_limit(const Primitive<S>& primitive) {
     std::size_t k = 0;
     for (const Key& key : row_of(primitive.shape).keys) {
-        if (key.limit == Key::Limit::off_line_before &&
+        if (key.limit == Key::Limit::not_collinear_with_previous &&
             on_one_line(primitive.point(k - 6), primitive.point(k - 3), primitive.point(k)))
             return BrokenLimit{&key, k};
-        if (key.limit == Key::Limit::apart_from_before && !are_apart(primitive.point(k - 3), primitive.point(k)))
+        if (key.limit == Key::Limit::differs_from_previous && !are_apart(primitive.point(k - 3), primitive.point(k)))
             return BrokenLimit{&key, k};
         if (key.limit == Key::Limit::not_zero && !are_apart(Vec<S>(S(0), S(0), S(0)), primitive.point(k)))
             return BrokenLimit{&key, k};
@@ -185,7 +186,7 @@ std::optional<BrokenLimit> broken_limit(const Primitive<S>& primitive) {
                 (key.limit == Key::Limit::non_negative_below_previous &&
                  !(x >= S(0) && x < primitive.numbers[k - 1])) ||
                 (key.limit == Key::Limit::positive_below_previous && !(x > S(0) && x < primitive.numbers[k - 1])) ||
-                (key.limit == Key::Limit::at_least_before && !(primitive.numbers[k - key.count()] <= x)))
+                (key.limit == Key::Limit::at_least_previous && !(primitive.numbers[k - key.count()] <= x)))
                 return BrokenLimit{&key, k};
         }
     }

@@ -94,8 +94,8 @@ TEST_CASE("a number outside its limits is reported with its key and value, and s
                     Primitive<double> primitive = good;
                     primitive.numbers[k] = bad;
                     const auto broken = broken_limit(primitive);
-                    const bool of_points = key.limit == Key::Limit::off_line_before ||
-                                           key.limit == Key::Limit::apart_from_before ||
+                    const bool of_points = key.limit == Key::Limit::not_collinear_with_previous ||
+                                           key.limit == Key::Limit::differs_from_previous ||
                                            key.limit == Key::Limit::not_zero;
                     if (of_points) {
                         CHECK(broken.has_value() == std::isnan(bad));

@@ -103,7 +103,7 @@ template <class RecordRow>
 void record_with(const BoxedFormParts& form_parts, const Format& format, const Ray<double>& ray,
                  const Target<double>& target, double tmax, Tape& tape, const RecordRow& record_row) {
     tape.clear();
-    const bool every_loop = tape.every_loop;
+    const bool runs_every_loop = tape.runs_every_loop;
     const auto input = [&](double x) { return tape.add_input(format.parameters, x); };
     std::vector<NodeId> form_inputs, box_inputs;
     for (const Vec<double>& v : {ray.origin, ray.direction})
@@ -119,7 +119,7 @@ void record_with(const BoxedFormParts& form_parts, const Format& format, const R
     const auto append_row = [&](const Intersector& form, const Target<double>& part_target,
                                 const std::vector<NodeId>& inputs) {
         Tape row_tape;
-        row_tape.every_loop = every_loop;
+        row_tape.runs_every_loop = runs_every_loop;
         record_row(form, part_target, row_tape);
         return table::append(row_tape, inputs, tape);
     };

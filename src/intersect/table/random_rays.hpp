@@ -51,7 +51,7 @@ public:
             for (const Key& key : row_of(shape).keys)
                 for (std::size_t k = 0; k < key.count(); ++k, ++index) {
                     double x = key.is_length() ? std::fabs(uniform()) + 0x1p-10 : 2 * uniform();
-                    if (key.limit == Key::Limit::at_least_before)
+                    if (key.limit == Key::Limit::at_least_previous)
                         x = static_cast<double>(primitive.numbers[index - 3]) + std::fabs(x);
                     if (key.limit == Key::Limit::non_negative_below_previous)
                         x = static_cast<double>(primitive.numbers[index - 1]) * 0.5 * x;

@@ -150,7 +150,7 @@ void record_with(const TransformedFormParts& form_parts, const Format& format, c
         }
         const auto& r = object.ray;
         Tape form_tape;
-        form_tape.every_loop = tape.every_loop;
+        form_tape.runs_every_loop = tape.runs_every_loop;
         record_object(Ray<double>{{value(r[0]), value(r[1]), value(r[2])}, {value(r[3]), value(r[4]), value(r[5])}},
                       Target<double>(object_primitive), object_tmax, form_tape);
         return table::append(form_tape, inputs, tape);

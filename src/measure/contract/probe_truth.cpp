@@ -127,7 +127,7 @@ std::string wrong_count_text(const WrongCount& count, const Aim& aim) {
 
 bool has_axis(Shape shape) {
     return std::ranges::any_of(row_of(shape).keys, [](const Key& key) {
-        return key.kind == Key::Kind::direction || key.limit == Key::Limit::apart_from_before;
+        return key.kind == Key::Kind::direction || key.limit == Key::Limit::differs_from_previous;
     });
 }
 

@@ -165,10 +165,10 @@ unsigned nearest_edges(const Ray<double>& ray, const Primitive<double>& triangle
     const int facing = facing_of(ray, triangle).value_or(0);
     if (facing == 0) return all_edges;
     const auto found = by_rising_precision([&]<class E>() {
-        return in_object_space<Triangle>(lift_ray<E>(ray), lift_primitive<E>(triangle),
-                                         [facing](const auto& shape, const auto& object_ray) {
-                                             return find_nearest_edges<E>(shape, object_ray, facing);
-                                         });
+        return visit_in_object_space<Triangle>(lift_ray<E>(ray), lift_primitive<E>(triangle),
+                                               [facing](const auto& shape, const auto& object_ray) {
+                                                   return find_nearest_edges<E>(shape, object_ray, facing);
+                                               });
     });
     return found.value_or(all_edges);
 }

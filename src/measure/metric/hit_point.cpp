@@ -73,7 +73,7 @@ template <class E, template <class> class S>
 E off_surface(const Vec<double>& p, const Primitive<double>& primitive) {
     const Primitive<E> lifted = lift_primitive<E>(primitive);
     const Vec<E> point = lift_vec<E>(p);
-    return lifted.template as<S>().off_surface(lifted.placed ? point_in_object(point, *lifted.placed) : point);
+    return lifted.template as<S>().off_surface(lifted.placed ? point_to_object_space(point, *lifted.placed) : point);
 }
 
 double residual_of(const Vec<double>& p, const Primitive<double>& primitive) {
@@ -102,10 +102,10 @@ double weight_error(double x, const Sample& s, std::size_t vertex) {
     return visit_shape(*s.primitive, [&]<template <class> class S>() {
         if constexpr (requires(const S<double>& shape) { shape.weights(Ray<double>()); }) {
             return std::fabs(enclosed([&]<class E>() {
-                return in_object_space<S>(lift_ray<E>(*s.ray), lift_primitive<E>(*s.primitive),
-                                          [&](const S<E>& shape, const Ray<E>& ray) -> E {
-                                              return E(x) - shape.weights(ray)[static_cast<int>(vertex)];
-                                          });
+                return visit_in_object_space<S>(lift_ray<E>(*s.ray), lift_primitive<E>(*s.primitive),
+                                                [&](const S<E>& shape, const Ray<E>& ray) -> E {
+                                                    return E(x) - shape.weights(ray)[static_cast<int>(vertex)];
+                                                });
             }));
         } else {
             return missing;

@@ -153,7 +153,7 @@ ColumnRun::ColumnRun(const ColumnProgram& program, const ColumnKernels& kernels,
         const auto& operation_kernels = word_kernels[static_cast<std::size_t>(instruction->operation)];
         (is_shared ? shared_steps_ : ray_steps_)
             .push_back({is_gate ? nullptr : operation_kernels[instruction->exact], &operands_[first_operand],
-                        is_of_masks(instruction->operation)});
+                        acts_on_masks(instruction->operation)});
     }
     for (const ColumnIndex column_index : program.outputs) outputs_.push_back(layout.operand(column_index));
     scratch_size_ = layout.size();
@@ -207,7 +207,7 @@ void ColumnRun::run_block(double* scratch, std::size_t packs) const {
             const bool is_shared = step.operands[0].step == 0;
             are_numbers_needed =
                 are_numbers_needed && kernels_->is_any(scratch + step.operands[0].offset, is_shared ? 1 : packs);
-        } else if (are_numbers_needed || step.is_of_masks) {
+        } else if (are_numbers_needed || step.acts_on_masks) {
             step.kernel(scratch, step.operands, packs);
         }
     }

@@ -134,7 +134,7 @@ Tape tape_of(const Intersector& form, const Format& format, bool from_inverse) {
     for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = static_cast<double>(k + 1);
     if (form.is_placed) primitive.placed = {{2, 0, 0, 1, 0, 2, 0, 1, 0, 0, 2, 1}, from_inverse};
     Tape tape;
-    tape.every_loop = true;
+    tape.runs_every_loop = true;
     form.record(format, sample_ray, intersect::Target<double>(primitive), HUGE_VAL, tape);
     return tape;
 }

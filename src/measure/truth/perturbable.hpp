@@ -246,8 +246,9 @@ public:
     template <class Act>
     [[nodiscard]] auto with_ray_from(const WithinErrors& t, const Act& act) const {
         const Ray<Differentiated> moved_ray{ray.origin + Differentiated(t) * ray.direction, ray.direction};
-        return visit_shape(primitive,
-                           [&]<template <class> class Of>() { return in_object_space<Of>(moved_ray, primitive, act); });
+        return visit_shape(primitive, [&]<template <class> class Of>() {
+            return visit_in_object_space<Of>(moved_ray, primitive, act);
+        });
     }
     /// Calls `act(shape, ray)` in object space with the problem as it is stored.
     template <class Act>
@@ -257,7 +258,7 @@ public:
         Primitive<WithinErrors> stored_primitive(shape());
         fill(stored_primitive, number);
         return visit_shape(stored_primitive, [&]<template <class> class Of>() {
-            return in_object_space<Of>(stored_ray, stored_primitive, act);
+            return visit_in_object_space<Of>(stored_ray, stored_primitive, act);
         });
     }
 };

@@ -56,7 +56,7 @@ NodeId BoundsRecorder::call(const Call& callee, std::span<const NodeId> argument
     const auto add_result = [&]<class F>() {
         std::vector<Bounded<F>> numbers;
         for (const NodeId a : arguments) numbers.push_back(bounded_number<F>(a));
-        return add(called(callee, std::span<const Bounded<F>>(numbers), static_cast<F>(value)));
+        return add(call_result(callee, std::span<const Bounded<F>>(numbers), static_cast<F>(value)));
     };
     return in_double || is_double_ ? add_result.template operator()<double>() : add_result.template operator()<float>();
 }

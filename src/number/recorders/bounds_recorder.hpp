@@ -19,7 +19,7 @@ public:
     NodeId convert(NodeId x, bool to_double) override;
     NodeId call(const Call& callee, std::span<const NodeId> arguments, double value, bool in_double) override;
     [[nodiscard]] double value(NodeId x) const override { return entry_of(x).value; }
-    bool goes_on(NodeId decision) override { return entry_of(decision).value != 0 || !is_proved(decision); }
+    bool continues_loop(NodeId decision) override { return entry_of(decision).value != 0 || !is_proved(decision); }
 
     /// Bound on the distance from the result of the same formula without rounding; infinity if nothing is known.
     [[nodiscard]] double error(NodeId x) const { return entry_of(x).error; }

@@ -36,15 +36,15 @@ public:
     /// A value of ηᵢ for each input.
     using Deviations = std::array<double, N>;
     /// Decides comparisons that the enclosures leave open. To cover all cases, a formula is run once for each outcome.
-    struct Open {
-        virtual ~Open() = default;
+    struct OpenComparisons {
+        virtual ~OpenComparisons() = default;
         /// Decides x < 0, or x ≤ 0 if `or_equal`.
         virtual Tri is_below(const AffineForm& x, bool or_equal) = 0;
     };
     /// Decides the comparisons of this thread that are left open. If null, they stay unknown.
-    static inline thread_local Open* open = nullptr;
+    static inline thread_local OpenComparisons* open = nullptr;
     /// Set while only signs of sums and products are needed. Quotients and roots are then unknown and take no time.
-    static inline thread_local bool signs_only = false;
+    static inline thread_local bool computes_signs_only = false;
 
     AffineForm() = default;
     AffineForm(const AffineForm& x) { *this = x; }
@@ -82,7 +82,7 @@ public:
         return combined(a.centre_ * b.centre_, a, b.centre_.first(), b, a.centre_.first(), rest);
     }
     friend AffineForm operator/(const AffineForm& a, const AffineForm& b) {
-        return signs_only ? unknown() : a * inverse(b);
+        return computes_signs_only ? unknown() : a * inverse(b);
     }
     AffineForm& operator+=(const AffineForm& b) { return *this = *this + b; }
     AffineForm& operator-=(const AffineForm& b) { return *this = *this - b; }
@@ -90,7 +90,7 @@ public:
 
     friend AffineForm sqrt(const AffineForm& x) {
         if (x.is_constant() && x.centre_.first() == 0 && x.centre_error() == 0) return x;
-        if (signs_only) return unknown();
+        if (computes_signs_only) return unknown();
         const double least_centre = x.least_centre(), deviation = x.deviation();
         if (!(x.centre_.first() > 0 && least_centre > deviation)) return unknown();
         const double slope = 0.5 / std::sqrt(x.centre_.first()), most_slope = 0.5 / std::sqrt(least_centre);
@@ -141,7 +141,7 @@ public:
     [[nodiscard]] double lowest() const { return enclosure().middle - enclosure().radius * inflate; }
     [[nodiscard]] double highest() const { return enclosure().middle + enclosure().radius * inflate; }
     /// The ηᵢ for which x is largest, to first order.
-    [[nodiscard]] Deviations steepest() const {
+    [[nodiscard]] Deviations steepest_deviations() const {
         Deviations deviations{};
         if (vectors_.empty())
             for (std::size_t i = 0; i < term_count_; ++i) deviations[i] = terms_[i] > 0 ? 1 : terms_[i] < 0 ? -1 : 0;

@@ -9,13 +9,13 @@ namespace lostbits::number::wide {
 
 /// Unit roundoff u of a format.
 template <class P>
-P roundoff_of() {
+P roundoff() {
     if constexpr (InRegisters<P>) return P(has_wider_word<P> ? 0x1p-24 : 0x1p-53);
     else return unit_roundoff<P>();
 }
 /// Factor 1 + 2^-9 by which the bound of a comparison is enlarged.
 template <class P>
-P outward_of() {
+P outward_factor() {
     if constexpr (InRegisters<P>) return P(1 + 0x1p-9);
     else return P(513) / P(512);
 }
@@ -47,7 +47,7 @@ class Proving {
 public:
     using P = decltype(value_of(std::declval<const T&>()));
     using Lanes = mask_t<P>;
-    using Mask = Tris<Lanes>;
+    using Mask = TriMask<Lanes>;
 
     explicit Proving(std::same_as<int> auto x) : w_(T(x)), e_(0) {}
     /// An input: exact.
@@ -56,7 +56,7 @@ public:
 
     [[nodiscard]] const T& word() const { return w_; }
     /// Upper bound on the distance from the word to any enclosed x.
-    [[nodiscard]] P radius() const { return e_ * outward_of<P>(); }
+    [[nodiscard]] P radius() const { return e_ * outward_factor<P>(); }
     /// True if the word is positive; x itself may have the other sign.
     [[nodiscard]] Mask word_is_positive() const {
         const Lanes is_positive = value_of(w_) > P(0);
@@ -81,7 +81,7 @@ public:
     Proving& operator*=(const Proving& b) { return *this = *this * b; }
 
     friend Mask operator<(const Proving& a, const Proving& b) {
-        const P d = value_of(a.w_) - value_of(b.w_), e = (a.e_ + b.e_) * outward_of<P>();
+        const P d = value_of(a.w_) - value_of(b.w_), e = (a.e_ + b.e_) * outward_factor<P>();
         return {d<-e, d> e};
     }
     friend Mask operator<=(const Proving& a, const Proving& b) { return a < b; }
@@ -120,7 +120,7 @@ private:
     }
     static Proving rounded(const T& w, const P& propagated_error) {
         using lostbits::abs;
-        return {w, propagated_error + roundoff_of<P>() * abs(value_of(w))};
+        return {w, propagated_error + roundoff<P>() * abs(value_of(w))};
     }
 
     T w_;

@@ -170,16 +170,16 @@ public:
     Running& operator-=(const Running& b) { return *this = *this - b; }
     Running& operator*=(const Running& b) { return *this = *this * b; }
 
-    friend Tris<Lanes> operator<(const Running& a, const Running& b) {
+    friend TriMask<Lanes> operator<(const Running& a, const Running& b) {
         const Ends d = ends(a, b);
         return {d.high < P(0), d.low >= P(0)};
     }
-    friend Tris<Lanes> operator<=(const Running& a, const Running& b) {
+    friend TriMask<Lanes> operator<=(const Running& a, const Running& b) {
         const Ends d = ends(a, b);
         return {d.high <= P(0), d.low > P(0)};
     }
-    friend Tris<Lanes> operator>(const Running& a, const Running& b) { return !(a <= b); }
-    friend Tris<Lanes> operator>=(const Running& a, const Running& b) { return !(a < b); }
+    friend TriMask<Lanes> operator>(const Running& a, const Running& b) { return !(a <= b); }
+    friend TriMask<Lanes> operator>=(const Running& a, const Running& b) { return !(a < b); }
 
     friend Running sqrt(const Running& a) {
         using lostbits::sqrt;
@@ -198,14 +198,14 @@ public:
     }
     friend Running copysign(const Running& a, const Running& b) {
         const Running x = abs(a), zero(0);
-        return select(Tris<Lanes>((b < zero).yes(), (b > zero).yes()), -x, x);  // the sign of a zero is not known
+        return select(TriMask<Lanes>((b < zero).yes(), (b > zero).yes()), -x, x);  // the sign of a zero is not known
     }
     friend Running select(const Lanes& mask, const Running& a, const Running& b) {
         using lostbits::select;
         return {select(mask, a.w_, b.w_), select(mask, a.e_, b.e_)};
     }
     /// The result is unknown if the mask is undecided.
-    friend Running select(const Tris<Lanes>& mask, const Running& a, const Running& b) {
+    friend Running select(const TriMask<Lanes>& mask, const Running& a, const Running& b) {
         using lostbits::select;
         const Running x = select(mask.yes(), a, b);
         return {x.w_, select(mask.yes() || mask.no(), x.e_, P(HUGE_VAL))};

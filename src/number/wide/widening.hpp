@@ -76,7 +76,7 @@ inline constexpr std::string_view name_of(CallAnswer answer) {
 template <class T, std::size_t n>
 T record_call(const Call& callee, const std::array<T, n>& arguments,
               const decltype(value_of(std::declval<T>()))& value) {
-    return named(name_of(callee.answer), called(callee, std::span<const T>(arguments), value));
+    return named(name_of(callee.answer), call_result(callee, std::span<const T>(arguments), value));
 }
 
 /// Smallest normal number of T. The error of a product below it is up to u times this number, however small the product
@@ -97,16 +97,16 @@ T root_of_least_normal() {
     else return sqrt(least_normal<T>());
 }
 
-/// True if numbers of T are computed in doubles whose products may overflow or underflow, so that `masked_lanes` is
+/// True if numbers of T are computed in doubles whose products may overflow or underflow, so that `apply_to_lanes` is
 /// needed. Products of four floats do neither in double.
 template <class T>
-inline constexpr bool has_whole_range =
+inline constexpr bool products_may_overflow =
     !std::same_as<T, float> && (std::same_as<OneWord<T>, double> || (InRegisters<T> && !has_wider_word<T>));
 
 /// True if the smallest normal number of the wider word is below that of T. Some formats with fewer bits than double
 /// have the same smallest normal number.
 template <class T>
-mask_t<T> goes_deeper() {
+mask_t<T> has_smaller_normals() {
     if constexpr (std::same_as<OneWord<T>, double> && has_wider_word<T>)
         return widen<double>(least_normal<T>()) > std::numeric_limits<double>::min();
     else return widens<T>() ? T(0) < T(1) : T(1) < T(0);
@@ -115,7 +115,8 @@ mask_t<T> goes_deeper() {
 /// Calls `f(in, out)` for each lane with `request` > 0. `in` holds the lane's numbers as doubles. `out` holds the lane
 /// of the argument `out` before the call, and the lane of the result after it.
 template <class T, std::size_t ins, std::size_t outs, class F>
-std::array<T, outs> masked_lanes(const T& request, const std::array<T, ins>& in, std::array<T, outs> out, const F& f) {
+std::array<T, outs> apply_to_lanes(const T& request, const std::array<T, ins>& in, std::array<T, outs> out,
+                                   const F& f) {
     if constexpr (InRegisters<T>) {
         double requests[T::lanes], input_lanes[ins][T::lanes], output_lanes[outs][T::lanes];
         request.store(requests);

@@ -36,7 +36,8 @@ Vec<Real> middle_of(const Primitive<Real>& primitive) {
     if (!primitive.placed) return middle;
     // The point that the stored inverse M⁻¹ transforms to the middle.
     if (primitive.placed->is_inverse)
-        return point_in_object(middle, Placement<Real>{primitive.placed->matrix, false, primitive.placed->orientation});
+        return point_to_object_space(middle,
+                                     Placement<Real>{primitive.placed->matrix, false, primitive.placed->orientation});
     return primitive.placed->map().point(middle);
 }
 
@@ -124,7 +125,8 @@ Primitive<Real> moved(const Primitive<Real>& primitive, const Vec<Real>& by) {
 }
 
 std::optional<Primitive<Real>> grown(const Primitive<Real>& primitive, const Vec<Real>& viewpoint, const Real& k) {
-    const Vec<Real> object_viewpoint = primitive.placed ? point_in_object(viewpoint, *primitive.placed) : viewpoint;
+    const Vec<Real> object_viewpoint =
+        primitive.placed ? point_to_object_space(viewpoint, *primitive.placed) : viewpoint;
     auto result = visit(primitive, [&](const auto& shape) -> std::optional<Primitive<Real>> {
         return shape.grown(object_viewpoint, k);
     });

@@ -26,7 +26,7 @@ struct Box {
                                       .point = "a box that is a point",
                                       .places = "corners"};
     static constexpr std::array<Key, 2> keys{
-        {{.name = "lo", .letter = "lo"}, {.name = "hi", .letter = "hi", .limit = Key::Limit::at_least_before}}};
+        {{.name = "lo", .letter = "lo"}, {.name = "hi", .letter = "hi", .limit = Key::Limit::at_least_previous}}};
 
     static Box around(const Vec<T>& point, const T& half) {
         return {{point.x - half, point.y - half, point.z - half}, {point.x + half, point.y + half, point.z + half}};

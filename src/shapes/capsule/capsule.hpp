@@ -29,7 +29,7 @@ struct Capsule {
                                       .places = "ends of axes"};
     static constexpr std::array<Key, 3> keys{
         {{.name = "start", .letter = "s"},
-         {.name = "end", .letter = "e", .limit = Key::Limit::apart_from_before},
+         {.name = "end", .letter = "e", .limit = Key::Limit::differs_from_previous},
          {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
 
     /// Builds a capsule along z. The ball at each end is a quarter of its length.

@@ -32,7 +32,7 @@ struct Cone {
                                       .places = "ends of axes"};
     static constexpr std::array<Key, 4> keys{
         {{.name = "base", .letter = "b"},
-         {.name = "top", .letter = "t", .limit = Key::Limit::apart_from_before},
+         {.name = "top", .letter = "t", .limit = Key::Limit::differs_from_previous},
          {.name = "base_radius", .letter = "rb", .kind = Key::Kind::length, .limit = Key::Limit::positive},
          {.name = "top_radius", .letter = "rt", .kind = Key::Kind::length, .limit = Key::Limit::not_negative}}};
 
@@ -47,9 +47,9 @@ struct Cone {
     /// Returns the point of the cone at the fraction u.x of its height, and at the fractions u.y and u.z of its width
     /// there.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
-        const AcrossAxis<T> across(axis());
+        const PerpendicularAxes<T> across(axis());
         const T r = base_radius + u.x * (top_radius - base_radius);
-        return base + u.x * axis() + ((2 * u.y - 1) * r) * across.side + ((2 * u.z - 1) * r) * across.other;
+        return base + u.x * axis() + ((2 * u.y - 1) * r) * across.first + ((2 * u.z - 1) * r) * across.second;
     }
     /// Returns the cone scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
     /// there is no single nearest point.

@@ -30,7 +30,7 @@ struct Cylinder {
                                       .places = "ends of axes"};
     static constexpr std::array<Key, 3> keys{
         {{.name = "base", .letter = "b"},
-         {.name = "top", .letter = "t", .limit = Key::Limit::apart_from_before},
+         {.name = "top", .letter = "t", .limit = Key::Limit::differs_from_previous},
          {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
 
     static Cylinder around(const Vec<T>& p, const T& half) {
@@ -44,8 +44,8 @@ struct Cylinder {
     /// Returns the point of the cylinder at the fraction u.x of its height, and at the fractions u.y and u.z of its
     /// width.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
-        const AcrossAxis<T> across(axis());
-        return base + u.x * axis() + ((2 * u.y - 1) * radius) * across.side + ((2 * u.z - 1) * radius) * across.other;
+        const PerpendicularAxes<T> across(axis());
+        return base + u.x * axis() + ((2 * u.y - 1) * radius) * across.first + ((2 * u.z - 1) * radius) * across.second;
     }
     /// Returns the cylinder scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
     /// there is no single nearest point.

@@ -52,11 +52,11 @@ struct Disc {
     /// Returns the point at the fraction u.z of the distance from the inner rim to the outer, in the direction of u.x
     /// and u.y.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
-        const AcrossAxis<T> across(normal);
+        const PerpendicularAxes<T> across(normal);
         const T x = 2 * u.x - 1, y = 2 * u.y - 1, size = sqrt(square(x) + square(y));
         const T r = inner_radius + u.z * (outer_radius - inner_radius);
-        if (size == 0) return centre + r * across.side;
-        return centre + (r * x / size) * across.side + (r * y / size) * across.other;
+        if (size == 0) return centre + r * across.first;
+        return centre + (r * x / size) * across.first + (r * y / size) * across.second;
     }
     [[nodiscard]] std::optional<Disc> grown(const Vec<T>& fixed, const T& k) const {
         if (length(Vec<T>(onto_plane(fixed) - centre)) == 0) return std::nullopt;

@@ -52,11 +52,11 @@ struct Torus {
     /// Returns the point of the ring's plane in the direction of u.x and u.y, at the fraction u.z of the width of the
     /// ring.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
-        const AcrossAxis<T> across(axis);
+        const PerpendicularAxes<T> across(axis);
         const T x = 2 * u.x - 1, y = 2 * u.y - 1, size = sqrt(square(x) + square(y));
         const T r = major_radius + (2 * u.z - 1) * minor_radius;
-        if (size == 0) return centre + r * across.side;
-        return centre + (r * x / size) * across.side + (r * y / size) * across.other;
+        if (size == 0) return centre + r * across.first;
+        return centre + (r * x / size) * across.first + (r * y / size) * across.second;
     }
     /// Returns the torus scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
     /// there is no single nearest point.

@@ -31,7 +31,7 @@ struct Triangle {
     static constexpr std::array<Key, 3> keys{
         {{.name = "a", .letter = "v0", .aliases = {"v0", "p0"}},
          {.name = "b", .letter = "v1", .aliases = {"v1", "p1"}},
-         {.name = "c", .letter = "v2", .limit = Key::Limit::off_line_before, .aliases = {"v2", "p2"}}}};
+         {.name = "c", .letter = "v2", .limit = Key::Limit::not_collinear_with_previous, .aliases = {"v2", "p2"}}}};
 
     /// Builds a triangle in the plane z = p.z − half, from p − half to p + half in x and y. A triangle is flat, so it
     /// cannot extend that far on all sides.

@@ -31,7 +31,7 @@ struct Tube {
                                       .places = "ends of axes"};
     static constexpr std::array<Key, 3> keys{
         {{.name = "bottom", .letter = "lo"},
-         {.name = "top", .letter = "t", .limit = Key::Limit::apart_from_before},
+         {.name = "top", .letter = "t", .limit = Key::Limit::differs_from_previous},
          {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
 
     /// Builds a tube along x. The rays at the plainest primitives run along z, and such a ray meets its wall.
@@ -45,10 +45,10 @@ struct Tube {
     /// Returns the point of the wall at the fraction u.x of its height, in the direction of u.y and u.z across the
     /// axis.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
-        const AcrossAxis<T> across(axis());
+        const PerpendicularAxes<T> across(axis());
         const T x = 2 * u.y - 1, y = 2 * u.z - 1, size = sqrt(square(x) + square(y));
-        if (size == 0) return bottom + u.x * axis() + radius * across.side;
-        return bottom + u.x * axis() + (radius * x / size) * across.side + (radius * y / size) * across.other;
+        if (size == 0) return bottom + u.x * axis() + radius * across.first;
+        return bottom + u.x * axis() + (radius * x / size) * across.first + (radius * y / size) * across.second;
     }
     [[nodiscard]] std::optional<Tube> grown(const Vec<T>& fixed, const T& k) const {
         if (length(across(fixed)) == 0) return std::nullopt;

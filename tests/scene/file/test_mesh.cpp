@@ -191,9 +191,9 @@ TEST_CASE("equal vertices are merged, and faces without area are named", "[mesh]
 
 TEST_CASE("rounding to a format can flatten a face", "[mesh]") {
     const Mesh mesh = tidied(scene::triangle::make_grid(4, 4, {1, 1, 0}, {0x1p-20, 0x1p-20, 0}, 0));
-    CHECK(flat_faces(mesh, binary64) == 0);
-    CHECK(flat_faces(mesh, binary32) == 0);
-    CHECK(flat_faces(mesh, binary16) == mesh.faces.size());
+    CHECK(count_flat_faces(mesh, binary64) == 0);
+    CHECK(count_flat_faces(mesh, binary32) == 0);
+    CHECK(count_flat_faces(mesh, binary16) == mesh.faces.size());
 }
 
 TEST_CASE("faces without area are reported, those caused by rounding only where the format rounds", "[mesh]") {

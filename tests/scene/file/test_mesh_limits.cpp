@@ -205,7 +205,7 @@ TEST_CASE("every mesh reader stops when it is asked to", "[mesh]") {
     const Mesh ball = scene::triangle::make_icosphere(5, {0, 0, 0}, 1);
     const std::string data = R"(, "uri": "ball.bin")";
     folder.write("ball.bin", buffer_of_gltf(ball));
-    using Read = triangle::MeshInFile (*)(MeshBytes&, const triangle::MeshTerms&);
+    using Read = triangle::ParsedMesh (*)(MeshBytes&, const triangle::MeshSettings&);
     const std::tuple<const char*, std::string, Read> files[] = {
         {"a.obj", as_obj(ball), triangle::read_obj},
         {"a.ply", as_ply_text<double>(ball), triangle::read_ply},

@@ -14,7 +14,7 @@ struct BvhRobust {
         .source = "madmann91/bvh v2, src/bvh/v2/node.h:68 intersect_robust, ray.h:46 pad_inv_dir, utils.h:47",
     };
 
-    template <Number T, BoxOf<T> B>
+    template <Number T, BoxLike<T> B>
     static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit) {
         T tmin(0), tmax = limit;
         for (int axis = 0; axis < 3; ++axis) {

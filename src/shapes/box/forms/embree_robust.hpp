@@ -14,7 +14,7 @@ struct EmbreeRobust {
         .source = "Embree 2, kernels/bvh/node_intersector1.h, robust mode, until a7a3bde31 of 2017",
     };
 
-    template <Number T, BoxOf<T> B>
+    template <Number T, BoxLike<T> B>
     static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit) {
         T tmin(0), tmax = limit;
         clip_by_signs(ray, box, tmin, tmax);

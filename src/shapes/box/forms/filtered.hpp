@@ -16,14 +16,14 @@ struct FilteredSlabs {
         .source = "a static filter after Shewchuk 1997; signs of determinants",
     };
 
-    template <Number T, BoxOf<T> B>
+    template <Number T, BoxLike<T> B>
     static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit) {
         NoWatch watch;
         return intersect(ray, box, limit, watch);
     }
 
     /// Calls `watch(arithmetic)` for every arithmetic beyond the first that is used.
-    template <Number T, BoxOf<T> B, class Watch>
+    template <Number T, BoxLike<T> B, class Watch>
     static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit, Watch& watch) {
         T tmin(0), tmax = limit;
         if constexpr (is_exact<T>) {

@@ -101,7 +101,7 @@ mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) 
             {value_of(ray.origin), value_of(ray.direction)}, value_of(slabs), value_of(limit)));
     }
     mask_t<T> all_fit = T(0) <= T(0);
-    if constexpr (number::wide::has_whole_range<T>) {
+    if constexpr (number::wide::products_may_overflow<T>) {
         using B = number::wide::OneWord<T>;
         const B least = number::wide::power_of_two<B>(-450), largest = B(1) / number::wide::power_of_two<B>(-500);
         const auto check_size = [&](const T& x) {
@@ -120,9 +120,9 @@ mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) 
     return all_fit;
 }
 
-/// Decides in W, rounded to nearest, by the comparisons n m ≤ f g of `every_pair`. With v the unit roundoff of W, n and
-/// f round once and the products once more, so n m and f g are right to 2.1v of themselves. Then n m ≤ f g is proved if
-/// n m + 3v(|n m| + |f g|) ≤ f g, also if both are zero. Infinite planes make NaN, which decides nothing.
+/// Decides in W, rounded to nearest, by the comparisons n m ≤ f g of `join_all_pairs`. With v the unit roundoff of W, n
+/// and f round once and the products once more, so n m and f g are right to 2.1v of themselves. Then n m ≤ f g is
+/// proved if n m + 3v(|n m| + |f g|) ≤ f g, also if both are zero. Infinite planes make NaN, which decides nothing.
 ///
 /// The function is `static`, so that the linker does not use a copy that another file compiled for wide registers.
 template <class W, Number T>
@@ -153,7 +153,7 @@ static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, c
         least_sign = min(least_sign, sign_of(f[from]));
         least_sign = min(least_sign, certain_sign(n[from], end * m[from]));
     }
-    least_sign = every_pair<W>(
+    least_sign = join_all_pairs<W>(
         [&](int i, int j) {
             const auto from = static_cast<std::size_t>(i), to = static_cast<std::size_t>(j);
             return certain_sign(n[from] * m[to], f[to] * m[from]);
@@ -188,7 +188,7 @@ Hit<T> decide_in_every_range(const Ray<T>& ray, const OrderedSlabs<T>& slabs, co
     const auto& [x, y, z] = slabs.planes;
     const std::array<T, 13> inputs{o.x,    o.y,    o.z,    d.x,    d.y,    d.z,         x.bmin,
                                    y.bmin, z.bmin, x.bmax, y.bmax, z.bmax, result.limit};
-    const std::array<T, 3> answers = number::wide::masked_lanes<T, 13, 3>(
+    const std::array<T, 3> answers = number::wide::apply_to_lanes<T, 13, 3>(
         select(known.proved, T(0), T(1)), inputs,
         {select(known.hit, T(1), -T(1)), result.segment.tmin, result.segment.tmax}, number::wide::meet_slabs<T>);
     const Segment<T>& segment = result.segment;
@@ -212,7 +212,7 @@ Hit<T> decide_exactly(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Sla
         known = joined(known, products);
         if (any_of(!known.proved && fit)) known = joined(known, decide_by_exact_sums<T>(distances, fit));
     }
-    if constexpr (number::wide::has_whole_range<T>)
+    if constexpr (number::wide::products_may_overflow<T>)
         if (any_of(!known.proved)) return decide_in_every_range<T>(ray, slabs, result, known, first_decision.in_range);
     return entered<T>(known.hit, result.segment);
 }

@@ -58,7 +58,7 @@ W without_infinity(const W& x) {
 ///
 /// `test(i, j)` answers the test for axes i and j, and `join` combines the answers.
 template <class V, class Test, class Join>
-V every_pair(const Test& test, const Join& join, V answer) {
+V join_all_pairs(const Test& test, const Join& join, V answer) {
     for (int i = 0; i < 3; ++i) {
         answer = join(answer, test(i, (i + 1) % 3));
         answer = join(answer, test(i, (i + 2) % 3));
@@ -66,8 +66,8 @@ V every_pair(const Test& test, const Join& join, V answer) {
     return answer;
 }
 
-/// n, f and m of `every_pair`. The distances n and f are exact sums of two words; an infinite plane is replaced as in
-/// `without_infinity`. `end` is the ray's end, or 0 if the ray is `endless`.
+/// n, f and m of `join_all_pairs`. The distances n and f are exact sums of two words; an infinite plane is replaced as
+/// in `without_infinity`. `end` is the ray's end, or 0 if the ray is `endless`.
 template <class B>
 struct PlaneDistances {
     std::array<B, 3> m;
@@ -156,7 +156,7 @@ template <Number T>
         before_end.add(-distances.before_end(i));
         least_sign = min(least_sign, sign_of(before_end.value()));
     }
-    least_sign = every_pair<B>(
+    least_sign = join_all_pairs<B>(
         [&](int i, int j) {
             const auto from = static_cast<std::size_t>(i), to = static_cast<std::size_t>(j);
             ExactSum<B, 8> difference;

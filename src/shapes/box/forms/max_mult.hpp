@@ -15,7 +15,7 @@ struct MaxMult {
         .source = "Ize, Robust BVH Ray Traversal, JCGT 2(2), 2013",
     };
 
-    template <Number T, BoxOf<T> B>
+    template <Number T, BoxLike<T> B>
     static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit) {
         T tmin(0), tmax = limit;
         clip_by_signs(ray, box, tmin, tmax);

@@ -14,7 +14,7 @@ struct Signs {
         .source = "Barnes, Fast, Branchless Ray/Bounding Box Intersections, part 3: Boundaries, section Signs",
     };
 
-    template <Number T, BoxOf<T> B>
+    template <Number T, BoxLike<T> B>
     static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit) {
         T tmin(0), tmax = limit;
         clip_by_signs(ray, box, tmin, tmax);

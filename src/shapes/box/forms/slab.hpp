@@ -38,7 +38,7 @@ struct OrderedBox {
 
 /// Boxes that a form can take if it orders planes only by the sign of 1/d.
 template <class B, class T>
-concept BoxOf = std::same_as<B, Box<T>> || std::same_as<B, OrderedBox<T>>;
+concept BoxLike = std::same_as<B, Box<T>> || std::same_as<B, OrderedBox<T>>;
 
 /// Orders the planes: lo before hi if the sign bit of inv = 1/d is clear, hi before lo if it is set. A direction of −0
 /// has inv = −∞ and its planes are swapped, so a ray between them still runs from −∞ to +∞.
@@ -60,7 +60,7 @@ Planes<T> planes_by_sign(const OrderedBox<T>& box, int axis, const T& /*inv*/) {
 /// struct of packs to the stack in every iteration.)
 ///
 /// Calls `visit_axis(axis, inv, dmax)` for every axis.
-template <Number T, BoxOf<T> B, class VisitAxis>
+template <Number T, BoxLike<T> B, class VisitAxis>
 void clip_by_signs(const Ray<T>& ray, const B& box, T& tmin, T& tmax, const VisitAxis& visit_axis) {
     for (int axis = 0; axis < 3; ++axis) {
         const T inv = named("inv", T(1) / ray.direction[axis]);
@@ -72,7 +72,7 @@ void clip_by_signs(const Ray<T>& ray, const B& box, T& tmin, T& tmax, const Visi
         visit_axis(axis, inv, dmax);
     }
 }
-template <Number T, BoxOf<T> B>
+template <Number T, BoxLike<T> B>
 void clip_by_signs(const Ray<T>& ray, const B& box, T& tmin, T& tmax) {
     clip_by_signs(ray, box, tmin, tmax, [](int, const T&, const T&) {});
 }

@@ -6,7 +6,7 @@
 
 namespace lostbits::intersect::cone {
 
-struct CrossedConeAxis {
+struct CrossedCone {
     static constexpr Info info{
         .name = "cone.crossed",
         .title = "quadric from cross products with the axis",

@@ -6,7 +6,7 @@
 
 namespace lostbits::intersect::cone {
 
-struct FromAxisProducts {
+struct DotProductsCone {
     static constexpr Info info{
         .name = "cone.dot_products",
         .title = "quadric from dot products with the axis",

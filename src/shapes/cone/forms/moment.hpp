@@ -7,7 +7,7 @@
 
 namespace lostbits::intersect::cone {
 
-struct ByMoment {
+struct MomentCone {
     static constexpr Info info{
         .name = "cone.moment",
         .title = "discriminant from the moment d x f, stable roots",

@@ -8,14 +8,14 @@ namespace lostbits::intersect::cone {
 
 /// The t at which a line crosses the plane of each cap. `in_base` and `in_top` are true if it crosses within the cap.
 template <Number T>
-struct CapsPassed {
+struct CapCrossings {
     T base, top;
     mask_t<T> in_base, in_top;
 };
 
 /// Compares the points with the caps, as most code does: f + t d relative to the base, and relative to the top.
 template <Number T>
-CapsPassed<T> caps_by_points(const Cone<T>& cone, const Ray<T>& ray, const T& low, const T& axis_rate, const T& v2) {
+CapCrossings<T> caps_by_points(const Cone<T>& cone, const Ray<T>& ray, const T& low, const T& axis_rate, const T& v2) {
     const Vec<T> f = ray.origin - cone.base, g = ray.origin - cone.top;
     const T base = -low / axis_rate, top = (v2 - low) / axis_rate;
     return {base, top, square(Vec<T>(f + base * ray.direction)) <= square(cone.base_radius),
@@ -25,7 +25,7 @@ CapsPassed<T> caps_by_points(const Cone<T>& cone, const Ray<T>& ray, const T& lo
 /// Compares without division: |f (v·d) − d (v·f)| with radius |v·d|, relative to the base. For the top, the vectors are
 /// relative to the top.
 template <Number T>
-CapsPassed<T> caps_without_division(const Cone<T>& cone, const Ray<T>& ray, const T& low, const T& axis_rate) {
+CapCrossings<T> caps_without_division(const Cone<T>& cone, const Ray<T>& ray, const T& low, const T& axis_rate) {
     const Vec<T> v = cone.top - cone.base, f = ray.origin - cone.base, g = ray.origin - cone.top;
     const T high = named("v.g", dot(v, g)), across2 = square(axis_rate);
     return {-low / axis_rate, -high / axis_rate,
@@ -37,7 +37,7 @@ CapsPassed<T> caps_without_division(const Cone<T>& cone, const Ray<T>& ray, cons
 /// Otherwise it enters by the side at the root where the polynomial falls (`near`), if that root is between the planes,
 /// and leaves where the polynomial rises (`far`). A NaN is not between the planes.
 template <Number T>
-Hit<T> first_of_side_and_caps(const mask_t<T>& no_roots, const RootPair<T>& side, const CapsPassed<T>& caps) {
+Hit<T> first_of_side_and_caps(const mask_t<T>& no_roots, const RootPair<T>& side, const CapCrossings<T>& caps) {
     const auto base_first = caps.base < caps.top;
     const T first_t = select(base_first, caps.base, caps.top), last_t = select(base_first, caps.top, caps.base);
     const auto in_first = (base_first && caps.in_base) || (!base_first && caps.in_top);

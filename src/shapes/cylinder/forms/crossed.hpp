@@ -6,7 +6,7 @@
 
 namespace lostbits::intersect::cylinder {
 
-struct CrossedAxis {
+struct CrossedCylinder {
     static constexpr Info info{
         .name = "cylinder.crossed",
         .title = "quadratic from cross products with the axis",

@@ -6,7 +6,7 @@
 
 namespace lostbits::intersect::cylinder {
 
-struct QuilezCapped {
+struct QuilezCylinder {
     static constexpr Info info{
         .name = "cylinder.quilez",
         .title = "dot products, unit direction, the cap by y",

@@ -7,7 +7,7 @@
 
 namespace lostbits::intersect::cylinder {
 
-struct ByTripleProduct {
+struct TripleProductCylinder {
     static constexpr Info info{
         .name = "cylinder.triple_product",
         .title = "distance between line and axis, stable roots",

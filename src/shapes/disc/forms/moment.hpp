@@ -6,7 +6,7 @@
 
 namespace lostbits::intersect::disc {
 
-struct ByMomentOfDisc {
+struct MomentDisc {
     static constexpr Info info{
         .name = "disc.moment",
         .title = "n x (f x d) against the radius times n.d",

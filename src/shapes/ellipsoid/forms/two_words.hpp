@@ -8,7 +8,7 @@
 
 namespace lostbits::intersect::ellipsoid {
 
-struct InTwoWords {
+struct TwoWordsEllipsoid {
     static constexpr Info info{
         .name = "ellipsoid.two_words",
         .title = "quadratic in two words of the format, stable roots",

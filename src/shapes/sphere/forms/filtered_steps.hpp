@@ -117,7 +117,7 @@ SphereDecision<T> proved_widely(const WideValues<T>& values, const T& t) {
     const P r2 = square(value_of(values.r)), sum = (c + r2) + r2;
     const P v = max(value_of(number::wide::narrow<T>(unit_roundoff<W>())), P(2) * u * least);
     const P e = (P(6) * v) * (P(4) * sum * a) + P(64) * least;
-    const P least_value = select(number::wide::goes_deeper<P>(), P(64) * least, least / v);
+    const P least_value = select(number::wide::has_smaller_normals<P>(), P(64) * least, least / v);
     const mask_t<P> is_accurate = P(32) * u <= P(1) && P(2) * v <= u && min(abs(c), a) >= least_value && e < infinity &&
                                   abs(h) < infinity && !(q >= infinity) && abs(c) >= sum * (v / u);
     const mask_t<P> is_miss = c > P(0) && (h > P(0) || disc < -e);
@@ -238,7 +238,7 @@ SphereDecision<T> decide_unrounded(const Ray<T>& ray, const Sphere<T>& sphere) {
 template <Number T>
 mask_t<T> fits(const Ray<T>& ray, const Sphere<T>& sphere) {
     mask_t<T> all_fit = T(0) <= T(0);
-    if constexpr (number::wide::has_whole_range<T>) {
+    if constexpr (number::wide::products_may_overflow<T>) {
         using B = number::wide::OneWord<T>;
         const B least = number::wide::power_of_two<B>(-160), largest = B(1) / least;
         B zero_if_finite(0);
@@ -277,7 +277,7 @@ template <Number T>
 template <Number T>
 SphereDecision<T> decide_in_every_range(const Ray<T>& ray, const Sphere<T>& sphere, const SphereDecision<T>& known) {
     const Vec<T>&o = ray.origin, &d = ray.direction, &c = sphere.centre;
-    const std::array<T, 2> answers = number::wide::masked_lanes<T, 10, 2>(
+    const std::array<T, 2> answers = number::wide::apply_to_lanes<T, 10, 2>(
         select(known.proved, T(0), T(1)), {o.x, o.y, o.z, d.x, d.y, d.z, c.x, c.y, c.z, sphere.radius},
         {select(known.hit, T(1), -T(1)), known.t}, number::wide::meet_sphere<T>);
     return {T(0) <= T(0), answers[0] > T(0), answers[1]};
@@ -288,7 +288,7 @@ template <Number T>
 SphereDecision<T> decide_exactly(const Ray<T>& ray, const Sphere<T>& sphere, SphereDecision<T> known) {
     const mask_t<T> fit = fits(ray, sphere);
     if (any_of(!known.proved && fit)) known = joined(known, decide_by_exact_sums<T>(ray, sphere, fit));
-    if constexpr (number::wide::has_whole_range<T>)
+    if constexpr (number::wide::products_may_overflow<T>)
         if (any_of(!known.proved)) return decide_in_every_range<T>(ray, sphere, known);
     return known;
 }

@@ -220,7 +220,7 @@ B triple_product(const ThreeSums<B>& x, const ThreeSums<B>& y, const ThreeSums<B
 template <Number T>
 mask_t<T> fits(const Ray<T>& ray, const Triangle<T>& triangle) {
     mask_t<T> all_fit = T(0) <= T(0);
-    if constexpr (number::wide::has_whole_range<T>) {
+    if constexpr (number::wide::products_may_overflow<T>) {
         using B = number::wide::OneWord<T>;
         const B least = number::wide::power_of_two<B>(-160), largest = B(1) / least;
         B zero_if_finite(0);
@@ -263,7 +263,7 @@ template <Number T>
 TriangleDecision<T> decide_in_every_range(const Ray<T>& ray, const Triangle<T>& triangle,
                                           const TriangleDecision<T>& known) {
     const Vec<T>&o = ray.origin, &d = ray.direction, &a = triangle.a, &b = triangle.b, &c = triangle.c;
-    const std::array<T, 2> answers = number::wide::masked_lanes<T, 15, 2>(
+    const std::array<T, 2> answers = number::wide::apply_to_lanes<T, 15, 2>(
         select(known.proved, T(0), T(1)), {o.x, o.y, o.z, d.x, d.y, d.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z},
         {select(known.hit, T(1), -T(1)), known.t}, number::wide::meet_triangle<T>);
     return {T(0) <= T(0), answers[0] > T(0), answers[1]};
@@ -274,7 +274,7 @@ template <Number T>
 TriangleDecision<T> decide_exactly(const Ray<T>& ray, const Triangle<T>& triangle, TriangleDecision<T> known) {
     const mask_t<T> fit = fits(ray, triangle);
     if (any_of(!known.proved && fit)) known = joined(known, decide_by_exact_sums<T>(ray, triangle, fit));
-    if constexpr (number::wide::has_whole_range<T>)
+    if constexpr (number::wide::products_may_overflow<T>)
         if (any_of(!known.proved)) return decide_in_every_range<T>(ray, triangle, known);
     return known;
 }

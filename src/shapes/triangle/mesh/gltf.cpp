@@ -26,7 +26,7 @@ constexpr std::uint64_t most_text = std::uint64_t{1} << 29;  // a larger mesh ha
 /// vertices: primitives that share an accessor share its vertices.
 class GltfModel {
 public:
-    GltfModel(MeshBytes& bytes, const MeshTerms& settings) : file_(bytes.name()), settings_(settings) {
+    GltfModel(MeshBytes& bytes, const MeshSettings& settings) : file_(bytes.name()), settings_(settings) {
         const bool is_binary = bytes.look(4) == "glTF";
         const auto [text, begin] = is_binary ? json_of_glb(bytes) : std::pair(read_text(bytes), std::uint64_t{0});
         json_ = parse_gltf_json(file_, text, begin, settings.stop);
@@ -41,18 +41,18 @@ public:
         buffers_.resize(sections_["buffers"].size());
     }
 
-    MeshInFile read() {
+    ParsedMesh read() {
         const auto scenes = root_.elements("scenes");
         if (scenes.empty()) {
             if (root_.has("scene")) root_.fail("names a scene, but the file has none");
             for (const GltfValue& mesh : sections_["meshes"]) add(mesh);
-            return std::move(mesh_in_file_);
+            return std::move(parsed_mesh_);
         }
         const std::uint64_t scene = root_.whole("scene", 0);
         if (scene >= scenes.size())
             root_.fail(fmt::format("names scene {}, but the file has {}", scene, scenes.size()));
         visit(scenes[scene].elements("nodes"));
-        return std::move(mesh_in_file_);
+        return std::move(parsed_mesh_);
     }
 
 private:
@@ -205,14 +205,14 @@ private:
         if (accessor.at("type").text() != "VEC3" || accessor.at("componentType").whole() != floats)
             accessor.fail("does not hold three floats for each vertex");
         const Elements elements = elements_of(accessor, 12);
-        std::vector<Vec<double>>& vertices = mesh_in_file_.mesh.vertices;
+        std::vector<Vec<double>>& vertices = parsed_mesh_.mesh.vertices;
         require_within_limit(accessor, vertices.size(), elements.count, "vertices");
         known->second = {vertices.size(), elements.count};
         for (std::size_t i = 0; i < elements.count; ++i) {
             settings_.stop.check();
             const auto p = elements.at<float, 3>(i);
             for (const float x : p)
-                if (const auto fault = fault_of_coordinate(x, settings_.stored); !fault.empty())
+                if (const auto fault = coordinate_error(x, settings_.stored); !fault.empty())
                     accessor.fail(fmt::format("vertex {}, at byte {} of its buffer, {}", i,
                                               elements.offset + i * elements.step, fault));
             vertices.emplace_back(p[0], p[1], p[2]);
@@ -257,7 +257,7 @@ private:
     template <class IndexAt>
     void add_faces(const GltfValue& value, const Vertices& vertices, std::size_t corners, const IndexAt& index_at) {
         if (corners % 3 != 0) value.fail("has " + toml::count_with_noun(corners, "corner") + "; three make a triangle");
-        require_within_limit(value, mesh_in_file_.mesh.faces.size(), corners / 3, "triangles");
+        require_within_limit(value, parsed_mesh_.mesh.faces.size(), corners / 3, "triangles");
         for (std::size_t i = 0; i < corners; i += 3) {
             settings_.stop.check();
             std::array<std::uint32_t, 3> face;
@@ -268,7 +268,7 @@ private:
                                            vertices.count));
                 face[k] = static_cast<std::uint32_t>(vertices.first + corner);
             }
-            mesh_in_file_.add(face, mesh_in_file_.mesh.faces.size());
+            parsed_mesh_.add(face, parsed_mesh_.mesh.faces.size());
         }
     }
 
@@ -295,7 +295,7 @@ private:
             constexpr std::string_view separator = ";base64,";
             const std::size_t begin = text.find(separator);
             auto bytes = begin < text.size()
-                             ? bytes_of_base64(std::string_view(text).substr(begin + separator.size()), settings_.stop)
+                             ? decode_base64(std::string_view(text).substr(begin + separator.size()), settings_.stop)
                              : std::nullopt;
             if (!bytes) uri.fail("is not base64; write data:application/octet-stream;base64, followed by the letters");
             return std::move(*bytes);
@@ -314,7 +314,7 @@ private:
     /// cannot open other files.
     [[nodiscard]] std::filesystem::path path_of(const GltfValue& uri) const {
         const std::string& text = uri.text();
-        const auto name = name_of_uri(text);
+        const auto name = decode_uri(text);
         if (!name || name->empty() || name->find('\0') != std::string::npos)
             uri.fail("is " + toml::quoted_excerpt(text) + ", which is not the name of a file");
         const std::filesystem::path path(*name);
@@ -328,7 +328,7 @@ private:
     }
 
     const std::string file_;
-    const MeshTerms settings_;
+    const MeshSettings settings_;
     json json_;
     GltfValue root_;
     std::map<std::string, std::vector<GltfValue>, std::less<>> sections_;
@@ -337,11 +337,11 @@ private:
     std::set<std::filesystem::path> opened_files_;
     std::uint64_t bytes_read_ = 0;  ///< total of all buffers so far
     std::map<std::uint64_t, Vertices> vertices_;
-    MeshInFile mesh_in_file_;
+    ParsedMesh parsed_mesh_;
 };
 
 }  // namespace
 
-MeshInFile read_gltf(MeshBytes& bytes, const MeshTerms& settings) { return GltfModel(bytes, settings).read(); }
+ParsedMesh read_gltf(MeshBytes& bytes, const MeshSettings& settings) { return GltfModel(bytes, settings).read(); }
 
 }  // namespace lostbits::scene::triangle

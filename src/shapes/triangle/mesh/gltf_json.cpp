@@ -124,7 +124,7 @@ json parse_gltf_json(const std::string& file, std::string_view text, std::uint64
     return json::parse(first, last);
 }
 
-std::optional<std::string> bytes_of_base64(std::string_view letters, StopToken stop) {
+std::optional<std::string> decode_base64(std::string_view letters, StopToken stop) {
     constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::array<std::int8_t, 256> values;
     values.fill(-1);
@@ -145,7 +145,7 @@ std::optional<std::string> bytes_of_base64(std::string_view letters, StopToken s
     return bytes;
 }
 
-std::optional<std::string> name_of_uri(std::string_view uri) {
+std::optional<std::string> decode_uri(std::string_view uri) {
     std::string name;
     for (std::size_t i = 0; i < uri.size(); ++i) {
         if (uri[i] != '%') {

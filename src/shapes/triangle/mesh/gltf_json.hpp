@@ -23,11 +23,11 @@ nlohmann::json parse_gltf_json(const std::string& file, std::string_view text, s
                                intersect::process::StopToken stop);
 
 /// Decodes base64, in which four letters stand for three bytes. Returns nothing if the text is not base64.
-std::optional<std::string> bytes_of_base64(std::string_view letters, intersect::process::StopToken stop);
+std::optional<std::string> decode_base64(std::string_view letters, intersect::process::StopToken stop);
 
 /// Decodes an address (URI) to the name of a file: `%20` becomes a blank. Returns nothing if the two characters after a
 /// `%` are not a hexadecimal number.
-std::optional<std::string> name_of_uri(std::string_view uri);
+std::optional<std::string> decode_uri(std::string_view uri);
 
 /// A value, and its path from the root: `meshes[0].primitives[2]`.
 struct GltfValue {

@@ -137,7 +137,7 @@ void count_edges(Mesh& mesh, StopToken stop) {
 
 }  // namespace
 
-std::string_view fault_of_coordinate(double x, const FloatFormat& stored) {
+std::string_view coordinate_error(double x, const FloatFormat& stored) {
     if (std::fabs(x) <= std::numeric_limits<float>::max()) return {};  // stored is binary32 or wider
     if (!std::isfinite(x)) return "is not finite; a vertex has finite numbers";
     if (std::fabs(x) < overflow_of(stored)) return {};
@@ -188,7 +188,7 @@ Mesh joined(std::vector<Mesh> meshes) {
     return result;
 }
 
-std::size_t flat_faces(const Mesh& mesh, const FloatFormat& format) {
+std::size_t count_flat_faces(const Mesh& mesh, const FloatFormat& format) {
     const auto rounded_vertex = [&](std::uint32_t v) {
         Vec<double> p = mesh.vertices[v];
         for (int k = 0; k < 3; ++k) p[k] = rounding::to_format(p[k], 0, format);
@@ -199,12 +199,12 @@ std::size_t flat_faces(const Mesh& mesh, const FloatFormat& format) {
     }));
 }
 
-std::vector<std::string> remarks_on(const Mesh& mesh, const std::optional<FloatFormat>& stored) {
+std::vector<std::string> mesh_remarks(const Mesh& mesh, const std::optional<FloatFormat>& stored) {
     std::vector<std::string> remarks;
     if (mesh.left_out > 0)
         remarks.push_back(std::to_string(mesh.left_out) + " of " + std::to_string(mesh.left_out + mesh.faces.size()) +
                           " faces of its meshes have no area and are left out; the first is " + mesh.first_left_out);
-    const std::size_t flat = stored ? flat_faces(mesh, *stored) : 0;
+    const std::size_t flat = stored ? count_flat_faces(mesh, *stored) : 0;
     if (flat > 0)
         remarks.push_back(std::to_string(flat) + " of " + std::to_string(mesh.faces.size()) +
                           " faces of its meshes have no area once their vertices are rounded to " +

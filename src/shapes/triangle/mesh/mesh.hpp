@@ -78,24 +78,24 @@ std::vector<SharedEdge> shared_edges(const Mesh& mesh);
 Mesh joined(std::vector<Mesh> meshes);
 
 /// Counts the faces that lie on one line once the vertices are rounded to a format. No ray meets such a face.
-std::size_t flat_faces(const Mesh& mesh, const FloatFormat& format);
+std::size_t count_flat_faces(const Mesh& mesh, const FloatFormat& format);
 
 /// Remarks about faces without area for the author of the mesh, as sentences. If `stored` is absent, the vertices are
 /// not rounded.
-std::vector<std::string> remarks_on(const Mesh& mesh, const std::optional<FloatFormat>& stored);
+std::vector<std::string> mesh_remarks(const Mesh& mesh, const std::optional<FloatFormat>& stored);
 
 /// Settings for reading a mesh.
-struct MeshTerms {
+struct MeshSettings {
     intersect::process::StopToken stop = {};
     FloatFormat stored = binary64;  ///< the format to which the scene rounds its vertices before any form sees them
 };
 
 /// Returns the reason why a scene cannot hold a coordinate of a vertex, as the rest of a sentence after "which"; empty
 /// if it can.
-std::string_view fault_of_coordinate(double x, const FloatFormat& stored);
+std::string_view coordinate_error(double x, const FloatFormat& stored);
 
 /// Reads a `[[mesh]]`: `make` with the keys of that mesh, or `file`, relative to `folder`. Throws InputError with a
 /// position.
-Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshTerms& terms = {});
+Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshSettings& terms = {});
 
 }  // namespace lostbits::scene::triangle

@@ -70,7 +70,7 @@ private:
     toml::TableReader& table_;
 };
 
-Mesh read_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshTerms& settings) {
+Mesh read_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshSettings& settings) {
     Mesh mesh;
     if (table.has("file")) {
         if (table.has("make")) table.reject("make", "is given together with file; a mesh is made or read, not both");
@@ -97,7 +97,7 @@ Mesh read_table(toml::TableReader& table, const std::filesystem::path& folder, c
 
 }  // namespace
 
-Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshTerms& settings) {
+Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshSettings& settings) {
     try {
         return read_table(table, folder, settings);
     } catch (const std::bad_alloc&) {

@@ -63,26 +63,26 @@ void skip_more_numbers(TextLines& lines) {
 
 }  // namespace
 
-MeshInFile read_obj(MeshBytes& bytes, const MeshTerms& settings) {
-    MeshInFile mesh_in_file;
+ParsedMesh read_obj(MeshBytes& bytes, const MeshSettings& settings) {
+    ParsedMesh parsed_mesh;
     TextLines lines(bytes, Statement::continued_by_backslash);
     std::vector<std::uint32_t> corners;
     while (lines.next()) {
         const std::string_view keyword = lines.word();
         if (keyword == "v") {
-            if (mesh_in_file.mesh.vertices.size() == most_vertices)
+            if (parsed_mesh.mesh.vertices.size() == most_vertices)
                 lines.fail("is one vertex too many; the limit is 2^32 - 1");
             const auto number = [&](const char* name) { return lines.coordinate<double>(name, settings.stored); };
             const double x = number("x"), y = number("y"), z = number("z");
-            mesh_in_file.mesh.vertices.emplace_back(x, y, z);
+            parsed_mesh.mesh.vertices.emplace_back(x, y, z);
             skip_more_numbers(lines);
         } else if (keyword == "f") {
             corners.clear();
             for (std::string_view word = lines.word(); !word.empty(); word = lines.word())
-                corners.push_back(to_vertex_index(lines, word, mesh_in_file.mesh.vertices.size()));
+                corners.push_back(to_vertex_index(lines, word, parsed_mesh.mesh.vertices.size()));
             if (corners.size() < 3) lines.fail_line("is a face of fewer than 3 corners");
-            mesh_in_file.add(corners, lines.line());
-            if (mesh_in_file.mesh.faces.size() > most_faces)
+            parsed_mesh.add(corners, lines.line());
+            if (parsed_mesh.mesh.faces.size() > most_faces)
                 lines.fail_line("is one face too many; the limit is 2^31 - 1 triangles");
         } else if (!is_ignored(keyword)) {
             lines.fail(toml::quoted_excerpt(keyword) +
@@ -91,7 +91,7 @@ MeshInFile read_obj(MeshBytes& bytes, const MeshTerms& settings) {
         }
         skip_rest(lines);
     }
-    return mesh_in_file;
+    return parsed_mesh;
 }
 
 }  // namespace lostbits::scene::triangle

@@ -183,7 +183,7 @@ public:
     }
     double coordinate(const PlyProperty& property) {
         const double x = next(property, property.type);
-        if (const auto fault = fault_of_coordinate(x, stored_); !fault.empty())
+        if (const auto fault = coordinate_error(x, stored_); !fault.empty())
             fail(fmt::format("{} of a vertex is {}, which {}", property.name, x, fault));
         return x;
     }
@@ -280,27 +280,27 @@ void read_lists(PlyNumbers& numbers, const PlyElement& element, std::size_t vert
 
 }  // namespace
 
-MeshInFile read_ply(MeshBytes& bytes, const MeshTerms& settings) {
-    MeshInFile mesh_in_file;
+ParsedMesh read_ply(MeshBytes& bytes, const MeshSettings& settings) {
+    ParsedMesh parsed_mesh;
     TextLines lines(bytes);
     const PlyHeader header = PlyHeaderLines(lines).read();
     PlyNumbers numbers(lines, bytes, header.encoding, settings.stored);
     std::vector<std::uint32_t> corners;
     for (const PlyElement& element : header.elements) {
         numbers.begin(element);
-        if (element.is_vertex()) mesh_in_file.mesh.vertices.reserve(element.count);
+        if (element.is_vertex()) parsed_mesh.mesh.vertices.reserve(element.count);
         for (std::size_t i = 0; i < element.count; ++i) {
             numbers.begin_element();
-            if (element.is_vertex()) read_vertex(numbers, element, mesh_in_file.mesh);
-            else read_lists(numbers, element, mesh_in_file.mesh.vertices.size(), corners);
+            if (element.is_vertex()) read_vertex(numbers, element, parsed_mesh.mesh);
+            else read_lists(numbers, element, parsed_mesh.mesh.vertices.size(), corners);
             if (element.is_face() && corners.size() < 3) numbers.fail("a face has fewer than 3 corners");
-            if (element.is_face()) mesh_in_file.add(corners, i);
-            if (mesh_in_file.mesh.faces.size() > most_faces) numbers.fail("has more than 2^31 - 1 triangles");
+            if (element.is_face()) parsed_mesh.add(corners, i);
+            if (parsed_mesh.mesh.faces.size() > most_faces) numbers.fail("has more than 2^31 - 1 triangles");
             numbers.end_element();
         }
     }
     numbers.end();
-    return mesh_in_file;
+    return parsed_mesh;
 }
 
 }  // namespace lostbits::scene::triangle

@@ -17,13 +17,13 @@ class StlText {
 public:
     StlText(MeshBytes& bytes, const FloatFormat& stored) : lines_(bytes), stored_(stored) {}
 
-    MeshInFile read() {
+    ParsedMesh read() {
         while (lines_.next())
             if (const std::string_view keyword = lines_.word(); !keyword.empty()) take_keyword(keyword);
         if (position_ != Position::outside)
             lines_.fail_line(position_ == Position::in_facet ? "ends inside of a facet; was it cut short?"
                                                              : "ends before endsolid; was it cut short?");
-        return std::move(mesh_in_file_);
+        return std::move(parsed_mesh_);
     }
 
 private:
@@ -47,10 +47,10 @@ private:
         move_position(Position::in_facet, Position::in_facet);
         const auto number = [&](const char* name) { return lines_.coordinate<double>(name, stored_); };
         const double x = number("x"), y = number("y"), z = number("z");
-        const auto index = static_cast<std::uint32_t>(mesh_in_file_.mesh.vertices.size());
-        mesh_in_file_.mesh.vertices.emplace_back(x, y, z);
-        if (++corners_ == 3) mesh_in_file_.add(std::array{index - 2, index - 1, index}, lines_.line());
-        if (mesh_in_file_.mesh.faces.size() > most_vertices / 3) lines_.fail_line("has more than 2^32 - 1 vertices");
+        const auto index = static_cast<std::uint32_t>(parsed_mesh_.mesh.vertices.size());
+        parsed_mesh_.mesh.vertices.emplace_back(x, y, z);
+        if (++corners_ == 3) parsed_mesh_.add(std::array{index - 2, index - 1, index}, lines_.line());
+        if (parsed_mesh_.mesh.faces.size() > most_vertices / 3) lines_.fail_line("has more than 2^32 - 1 vertices");
     }
     void end_facet() {
         move_position(Position::in_facet, Position::in_solid);
@@ -63,14 +63,14 @@ private:
                                                           "inside of a facet, which endfacet ends"};
     TextLines lines_;
     FloatFormat stored_;
-    MeshInFile mesh_in_file_;
+    ParsedMesh parsed_mesh_;
     Position position_ = Position::outside;
     std::size_t corners_ = 0;  ///< number of vertices of the facet so far
 };
 
 }  // namespace
 
-MeshInFile read_stl(MeshBytes& bytes, const MeshTerms& settings) {
+ParsedMesh read_stl(MeshBytes& bytes, const MeshSettings& settings) {
     static_assert(std::endian::native == std::endian::little, "STL is little endian, and its numbers are copied");
     const std::string start(bytes.look(header_size));
     std::uint32_t count = 0;
@@ -86,7 +86,7 @@ MeshInFile read_stl(MeshBytes& bytes, const MeshTerms& settings) {
                         bytes.name(), start.size() < header_size ? 0 : 80, toml::count_with_noun(count, "facet"), size,
                         bytes.size()));
     }
-    MeshInFile mesh_in_file;
+    ParsedMesh parsed_mesh;
     bytes.take(header_size);
     for (std::uint32_t f = 0; f < count; ++f) {
         const std::uint64_t begin = bytes.position();
@@ -96,15 +96,15 @@ MeshInFile read_stl(MeshBytes& bytes, const MeshTerms& settings) {
         float numbers[9];
         std::memcpy(numbers, facet.data() + 12, sizeof numbers);
         for (std::size_t k = 0; k < 9; ++k)
-            if (const auto fault = fault_of_coordinate(numbers[k], settings.stored); !fault.empty())
+            if (const auto fault = coordinate_error(numbers[k], settings.stored); !fault.empty())
                 throw InputError(fmt::format("{}: byte {}: facet {} has a vertex that {}", bytes.name(),
                                              begin + 12 + 4 * k, f, fault));
-        const auto first_index = static_cast<std::uint32_t>(mesh_in_file.mesh.vertices.size());
+        const auto first_index = static_cast<std::uint32_t>(parsed_mesh.mesh.vertices.size());
         for (int k = 0; k < 3; ++k)
-            mesh_in_file.mesh.vertices.emplace_back(numbers[3 * k], numbers[3 * k + 1], numbers[3 * k + 2]);
-        mesh_in_file.add(std::array{first_index, first_index + 1, first_index + 2}, f);
+            parsed_mesh.mesh.vertices.emplace_back(numbers[3 * k], numbers[3 * k + 1], numbers[3 * k + 2]);
+        parsed_mesh.add(std::array{first_index, first_index + 1, first_index + 2}, f);
     }
-    return mesh_in_file;
+    return parsed_mesh;
 }
 
 }  // namespace lostbits::scene::triangle

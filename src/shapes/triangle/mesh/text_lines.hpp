@@ -71,7 +71,7 @@ public:
     template <class T>
     T coordinate(std::string_view what, const FloatFormat& stored) {
         const T x = number<T>(what);
-        if (const auto fault = fault_of_coordinate(static_cast<double>(x), stored); !fault.empty())
+        if (const auto fault = coordinate_error(static_cast<double>(x), stored); !fault.empty())
             fail(std::string(what) + " is " + toml::quoted_excerpt(line_.substr(word_start_, word_end_ - word_start_)) +
                  ", which " + std::string(fault));
         return x;
