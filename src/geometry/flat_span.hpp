@@ -1,4 +1,4 @@
-// The crossing of a line and a surface without thickness, over any number: the span of a shape without an inside.
+// The crossing of a line and a flat surface, over any number. Its span serves shapes without an inside.
 #pragma once
 
 #include <optional>
@@ -7,7 +7,7 @@
 
 namespace lostbits {
 
-/// A decision about a crossing: for the surface with its rim (closed), and without its rim (open).
+/// Says if a line crosses a surface: with its rim (`closed`), or without it (`open`).
 template <class Mask>
 struct SurfaceCrossing {
     Mask closed, open;
@@ -36,7 +36,7 @@ struct FlatSpan {
     [[nodiscard]] Order<mask_t<T>> compare_crossing(int, const Fraction<T>& t) const { return order_of(at, t); }
 };
 
-/// Both ends are the crossing. Returns nothing if the line is not known to cross.
+/// Returns the crossing as entry and exit. Returns nothing if the line is not known to cross.
 template <Number T>
 std::optional<Ends<T>> ends_of(const FlatSpan<T>& s) {
     if (!is_certain(s.closed)) return std::nullopt;

@@ -37,7 +37,7 @@ QuadraticSpan<T> select(const mask_t<T>& mask, const QuadraticSpan<T>& a, const 
             select(mask, a.d2, b.d2)};
 }
 
-/// Both ends of the interval.
+/// Entry and exit of a line.
 template <Number T>
 std::optional<Ends<T>> ends_of(const JoinedSpan<T>& s) {
     return Ends<T>{ends_of(s.enter)->near, ends_of(s.leave)->far};

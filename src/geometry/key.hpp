@@ -1,4 +1,4 @@
-// Names and limits of a shape's numbers. Every file, option and table that names these numbers uses them.
+// Names and limits of a shape's numbers, as used in all files, options and tables.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ struct Key {
         non_negative_below_previous,  ///< 0 or more, and less than the previous length
         positive_below_previous,      ///< greater than 0, and less than the previous length
         not_zero,                     ///< a direction whose length is not 0
-        at_least_previous,            ///< in each component at least the previous key
+        at_least_previous,            ///< at least the previous key in each component
         not_collinear_with_previous,  ///< a point that does not lie on one line with the two previous keys
         differs_from_previous         ///< a point that differs from the previous key
     };

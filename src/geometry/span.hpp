@@ -1,5 +1,5 @@
 // The part of a line o + t d inside a primitive, over any number. The truth of every shape is built from spans. A shape
-// chooses one of these spans and sets its coefficients; the span answers all questions about the line.
+// chooses one of the span types and sets its coefficients. The span decides if and where the line meets the shape.
 #pragma once
 
 #include <array>
@@ -31,7 +31,7 @@ struct QuadraticSpan {
     T h, c, a, q;
     T d2;  ///< d·d
 
-    /// True if a ray that only touches the surface may meet it again behind that point. Every span defines this
+    /// True if a ray that only touches the surface may meet it again beyond that point. Every span defines this
     /// constant.
     static constexpr bool may_hit_beyond_touch = false;
 };
@@ -76,7 +76,7 @@ struct SlabSpan {
     static constexpr bool may_hit_beyond_touch = false;
 };
 
-/// A range of t in the form in which spans are compared with it. If the range has no end, `end` is 1/0.
+/// A range of t that spans are compared with. If the range has no end, `end` is 1/0.
 template <class T>
 struct SpanRange {
     T begin;
@@ -135,7 +135,7 @@ struct SlabHit {
     mask_t<T> closed, open;
 };
 
-/// The decisions for the range of all t ≥ 0.
+/// Decides for the range of all t ≥ 0.
 template <class T>
 SlabHit<T> slab_hit(const SlabSpan<T>& s) {
     const T zero(0);
@@ -177,20 +177,20 @@ template <class T>
 Fraction<T> largest_entry(const SlabSpan<T>& s) {
     const T zero(0);
     const auto is_positive = [&](const Fraction<T>& entry) { return entry.n > zero; };
-    Fraction<T> first = select(is_positive(s.entry[0]), s.entry[0], Fraction<T>{zero, T(1)});
+    Fraction<T> largest = select(is_positive(s.entry[0]), s.entry[0], Fraction<T>{zero, T(1)});
     const auto take_larger = [&](const Fraction<T>& entry) {
-        first = select(is_positive(entry) && order_of(first, entry).less, entry, first);
+        largest = select(is_positive(entry) && order_of(largest, entry).less, entry, largest);
     };
     take_larger(s.entry[1]), take_larger(s.entry[2]);
-    return first;
+    return largest;
 }
 
 /// Largest entry, or the beginning of the range if no entry is later. Of equal entries, returns the first.
 template <class T>
 Fraction<T> largest_entry(const SlabSpan<T>& s, const SpanRange<T>& range) {
-    Fraction<T> first{range.begin, T(1)};
-    for_each_axis([&](auto i) { first = select(order_of(first, s.entry[i]).less, s.entry[i], first); });
-    return first;
+    Fraction<T> largest{range.begin, T(1)};
+    for_each_axis([&](auto i) { largest = select(order_of(largest, s.entry[i]).less, s.entry[i], largest); });
+    return largest;
 }
 
 /// True if every entry comes before the beginning of the range (`less`), or no later (`at_most`).
@@ -204,9 +204,9 @@ Order<mask_t<T>> compare_entries_with_begin(const SlabSpan<T>& s, const SpanRang
 /// Smallest exit. Of equal exits, returns the first.
 template <Number T>
 Fraction<T> smallest_exit(const SlabSpan<T>& s) {
-    Fraction<T> first = s.exit[0];
-    for (const Fraction<T>& exit : s.exit) first = select(order_of(exit, first).less, exit, first);
-    return first;
+    Fraction<T> smallest = s.exit[0];
+    for (const Fraction<T>& exit : s.exit) smallest = select(order_of(exit, smallest).less, exit, smallest);
+    return smallest;
 }
 
 /// A span of a primitive with an inside. It says whether the line meets the closed primitive and whether it meets the
@@ -236,8 +236,8 @@ std::optional<Ends<T>> ends_of(const SlabSpan<T>& s) {
     if (!is_certain(s.closed)) return ends;
     for (std::size_t i = 0; i < s.entry.size(); ++i) {
         if (is_certain(!s.crossed[i])) continue;
-        const T t_in = s.entry[i].n / s.entry[i].m, t_out = s.exit[i].n / s.exit[i].m;
-        ends = ends ? Ends<T>{max(ends->near, t_in), min(ends->far, t_out)} : Ends<T>{t_in, t_out};
+        const T entry_t = s.entry[i].n / s.entry[i].m, exit_t = s.exit[i].n / s.exit[i].m;
+        ends = ends ? Ends<T>{max(ends->near, entry_t), min(ends->far, exit_t)} : Ends<T>{entry_t, exit_t};
     }
     return ends;
 }

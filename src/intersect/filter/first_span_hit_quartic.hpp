@@ -70,8 +70,8 @@ FirstSpanHit<number::wide::Proving<T>> first_span_hit(const QuarticSpan<number::
     const auto value_of = [](const E& x) { return U(number::wide::value_of(x.word()), x.radius()); };
     const QuarticChain<U> f(value_of(s.f.c[4]), value_of(s.f.c[2]), value_of(s.f.c[1]), value_of(s.f.c[0]));
     const U b = value_of(s.b);
-    const auto changes_at_begin = changes_in(f.at(b));
-    const auto roots_ahead = prove_roots_between(changes_at_begin, changes_in(f.at_infinity()), f.last);
+    const auto changes_at_begin = prove_sign_changes(f.at(b));
+    const auto roots_ahead = prove_roots_between(changes_at_begin, prove_sign_changes(f.at_infinity()), f.last);
     const auto is_miss = roots_ahead.is_absent || is_above(f);
     const E miss_t(-1);
     if constexpr (!traces_operations<T>)
@@ -92,7 +92,7 @@ FirstSpanHit<number::wide::Proving<T>> first_span_hit(const QuarticSpan<number::
 template <class W>
 FirstSpanHit<number::wide::Running<W>> first_span_hit(const QuarticSpan<number::wide::Running<W>>& s) {
     const auto root = first_root(s.f, s.b, s.bound);
-    return {{root.is_found, root.is_absent}, s.t_at(root.x)};
+    return {{root.is_found, root.is_absent}, s.t_at(root.root)};
 }
 
 }  // namespace lostbits::intersect::filter

@@ -319,7 +319,7 @@ template <class W>
 SpanHit<Running<W>> first_span_hit(const QuarticSpan<Running<W>>& s) {
     using P = typename Running<W>::P;
     const FirstRoot<Running<W>> root = first_root(s.f, s.b, s.bound);
-    return {root.is_found, root.is_absent, P(0) < P(0), s.t_at(root.x)};
+    return {root.is_found, root.is_absent, P(0) < P(0), s.t_at(root.root)};
 }
 
 /// Answer of `truth::enclose` for a ray with a range.
@@ -329,7 +329,7 @@ SpanHit<Running<W>> first_span_hit(const QuarticSpan<Running<W>>& s, const SpanR
     const FirstRoot<Running<W>> root = first_root(s.f, s.x_at(range.begin), s.bound);
     const Running<W> end = s.a * range.end.n + s.b * range.end.m;
     const auto is_in_time = (root.high * range.end.m < end).yes(), is_late = (root.low * range.end.m > end).yes();
-    return {root.is_found && is_in_time, root.is_absent || (root.is_found && is_late), P(0) < P(0), s.t_at(root.x)};
+    return {root.is_found && is_in_time, root.is_absent || (root.is_found && is_late), P(0) < P(0), s.t_at(root.root)};
 }
 
 }  // namespace lostbits::measure::stages

@@ -254,7 +254,7 @@ template <template <class> class Of, class P, std::size_t count>
     const auto missed = proper && is_reach_empty && root_behind.is_absent;
     auto hit = proper && ((at_origin && (touches || roots.crosses())) || root_in_reach.is_found ||
                           (is_reach_empty && root_behind.is_found));
-    const E t = select(root_in_reach.is_found, root_in_reach.x, span.t_at(root_behind.x));
+    const E t = select(root_in_reach.is_found, root_in_reach.root, span.t_at(root_behind.root));
     const Enclosure<P> no_length{{P(0), P(0)}, P(0)};
     TieFinding<P> tie{{missed, hit, no_length, no_length}, touches, at_origin};
     if (requested.t) tie.found.t = accepted_length(t, at_origin, at_origin, hit);
