@@ -70,7 +70,8 @@ inline constexpr bool divides_polynomials = requires(const T& x) {
 };
 
 /// Quotient and remainder of f divided by g. If numbers of T are not divided, both are multiplied by the same power
-/// of the leading coefficient of g, and the remainder by a positive factor.
+/// of the leading coefficient of g. If this factor is negative, the remainder changes its sign, so that its factor is
+/// positive.
 template <class T>
 struct PolynomialDivision {
     Polynomial<T> quotient, remainder;

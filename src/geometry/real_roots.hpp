@@ -169,7 +169,7 @@ EnclosedRoot<E> enclose_root(const Polynomial<E>& f, const Polynomial<E>& slope,
     }
     const E value = f.at(x);
     const bool is_root = known_sign(value) == 0;
-    E distance = is_root ? bound : largest(value) / largest(middle(slope.at(x))) * E(8);
+    E distance = is_root ? bound : largest_magnitude(value) / largest_magnitude(middle(slope.at(x))) * E(8);
     for (int i = 0; is_root && i < precision_of(x) / 2; ++i) distance = distance / E(2);
     const E low = middle(x - distance), high = middle(x + distance);
     return {low, high, is_root ? x : between(low, high), true, 1};

@@ -25,14 +25,15 @@ struct OperationCounts {
     friend bool operator==(const OperationCounts&, const OperationCounts&) = default;
 };
 
-/// Numbers of operations of this thread since it last set them to zero.
+/// Operation counts of this thread since it last reset them.
 inline OperationCounts& operation_counts() {
     static thread_local OperationCounts counts;
     return counts;
 }
 
 /// A number of F whose operations are counted. An operation whose operands are all constants is not counted, since a
-/// compiler would fold it: `T(1) / T(2)` costs nothing. Common subexpressions count each time that they are written.
+/// compiler would fold it: `T(1) / T(2)` costs nothing. Common subexpressions are counted every time that the formula
+/// contains them.
 template <class F>
 class Counted {
 public:

@@ -40,7 +40,7 @@ public:
     /// The format of the innermost scope; Error(Exit::internal) outside of every scope.
     static const FloatFormat& get() {
         if (!current_) [[unlikely]]
-            refuse();
+            throw_without_format();
         return *current_;
     }
 
@@ -66,7 +66,7 @@ public:
     };
 
 private:
-    [[noreturn]] static void refuse();
+    [[noreturn]] static void throw_without_format();
     // constinit: other files read it without first checking that it is initialised.
     static constinit thread_local const FloatFormat* current_;
     static constinit thread_local Engine engine_;
@@ -151,7 +151,7 @@ private:
     double value_ = 0;
 };
 
-/// P significand bits; exponents of binary64 unless given.
+/// P significand bits, by default with the exponents of binary64.
 template <int P, int Emin = -1022, int Emax = 1023>
 using Rounded = BasicRounded<FixedFormat<P, Emin, Emax>>;
 

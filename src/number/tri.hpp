@@ -5,13 +5,13 @@
 
 namespace lostbits {
 
-/// Kleene's strong logic: `unknown` is the honest third answer, never a default.
+/// Kleene's strong logic. `unknown` means that the enclosures overlap; it is never a default.
 class Tri : public NotABool {
 public:
     enum Value : signed char { no = -1, unknown = 0, yes = 1 };
 
     constexpr Tri(Value value) : value_(value) {}
-    constexpr explicit Tri(bool certain) : value_(certain ? yes : no) {}
+    constexpr explicit Tri(bool is_true) : value_(is_true ? yes : no) {}
 
     [[nodiscard]] constexpr bool is_yes() const { return value_ == yes; }
     [[nodiscard]] constexpr bool is_no() const { return value_ == no; }
@@ -72,10 +72,11 @@ auto decide(Tri mask, const F& f) {
 /// false.
 enum class Undefined : unsigned char { never, maybe, always };
 
-constexpr Undefined spread(Undefined a, Undefined b) { return a > b ? a : b; }
+/// The result of an operation is as undefined as its least defined operand.
+constexpr Undefined combine_undefined(Undefined a, Undefined b) { return a > b ? a : b; }
 
-/// The decision of a comparison, from the verdict of interval arithmetic and whether an operand may be undefined.
-constexpr Tri guarded(Tri verdict, Undefined u) {
+/// The decision of a comparison whose operands may be undefined, from the verdict of interval arithmetic.
+constexpr Tri guard_undefined(Tri verdict, Undefined u) {
     if (u == Undefined::always) return Tri::no;
     if (u == Undefined::maybe && verdict.is_yes()) return Tri::unknown;
     return verdict;

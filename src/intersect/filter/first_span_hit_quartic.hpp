@@ -31,7 +31,7 @@ FirstSpanHit<E> first_span_hit(const QuarticSpan<E>& s) {
 /// Numbers that enclose roots (geometry/real_roots.hpp).
 template <class E>
 concept EnclosesRoots = is_exact<E> && requires(const E& x) {
-    largest(x);
+    largest_magnitude(x);
 };
 
 /// The first root that does not lie before the beginning of the ray; the line touches or crosses the surface there.

@@ -42,7 +42,10 @@ double* scratch_of_thread(std::size_t doubles) {
 class ColumnRun::Layout {
 public:
     Layout(const ColumnProgram& program, std::size_t lanes, std::uint64_t shared_inputs)
-        : program_(program), lanes_(lanes), columns_(program.columns), constant_offsets_(program.constants.size()) {
+        : program_(program),
+          lanes_(lanes),
+          columns_(program.column_count),
+          constant_offsets_(program.constants.size()) {
         for (std::size_t k = 0; k < program.input_count; ++k) columns_[k].is_shared = (shared_inputs >> k & 1) != 0;
         find_last_uses();
         for (std::size_t k = 0; k < program.constants.size(); ++k) constant_offsets_[k] = take_shared_offset();
@@ -149,7 +152,7 @@ ColumnRun::ColumnRun(const ColumnProgram& program, const ColumnKernels& kernels,
     for (const auto& [first_operand, instruction] : first_operands) {
         const bool is_gate = instruction->operation == ColumnOperation::gate,
                    is_shared = !is_gate && layout.is_shared(*instruction);
-        const auto& word_kernels = kernels.by_words[static_cast<std::size_t>(program.words - 1)];
+        const auto& word_kernels = kernels.by_words[static_cast<std::size_t>(program.words_per_number - 1)];
         const auto& operation_kernels = word_kernels[static_cast<std::size_t>(instruction->operation)];
         (is_shared ? shared_steps_ : ray_steps_)
             .push_back({is_gate ? nullptr : operation_kernels[instruction->exact], &operands_[first_operand],

@@ -11,9 +11,9 @@ namespace lostbits::number::recorders {
 /// Computes each operation over `Bounded<float>` or `Bounded<double>`. The format is binary32 or binary64.
 class BoundsRecorder final : public Recorder {
 public:
-    explicit BoundsRecorder(const FloatFormat& format) : Recorder(format), is_double_(format == binary64) {}
+    explicit BoundsRecorder(const FloatFormat& format) : Recorder(format), has_double_format_(format == binary64) {}
 
-    NodeId constant(int x, bool in_double) override { return add(x, 0, in_double || is_double_); }
+    NodeId constant(int x, bool in_double) override { return add(x, 0, in_double || has_double_format_); }
     NodeId input(double x, bool in_double) override;
     NodeId apply(TapeOp op, const TapeOperands& operands) override;
     NodeId convert(NodeId x, bool to_double) override;
@@ -50,7 +50,7 @@ private:
     template <class F>
     NodeId compute(TapeOp op, const TapeOperands& operands);
 
-    bool is_double_;
+    bool has_double_format_;
     std::vector<Entry> entries_;
 };
 

@@ -43,7 +43,7 @@ enum class ColumnOperation : std::uint8_t {
     // operations of a whole step of a formula, on several words
     order_of_first_words,   ///< x, y, least -> less yes, less no, at most yes, at most no
     first_root_of_quartic,  ///< coefficients of x⁴, x², x and 1, begin, bound -> root
-    /// Has no result. If its mask is unset in every lane, no result recorded after the gate is needed.
+    /// Has no result. If its mask is unset in every lane, the rest of the program need not run.
     gate,
 };
 inline constexpr std::size_t column_operation_count = static_cast<std::size_t>(ColumnOperation::gate) + 1;
@@ -116,9 +116,9 @@ struct ColumnInstruction {
 
 /// Computes the outputs from columns of inputs and constants.
 struct ColumnProgram {
-    int words = 1;                ///< words of a bounded number
+    int words_per_number = 1;     ///< words of a bounded number
     std::size_t input_count = 0;  ///< inputs are the columns 0 to input_count − 1
-    std::size_t columns = 0;
+    std::size_t column_count = 0;
     std::vector<double> constants;  ///< constants of the columns −1, −2, …
     std::vector<ColumnInstruction> instructions;
     std::vector<ColumnIndex> outputs;
@@ -132,7 +132,7 @@ struct ColumnProgram {
 /// operands as an earlier one is not recorded again.
 class ColumnRecorder {
 public:
-    ColumnRecorder(int words, std::size_t input_count);
+    ColumnRecorder(int words_per_number, std::size_t input_count);
     ~ColumnRecorder();
     ColumnRecorder(const ColumnRecorder&) = delete;
     ColumnRecorder& operator=(const ColumnRecorder&) = delete;

@@ -68,7 +68,7 @@ public:
     /// The number, with bound 0 if it is known and infinity otherwise.
     [[nodiscard]] Running<TwoWords<P>> running() const {
         using lostbits::select;
-        return {w_, select(is_held(), P(0), P(HUGE_VAL))};
+        return {w_, select(is_known(), P(0), P(HUGE_VAL))};
     }
 
     friend Multiple operator+(const Multiple& a, const Multiple& b) {
@@ -100,10 +100,10 @@ public:
     Multiple& operator*=(const Multiple& b) { return *this = *this * b; }
 
     friend TriMask<Lanes> operator<(const Multiple& a, const Multiple& b) {
-        const Lanes are_held = a.is_held() && b.is_held();
-        if (is_known_zero(b.w_.hi)) return {are_held && a.w_.hi < P(0), are_held && a.w_.hi >= P(0)};
-        if (is_known_zero(a.w_.hi)) return {are_held && b.w_.hi > P(0), are_held && b.w_.hi <= P(0)};
-        return {are_held && a.w_ < b.w_, are_held && a.w_ >= b.w_};
+        const Lanes are_known = a.is_known() && b.is_known();
+        if (is_known_zero(b.w_.hi)) return {are_known && a.w_.hi < P(0), are_known && a.w_.hi >= P(0)};
+        if (is_known_zero(a.w_.hi)) return {are_known && b.w_.hi > P(0), are_known && b.w_.hi <= P(0)};
+        return {are_known && a.w_ < b.w_, are_known && a.w_ >= b.w_};
     }
     friend TriMask<Lanes> operator<=(const Multiple& a, const Multiple& b) { return !(b < a); }
     friend TriMask<Lanes> operator>(const Multiple& a, const Multiple& b) { return b < a; }
@@ -143,7 +143,7 @@ private:
         return {p.hi, p.lo + fma(a.hi, b.lo, a.lo * b.hi)};
     }
 
-    [[nodiscard]] Lanes is_held() const { return size_ < P(0x1p100) * unit_; }
+    [[nodiscard]] Lanes is_known() const { return size_ < P(0x1p100) * unit_; }
 
     W w_;
     P unit_, size_;

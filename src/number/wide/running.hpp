@@ -185,8 +185,8 @@ public:
         using lostbits::sqrt;
         const Running root = rounded(sqrt(a.w_), P(0));
         const P propagated_error = (a.e_ + P(underflow_loss)) / root.first();
-        const auto positive = a.first() * P(1 - 0x1p-50) > a.radius();
-        return {root.w_, select(positive, root.e_ + propagated_error, P(HUGE_VAL))};
+        const auto is_positive = a.first() * P(1 - 0x1p-50) > a.radius();
+        return {root.w_, select(is_positive, root.e_ + propagated_error, P(HUGE_VAL))};
     }
     friend Running fma(const Running& a, const Running& b, const Running& c) { return a * b + c; }
     /// Returns a: the type represents exact numbers, which have no neighbours.
