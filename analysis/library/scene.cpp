@@ -218,9 +218,9 @@ int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t ve
         }
         scene::triangle::tidy(mesh, [](std::size_t face) { return "face " + std::to_string(face); });
         // Without the removed faces every later triangle would have another index than its row.
-        if (mesh.left_out > 0)
-            throw InputError("faces: " + std::to_string(mesh.left_out) + " of " + std::to_string(face_count) +
-                             " have no area (the first is " + mesh.first_left_out +
+        if (mesh.removed_face_count > 0)
+            throw InputError("faces: " + std::to_string(mesh.removed_face_count) + " of " + std::to_string(face_count) +
+                             " have no area (the first is " + mesh.first_removed_face +
                              "); remove these rows, since a triangle is numbered by its row");
         if (mesh.faces.empty()) throw InputError("the mesh has no face; give at least one");
         remove_primitives(*scene);

@@ -24,11 +24,11 @@ concept SurfaceSpan = requires(const S& s, const Fraction<T>& t) {
 /// to the plane, or in it, has no crossing: `closed` is false.
 template <class T>
 struct FlatSpan {
-    Fraction<T> at;    ///< n/m, m > 0 where the line crosses the plane
-    mask_t<T> closed;  ///< the line crosses the surface or its rim
-    mask_t<T> open;    ///< the line crosses the surface, not its rim
-    mask_t<T> front;   ///< the line comes from the side that the normal points to, d·n < 0; valid if the line crosses
-    T d2;              ///< d·d
+    Fraction<T> at;      ///< n/m, m > 0 where the line crosses the plane
+    mask_t<T> closed;    ///< the line crosses the surface or its rim
+    mask_t<T> open;      ///< the line crosses the surface, not its rim
+    mask_t<T> is_front;  ///< the line comes from the side that the normal points to, d·n < 0; valid if the line crosses
+    T d2;                ///< d·d
 
     static constexpr int crossings = 1;
     static constexpr bool may_hit_beyond_touch = false;

@@ -36,11 +36,11 @@ struct Key {
 
 /// Phrases about a shape and its special cases, for messages and texts.
 struct ShapeTexts {
-    std::string_view plainest;  ///< the simplest primitive, all of which lies within 2 of the origin
-    std::string_view touching;  ///< a ray that only touches the primitive
-    std::string_view point;     ///< a primitive no larger than a point
+    std::string_view simplest;      ///< the simplest primitive, all of which lies within 2 of the origin
+    std::string_view touching_ray;  ///< a ray that only touches the primitive
+    std::string_view degenerate;    ///< a primitive no larger than a point
     std::string_view
-        places;  ///< the points that determine the position of the primitive, in the plural, such as `centres`
+        anchor_points;  ///< the points that determine the position of the primitive, in the plural, such as `centres`
 };
 
 }  // namespace lostbits

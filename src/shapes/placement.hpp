@@ -35,7 +35,7 @@ struct Placement {
 };
 
 /// Converts each number by `lift`. If the result is in doubles, `lift` may have rounded, so the sign of the determinant
-/// is computed again. Callers that round in a wider number type must compute the sign themselves.
+/// is computed again. If a caller rounds in a wider number type, it must compute the sign itself.
 template <class S, class Lift>
 auto transformed(const Placement<S>& placement, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;

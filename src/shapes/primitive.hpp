@@ -35,14 +35,14 @@ struct Primitive {
     }
 
     /// Returns the numbers of the shape, without those of its matrix.
-    [[nodiscard]] std::span<const S> used() const { return std::span(numbers).first(row_of(shape).numbers); }
-    [[nodiscard]] std::span<S> used() { return std::span(numbers).first(row_of(shape).numbers); }
+    [[nodiscard]] std::span<const S> shape_numbers() const { return std::span(numbers).first(row_of(shape).numbers); }
+    [[nodiscard]] std::span<S> shape_numbers() { return std::span(numbers).first(row_of(shape).numbers); }
 
     template <template <class> class Of>
     [[nodiscard]] bool is() const {
         return shape == shape_as<Of>;
     }
-    /// Returns the primitive as the struct of its shape. `Of` must be the shape that `shape` names.
+    /// Returns the primitive as the struct `Of` of its shape. `shape` must be the shape of `Of`.
     template <template <class> class Of>
     [[nodiscard]] Of<S> as() const {
         return primitive_from<Of, S>([this](std::size_t k) { return numbers[k]; });
@@ -64,13 +64,13 @@ private:
     }
 };
 
-/// Calls `act.template operator()<Sphere>()` for a sphere.
+/// Calls `act.template operator()<Of>()` with the struct of the primitive's shape, such as `Sphere`.
 template <class S, class Act>
 decltype(auto) visit_shape(const Primitive<S>& primitive, const Act& act) {
     return Primitives::visit_shape(primitive, act);
 }
 
-/// Calls `act` on the struct of the shape. `act` is a template, or has an overload for every shape.
+/// Calls `act` with the primitive as the struct of its shape. `act` is a template, or has an overload for every shape.
 template <class S, class Act>
 decltype(auto) visit(const Primitive<S>& primitive, const Act& act) {
     return visit_shape(primitive,
@@ -88,7 +88,7 @@ Primitive<S> scaled(const Primitive<S>& primitive, const S& k) {
     return result;
 }
 
-/// Sets d·d in every part of a span to that of the world ray; it was that of the ray in the space of the primitive.
+/// Sets d·d in every part of a span to that of the world ray. Before, it is that of the ray in the primitive's space.
 template <class Span, class S>
 void set_direction_square(Span& span, const S& d2) {
     span.d2 = d2;
@@ -146,7 +146,7 @@ Primitive<S> primitive_around(Shape shape, const Vec<S>& point, const S& half) {
 template <class S, class Lift>
 auto transformed(const Primitive<S>& primitive, Lift lift) {
     Primitive<std::decay_t<std::invoke_result_t<Lift, const S&>>> result(primitive.shape);
-    for (std::size_t i = 0; i < primitive.used().size(); ++i) result.numbers[i] = lift(primitive.numbers[i]);
+    for (std::size_t i = 0; i < primitive.shape_numbers().size(); ++i) result.numbers[i] = lift(primitive.numbers[i]);
     if (primitive.placed) result.placed = transformed(*primitive.placed, lift);
     return result;
 }
@@ -162,8 +162,8 @@ bool are_apart(const Vec<S>& a, const Vec<S>& b) {
     return any_differs;
 }
 
-/// A limit of a key that a primitive breaks, and the index of the number that breaks it. If a point breaks the limit,
-/// this is the index of its first coordinate. NaN breaks every limit.
+/// A limit that a primitive breaks: its key, and the index of the number that breaks it. For a point this is the index
+/// of its first coordinate. NaN breaks every limit.
 struct BrokenLimit {
     const Key* key;
     std::size_t number;

@@ -110,11 +110,11 @@ void record_with(const BoxedFormParts& form_parts, const Format& format, const R
         for (int k = 0; k < 3; ++k) form_inputs.push_back(input(v[k]));
     box_inputs = form_inputs;
     const Primitive<double> primitive = target.primitives.front(), box = box_around(form_parts, format, primitive);
-    for (const double x : primitive.used()) form_inputs.push_back(input(x));
+    for (const double x : primitive.shape_numbers()) form_inputs.push_back(input(x));
     if (primitive.placed)
         for (const double x : primitive.placed->matrix) form_inputs.push_back(input(x));
     form_inputs.push_back(input(tmax));
-    for (const double x : box.used()) box_inputs.push_back(input(x));
+    for (const double x : box.shape_numbers()) box_inputs.push_back(input(x));
     box_inputs.push_back(form_inputs.back());
     const auto append_row = [&](const Intersector& form, const Target<double>& part_target,
                                 const std::vector<NodeId>& inputs) {

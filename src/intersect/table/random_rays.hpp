@@ -72,7 +72,7 @@ public:
     }
 
     [[nodiscard]] std::size_t size() const { return primitives_.size(); }
-    [[nodiscard]] std::span<const S> numbers(std::size_t ray) const { return primitives_[ray].used(); }
+    [[nodiscard]] std::span<const S> numbers(std::size_t ray) const { return primitives_[ray].shape_numbers(); }
     /// Input k of a tape: origin, direction, numbers of the primitive, and the end of the ray, which is infinite.
     [[nodiscard]] S input(std::size_t ray, std::size_t k) const {
         if (k < 6) return columns_[k][ray];

@@ -113,7 +113,7 @@ void record_with(const TransformedFormParts& form_parts, const Format& format, c
     for (std::size_t k = 0; k < 6; ++k)
         world.ray[k] = input(k < 3 ? ray.origin[static_cast<int>(k)] : ray.direction[static_cast<int>(k - 3)]);
     std::vector<NodeId> numbers;
-    for (const double x : primitive.used()) numbers.push_back(input(x));
+    for (const double x : primitive.shape_numbers()) numbers.push_back(input(x));
     for (std::size_t k = 0; k < world.matrix.size(); ++k) world.matrix[k] = input(primitive.placed->matrix[k]);
     world.is_inverse = primitive.placed->is_inverse;
     const NodeId end = input(tmax);

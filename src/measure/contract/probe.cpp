@@ -57,7 +57,7 @@ std::vector<Question> many_questions(Shape shape) {
     return questions;
 }
 
-std::string plainest_primitive_text(Shape shape) { return std::string(row_of(shape).texts.plainest); }
+std::string plainest_primitive_text(Shape shape) { return std::string(row_of(shape).texts.simplest); }
 
 /// Text of the plainest ray and its primitive.
 std::string plainest_ray_text(Shape shape, const char* joint) {
@@ -380,7 +380,7 @@ void try_odd_numbers(Trial& trial) {
     }
     try_odd(trial, "nan-origin", "an origin of NaN", question_along_z(shape, nan, 1));
     try_odd(trial, "infinite-origin", "an origin at infinity", question_along_z(shape, -infinity, 1));
-    try_odd(trial, "point", std::string(row_of(shape).texts.point), question_along_z(shape, -5, 1, 0, 0));
+    try_odd(trial, "point", std::string(row_of(shape).texts.degenerate), question_along_z(shape, -5, 1, 0, 0));
     const int scale = trial.contract.bits == 32 ? 100 : 600;
     const std::string format = "binary" + std::to_string(trial.contract.bits), power = std::to_string(scale);
     try_odd(

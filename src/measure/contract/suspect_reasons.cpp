@@ -47,7 +47,7 @@ bool fits_length(const AnswerSample& sample, const ShapeRow& shape_row, double (
 /// True if the answer is that for a primitive whose numbers are `factor` times as large.
 bool fits_scaled(const AnswerSample& sample, double factor) {
     Primitive<double> other = sample.primitive;
-    for (std::size_t k = 0; k < other.used().size(); ++k) other.numbers[k] *= factor;
+    for (std::size_t k = 0; k < other.shape_numbers().size(); ++k) other.numbers[k] *= factor;
     return fits(sample, sample.ray, other);
 }
 

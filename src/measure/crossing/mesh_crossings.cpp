@@ -39,7 +39,7 @@ std::optional<Passage> find_passage(const Ray<double>& ray, const Primitive<doub
     if (!span.closed.is_yes() || span.open.is_unknown()) return std::nullopt;
     const auto t = sign(span.at.n);
     if (!t) return std::nullopt;
-    return Passage{span.open.is_yes() ? Passage::Kind::inner : Passage::Kind::rim, span.front.is_yes(), *t};
+    return Passage{span.open.is_yes() ? Passage::Kind::inner : Passage::Kind::rim, span.is_front.is_yes(), *t};
 }
 
 /// Returns nothing if no precision decides. Single doubles with bounds decide most triangles, in a fifth of the time.
@@ -156,7 +156,7 @@ std::optional<int> facing_of(const Ray<double>& ray, const Primitive<double>& tr
         const FlatSpan<E> span = lifted_span<E>(ray, triangle);
         const auto steepness = sign(span.at.m);
         if (!steepness || *steepness == 0) return steepness;
-        return span.front.is_yes() ? 1 : -1;
+        return span.is_front.is_yes() ? 1 : -1;
     });
 }
 

@@ -126,7 +126,8 @@ namespace {
 
 /// For each input of a tape, the index of the input that takes its place under an exchange of axes.
 std::vector<int> exchanged_inputs(const Primitive<double>& example, const Isometry& isometry) {
-    std::vector<double> numbers(6 + example.used().size() + (example.placed ? example.placed->matrix.size() : 0) + 1);
+    std::vector<double> numbers(6 + example.shape_numbers().size() +
+                                (example.placed ? example.placed->matrix.size() : 0) + 1);
     std::iota(numbers.begin(), numbers.end(), 0);
     const auto real = [](double x) { return Real(x); };
     const auto vector = [&](const Vec<double>& v) {

@@ -218,7 +218,7 @@ Enclosed<E> enclosed_at(const WallSpan<E>& s, int i, bool touching, bool on_surf
 template <class E>
 Tri faces(const FlatSpan<E>& s, intersect::Facing facing) {
     if (facing == intersect::Facing::both) return Tri::yes;
-    return facing == intersect::Facing::front ? Tri(s.front) : !Tri(s.front);
+    return facing == intersect::Facing::front ? Tri(s.is_front) : !Tri(s.is_front);
 }
 template <class E>
 Tri faces(const WallSpan<E>&, intersect::Facing) {

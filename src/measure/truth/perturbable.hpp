@@ -157,7 +157,7 @@ public:
     [[nodiscard]] double ball_bound(const WithinErrors& t) const {
         if (placed_ || !has_bounding_box(shape_)) return anywhere;
         Primitive<double> plain(shape_);
-        std::copy_n(x_.begin() + 6, plain.used().size(), plain.numbers.begin());
+        std::copy_n(x_.begin() + 6, plain.shape_numbers().size(), plain.numbers.begin());
         // Covers the roundings of a radius, and what its squares lose to underflow.
         double distance = 2 * ball_around(plain).radius + 0x1p-48 * length_of(x_, 6, count_) + 0x1p-500;
         for_each_vector([&](std::size_t first, std::size_t end) {

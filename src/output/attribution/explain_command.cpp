@@ -21,8 +21,8 @@ std::string explain_ray_arguments(const scene::rays::RayGroup* group) {
     if (group == nullptr) return "";
     std::string text;
     for (const Primitive<double>& primitive : group->primitives) {
-        text +=
-            fmt::format("--{}={}", lostbits::name_of(primitive.shape), file::listed(primitive.used(), file::hex, ","));
+        text += fmt::format("--{}={}", lostbits::name_of(primitive.shape),
+                            file::listed(primitive.shape_numbers(), file::hex, ","));
         if (const auto& placed = primitive.placed)
             text += fmt::format("@{}{}", placed->is_inverse ? "/" : "", file::listed(placed->matrix, file::hex, ","));
         text += ' ';

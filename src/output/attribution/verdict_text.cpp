@@ -306,7 +306,7 @@ bool is_wrong_root(const Explanation& x) {
     if (!is_far_off || !x.true_t || !is_primitive(x.form->shape) || x.missed) return false;
     const Primitive<double> primitive(x.shape);
     const std::size_t range_input_count = x.range.is_whole() ? 1 : 2;
-    if (x.inputs.size() != 6 + primitive.used().size() + range_input_count) return false;  // under a matrix
+    if (x.inputs.size() != 6 + primitive.shape_numbers().size() + range_input_count) return false;  // under a matrix
     return measure::stability::is_wrong_root(measure::tape::ray_of(x.inputs),
                                              measure::tape::primitive_of(x.inputs, primitive),
                                              measure::truth::exactly(*x.true_t), x.result.t);

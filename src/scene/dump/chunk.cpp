@@ -212,7 +212,7 @@ Range<double> ChunkWriter::range() const {
 
 Primitive<double> ChunkWriter::primitive() const {
     Primitive<double> primitive = terms_.under_matrix.value_or(Primitive<double>(*shape_));
-    for (std::size_t k = 0; !terms_.under_matrix && k < primitive.used().size(); ++k)
+    for (std::size_t k = 0; !terms_.under_matrix && k < primitive.shape_numbers().size(); ++k)
         primitive.numbers[k] = numbers_[slot::primitive + k];
     if (!layout_.has_matrix()) return primitive;
     std::array<double, Affine<double>::numbers> matrix;

@@ -220,7 +220,7 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
                 "applies to all triangles of the scene, but there are several meshes; write them into one, or leave it "
                 "out");
     }
-    if (!meshes.empty()) scene.mesh = std::make_shared<const triangle::Mesh>(triangle::joined(std::move(meshes)));
+    if (!meshes.empty()) scene.mesh = std::make_shared<const triangle::Mesh>(triangle::join_meshes(std::move(meshes)));
     if (auto march = file.optional_table("march")) scene.march = read_march(*march, scene.inputs);
     if (auto rays = file.optional_table("rays")) scene.range = read_rays(*rays, scene.inputs, numbers);
     file.reject_unknown_keys();

@@ -54,7 +54,7 @@ namespace {
 /// a vertex.
 Primitive<Real> at_vertex(const Scene& scene, const Vec<double>& v) {
     Primitive<double> triangle(scene.mesh->triangle(0));
-    for (std::size_t k = 0; k < triangle.used().size(); k += 3) triangle.set_point(k, v);
+    for (std::size_t k = 0; k < triangle.shape_numbers().size(); k += 3) triangle.set_point(k, v);
     triangle.placed = scene.mesh_placed;
     return transformed(triangle, [](double x) { return Real(x); });
 }
@@ -128,7 +128,7 @@ std::optional<Primitive<Real>> grown(const Primitive<Real>& primitive, const Vec
     const Vec<Real> object_viewpoint =
         primitive.placed ? point_to_object_space(viewpoint, *primitive.placed) : viewpoint;
     auto result = visit(primitive, [&](const auto& shape) -> std::optional<Primitive<Real>> {
-        return shape.grown(object_viewpoint, k);
+        return shape.scaled_about(object_viewpoint, k);
     });
     if (result) result->placed = primitive.placed;
     return result;

@@ -106,7 +106,7 @@ TEST_CASE("a glTF file that transforms its mesh or refers to a remote buffer is 
     CHECK(error_with("{", bytes).starts_with("a.gltf:1:1: is not JSON: "));
     CHECK(error_with("{\n  \"asset\": ?}", bytes).starts_with("a.gltf:2:12: is not JSON: "));
     CHECK(error_with(as_gltf(ball, buffer) + '\0' + "x", bytes)
-              .ends_with("has a byte 0 with more text after it; is it text?"));
+              .ends_with("has a zero byte with more text after it; is it a text file?"));
     CHECK(error_with(as_gltf(ball, buffer) + std::string(3, '\0'), bytes) == "no error");
     CHECK(error_with(as_gltf(ball, buffer) + "x", bytes).find("is not JSON: ") != std::string::npos);
     CHECK(error_with(replaced(as_gltf(ball, buffer), "\"asset\"",

@@ -20,7 +20,7 @@ struct EmbreeRobust {
         clip_by_signs(ray, box, tmin, tmax);
         const T three_eps = T(3) * (T(2) * unit_roundoff<T>());
         const T down = T(1) - three_eps, up = T(1) + three_eps;
-        return entered<T>(down * tmin <= up * tmax, {tmin, tmax});
+        return hit_from_segment<T>(down * tmin <= up * tmax, {tmin, tmax});
     }
 };
 

@@ -28,15 +28,15 @@ struct FilteredSlabs {
         T tmin(0), tmax = limit;
         if constexpr (is_exact<T>) {
             clip_by_signs(ray, box, tmin, tmax);
-            return entered<T>(tmin <= tmax, {tmin, tmax});
+            return hit_from_segment<T>(tmin <= tmax, {tmin, tmax});
         } else {
             T overflow_sum(0);
             clip_by_signs(ray, box, tmin, tmax,
                           [&](int /*axis*/, const T& /*inv*/, const T& dmax) { overflow_sum = overflow_sum + dmax; });
-            const filtered::BoundDecision<T> bound_decision = filtered::by_bound<T>(tmin, tmax, overflow_sum);
-            if (!any_of(!bound_decision.proved)) return entered<T>(bound_decision.hit, {tmin, tmax});
-            return filtered::by_planes<T>(ray, filtered::planes_of<T>(ray, box), {{tmin, tmax}, limit}, bound_decision,
-                                          watch);
+            const filtered::BoundDecision<T> bound_decision = filtered::decide_by_bound<T>(tmin, tmax, overflow_sum);
+            if (!any_of(!bound_decision.is_proved)) return hit_from_segment<T>(bound_decision.hit, {tmin, tmax});
+            return filtered::decide_by_planes<T>(ray, filtered::planes_of<T>(ray, box), {{tmin, tmax}, limit},
+                                                 bound_decision, watch);
         }
     }
 };

@@ -20,7 +20,7 @@ struct MaxMult {
         T tmin(0), tmax = limit;
         clip_by_signs(ray, box, tmin, tmax);
         tmax = named("tmax", tmax * (T(1) + T(1) / T(4194304)));  // 4194304 = 2²²
-        return entered<T>(tmin <= tmax, {tmin, tmax});
+        return hit_from_segment<T>(tmin <= tmax, {tmin, tmax});
     }
 };
 

@@ -25,7 +25,7 @@ struct PbrtPadded {
             tmin = named("tmin", max(dmin, tmin));
             tmax = named("tmax", min(dmax, tmax));
         }
-        return entered<T>(tmin <= tmax, {tmin, tmax});
+        return hit_from_segment<T>(tmin <= tmax, {tmin, tmax});
     }
 };
 

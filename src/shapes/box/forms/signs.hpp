@@ -18,7 +18,7 @@ struct Signs {
     static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit) {
         T tmin(0), tmax = limit;
         clip_by_signs(ray, box, tmin, tmax);
-        return entered<T>(tmin <= tmax, {tmin, tmax});
+        return hit_from_segment<T>(tmin <= tmax, {tmin, tmax});
     }
 };
 

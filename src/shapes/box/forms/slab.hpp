@@ -14,11 +14,11 @@ struct Segment {
     T tmax;
 };
 
-/// Returns the hit with near = t = tmin ≥ 0, clipped at the origin, and far = tmax. `is_left` is the result of the
+/// Returns the hit with near = t = tmin ≥ 0, clipped at the origin, and far = tmax. `is_hit` is the result of the
 /// form's own last test: true if a part of the ray is inside the box.
 template <Number T>
-Hit<T> entered(const mask_t<T>& is_left, const Segment<T>& segment) {
-    return Hit<T>{is_left, segment.tmin, segment.tmin, segment.tmax};
+Hit<T> hit_from_segment(const mask_t<T>& is_hit, const Segment<T>& segment) {
+    return Hit<T>{is_hit, segment.tmin, segment.tmin, segment.tmax};
 }
 
 /// The coordinates of a slab's two planes in the order in which the line meets them.

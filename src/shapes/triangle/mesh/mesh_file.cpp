@@ -12,14 +12,14 @@ struct MeshFormat {
     ParsedMesh (*read)(MeshBytes&, const MeshSettings&);
     bool has_lines;
 };
-constexpr MeshFormat formats[] = {{".obj", read_obj, true},
-                                  {".ply", read_ply, false},
-                                  {".stl", read_stl, false},
-                                  {".gltf", read_gltf, false},
-                                  {".glb", read_gltf, false}};
+constexpr MeshFormat mesh_formats[] = {{".obj", read_obj, true},
+                                       {".ply", read_ply, false},
+                                       {".stl", read_stl, false},
+                                       {".gltf", read_gltf, false},
+                                       {".glb", read_gltf, false}};
 
 const MeshFormat& format_of(const std::filesystem::path& path) {
-    for (const MeshFormat& format : formats)
+    for (const MeshFormat& format : mesh_formats)
         if (path.extension() == format.extension) return format;
     throw InputError(path.string() +
                      ": is not a known kind of mesh; its name must end in .obj, .ply, .stl, .gltf or .glb");
@@ -39,7 +39,7 @@ Mesh read_mesh_file(const std::filesystem::path& path, const MeshSettings& setti
         throw InputError(path.string() + ": has no faces; a mesh has at least one triangle");
     tidy(parsed_mesh.mesh, describe_face, settings.stop);
     if (parsed_mesh.mesh.faces.empty())
-        throw InputError(path.string() + ": none of its faces has an area; " + parsed_mesh.mesh.first_left_out +
+        throw InputError(path.string() + ": none of its faces has an area; " + parsed_mesh.mesh.first_removed_face +
                          " is the first");
     return std::move(parsed_mesh.mesh);
 }

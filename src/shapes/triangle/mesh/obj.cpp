@@ -18,7 +18,7 @@ bool is_ignored(std::string_view keyword) {
 }
 
 /// Returns the index of a vertex, from 0, for `7`, `7/1`, `7/1/2`, `7//2` or `-1`.
-std::uint32_t to_vertex_index(const TextLines& lines, std::string_view word, std::size_t vertices) {
+std::uint32_t parse_vertex_index(const TextLines& lines, std::string_view word, std::size_t vertices) {
     const std::string_view text = word.substr(0, word.find('/'));
     long long number = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -79,7 +79,7 @@ ParsedMesh read_obj(MeshBytes& bytes, const MeshSettings& settings) {
         } else if (keyword == "f") {
             corners.clear();
             for (std::string_view word = lines.word(); !word.empty(); word = lines.word())
-                corners.push_back(to_vertex_index(lines, word, parsed_mesh.mesh.vertices.size()));
+                corners.push_back(parse_vertex_index(lines, word, parsed_mesh.mesh.vertices.size()));
             if (corners.size() < 3) lines.fail_line("is a face of fewer than 3 corners");
             parsed_mesh.add(corners, lines.line());
             if (parsed_mesh.mesh.faces.size() > most_faces)

@@ -19,7 +19,7 @@ public:
 
     ParsedMesh read() {
         while (lines_.next())
-            if (const std::string_view keyword = lines_.word(); !keyword.empty()) take_keyword(keyword);
+            if (const std::string_view keyword = lines_.word(); !keyword.empty()) read_keyword(keyword);
         if (position_ != Position::outside)
             lines_.fail_line(position_ == Position::in_facet ? "ends inside of a facet; was it cut short?"
                                                              : "ends before endsolid; was it cut short?");
@@ -29,22 +29,22 @@ public:
 private:
     enum class Position { outside, in_solid, in_facet };
 
-    void take_keyword(std::string_view keyword) {
-        if (keyword == "solid") move_position(Position::outside, Position::in_solid);
-        else if (keyword == "facet") move_position(Position::in_solid, Position::in_facet), corners_ = 0;
-        else if (keyword == "vertex") take_vertex();
+    void read_keyword(std::string_view keyword) {
+        if (keyword == "solid") require_and_move(Position::outside, Position::in_solid);
+        else if (keyword == "facet") require_and_move(Position::in_solid, Position::in_facet), corners_ = 0;
+        else if (keyword == "vertex") read_vertex_line();
         else if (keyword == "endfacet") end_facet();
-        else if (keyword == "endsolid") move_position(Position::in_solid, Position::outside);
+        else if (keyword == "endsolid") require_and_move(Position::in_solid, Position::outside);
         else if (keyword != "outer" && keyword != "endloop")
             lines_.fail(toml::quoted_excerpt(keyword) + " is not a keyword of STL; is it an STL?");
     }
-    void move_position(Position expected, Position next) {
+    void require_and_move(Position expected, Position next) {
         if (position_ != expected)
             lines_.fail("is not allowed " + std::string(position_texts[static_cast<std::size_t>(position_)]));
         position_ = next;
     }
-    void take_vertex() {
-        move_position(Position::in_facet, Position::in_facet);
+    void read_vertex_line() {
+        require_and_move(Position::in_facet, Position::in_facet);
         const auto number = [&](const char* name) { return lines_.coordinate<double>(name, stored_); };
         const double x = number("x"), y = number("y"), z = number("z");
         const auto index = static_cast<std::uint32_t>(parsed_mesh_.mesh.vertices.size());
@@ -53,7 +53,7 @@ private:
         if (parsed_mesh_.mesh.faces.size() > most_vertices / 3) lines_.fail_line("has more than 2^32 - 1 vertices");
     }
     void end_facet() {
-        move_position(Position::in_facet, Position::in_solid);
+        require_and_move(Position::in_facet, Position::in_solid);
         if (corners_ != 3)
             lines_.fail_line("ends a facet of " + scene::toml::count_with_noun(corners_, "vertex", "vertices") +
                              "; an STL facet has 3");
@@ -72,19 +72,19 @@ private:
 
 ParsedMesh read_stl(MeshBytes& bytes, const MeshSettings& settings) {
     static_assert(std::endian::native == std::endian::little, "STL is little endian, and its numbers are copied");
-    const std::string start(bytes.look(header_size));
+    const std::string first_bytes(bytes.peek(header_size));
     std::uint32_t count = 0;
-    if (start.size() == header_size) std::memcpy(&count, start.data() + 80, 4);
+    if (first_bytes.size() == header_size) std::memcpy(&count, first_bytes.data() + 80, 4);
     const std::uint64_t size = header_size + facet_size * std::uint64_t{count};
-    if (start.size() < header_size || bytes.size() != size) {
+    if (first_bytes.size() < header_size || bytes.size() != size) {
         const bool is_text =
-            std::string_view(start).substr(start.starts_with("\xEF\xBB\xBF") ? 3 : 0).starts_with("solid");
+            std::string_view(first_bytes).substr(first_bytes.starts_with("\xEF\xBB\xBF") ? 3 : 0).starts_with("solid");
         if (is_text) return StlText(bytes, settings.stored).read();
         throw InputError(
             fmt::format("{}: byte {}: is not an STL: it does not begin with the word solid, and with {} it "
                         "would have {} bytes and not {}; was it cut short?",
-                        bytes.name(), start.size() < header_size ? 0 : 80, toml::count_with_noun(count, "facet"), size,
-                        bytes.size()));
+                        bytes.name(), first_bytes.size() < header_size ? 0 : 80, toml::count_with_noun(count, "facet"),
+                        size, bytes.size()));
     }
     ParsedMesh parsed_mesh;
     bytes.take(header_size);

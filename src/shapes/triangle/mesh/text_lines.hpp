@@ -24,7 +24,7 @@ enum class Statement : std::uint8_t { line, continued_by_backslash };
 
 class TextLines {
 public:
-    static constexpr std::size_t longest = std::size_t{1} << 20;
+    static constexpr std::size_t max_line_bytes = std::size_t{1} << 20;
 
     explicit TextLines(MeshBytes& bytes, Statement statement = Statement::line)
         : bytes_(bytes), statement_(statement) {}
@@ -90,13 +90,13 @@ public:
 private:
     /// Reads the next line, without its line break and without a backslash that continues it.
     bool read_line() {
-        if (!bytes_.take_line(line_, longest)) return false;
+        if (!bytes_.take_line(line_, max_line_bytes)) return false;
         word_end_ = 0, word_start_ = 0;
         if (++line_number_ == 1 && line_.starts_with("\xEF\xBB\xBF")) line_.remove_prefix(3);
-        if (line_.size() > longest) fail("is longer than 1 MB; write one vertex or face on each line");
+        if (line_.size() > max_line_bytes) fail("is longer than 1 MB; write one vertex or face on each line");
         if (line_.ends_with('\r')) line_.remove_suffix(1);
         // Some programs treat these bytes as the end of a line, and hide the rest of it.
-        refuse_byte('\0', "has a byte 0; is it text?");
+        refuse_byte('\0', "has a zero byte; is it a text file?");
         refuse_byte('\r', "has a carriage return inside the line; end lines with line feeds");
         const std::size_t last_character = line_.find_last_not_of(" \t");
         continues_ = statement_ == Statement::continued_by_backslash && last_character < line_.size() &&
