@@ -29,7 +29,7 @@ constexpr S<T> primitive_from(const Numbers& number_at) {
     (std::make_index_sequence<S<T>::keys.size()>());
 }
 
-/// Calls `visit(number_at)` for each number.
+/// Calls `visit(number)` for each number of a primitive.
 template <template <class> class S, class T, class Take>
 constexpr void each_number(const S<T>& primitive, const Take& visit) {
     const auto visit_keys = [&visit](const auto&... values) {

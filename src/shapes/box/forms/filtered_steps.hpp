@@ -44,7 +44,7 @@ struct BoundDecision : SlabDecision<T> {
 /// A slab that is parallel to the ray has two infinite t: of one sign if the ray is outside the slab, and −∞ and ∞ if
 /// it is inside. For a ray in one of the planes, 0·∞ is NaN, which leaves tmin and tmax as they were. For a direction
 /// of zeros, tmin and tmax may both be ∞; then neither test holds, and the ray is left undecided. The errors of tmin
-/// and tmax are at most 6.1u of themselves, or the distance between subnormal numbers.
+/// and tmax are at most 6.1u |tmin| and 6.1u |tmax|, or the distance between subnormal numbers.
 template <Number T>
 BoundDecision<T> decide_by_bound(const T& tmin, const T& tmax, const T& overflow_sum) {
     if constexpr (traces_operations<T>) {
@@ -73,7 +73,8 @@ struct SlabResult {
     T limit;
 };
 
-/// Returns the largest of these two values over the axes. If nothing overflows, each is right to 7u of itself:
+/// Returns the largest of these two values over the axes. If nothing overflows, each has a relative error of at
+/// most 7u:
 ///
 ///     dmax |d|    is plane − o, or its negative
 ///     (1/d) d     is 1
@@ -121,7 +122,7 @@ mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) 
 }
 
 /// Decides in W, rounded to nearest, by the comparisons n m ≤ f g of `join_all_pairs`. With v the unit roundoff of W, n
-/// and f round once and the products once more, so n m and f g are right to 2.1v of themselves. Then n m ≤ f g is
+/// and f round once and the products once more, so n m and f g have relative errors of at most 2.1v. Then n m ≤ f g is
 /// proved if n m + 3v(|n m| + |f g|) ≤ f g, also if both are zero. Infinite planes make NaN, which decides nothing.
 ///
 /// The function is `static`, so that the linker does not use a copy that another file compiled for wide registers.

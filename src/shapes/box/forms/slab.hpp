@@ -44,8 +44,8 @@ concept BoxLike = std::same_as<B, Box<T>> || std::same_as<B, OrderedBox<T>>;
 /// has inv = −∞ and its planes are swapped, so a ray between them still runs from −∞ to +∞.
 template <Number T>
 Planes<T> planes_by_sign(const Box<T>& box, int axis, const T& inv) {
-    const mask_t<T> sign = copysign(T(1), inv) < T(0);
-    return {select(sign, box.hi[axis], box.lo[axis]), select(sign, box.lo[axis], box.hi[axis])};
+    const mask_t<T> is_reversed = copysign(T(1), inv) < T(0);
+    return {select(is_reversed, box.hi[axis], box.lo[axis]), select(is_reversed, box.lo[axis], box.hi[axis])};
 }
 
 /// Returns the planes in the order that the kernel found.

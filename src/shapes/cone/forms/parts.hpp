@@ -42,7 +42,7 @@ template <Number T>
 Hit<T> first_of_side_and_caps(const mask_t<T>& has_no_roots, const RootPair<T>& side, const CapCrossings<T>& caps) {
     const auto is_base_first = caps.base_t < caps.top_t;
     const T first_t = select(is_base_first, caps.base_t, caps.top_t),
-            last_t = select(is_base_first, caps.top_t, caps.base);
+            last_t = select(is_base_first, caps.top_t, caps.base_t);
     const auto is_first_cap_crossed = (is_base_first && caps.is_in_base) || (!is_base_first && caps.is_in_top);
     const auto is_last_cap_crossed = (is_base_first && caps.is_in_top) || (!is_base_first && caps.is_in_base);
     const auto enters_by_side = !has_no_roots && first_t <= side.near && side.near <= last_t;

@@ -86,8 +86,8 @@ SphereDecision<T> prove_cheap_decision(const CheapValues<T>& values, const T& t)
 ///
 /// Range, with L the least normal number: a product that underflows is off by uL more. Where f·f and 1/a are both
 /// between √L/(23u) and 1/(64L), nothing overflows, and |f||d| and F are at least 64L. Then f·d, s, f + s d and w lose
-/// a 64th of their bounds. |l|², r² and e lose 5uL ≤ 1.25φ², and the 141φ² in E have that to spare over the 134φ² that
-/// it needs. Where Δ̂ > 4E, Δ̂/a ≥ 4·141u²F² > L is normal. The test of a hit is strict, because both of its sides may
+/// a 64th of their bounds. |l|², r² and e lose 5uL ≤ 1.25φ². E contains 141φ² and needs only 134φ², so it covers this
+/// loss. Where Δ̂ > 4E, Δ̂/a ≥ 4·141u²F² > L is normal. The test of a hit is strict, because both of its sides may
 /// overflow.
 template <Number T>
 SphereDecision<T> decide_cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
@@ -135,11 +135,12 @@ SphereDecision<T> prove_wide_decision(const WideValues<T>& values, const T& t) {
 ///
 /// v is W's unit roundoff; u is T's, at most 1/32. In W, with A = f·f + r² and to first order in v,
 ///     |δh| ≤ 4v|f||d|,  |δc| ≤ 5v A + v|c|,  |δa| ≤ 3v a,  |δD| ≤ v a (19 f·f + 6r²) + v|D|,
-/// so the sign of D is right where |D| > e = 24 v A a. A quarter of e is to spare, and covers e's own rounding in T.
+/// so the sign of D is right where |D| > e = 24 v A a. A quarter of e is not needed for this, and covers the rounding
+/// of e itself in T.
 ///
-/// c is right to 6u of itself, with its sign, where |c| ≥ (v/u) A, which is part of `is_accurate`. If D ≥ 0 there, h² ≥
-/// a|c| from outside, so |h| ≥ √(v/u) |f||d|, which is more than |δh|: the sign of h is right wherever it matters. q² ≥
-/// a|c| everywhere, so h is right to 4√(uv) of q. (f·f is at most A.)
+/// c has a relative error of at most 6u, and the right sign, where |c| ≥ (v/u) A, which is part of `is_accurate`. If D
+/// ≥ 0 there, h² ≥ a|c| from outside, so |h| ≥ √(v/u) |f||d|, which is more than |δh|: the sign of h is right wherever
+/// it matters. q² ≥ a|c| everywhere, so the error of h is at most 4√(uv) q. (f·f is at most A.)
 ///
 /// t: D contributes |√D̂ − √D|/q ≤ e/(√D̂ q), which is required to be at most 16u. The rest is 6u of c, and the
 /// roundings of h, c, D, √, +, ÷ in T: 27u together, within the 32u of 18 correct bits of 24.

@@ -19,7 +19,7 @@ struct BrlCad {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
-        const RelativeRay<T> relative(ray, torus);
+        const TorusRay<T> relative(ray, torus);
         const T R = torus.major_radius, alpha = torus.minor_radius / R;
         const Vec<T> p = (T(1) / R) * relative.p;
         const T to_closest = named("cor_proj", dot(p, relative.d));

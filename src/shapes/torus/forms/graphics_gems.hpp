@@ -20,7 +20,7 @@ struct GraphicsGems {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
-        const RelativeRay<T> relative(ray, torus);
+        const TorusRay<T> relative(ray, torus);
         FirstHit<T> first_hit;
         quartic_roots<T>(quartic_in_t<T>(relative.p, relative.d, relative.pz, relative.dz, torus),
                          [&](const auto& is_root, const T& t) { first_hit.add_root(is_root, t); });

@@ -6,17 +6,18 @@
 
 namespace lostbits::intersect::torus {
 
-/// The origin p relative to the centre, the direction d, and their components along the unit axis.
+/// A ray relative to a torus: the origin p relative to the centre, the direction d, and their components along the unit
+/// axis.
 template <Number T>
-struct RelativeRay {
+struct TorusRay {
     Vec<T> p, d;
     T pz, dz;
 
-    RelativeRay(const Ray<T>& ray, const Torus<T>& torus)
-        : RelativeRay(ray.origin - torus.centre, ray.direction, (T(1) / length(torus.axis)) * torus.axis) {}
+    TorusRay(const Ray<T>& ray, const Torus<T>& torus)
+        : TorusRay(ray.origin - torus.centre, ray.direction, (T(1) / length(torus.axis)) * torus.axis) {}
 
 private:
-    RelativeRay(const Vec<T>& f, const Vec<T>& direction, const Vec<T>& n)
+    TorusRay(const Vec<T>& f, const Vec<T>& direction, const Vec<T>& n)
         : p(f), d(direction), pz(named("pz", dot(n, f))), dz(named("dz", dot(n, direction))) {}
 };
 

@@ -19,7 +19,7 @@ struct PovRay {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
-        const RelativeRay<T> relative(ray, torus);
+        const TorusRay<T> relative(ray, torus);
         const T distance = length(relative.p), bound = torus.major_radius + torus.minor_radius + torus.minor_radius;
         const T shift = named("closer", select(distance > bound, distance - bound, T(0)));
         const Vec<T> p = relative.p + shift * relative.d;

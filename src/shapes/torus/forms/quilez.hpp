@@ -19,7 +19,7 @@ struct QuilezTorus {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
-        const RelativeRay<T> relative(ray, torus);
+        const TorusRay<T> relative(ray, torus);
         const T zero(0), one(1), two(2), three(3), four(4);
         const T Ra2 = square(torus.major_radius), ra2 = square(torus.minor_radius);
         const T m = square(relative.p), n = dot(relative.p, relative.d), k = named("k", (m - ra2 - Ra2) / two);

@@ -73,14 +73,15 @@ struct DecisionProof {
 /// and t is needed in a format of roundoff u. To first order in v (Higham 2002, lemma 3.1), with M the largest of the
 /// vertices' sizes:
 ///
-///     b, c              off by v of themselves
+///     b, c              relative error of at most v
 ///     d·(b × c)         each of the six products d_i b_j c_k by 7v: off by at most 7v Σ|d_i| 2M² = 14v |d| M², |d| the
 ///                       sum of sizes; 16v cover the terms of second order where v ≤ 2^-9
 ///     n_i = x − y       by 3v of x and of y, and by v of n_i
 ///     m, k              by v Σ|d_i| g_i and v Σ|a_i| g_i, g_i = 3(|x| + |y|) + 5|n_i|
 ///
-/// m and k are required to be right to s = min(14u, 2^-9) of themselves. t is then right to 2s and three roundings,
-/// within the 32u of 18 correct bits of 24. The edges add up to m, so if all have one sign, m has the same.
+/// m and k are required to have relative errors of at most s = min(14u, 2^-9). The relative error of t is then at most
+/// 2s plus three roundings, within the 32u of 18 correct bits of 24. The edges add up to m, so if all have one sign, m
+/// has the same.
 ///
 /// Range, with L the least normal number of P: a number that underflows is off by wL, or by 5wL in two words. f = 64L
 /// w/v covers that by v of itself. M² and |d| M² must reach f, and it is part of g_i and of the bounds of m and k. All

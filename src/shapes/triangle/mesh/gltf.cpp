@@ -20,8 +20,7 @@ using nlohmann::json;
 
 static_assert(std::endian::native == std::endian::little, "glTF is little endian, and its numbers are copied");
 
-constexpr std::uint64_t max_json_bytes = std::uint64_t{1}
-                                         << 29;  // a larger mesh has its buffers beside it, or is a .glb
+constexpr std::uint64_t max_json_bytes = std::uint64_t{1} << 29;  // larger meshes use .bin or .glb
 
 /// The meshes of one file. A buffer is read once, when a primitive first needs it. The same holds for an accessor of
 /// vertices: primitives that share an accessor share its vertices.
@@ -49,7 +48,7 @@ public:
             for (const GltfValue& mesh : sections_["meshes"]) add_mesh(mesh);
             return std::move(parsed_mesh_);
         }
-        const std::uint64_t scene = root_.whole("scene", 0);
+        const std::uint64_t scene = root_.unsigned_number("scene", 0);
         if (scene >= scenes.size())
             root_.fail(fmt::format("names scene {}, but the file has {}", scene, scenes.size()));
         visit_nodes(scenes[scene].elements("nodes"));
@@ -110,7 +109,7 @@ private:
     /// Returns the element of a section with a given index.
     [[nodiscard]] const GltfValue& element(const GltfValue& index_value, const char* section,
                                            const char* element_name) {
-        const std::uint64_t index = index_value.whole();
+        const std::uint64_t index = index_value.unsigned_number();
         const std::vector<GltfValue>& all = sections_[section];
         if (index >= all.size())
             index_value.fail(fmt::format("names {} {}, but the file has {}", element_name, index, all.size()));
@@ -127,10 +126,10 @@ private:
             const GltfValue index_value = std::move(node_indices.back());
             node_indices.pop_back();
             const GltfValue& node = element(index_value, "nodes", "node");
-            if (visited[index_value.whole()])
+            if (visited[index_value.unsigned_number()])
                 index_value.fail(fmt::format("names node {} again; nodes form trees, and each node has one parent",
-                                             index_value.whole()));
-            visited[index_value.whole()] = true;
+                                             index_value.unsigned_number()));
+            visited[index_value.unsigned_number()] = true;
             require_identity_transform(node);
             if (node.has("mesh")) add_mesh(element(node.at("mesh"), "meshes", "mesh"));
             auto children = node.elements("children");
@@ -155,7 +154,7 @@ private:
     void add_mesh(const GltfValue& mesh) {
         constexpr std::uint64_t triangles = 4;
         for (const GltfValue& primitive : mesh.elements("primitives")) {
-            if (const std::uint64_t mode = primitive.whole("mode", triangles); mode != triangles)
+            if (const std::uint64_t mode = primitive.unsigned_number("mode", triangles); mode != triangles)
                 primitive.at("mode").fail(fmt::format("is {}; only 4, triangles, is supported", mode));
             if (primitive.has("extensions") && !primitive.at("extensions").json_value->empty())
                 primitive.at("extensions")
@@ -183,9 +182,11 @@ private:
         if (accessor.has("sparse")) accessor.at("sparse").fail("is not supported");
         const GltfValue& view = element(accessor.at("bufferView"), "bufferViews", "buffer view");
         const std::string& bytes = buffer(view.at("buffer"));
-        const std::uint64_t begin = view.whole("byteOffset", 0), length = view.at("byteLength").whole(),
-                            offset = accessor.whole("byteOffset", 0), count = accessor.at("count").whole(),
-                            stride = view.whole("byteStride", size);
+        const std::uint64_t begin = view.unsigned_number("byteOffset", 0),
+                            length = view.at("byteLength").unsigned_number(),
+                            offset = accessor.unsigned_number("byteOffset", 0),
+                            count = accessor.at("count").unsigned_number(),
+                            stride = view.unsigned_number("byteStride", size);
         if (begin > bytes.size() || length > bytes.size() - begin)
             view.fail(fmt::format("ends beyond its buffer, which has {} bytes; was it cut short?", bytes.size()));
         if (stride < size) view.at("byteStride").fail(fmt::format("is {}, but an element has {} bytes", stride, size));
@@ -201,10 +202,10 @@ private:
     };
     Vertices read_vertices(const GltfValue& index_value) {
         const GltfValue& accessor = element(index_value, "accessors", "accessor");
-        const auto [entry, is_new] = vertices_.try_emplace(index_value.whole());
+        const auto [entry, is_new] = vertices_.try_emplace(index_value.unsigned_number());
         if (!is_new) return entry->second;
         constexpr std::uint64_t floats = 5126;
-        if (accessor.at("type").text() != "VEC3" || accessor.at("componentType").whole() != floats)
+        if (accessor.at("type").text() != "VEC3" || accessor.at("componentType").unsigned_number() != floats)
             accessor.fail("does not hold three floats for each vertex");
         const Elements elements = read_elements(accessor, 12);
         std::vector<Vec<double>>& vertices = parsed_mesh_.mesh.vertices;
@@ -243,7 +244,7 @@ private:
         }
         const GltfValue& accessor = element(primitive.at("indices"), "accessors", "accessor");
         if (accessor.at("type").text() != "SCALAR") accessor.fail("does not hold one number for each corner");
-        switch (accessor.at("componentType").whole()) {
+        switch (accessor.at("componentType").unsigned_number()) {
             case 5121: return add_indexed_faces<std::uint8_t>(accessor, vertices);
             case 5123: return add_indexed_faces<std::uint16_t>(accessor, vertices);
             case 5125: return add_indexed_faces<std::uint32_t>(accessor, vertices);
@@ -277,10 +278,10 @@ private:
     /// Returns the bytes of a buffer, read when they are first needed.
     const std::string& buffer(const GltfValue& index_value) {
         const GltfValue& value = element(index_value, "buffers", "buffer");
-        std::optional<std::string>& bytes = buffers_[index_value.whole()];
+        std::optional<std::string>& bytes = buffers_[index_value.unsigned_number()];
         if (bytes) return *bytes;
-        const std::uint64_t length = value.at("byteLength").whole();
-        bytes = value.has("uri") ? read_uri(value.at("uri"), length) : read_chunk(value, index_value.whole());
+        const std::uint64_t length = value.at("byteLength").unsigned_number();
+        bytes = value.has("uri") ? read_uri(value.at("uri"), length) : read_chunk(value, index_value.unsigned_number());
         if (bytes->size() < length)
             value.fail(fmt::format("has {} of its {} bytes; was it cut short?", bytes->size(), length));
         bytes->resize(length);

@@ -50,10 +50,10 @@ private:
     const char** furthest_position_;
 };
 
-/// Returns `file:line:col` for a byte of a text, or `file: byte n` for a text that begins at byte `begin` of a binary
-/// file.
-std::string position_in(const std::string& file, std::string_view text, std::size_t byte, std::uint64_t begin) {
-    if (begin > 0) return fmt::format("{}: byte {}", file, begin + byte);
+/// Returns `file:line:col` for a byte of a text, or `file: byte n` for a text that begins at byte `json_begin` of a
+/// binary file.
+std::string position_in(const std::string& file, std::string_view text, std::size_t byte, std::uint64_t json_begin) {
+    if (json_begin > 0) return fmt::format("{}: byte {}", file, json_begin + byte);
     const std::string_view preceding = text.substr(0, byte);
     const std::size_t line_begin = preceding.rfind('\n') + 1;  // npos + 1 is 0
     const auto starts_character = [](char c) { return (c & 0xc0) != 0x80; };
@@ -110,16 +110,16 @@ private:
 
 }  // namespace
 
-json parse_gltf_json(const std::string& file, std::string_view text, std::uint64_t begin, StopToken stop) {
+json parse_gltf_json(const std::string& file, std::string_view text, std::uint64_t json_begin, StopToken stop) {
     const char* furthest_position = text.data();
     LimitChecker limit_checker([&](const std::string& message) {
         const auto bytes_read = static_cast<std::size_t>(furthest_position - text.data());
-        throw InputError(position_in(file, text, bytes_read - (bytes_read > 0 ? 1 : 0), begin) + ": " + message);
+        throw InputError(position_in(file, text, bytes_read - (bytes_read > 0 ? 1 : 0), json_begin) + ": " + message);
     });
     // The parser takes a byte 0 for the end of the text. Zero bytes at the end are the padding of a binary file.
     if (const auto zero_position = text.find('\0');
         text.find_first_not_of('\0', std::min(zero_position, text.size())) < text.size())
-        throw InputError(position_in(file, text, zero_position, begin) +
+        throw InputError(position_in(file, text, zero_position, json_begin) +
                          ": has a zero byte with more text after it; is it a text file?");
     const CharacterIterator first(text.data(), stop), last(text.data() + text.size(), stop);
     json::sax_parse(CharacterIterator(text.data(), stop, &furthest_position), last, &limit_checker);

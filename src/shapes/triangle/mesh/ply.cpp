@@ -209,8 +209,8 @@ public:
             fail(fmt::format("names vertex {} of {}; vertices are whole numbers, and count from 0", x, vertices));
         return static_cast<std::uint32_t>(x);
     }
-    [[noreturn]] void fail(const std::string& what) const {
-        throw InputError(position_text() + ": " + what +
+    [[noreturn]] void fail(const std::string& problem) const {
+        throw InputError(position_text() + ": " + problem +
                          (is_text() ? "" : "; is the byte order the one that the format line says?"));
     }
 

@@ -50,18 +50,18 @@ public:
                 throw InputError(word_position + ": continues on the next line, and there is none; was it cut short?");
         }
     }
-    /// Reads the next word as a number of type T, rounded once. Errors call it `what`.
+    /// Reads the next word as a number of type T, rounded once. Errors call it `number_name`.
     template <class T>
-    T number(std::string_view what) {
+    T number(std::string_view number_name) {
         const std::string_view text = word();
-        if (text.empty()) fail("ends before " + std::string(what));
+        if (text.empty()) fail("ends before " + std::string(number_name));
         const std::string_view digits = text.starts_with('+') ? text.substr(1) : text;
         T x{};
         const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), x);
         const bool is_whole_word = end == digits.data() + digits.size();
-        if (error == std::errc::result_out_of_range && is_whole_word) return extreme_number<T>(text, what);
+        if (error == std::errc::result_out_of_range && is_whole_word) return extreme_number<T>(text, number_name);
         if (error != std::errc() || !is_whole_word || text.starts_with("+-"))
-            fail(std::string(what) + " is " + toml::quoted_excerpt(text) + ", which is not " +
+            fail(std::string(number_name) + " is " + toml::quoted_excerpt(text) + ", which is not " +
                  (std::is_unsigned_v<T>   ? "a whole number of at least 0"
                   : std::is_integral_v<T> ? "a whole number"
                                           : "a number; write a decimal with a point, such as 0.5 or 1e-3"));
@@ -69,11 +69,12 @@ public:
     }
     /// Reads the next word as a coordinate of a vertex that the scene can hold.
     template <class T>
-    T coordinate(std::string_view what, const FloatFormat& stored) {
-        const T x = number<T>(what);
+    T coordinate(std::string_view number_name, const FloatFormat& stored) {
+        const T x = number<T>(number_name);
         if (const auto fault = coordinate_error(static_cast<double>(x), stored); !fault.empty())
-            fail(std::string(what) + " is " + toml::quoted_excerpt(line_.substr(word_start_, word_end_ - word_start_)) +
-                 ", which " + std::string(fault));
+            fail(std::string(number_name) + " is " +
+                 toml::quoted_excerpt(line_.substr(word_start_, word_end_ - word_start_)) + ", which " +
+                 std::string(fault));
         return x;
     }
 
@@ -81,10 +82,10 @@ public:
     [[nodiscard]] std::size_t line() const { return statement_line_; }
     /// Returns the position of the word that was read last. Columns count characters.
     [[nodiscard]] std::string position() const { return position_of_byte(word_start_); }
-    [[noreturn]] void fail(const std::string& what) const { throw InputError(position() + ": " + what); }
+    [[noreturn]] void fail(const std::string& problem) const { throw InputError(position() + ": " + problem); }
     /// Throws InputError with the position of the statement.
-    [[noreturn]] void fail_line(const std::string& what) const {
-        throw InputError(position_at(statement_line_, indent_ + 1) + ": " + what);
+    [[noreturn]] void fail_line(const std::string& problem) const {
+        throw InputError(position_at(statement_line_, indent_ + 1) + ": " + problem);
     }
 
 private:
@@ -107,7 +108,7 @@ private:
     /// Rounds the exact number. A number that is too small for T rounds like any other; a number that is too large is
     /// an error.
     template <class T>
-    T extreme_number(std::string_view text, std::string_view what) const {
+    T extreme_number(std::string_view text, std::string_view number_name) const {
         if constexpr (std::is_floating_point_v<T>) {
             const auto parsed = toml::parse_number(text);
             if (const Real* const exact = std::get_if<Real>(&parsed))
@@ -115,7 +116,7 @@ private:
                     std::isfinite(x))
                     return static_cast<T>(x);
         }
-        fail(std::string(what) + " is " + toml::quoted_excerpt(text) + ", which overflows");
+        fail(std::string(number_name) + " is " + toml::quoted_excerpt(text) + ", which overflows");
     }
     void refuse_byte(char byte, const char* message) {
         const void* const found = std::memchr(line_.data(), byte, line_.size());
