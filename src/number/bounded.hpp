@@ -63,7 +63,7 @@ public:
         const F v = a.value_ + b.value_;
         if (a.is_exact_infinity() || b.is_exact_infinity()) return sum_or_product_with_infinity(v, a, b);
         const F bb = v - a.value_, rounding_error = (a.value_ - (v - bb)) + (b.value_ - bb);
-        return rounded(v, a.error_ + b.error_, magnitude(rounding_error), a, b);
+        return with_rounding_error(v, a.error_ + b.error_, magnitude(rounding_error), a, b);
     }
     friend Bounded operator-(const Bounded& a, const Bounded& b) { return a + (-b); }
     /// |ab − a*b*| ≤ |a| δb + |b| δa + δa δb, which is zero only if both factors are exact or one is an exact zero.
@@ -76,8 +76,8 @@ public:
                                                                          : magnitude(fma(a.value_, b.value_, -v));
         const bool has_propagated_error = (a.error_ > 0 || b.error_ > 0) && !a.is_exact_zero() && !b.is_exact_zero();
         const F propagated_error = magnitude(a) * b.error_ + magnitude(b) * a.error_ + a.error_ * b.error_;
-        return rounded(v, has_propagated_error ? propagated_error + smallest_subnormal : propagated_error,
-                       rounding_error, a, b);
+        return with_rounding_error(v, has_propagated_error ? propagated_error + smallest_subnormal : propagated_error,
+                                   rounding_error, a, b);
     }
     /// |a/b − a*/b*| ≤ (δa + |a/b| δb)/(|b| − δb).
     friend Bounded operator/(const Bounded& a, const Bounded& b) {
@@ -91,7 +91,7 @@ public:
         // The underflow loss of a product is added before the division, because the divisor may be small.
         const F numerator = a.error_ + (magnitude(v) + smallest_subnormal) * b.error_ +
                             (a.error_ > 0 || b.error_ > 0 ? smallest_subnormal : F(0));
-        return rounded(v, numerator / least_divisor, rounding_bound(v), a, b);
+        return with_rounding_error(v, numerator / least_divisor, rounding_bound(v), a, b);
     }
     Bounded& operator+=(const Bounded& b) { return *this = *this + b; }
     Bounded& operator-=(const Bounded& b) { return *this = *this - b; }
@@ -104,14 +104,14 @@ public:
         if (a.error_ == 0 && a.value_ < 0) return {v, 0};  // NaN in any arithmetic
         const F least_radicand = a.value_ * (1 - 4 * u) - a.error_;
         if (a.error_ > 0 && !(least_radicand >= 0)) return unknown(v);
-        return rounded(v, a.error_ == 0 ? F(0) : a.error_ / (v + sqrt(least_radicand) * (1 - 4 * u)), rounding_bound(v),
-                       a, a);
+        return with_rounding_error(v, a.error_ == 0 ? F(0) : a.error_ / (v + sqrt(least_radicand) * (1 - 4 * u)),
+                                   rounding_bound(v), a, a);
     }
     friend Bounded fma(const Bounded& a, const Bounded& b, const Bounded& c) {
         const F v = fma(a.value_, b.value_, c.value_);
         if (a.is_infinite() || b.is_infinite() || c.is_infinite()) return unknown(v);
         const F propagated_error = magnitude(a) * b.error_ + magnitude(b) * a.error_ + a.error_ * b.error_ + c.error_;
-        return c.is_nan() ? unknown(v) : rounded(v, propagated_error, rounding_bound(v), a, b);
+        return c.is_nan() ? unknown(v) : with_rounding_error(v, propagated_error, rounding_bound(v), a, b);
     }
     friend Bounded abs(const Bounded& a) { return {magnitude(a), a.error_}; }
     friend Bounded copysign(const Bounded& a, const Bounded& b) {
@@ -200,7 +200,7 @@ private:
         const bool are_finite_bounds = a.error_ < infinity && b.error_ < infinity;
         return are_finite_bounds ? Bounded(v, 0) : unknown(v);
     }
-    static Bounded rounded(F v, F propagated_error, F rounding_error, const Bounded& a, const Bounded& b) {
+    static Bounded with_rounding_error(F v, F propagated_error, F rounding_error, const Bounded& a, const Bounded& b) {
         if (a.error_ == 0 && b.error_ == 0 && (a.is_nan() || b.is_nan())) return {v, 0};
         if (!(propagated_error < infinity) || !(abs(v) < infinity)) return unknown(v);
         return {v,

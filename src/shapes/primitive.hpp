@@ -166,7 +166,7 @@ bool are_apart(const Vec<S>& a, const Vec<S>& b) {
 /// of its first coordinate. NaN breaks every limit.
 struct BrokenLimit {
     const Key* key;
-    std::size_t number;
+    std::size_t number_index;
 };
 template <class S>
 std::optional<BrokenLimit> broken_limit(const Primitive<S>& primitive) {
@@ -215,7 +215,7 @@ inline bool is_optional(Shape shape, std::size_t k) {
 /// A key that is a length, and the index of its number.
 struct LengthKey {
     const Key* key;
-    std::size_t number;
+    std::size_t number_index;
 };
 /// Returns the first length of a shape; nothing if it has none.
 inline std::optional<LengthKey> length_key(Shape shape) {

@@ -102,7 +102,7 @@ TEST_CASE("a number outside its limits is reported with its key and value, and s
                     } else if (key.limit != Key::Limit::none) {
                         REQUIRE(broken);
                         CHECK(broken->key == &key);
-                        CHECK(broken->number == k);
+                        CHECK(broken->number_index == k);
                     }
                 }
             }
@@ -215,7 +215,7 @@ TEST_CASE("the words and flags of the shape table are right for each shape") {
         }
         const auto length = length_key(row.shape);
         REQUIRE(length.has_value() == std::ranges::any_of(row.keys, [](const Key& key) { return key.count() == 1; }));
-        if (length) CHECK(number_names(row.shape)[length->number] == length->key->name);
+        if (length) CHECK(number_names(row.shape)[length->number_index] == length->key->name);
         CHECK_FALSE((row.is_ball && row.has_edges));
         CHECK(row.inside_returns_zero == row.takes_tmax);
     }

@@ -169,11 +169,12 @@ std::optional<LengthMistake> find_length_mistake(const Trial& trial) {
     const auto length = length_key(trial.shape);
     if (!length) return std::nullopt;
     std::vector<std::pair<Question, Reply>> answered;
-    for (const Question& q : questions_at_lengths(trial.shape, length->number)) answered.emplace_back(q, trial.ask(q));
+    for (const Question& q : questions_at_lengths(trial.shape, length->number_index))
+        answered.emplace_back(q, trial.ask(q));
     const auto explains = [&](const LengthMisuse& mistake) {
         return std::ranges::all_of(answered, [&](const auto& pair) {
             auto [q, r] = pair;
-            q.primitive[length->number] = mistake.change(q.primitive[length->number]);
+            q.primitive[length->number_index] = mistake.change(q.primitive[length->number_index]);
             const auto ends = ends_of(q, trial.shape);
             if (!ends) return r.hit == 0;
             return r.hit == 1 && (!trial.tells_t || is_answer(r.near, ends->near));

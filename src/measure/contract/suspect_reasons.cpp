@@ -38,7 +38,7 @@ bool fits(const AnswerSample& sample, const Ray<double>& ray, const Primitive<do
 bool fits_length(const AnswerSample& sample, const ShapeRow& shape_row, double (*change)(double)) {
     if (sample.primitive.shape != shape_row.shape) return false;
     Primitive<double> other = sample.primitive;
-    double& length = other.numbers[length_key(shape_row.shape)->number];
+    double& length = other.numbers[length_key(shape_row.shape)->number_index];
     const double old_length = length;
     length = change(old_length);
     return is_about(length, old_length) ? is_right(sample) : fits(sample, sample.ray, other);

@@ -63,15 +63,20 @@ public:
         return {is_positive, !is_positive};
     }
 
-    friend Proving operator+(const Proving& a, const Proving& b) { return rounded(a.w_ + b.w_, a.e_ + b.e_); }
-    friend Proving operator-(const Proving& a, const Proving& b) { return rounded(a.w_ - b.w_, a.e_ + b.e_); }
+    friend Proving operator+(const Proving& a, const Proving& b) {
+        return with_rounding_error(a.w_ + b.w_, a.e_ + b.e_);
+    }
+    friend Proving operator-(const Proving& a, const Proving& b) {
+        return with_rounding_error(a.w_ - b.w_, a.e_ + b.e_);
+    }
     friend Proving operator-(const Proving& a) { return {-a.w_, a.e_}; }
     friend Proving operator*(const Proving& a, const Proving& b) {
-        return rounded(a.w_ * b.w_, (a.magnitude() + a.e_) * b.e_ + b.magnitude() * a.e_ + least_normal<P>());
+        return with_rounding_error(a.w_ * b.w_,
+                                   (a.magnitude() + a.e_) * b.e_ + b.magnitude() * a.e_ + least_normal<P>());
     }
     friend Proving operator/(const Proving& a, const Proving& b) {
         using lostbits::select;
-        const Proving q = rounded(a.w_ / b.w_, least_normal<P>());
+        const Proving q = with_rounding_error(a.w_ / b.w_, least_normal<P>());
         const P least_divisor = b.magnitude() - b.radius(), underflow_loss = least_normal<P>();
         const P propagated_error = (a.e_ + (q.magnitude() + underflow_loss) * b.e_ + underflow_loss) / least_divisor;
         return {q.w_, select(least_divisor > P(0), q.e_ + propagated_error, P(1) / P(0))};
@@ -90,7 +95,7 @@ public:
 
     friend Proving sqrt(const Proving& a) {
         using lostbits::sqrt, lostbits::select;
-        const Proving root = rounded(sqrt(a.w_), P(0));
+        const Proving root = with_rounding_error(sqrt(a.w_), P(0));
         const P propagated_error = (a.e_ + least_normal<P>()) / value_of(root.w_);
         return {root.w_, select(value_of(a.w_) > a.radius(), root.e_ + propagated_error, P(1) / P(0))};
     }
@@ -118,7 +123,7 @@ private:
         using lostbits::abs;
         return abs(value_of(w_));
     }
-    static Proving rounded(const T& w, const P& propagated_error) {
+    static Proving with_rounding_error(const T& w, const P& propagated_error) {
         using lostbits::abs;
         return {w, propagated_error + roundoff<P>() * abs(value_of(w))};
     }

@@ -86,7 +86,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
                     s, fmt::format("{} has {} finite numbers; leave this ray out", with_article(*shape_), count));
         }
         if (const auto broken = broken_limit(primitive())) {
-            const std::size_t s = slot::primitive + broken->number;
+            const std::size_t s = slot::primitive + broken->number_index;
             const std::string name = with_article(*shape_);
             if (broken->key->limit == Key::Limit::positive)
                 return fault_at(

@@ -141,10 +141,10 @@ void count_edges(Mesh& mesh, StopToken stop) {
 
 }  // namespace
 
-std::string_view coordinate_error(double x, const FloatFormat& stored) {
-    if (std::fabs(x) <= std::numeric_limits<float>::max()) return {};  // stored is binary32 or wider
+std::string_view coordinate_error(double x, const FloatFormat& vertex_format) {
+    if (std::fabs(x) <= std::numeric_limits<float>::max()) return {};  // vertex_format is binary32 or wider
     if (!std::isfinite(x)) return "is not finite; a vertex has finite numbers";
-    if (std::fabs(x) < overflow_threshold(stored)) return {};
+    if (std::fabs(x) < overflow_threshold(vertex_format)) return {};
     return "overflows binary32, to which inputs = \"shared\" rounds; scale the mesh, or write inputs = \"own\"";
 }
 
@@ -203,18 +203,18 @@ std::size_t count_flat_faces(const Mesh& mesh, const FloatFormat& format) {
     }));
 }
 
-std::vector<std::string> mesh_remarks(const Mesh& mesh, const std::optional<FloatFormat>& stored) {
+std::vector<std::string> mesh_remarks(const Mesh& mesh, const std::optional<FloatFormat>& vertex_format) {
     std::vector<std::string> remarks;
     if (mesh.removed_face_count > 0)
         remarks.push_back(std::to_string(mesh.removed_face_count) + " of " +
                           std::to_string(mesh.removed_face_count + mesh.faces.size()) +
                           " faces of its meshes have no area and are left out; the first is " +
                           mesh.first_removed_face);
-    const std::size_t flat = stored ? count_flat_faces(mesh, *stored) : 0;
+    const std::size_t flat = vertex_format ? count_flat_faces(mesh, *vertex_format) : 0;
     if (flat > 0)
         remarks.push_back(std::to_string(flat) + " of " + std::to_string(mesh.faces.size()) +
                           " faces of its meshes have no area once their vertices are rounded to " +
-                          std::to_string(stored->precision) +
+                          std::to_string(vertex_format->precision) +
                           " bits, and no ray meets them; inputs = \"own\" keeps "
                           "them as they are");
     return remarks;

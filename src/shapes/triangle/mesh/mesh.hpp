@@ -80,18 +80,18 @@ Mesh join_meshes(std::vector<Mesh> meshes);
 /// Counts the faces that lie on one line once the vertices are rounded to a format. No ray meets such a face.
 std::size_t count_flat_faces(const Mesh& mesh, const FloatFormat& format);
 
-/// Returns remarks for the author of the mesh about faces without area, as sentences. If `stored` is absent, the
+/// Returns remarks for the author of the mesh about faces without area, as sentences. If `vertex_format` is absent, the
 /// vertices are not rounded.
-std::vector<std::string> mesh_remarks(const Mesh& mesh, const std::optional<FloatFormat>& stored);
+std::vector<std::string> mesh_remarks(const Mesh& mesh, const std::optional<FloatFormat>& vertex_format);
 
 /// Settings with which a mesh is read.
 struct MeshSettings {
     intersect::process::StopToken stop = {};
-    FloatFormat stored = binary64;  ///< the format to which the scene rounds its vertices before any form sees them
+    FloatFormat vertex_format = binary64;  ///< the format to which the scene rounds its vertices, before any form runs
 };
 
 /// Returns why a scene cannot hold a coordinate of a vertex, as the rest of a sentence after "which"; empty if it can.
-std::string_view coordinate_error(double x, const FloatFormat& stored);
+std::string_view coordinate_error(double x, const FloatFormat& vertex_format);
 
 /// Reads a `[[mesh]]`: `make` with the keys of that mesh, or `file`, relative to `folder`. Throws InputError with a
 /// position.

@@ -72,7 +72,9 @@ ParsedMesh read_obj(MeshBytes& bytes, const MeshSettings& settings) {
         if (keyword == "v") {
             if (parsed_mesh.mesh.vertices.size() == most_vertices)
                 lines.fail("is one vertex too many; the limit is 2^32 - 1");
-            const auto number = [&](const char* name) { return lines.coordinate<double>(name, settings.stored); };
+            const auto number = [&](const char* name) {
+                return lines.coordinate<double>(name, settings.vertex_format);
+            };
             const double x = number("x"), y = number("y"), z = number("z");
             parsed_mesh.mesh.vertices.emplace_back(x, y, z);
             skip_more_numbers(lines);

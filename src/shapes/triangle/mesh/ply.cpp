@@ -140,8 +140,8 @@ private:
 /// Reads the numbers after the header, one after the other, in text or binary.
 class PlyNumbers {
 public:
-    PlyNumbers(TextLines& lines, MeshBytes& bytes, PlyEncoding encoding, const FloatFormat& stored)
-        : lines_(lines), bytes_(bytes), encoding_(encoding), stored_(stored) {}
+    PlyNumbers(TextLines& lines, MeshBytes& bytes, PlyEncoding encoding, const FloatFormat& vertex_format)
+        : lines_(lines), bytes_(bytes), encoding_(encoding), vertex_format_(vertex_format) {}
 
     /// Refuses an element count for which the file is too short, before any element is read.
     void begin(const PlyElement& element) {
@@ -185,7 +185,7 @@ public:
     }
     double coordinate(const PlyProperty& property) {
         const double x = next(property, property.type);
-        if (const auto fault = coordinate_error(x, stored_); !fault.empty())
+        if (const auto fault = coordinate_error(x, vertex_format_); !fault.empty())
             fail(fmt::format("{} of a vertex is {}, which {}", property.name, x, fault));
         return x;
     }
@@ -253,7 +253,7 @@ private:
     TextLines& lines_;
     MeshBytes& bytes_;
     PlyEncoding encoding_;
-    FloatFormat stored_;
+    FloatFormat vertex_format_;
     std::uint64_t number_start_ = 0;  ///< in a binary file, the byte at which the last number begins
 };
 
@@ -286,7 +286,7 @@ ParsedMesh read_ply(MeshBytes& bytes, const MeshSettings& settings) {
     ParsedMesh parsed_mesh;
     TextLines lines(bytes);
     const PlyHeader header = PlyHeaderLines(lines).read();
-    PlyNumbers numbers(lines, bytes, header.encoding, settings.stored);
+    PlyNumbers numbers(lines, bytes, header.encoding, settings.vertex_format);
     std::vector<std::uint32_t> corners;
     for (const PlyElement& element : header.elements) {
         numbers.begin(element);

@@ -15,7 +15,7 @@ constexpr std::size_t header_size = 84, facet_size = 50;
 /// Reads an STL in ASCII: solid, then facets, then endsolid.
 class StlText {
 public:
-    StlText(MeshBytes& bytes, const FloatFormat& stored) : lines_(bytes), stored_(stored) {}
+    StlText(MeshBytes& bytes, const FloatFormat& vertex_format) : lines_(bytes), vertex_format_(vertex_format) {}
 
     ParsedMesh read() {
         while (lines_.next())
@@ -45,7 +45,7 @@ private:
     }
     void read_vertex_line() {
         require_and_move(Position::in_facet, Position::in_facet);
-        const auto number = [&](const char* name) { return lines_.coordinate<double>(name, stored_); };
+        const auto number = [&](const char* name) { return lines_.coordinate<double>(name, vertex_format_); };
         const double x = number("x"), y = number("y"), z = number("z");
         const auto index = static_cast<std::uint32_t>(parsed_mesh_.mesh.vertices.size());
         parsed_mesh_.mesh.vertices.emplace_back(x, y, z);
@@ -62,7 +62,7 @@ private:
     static constexpr std::string_view position_texts[] = {"outside of a solid", "in a solid, outside of its facets",
                                                           "inside of a facet, which endfacet ends"};
     TextLines lines_;
-    FloatFormat stored_;
+    FloatFormat vertex_format_;
     ParsedMesh parsed_mesh_;
     Position position_ = Position::outside;
     std::size_t corners_ = 0;  ///< number of vertices of the facet so far
@@ -79,7 +79,7 @@ ParsedMesh read_stl(MeshBytes& bytes, const MeshSettings& settings) {
     if (first_bytes.size() < header_size || bytes.size() != size) {
         const bool is_text =
             std::string_view(first_bytes).substr(first_bytes.starts_with("\xEF\xBB\xBF") ? 3 : 0).starts_with("solid");
-        if (is_text) return StlText(bytes, settings.stored).read();
+        if (is_text) return StlText(bytes, settings.vertex_format).read();
         throw InputError(
             fmt::format("{}: byte {}: is not an STL: it does not begin with the word solid, and with {} it "
                         "would have {} bytes and not {}; was it cut short?",
@@ -96,7 +96,7 @@ ParsedMesh read_stl(MeshBytes& bytes, const MeshSettings& settings) {
         float numbers[9];
         std::memcpy(numbers, facet.data() + 12, sizeof numbers);
         for (std::size_t k = 0; k < 9; ++k)
-            if (const auto fault = coordinate_error(numbers[k], settings.stored); !fault.empty())
+            if (const auto fault = coordinate_error(numbers[k], settings.vertex_format); !fault.empty())
                 throw InputError(fmt::format("{}: byte {}: facet {} has a vertex that {}", bytes.name(),
                                              begin + 12 + 4 * k, f, fault));
         const auto first_index = static_cast<std::uint32_t>(parsed_mesh.mesh.vertices.size());

@@ -69,9 +69,9 @@ public:
     }
     /// Reads the next word as a coordinate of a vertex that the scene can hold.
     template <class T>
-    T coordinate(std::string_view number_name, const FloatFormat& stored) {
+    T coordinate(std::string_view number_name, const FloatFormat& vertex_format) {
         const T x = number<T>(number_name);
-        if (const auto fault = coordinate_error(static_cast<double>(x), stored); !fault.empty())
+        if (const auto fault = coordinate_error(static_cast<double>(x), vertex_format); !fault.empty())
             fail(std::string(number_name) + " is " +
                  toml::quoted_excerpt(line_.substr(word_start_, word_end_ - word_start_)) + ", which " +
                  std::string(fault));
