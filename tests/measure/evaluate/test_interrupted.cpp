@@ -60,11 +60,11 @@ TEST_CASE("of two maps in one process one is stopped at the requested ray and th
     const Metric asks{.name = "asks", .value = [](const Sample&) {
                           ++measured;
                           first_asked = true;
-                          const Metric continues_loop{.name = "continues_loop", .value = [](const Sample&) {
-                                                          ++others;
-                                                          return 0.0;
-                                                      }};
-                          other = mapped(*scene, continues_loop, StopToken(second_asked));
+                          const Metric goes_on{.name = "goes_on", .value = [](const Sample&) {
+                                                   ++others;
+                                                   return 0.0;
+                                               }};
+                          other = mapped(*scene, goes_on, StopToken(second_asked));
                           return 0.0;
                       }};
     CHECK_THROWS_AS(mapped(loaded, asks, StopToken(first_asked)), Interrupted);

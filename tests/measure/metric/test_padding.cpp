@@ -39,7 +39,7 @@ struct Fraction {
 };
 
 struct Ends {
-    Fraction last_exit, largest_entry;  ///< of rays whose computed tmax and tmin are given; d = 0: there is none
+    Fraction last_exit, first_entry;  ///< of rays whose computed tmax and tmin are given; d = 0: there is none
 };
 
 Ends ends_of(std::uint64_t tmax, std::uint64_t tmin, std::uint64_t reach) {
@@ -54,16 +54,15 @@ Ends ends_of(std::uint64_t tmax, std::uint64_t tmin, std::uint64_t reach) {
         std::uint64_t q = ((2 * tmin - 1) * (half / 2) + r - 1) / r;
         while (q < whole && product(q, r) < tmin) ++q;
         const Fraction entry{2 * q - 1, d};
-        if (q >= half && q < whole && product(q, r) == tmin &&
-            (ends.largest_entry.d == 0 || entry < ends.largest_entry))
-            ends.largest_entry = entry;
+        if (q >= half && q < whole && product(q, r) == tmin && (ends.first_entry.d == 0 || entry < ends.first_entry))
+            ends.first_entry = entry;
     }
     return ends;
 }
 
 /// True if a ray hits whose slabs are three last places apart there.
 bool can_be(const Ends& ends) {
-    return ends.last_exit.d != 0 && ends.largest_entry.d != 0 && !(ends.last_exit < ends.largest_entry);
+    return ends.last_exit.d != 0 && ends.first_entry.d != 0 && !(ends.last_exit < ends.first_entry);
 }
 
 /// The nearest whole number to n/d, ties to even.
@@ -90,9 +89,8 @@ Ends divided_ends_of(std::uint64_t tmax, std::uint64_t tmin, std::uint64_t reach
             d = static_cast<std::uint64_t>(2 * n / (2 * tmin - 1));
             if (quotient(n, d) != tmin) --d;
             const Fraction entry{static_cast<std::uint64_t>((2 * s - 1) * scale), d};
-            if (s > half && is_in(d) && quotient(n, d) == tmin &&
-                (ends.largest_entry.d == 0 || entry < ends.largest_entry))
-                ends.largest_entry = entry;
+            if (s > half && is_in(d) && quotient(n, d) == tmin && (ends.first_entry.d == 0 || entry < ends.first_entry))
+                ends.first_entry = entry;
         }
     }
     return ends;
@@ -109,7 +107,7 @@ TEST_CASE("in float no hit separates the slabs of a box further than the known h
     // The directions of the ray in data/hard/padding.toml.
     const Ends ends = ends_of(half + x, half + x + 3, 12 * x + 64);
     CHECK(ends.last_exit.d == whole - 4094);
-    CHECK(ends.largest_entry.d == whole - 20468);
+    CHECK(ends.first_entry.d == whole - 20468);
 }
 
 // Two last places are 4 u/(1 + η), and more are impossible. A difference of exactly S ± 1/2 is a tie and may round away
@@ -120,7 +118,7 @@ TEST_CASE("in float no hit separates slabs that divide further than the known ra
     constexpr std::uint64_t worst = 2896;
     const auto parts = [](std::uint64_t x) {
         const Ends ends = divided_ends_of(half + x, half + x + 2, 8 * x + 16);
-        return ends.last_exit.d != 0 && ends.largest_entry.d != 0 && ends.largest_entry < ends.last_exit;
+        return ends.last_exit.d != 0 && ends.first_entry.d != 0 && ends.first_entry < ends.last_exit;
     };
     std::uint64_t x = 0;
     while (x <= worst && !parts(x)) ++x;
@@ -128,7 +126,7 @@ TEST_CASE("in float no hit separates slabs that divide further than the known ra
     // The directions of the ray in data/sweeps/theorems/slabs.toml.
     const Ends ends = divided_ends_of(half + x, half + x + 2, 8 * x + 16);
     CHECK(ends.last_exit.d == whole - 2896);
-    CHECK(ends.largest_entry.d == whole - 5791);
+    CHECK(ends.first_entry.d == whole - 5791);
 }
 
 }  // namespace test_padding
