@@ -33,7 +33,7 @@ struct CriticalPoints {
     template <class E>
     explicit CriticalPoints(const QuarticSpan<E>& s) {
         Polynomial<double> f{{}, 4};
-        for (int i = 0; i <= 4; ++i) f.of(i) = value_of(s.f.of(i));
+        for (int i = 0; i <= 4; ++i) f.coefficient(i) = value_of(s.f.coefficient(i));
         points = approximate_roots(f.slope(), value_of(s.bound));
     }
     [[nodiscard]] std::optional<double> maximum() const {
@@ -171,7 +171,8 @@ private:
         std::array<Near, 5> c;
         Taylor(const Polynomial<Near>& f, double m, int sign) {
             const Near x(m);
-            for (int i = 0; i <= 4; ++i) c[static_cast<std::size_t>(i)] = sign > 0 ? f.of(i) : -f.of(i);
+            for (int i = 0; i <= 4; ++i)
+                c[static_cast<std::size_t>(i)] = sign > 0 ? f.coefficient(i) : -f.coefficient(i);
             for (std::size_t k = 0; k < 4; ++k)
                 for (std::size_t i = 4; i-- > k;) c[i] = c[i] + c[i + 1] * x;
         }

@@ -330,7 +330,7 @@ std::optional<int> side_of(const QuarticSpan<E>& s, const E& m, Length length, c
             for (int i = roots.simple.degree - 1; i >= 0; --i) {
                 power = power * s.d2;
                 y = y * x;
-                y.u = y.u + power * roots.simple.of(i);
+                y.u = y.u + power * roots.simple.coefficient(i);
             }
             return y.sign();
         });
