@@ -112,7 +112,7 @@ TEST_CASE("a number outside its limits is reported with its key and value, and s
     CHECK_FALSE(broken_limit(flat));
     flat.numbers[1] = 2;
     REQUIRE(broken_limit(flat));
-    CHECK(broken_limit(flat)->number == 4);
+    CHECK(broken_limit(flat)->number_index == 4);
     CHECK(order_phrase(*broken_limit(flat)->key) == "lo <= hi");
 }
 
@@ -220,7 +220,7 @@ TEST_CASE("the words and flags of the shape table are right for each shape") {
         CHECK(row.inside_returns_zero == row.takes_tmax);
     }
     CHECK_FALSE(inside_returns_zero(Shape::sdf));
-    CHECK(length_key(Shape::sphere)->number == 3);
+    CHECK(length_key(Shape::sphere)->number_index == 3);
 }
 
 TEST_CASE("the span of a shape over balls contains its span over intervals") {
