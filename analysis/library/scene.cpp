@@ -57,8 +57,8 @@ Shape parse_shape(const char* name) {
 /// A primitive from its numbers. Throws InputError, as for a file, if the ideal or the stored numbers break a limit.
 Primitive<Real> primitive_of(Shape shape, const double* numbers, const Scene& scene, const std::string& subject) {
     Primitive<double> primitive(shape);
-    std::copy_n(numbers, primitive.used().size(), primitive.used().begin());
-    for (std::size_t k = 0; k < primitive.used().size(); ++k) {
+    std::copy_n(numbers, primitive.shape_numbers().size(), primitive.shape_numbers().begin());
+    for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k) {
         if (!std::isfinite(primitive.numbers[k]))
             throw InputError(subject + ": " + number_names(shape)[k] + " is " + std::to_string(primitive.numbers[k]) +
                              ", which is not a finite number");

@@ -116,8 +116,9 @@ Primitive<double> parse_primitive(Shape shape, const std::string& text, const st
     Primitive<double> primitive(shape);
     const std::string expected =
         fmt::format("{}; write its {}: {}, {} numbers with commas between them", with_article(shape), key_phrase(shape),
-                    option_placeholder(shape), primitive.used().size());
-    const auto x = numbers_of(numbers_text, {option.c_str(), expected.c_str(), primitive.used().size()}, format);
+                    option_placeholder(shape), primitive.shape_numbers().size());
+    const auto x =
+        numbers_of(numbers_text, {option.c_str(), expected.c_str(), primitive.shape_numbers().size()}, format);
     std::ranges::transform(x, primitive.numbers.begin(), stored_number);
     if (at_sign < text.size()) primitive.placed = placement_in(text.substr(at_sign + 1), option.c_str(), format);
     if (const auto broken = broken_limit(primitive))
