@@ -50,7 +50,7 @@ struct ShapeSet {
                 wide[static_cast<std::size_t>(k)].push_back(x * more);
             }
         }
-        for (std::size_t k = 0; k < primitive.used().size(); ++k)
+        for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k)
             narrow_numbers[k] = static_cast<float>(primitive.numbers[k]);
         for (std::size_t k = most_numbers; placed && k < most_stored; ++k)
             narrow_numbers[k] = static_cast<float>(placed->matrix[k - most_numbers]);
@@ -62,7 +62,7 @@ struct ShapeSet {
             if constexpr (sizeof(S) == 4) p.ray[k] = narrow[k];
             else p.ray[k] = wide[k];
         }
-        for (std::size_t k = 0; k < primitive.used().size(); ++k) {
+        for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k) {
             if constexpr (sizeof(S) == 4) p.primitive[k] = std::span(&narrow_numbers[k], 1);
             else p.primitive[k] = std::span(&primitive.numbers[k], 1);
         }

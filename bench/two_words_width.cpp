@@ -16,9 +16,9 @@ using P = Pack<double, Width>;
     for (std::size_t i = 0; i < n; i += P::lanes) {
         const auto at = [&](int column) { return P::load(rays[column] + i); };
         const Ray<P> ray{{at(0), at(1), at(2)}, {at(3), at(4), at(5)}};
-        const auto found = intersect::sphere::filtered::widely<number::wide::TwoWords<P>, P>(ray, primitive);
+        const auto found = intersect::sphere::filtered::decide_in_wider<number::wide::TwoWords<P>, P>(ray, primitive);
         for (int k = 0; k < 3; ++k) found.t.store(answers[k] + i);
-        (found.proved && found.hit).store(reinterpret_cast<bool*>(hit + i));
+        (found.is_proved && found.hit).store(reinterpret_cast<bool*>(hit + i));
     }
 }
 

@@ -49,7 +49,7 @@ std::vector<Primitive<double>> read_shared_primitives(const lostbits_rays& rays,
         Primitive<double> primitive(shape);
         for (std::size_t k = 0; k < columns.size(); ++k) primitive.numbers[k] = number_at(columns[k], i, format);
         const auto broken = broken_limit(primitive);
-        for (const double x : primitive.used())
+        for (const double x : primitive.shape_numbers())
             if (!std::isfinite(x))
                 throw InputError("primitive " + std::to_string(i) + " has a number that is not finite");
         if (broken)

@@ -60,8 +60,8 @@ Shape parse_shape(const char* name) {
 /// A primitive from its numbers. Throws InputError, as for a file, if the ideal or the stored numbers break a limit.
 Primitive<Real> make_primitive(Shape shape, const double* numbers, const Scene& scene, const std::string& subject) {
     Primitive<double> primitive(shape);
-    std::copy_n(numbers, primitive.used().size(), primitive.used().begin());
-    for (std::size_t k = 0; k < primitive.used().size(); ++k) {
+    std::copy_n(numbers, primitive.shape_numbers().size(), primitive.shape_numbers().begin());
+    for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k) {
         if (!std::isfinite(primitive.numbers[k]))
             throw InputError(subject + ": " + number_names(shape)[k] + " is " + std::to_string(primitive.numbers[k]) +
                              ", which is not a finite number");
@@ -210,7 +210,7 @@ int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t ve
         for (std::size_t i = 0; i < vertex_count; ++i) {
             const double* const v = &all_vertices[3 * i];
             for (int k = 0; k < 3; ++k)
-                if (const auto fault = scene::triangle::fault_of_coordinate(v[k], stored); !fault.empty())
+                if (const auto fault = scene::triangle::coordinate_error(v[k], stored); !fault.empty())
                     throw InputError("vertex " + std::to_string(i) + " has a number that " + std::string(fault));
             mesh.vertices.emplace_back(v[0], v[1], v[2]);
         }
@@ -224,9 +224,9 @@ int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t ve
         }
         scene::triangle::tidy(mesh, [](std::size_t face) { return "face " + std::to_string(face); });
         // Without the removed faces every later triangle would have another index than its row.
-        if (mesh.left_out > 0)
-            throw InputError("faces: " + std::to_string(mesh.left_out) + " of " + std::to_string(face_count) +
-                             " have no area (the first is " + mesh.first_left_out +
+        if (mesh.removed_face_count > 0)
+            throw InputError("faces: " + std::to_string(mesh.removed_face_count) + " of " + std::to_string(face_count) +
+                             " have no area (the first is " + mesh.first_removed_face +
                              "); remove these rows, since a triangle is numbered by its row");
         if (mesh.faces.empty()) throw InputError("the mesh has no face; give at least one");
         remove_primitives(*scene);
@@ -252,7 +252,7 @@ int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int in
             numbers[k] = x;
         }
         const Placement<double> placement = placement_of(numbers, inverse != 0);
-        if (!placement.is_proper()) throw InputError("transform: the matrix " + std::string(singular_words));
+        if (!placement.is_proper()) throw InputError("transform: the matrix " + std::string(singular_reason));
         for (Primitive<Real>& primitive : target.listed)
             primitive.placed = transformed(placement, [](double x) { return Real(x); });
         if (target.mesh) target.mesh_placed = placement;

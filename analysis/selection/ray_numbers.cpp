@@ -105,7 +105,7 @@ Placement<double> parse_placement(const std::string& text, const char* option, c
     std::array<double, Affine<double>::numbers> numbers;
     std::ranges::transform(exact_numbers, numbers.begin(), stored_number);
     const Placement<double> placement = placement_of(numbers, is_inverse);
-    if (!placement.is_proper()) throw InputError(fmt::format("{} …@{}: the matrix {}", option, text, singular_words));
+    if (!placement.is_proper()) throw InputError(fmt::format("{} …@{}: the matrix {}", option, text, singular_reason));
     return placement;
 }
 
@@ -117,9 +117,9 @@ Primitive<double> parse_primitive(Shape shape, const std::string& text, const st
     Primitive<double> primitive(shape);
     const std::string expected =
         fmt::format("{}; write its {}: {}, {} numbers with commas between them", with_article(shape), key_phrase(shape),
-                    option_placeholder(shape), primitive.used().size());
+                    option_placeholder(shape), primitive.shape_numbers().size());
     const auto exact_numbers =
-        parse_numbers(numbers_text, {option.c_str(), expected.c_str(), primitive.used().size()}, format);
+        parse_numbers(numbers_text, {option.c_str(), expected.c_str(), primitive.shape_numbers().size()}, format);
     std::ranges::transform(exact_numbers, primitive.numbers.begin(), stored_number);
     if (at_sign < text.size()) primitive.placed = parse_placement(text.substr(at_sign + 1), option.c_str(), format);
     if (const auto broken = broken_limit(primitive))

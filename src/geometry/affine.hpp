@@ -22,7 +22,7 @@ struct Affine {
         };
         return {{row(0), row(4), row(8)}, {number_at(3), number_at(7), number_at(11)}};
     }
-    /// Calls `visit` for the same numbers in the same order.
+    /// Calls `visit` for the twelve numbers, row by row.
     template <class Visit>
     constexpr void each(const Visit& visit) const {
         for (int i = 0; i < 3; ++i) {
@@ -37,14 +37,14 @@ struct Affine {
     /// A p + τ, each component ((a p.x + b p.y) + c p.z) + τ.
     [[nodiscard]] Vec<T> point(const Vec<T>& p) const { return linear(p) + shift; }
 
-    /// The columns of adj(A) = det(A) A⁻¹: b × c, c × a, a × b of the rows a, b, c.
+    /// Columns of adj(A) = det(A) A⁻¹: b × c, c × a, a × b of the rows a, b, c.
     [[nodiscard]] std::array<Vec<T>, 3> adjugate() const {
         return {cross(rows[1], rows[2]), cross(rows[2], rows[0]), cross(rows[0], rows[1])};
     }
     [[nodiscard]] T determinant() const { return dot(rows[0], cross(rows[1], rows[2])); }
 };
 
-/// v.x u₀ + v.y u₁ + v.z u₂, of a matrix given by its columns.
+/// Multiplies the matrix with the columns u₀, u₁, u₂ by v: v.x u₀ + v.y u₁ + v.z u₂.
 template <Number T>
 Vec<T> times(const std::array<Vec<T>, 3>& columns, const Vec<T>& v) {
     return v.x * columns[0] + v.y * columns[1] + v.z * columns[2];

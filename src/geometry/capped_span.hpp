@@ -21,33 +21,34 @@ struct CappedSpan {
     QuadraticSpan<T> side;
     Fraction<T> entry, exit;
     QuadraticAt<T> at_entry, at_exit;
-    mask_t<T> crossed;
-    mask_t<T> closed;
-    mask_t<T> open;
-    T d2;  ///< d·d
+    mask_t<T> crossed;  ///< the line crosses the planes
+    mask_t<T> closed;   ///< it crosses them, or runs between or in them
+    mask_t<T> open;     ///< it crosses them, or runs between them
+    T d2;               ///< d·d
 
-    static constexpr bool may_hit_behind_touch = false;
+    static constexpr bool may_hit_beyond_touch = false;
 
     /// True if some point of the line lies in the closed primitive. It is enough to test the points at the planes and
     /// at the minimum of P.
     [[nodiscard]] mask_t<T> is_hit() const {
         const T zero(0);
         const auto meets_quadric = side.q >= zero;
-        const auto is_met = enters_by_cap() || leaves_by_cap() || (is_least_between() && meets_quadric);
+        const auto is_met = enters_by_cap() || leaves_by_cap() || (has_minimum_between_planes() && meets_quadric);
         return closed && ((crossed && is_met) || (!crossed && meets_quadric));
     }
     /// True if some point of the line lies in the open primitive.
     [[nodiscard]] mask_t<T> is_open() const {
         const T zero(0);
         const auto meets_quadric = side.q > zero;
-        const auto is_met = at_entry.value < zero || at_exit.value < zero || (is_least_between() && meets_quadric);
+        const auto is_met =
+            at_entry.value < zero || at_exit.value < zero || (has_minimum_between_planes() && meets_quadric);
         return open && ((crossed && is_met) || (!crossed && meets_quadric));
     }
     /// Compares the entry of a line that meets the closed primitive with t: before t (`less`), or no later (`at_most`).
     /// If t is past `entry` and P > 0, the line has left the primitive if it entered by the plane, or if t is past the
     /// minimum of P, which exists only for a > 0. Otherwise it has yet to enter.
     template <class At = Fraction<T>>
-    [[nodiscard]] Order<mask_t<T>> enters_to(const At& t) const {
+    [[nodiscard]] Order<mask_t<T>> compare_entry(const At& t) const {
         const T zero(0);
         const auto entry_order = order_of(entry, t);
         const auto& [value, half_slope] = quadratic_at(side, t);
@@ -57,7 +58,7 @@ struct CappedSpan {
             (!crossed || entry_order.at_most) && (by_cap || value <= zero || (opens_upwards && half_slope >= zero))};
     }
     template <class At = Fraction<T>>
-    [[nodiscard]] Order<mask_t<T>> leaves_to(const At& t) const {
+    [[nodiscard]] Order<mask_t<T>> compare_exit(const At& t) const {
         const T zero(0);
         const auto entry_order = order_of(entry, t), exit_order = order_of(exit, t);
         const auto& [value, half_slope] = quadratic_at(side, t);
@@ -74,18 +75,20 @@ struct CappedSpan {
     [[nodiscard]] mask_t<T> leaves_by_cap() const { return crossed && at_exit.value <= T(0); }
 
 private:
-    [[nodiscard]] mask_t<T> is_least_between() const { return at_entry.half_slope < T(0) && at_exit.half_slope > T(0); }
+    [[nodiscard]] mask_t<T> has_minimum_between_planes() const {
+        return at_entry.half_slope < T(0) && at_exit.half_slope > T(0);
+    }
 };
 
-/// Builds the span for the planes v·(p − base) = 0 and v·(p − base) = v². `low` is v·(o − base), `along_axis` is v·d,
+/// Builds the span for the planes v·(p − base) = 0 and v·(p − base) = v². `v_dot_f` is v·(o − base), `v_dot_d` is v·d,
 /// and `v2` is v².
 template <class T>
-CappedSpan<T> capped(const QuadraticSpan<T>& side, const T& low, const T& along_axis, const T& v2) {
+CappedSpan<T> capped(const QuadraticSpan<T>& side, const T& v_dot_f, const T& v_dot_d, const T& v2) {
     const T zero(0), one(1);
-    const auto is_upward = along_axis > zero, crossed = is_upward || along_axis < zero;
-    const T magnitude = select(is_upward, along_axis, -along_axis);
-    const Fraction<T> to_base{-low, magnitude}, to_top{v2 - low, magnitude}, from_top{-to_top.n, magnitude},
-        from_base{low, magnitude};
+    const auto is_upward = v_dot_d > zero, crossed = is_upward || v_dot_d < zero;
+    const T magnitude = select(is_upward, v_dot_d, -v_dot_d);
+    const Fraction<T> to_base{-v_dot_f, magnitude}, to_top{v2 - v_dot_f, magnitude}, from_top{-to_top.n, magnitude},
+        from_base{v_dot_f, magnitude};
     const Fraction<T> minus_infinity{-one, zero}, plus_infinity{one, zero};
     const Fraction<T> entry = select(crossed, select(is_upward, to_base, from_top), minus_infinity);
     const Fraction<T> exit = select(crossed, select(is_upward, to_top, from_base), plus_infinity);
@@ -95,25 +98,25 @@ CappedSpan<T> capped(const QuadraticSpan<T>& side, const T& low, const T& along_
             .at_entry = quadratic_at(side, entry),
             .at_exit = quadratic_at(side, exit),
             .crossed = crossed,
-            .closed = crossed || (low >= zero && low <= v2),
-            .open = crossed || (low > zero && low < v2),
+            .closed = crossed || (v_dot_f >= zero && v_dot_f <= v2),
+            .open = crossed || (v_dot_f > zero && v_dot_f < v2),
             .d2 = side.d2};
 }
 
-/// Both ends. Returns nothing if the surfaces by which the line enters and leaves are not known.
+/// Entry and exit of a line. Returns nothing if it is not known by which surface the line enters or leaves.
 template <Number T>
-std::optional<Ends<T>> ends_of(const CappedSpan<T>& s) {
-    if (!is_certain(s.is_hit())) return std::nullopt;
-    const T root = sqrt(s.side.q);
-    const bool is_h_positive = is_certain(s.side.h > T(0));
+std::optional<Ends<T>> ends_of(const CappedSpan<T>& span) {
+    if (!is_certain(span.is_hit())) return std::nullopt;
+    const T root = sqrt(span.side.q);
+    const bool is_h_positive = is_certain(span.side.h > T(0));
     const auto end_by = [](const auto& by_cap, const Fraction<T>& cap, const T& at_root) -> std::optional<T> {
         if (is_certain(by_cap)) return cap.n / cap.m;
         return is_certain(!by_cap) ? std::optional(at_root) : std::nullopt;
     };
-    const auto near = end_by(s.enters_by_cap(), s.entry,
-                             is_h_positive ? -(root + s.side.h) / s.side.a : s.side.c / (root - s.side.h));
-    const auto far =
-        end_by(s.leaves_by_cap(), s.exit, is_h_positive ? -s.side.c / (root + s.side.h) : (root - s.side.h) / s.side.a);
+    const auto near = end_by(span.enters_by_cap(), span.entry,
+                             is_h_positive ? -(root + span.side.h) / span.side.a : span.side.c / (root - span.side.h));
+    const auto far = end_by(span.leaves_by_cap(), span.exit,
+                            is_h_positive ? -span.side.c / (root + span.side.h) : (root - span.side.h) / span.side.a);
     return near && far ? std::optional(Ends<T>{*near, *far}) : std::nullopt;
 }
 

@@ -14,19 +14,19 @@ struct JoinedSpan {
     QuadraticSpan<T> enter, leave;
     T d2;  ///< d·d
 
-    static constexpr bool may_hit_behind_touch = false;
+    static constexpr bool may_hit_beyond_touch = false;
 
     /// True if some point of the line lies in the closed (`is_hit`) or in the open primitive (`is_open`).
     [[nodiscard]] mask_t<T> is_hit() const { return enter.q >= T(0) && leave.q >= T(0); }
     [[nodiscard]] mask_t<T> is_open() const { return enter.q > T(0) && leave.q > T(0); }
-    /// Compares the entry (`enters_to`) or the exit (`leaves_to`) of a line that meets the closed primitive with t:
-    /// before t (`less`), or no later (`at_most`).
+    /// Compares the entry (`compare_entry`) or the exit (`compare_exit`) of a line that meets the closed primitive with
+    /// t: before t (`less`), or no later (`at_most`).
     template <class At = Fraction<T>>
-    [[nodiscard]] Order<mask_t<T>> enters_to(const At& t) const {
+    [[nodiscard]] Order<mask_t<T>> compare_entry(const At& t) const {
         return quadratic_at(enter, t).near_root();
     }
     template <class At = Fraction<T>>
-    [[nodiscard]] Order<mask_t<T>> leaves_to(const At& t) const {
+    [[nodiscard]] Order<mask_t<T>> compare_exit(const At& t) const {
         return quadratic_at(leave, t).far_root();
     }
 };
@@ -37,7 +37,7 @@ QuadraticSpan<T> select(const mask_t<T>& mask, const QuadraticSpan<T>& a, const 
             select(mask, a.d2, b.d2)};
 }
 
-/// Both ends of the interval.
+/// Entry and exit of a line.
 template <Number T>
 std::optional<Ends<T>> ends_of(const JoinedSpan<T>& s) {
     return Ends<T>{ends_of(s.enter)->near, ends_of(s.leave)->far};

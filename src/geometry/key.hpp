@@ -1,4 +1,4 @@
-// Names and limits of a shape's numbers. Every file, option and table that names these numbers uses them.
+// Names and limits of a shape's numbers, as used in all files, options and tables.
 #pragma once
 
 #include <array>
@@ -18,9 +18,9 @@ struct Key {
         non_negative_below_previous,  ///< 0 or more, and less than the previous length
         positive_below_previous,      ///< greater than 0, and less than the previous length
         not_zero,                     ///< a direction whose length is not 0
-        at_least_before,              ///< in each component at least the previous key
-        off_line_before,              ///< a point that does not lie on one line with the two previous keys
-        apart_from_before             ///< a point that differs from the previous key
+        at_least_previous,            ///< at least the previous key in each component
+        not_collinear_with_previous,  ///< a point that does not lie on one line with the two previous keys
+        differs_from_previous         ///< a point that differs from the previous key
     };
 
     std::string_view name;    ///< such as `centre`: the key in TOML tables, paths and shaders
@@ -36,11 +36,11 @@ struct Key {
 
 /// Phrases about a shape and its special cases, for messages and texts.
 struct ShapeTexts {
-    std::string_view plainest;  ///< the simplest primitive, all of which lies within 2 of the origin
-    std::string_view touching;  ///< a ray that only touches the primitive
-    std::string_view point;     ///< a primitive no larger than a point
+    std::string_view simplest;      ///< the simplest primitive, all of which lies within 2 of the origin
+    std::string_view touching_ray;  ///< a ray that only touches the primitive
+    std::string_view degenerate;    ///< a primitive no larger than a point
     std::string_view
-        places;  ///< the points that determine the position of the primitive, in the plural, such as `centres`
+        anchor_points;  ///< the points that determine the position of the primitive, in the plural, such as `centres`
 };
 
 }  // namespace lostbits

@@ -30,22 +30,22 @@ struct Polynomial {
     std::array<T, 5> c;
     int degree;
 
-    [[nodiscard]] const T& of(int power) const { return c[static_cast<std::size_t>(power)]; }
-    [[nodiscard]] T& of(int power) { return c[static_cast<std::size_t>(power)]; }
-    [[nodiscard]] const T& leading() const { return of(degree); }
+    [[nodiscard]] const T& coefficient(int power) const { return c[static_cast<std::size_t>(power)]; }
+    [[nodiscard]] T& coefficient(int power) { return c[static_cast<std::size_t>(power)]; }
+    [[nodiscard]] const T& leading() const { return coefficient(degree); }
 
     [[nodiscard]] T at(const T& x) const {
         T y = leading();
-        for (int i = degree - 1; i >= 0; --i) y = y * x + of(i);
+        for (int i = degree - 1; i >= 0; --i) y = y * x + coefficient(i);
         return y;
     }
     [[nodiscard]] Polynomial slope() const {
         Polynomial d{{}, degree - 1};
-        for (int i = 1; i <= degree; ++i) d.of(i - 1) = T(i) * of(i);
+        for (int i = 1; i <= degree; ++i) d.coefficient(i - 1) = T(i) * coefficient(i);
         return d;
     }
     friend Polynomial operator-(Polynomial f) {
-        for (int i = 0; i <= f.degree; ++i) f.of(i) = -f.of(i);
+        for (int i = 0; i <= f.degree; ++i) f.coefficient(i) = -f.coefficient(i);
         return f;
     }
 };
@@ -69,8 +69,9 @@ inline constexpr bool divides_polynomials = requires(const T& x) {
     x.hi();
 };
 
-/// Quotient and remainder of f divided by g. Without division of numbers, both are multiplied by the same power of the
-/// leading coefficient of g. The factor of the remainder is positive.
+/// Quotient and remainder of f divided by g. If numbers of T are not divided, both are multiplied by the same power
+/// of the leading coefficient of g. If this factor is negative, the remainder changes its sign, so that its factor is
+/// positive.
 template <class T>
 struct PolynomialDivision {
     Polynomial<T> quotient, remainder;
@@ -80,20 +81,22 @@ PolynomialDivision<T> divide(const Polynomial<T>& f, const Polynomial<T>& g) {
     PolynomialDivision<T> d{{{}, f.degree - g.degree}, f};
     if constexpr (divides_polynomials<T>) {
         for (int k = d.quotient.degree; k >= 0; --k) {
-            const T coefficient = d.remainder.of(g.degree + k) / g.leading();
-            d.quotient.of(k) = coefficient;
-            for (int i = k; i < g.degree + k; ++i) d.remainder.of(i) = d.remainder.of(i) - coefficient * g.of(i - k);
+            const T quotient_term = d.remainder.coefficient(g.degree + k) / g.leading();
+            d.quotient.coefficient(k) = quotient_term;
+            for (int i = k; i < g.degree + k; ++i)
+                d.remainder.coefficient(i) = d.remainder.coefficient(i) - quotient_term * g.coefficient(i - k);
         }
         d.remainder.degree = g.degree - 1;
         return d;
     }
     for (int k = d.quotient.degree; k >= 0; --k) {
-        const T coefficient = d.remainder.of(g.degree + k);
-        for (int i = k + 1; i <= d.quotient.degree; ++i) d.quotient.of(i) = g.leading() * d.quotient.of(i);
-        d.quotient.of(k) = coefficient;
+        const T quotient_term = d.remainder.coefficient(g.degree + k);
+        for (int i = k + 1; i <= d.quotient.degree; ++i)
+            d.quotient.coefficient(i) = g.leading() * d.quotient.coefficient(i);
+        d.quotient.coefficient(k) = quotient_term;
         for (int i = 0; i < g.degree + k; ++i) {
-            const T scaled = g.leading() * d.remainder.of(i);
-            d.remainder.of(i) = i < k ? scaled : scaled - coefficient * g.of(i - k);
+            const T scaled = g.leading() * d.remainder.coefficient(i);
+            d.remainder.coefficient(i) = i < k ? scaled : scaled - quotient_term * g.coefficient(i - k);
         }
     }
     d.remainder.degree = g.degree - 1;
@@ -109,7 +112,7 @@ struct RootCount {
     int count;
     Polynomial<T> common_divisor;
 };
-/// Counts the roots by Sturm's theorem: the sign changes in f, f′, −remainder, −remainder, … at −∞, less those at ∞.
+/// Counts the roots by Sturm's theorem: the sign changes in f, f′, −remainder, −remainder, … at −∞ minus those at ∞.
 /// Returns nothing if a leading coefficient may be 0 but is not known to be 0. The first remainder of n x⁴ + p x² + q x
 /// + r is (p x²)/2 + (3 q x)/4 + r; f must have no cubic term.
 template <class T>

@@ -16,40 +16,40 @@ struct QuarticSpan {
     T a, b, bound;
     T d2;  ///< d·d
 
-    static constexpr bool may_hit_behind_touch = true;
+    static constexpr bool may_hit_beyond_touch = true;
 
-    /// `place` is the value of x at t, `time` the t at which the line is at x.
-    [[nodiscard]] T place(const T& t) const { return a * t + b; }
-    [[nodiscard]] T time(const T& x) const { return (x - b) / a; }
+    /// Converts between t and x.
+    [[nodiscard]] T x_at(const T& t) const { return a * t + b; }
+    [[nodiscard]] T t_at(const T& x) const { return (x - b) / a; }
 };
 
 /// The first interval that does not end before t = 0, or the last one if all end before it. Returns nothing if no
 /// interval is known.
 template <Number T>
-std::optional<Ends<T>> ends_of(const QuarticSpan<T>& s) {
+std::optional<Ends<T>> ends_of(const QuarticSpan<T>& span) {
     std::array<T, 4> crossings;
     int count = 0, first = 0;
     if constexpr (std::same_as<mask_t<T>, bool>) {
-        const NearRoots<T> approximations = near_roots(s.f, s.bound);
+        const ApproximateRoots<T> approximations = approximate_roots(span.f, span.bound);
         crossings = approximations.x, count = approximations.count;
-        if (count > 2 && crossings[1] < s.b) first = 2;
+        if (count > 2 && crossings[1] < span.b) first = 2;
     } else {
-        const auto roots = enclosed_roots(s.f, s.bound);
+        const auto roots = enclosed_roots(span.f, span.bound);
         if (!roots) return std::nullopt;
         std::array<int, 4> crossing_indices;
         for (int i = 0; i < roots->count; ++i)
-            if ((*roots)[i].crosses)
+            if ((*roots)[i].changes_sign)
                 crossing_indices[static_cast<std::size_t>(count)] = i,
                 crossings[static_cast<std::size_t>(count++)] = (*roots)[i].root;
         if (count > 2) {
-            const auto order = roots->order(crossing_indices[1], s.b);
+            const auto order = roots->order(crossing_indices[1], span.b);
             if (!order) return std::nullopt;
             if (*order < 0) first = 2;
         }
     }
     if (count < first + 2) return std::nullopt;
     const auto index = static_cast<std::size_t>(first);
-    return Ends<T>{s.time(crossings[index]), s.time(crossings[index + 1])};
+    return Ends<T>{span.t_at(crossings[index]), span.t_at(crossings[index + 1])};
 }
 
 }  // namespace lostbits

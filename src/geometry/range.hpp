@@ -9,7 +9,7 @@
 
 namespace lostbits {
 
-/// The ends of a range that do not belong to the range.
+/// Says which ends of a range do not belong to it.
 struct OpenEnds {
     bool tmin = false, tmax = false;
     friend auto operator<=>(const OpenEnds&, const OpenEnds&) = default;
@@ -21,10 +21,10 @@ inline constexpr std::array<std::pair<std::string_view, OpenEnds>, 4> open_ends_
 inline constexpr std::string_view name_of(OpenEnds open) {
     return open_ends_names[(open.tmin ? 1U : 0U) + (open.tmax ? 2U : 0U)].first;
 }
-/// Converts one of the names above.
+/// Finds the open ends with one of the names above; none for any other name.
 inline constexpr OpenEnds open_ends_named(std::string_view name) {
-    for (const auto& [known, open] : open_ends_names)
-        if (known == name) return open;
+    for (const auto& [known_name, open] : open_ends_names)
+        if (known_name == name) return open;
     return {};
 }
 
@@ -36,8 +36,8 @@ struct Range {
     T tmax = std::numeric_limits<T>::infinity();
     OpenEnds open = {};
 
-    /// A range with both ends closed that holds the same numbers of this format: t > tmin becomes t ≥ the next number
-    /// above tmin. A tmax of infinity is not changed.
+    /// Returns the range with both ends closed that holds the same numbers of this format: t > tmin becomes t ≥ the
+    /// next number above tmin. A tmax of infinity is not changed.
     [[nodiscard]] Range closed() const {
         constexpr T infinity = std::numeric_limits<T>::infinity();
         Range result{tmin, tmax};

@@ -12,7 +12,7 @@ inline int precision_of(double) { return 53; }
 
 /// Approximate roots: at most four numbers in ascending order.
 template <class T>
-struct NearRoots {
+struct ApproximateRoots {
     std::array<T, 4> x;
     int count = 0;
 
@@ -22,16 +22,16 @@ struct NearRoots {
 /// Finds the root of f between two numbers at which f has different signs, by Newton's method. Bisects if a Newton step
 /// leaves the interval.
 template <class A>
-A near_root(const Polynomial<A>& f, A low, A high) {
+A approximate_root(const Polynomial<A>& f, A low, A high) {
     const Polynomial<A> slope = f.slope();
-    const bool rises = known_sign(middle(f.at(low))) == -1;
+    const bool is_rising = known_sign(middle(f.at(low))) == -1;
     const A half = A(1) / A(2);
     A x = middle(half * (low + high));
     for (int i = 0; i < 4 * precision_of(x); ++i) {
         const A value = middle(f.at(x));
         const auto sign = known_sign(value);
         if (!sign || *sign == 0) break;
-        (rises == (*sign < 0) ? low : high) = x;
+        (is_rising == (*sign < 0) ? low : high) = x;
         const A slope_at_x = middle(slope.at(x));
         A next = known_sign(slope_at_x) == 0 ? x : middle(x - value / slope_at_x);
         const bool is_between = known_sign(A(next - low)) == 1 && known_sign(A(high - next)) == 1;
@@ -43,31 +43,31 @@ A near_root(const Polynomial<A>& f, A low, A high) {
     return x;
 }
 
-/// Approximates the roots within ±bound at which f changes sign. Between two neighbouring roots of this kind of its
-/// slope, f has one such root or none.
+/// Approximates the roots within ±bound at which f changes sign. Between two neighbouring roots of its slope at which
+/// the slope changes sign, f has one such root or none.
 template <class A>
-NearRoots<A> near_roots(const Polynomial<A>& f, const A& bound) {
-    NearRoots<A> turns, roots;
-    if (f.degree > 1) turns = near_roots(f.slope(), bound);
+ApproximateRoots<A> approximate_roots(const Polynomial<A>& f, const A& bound) {
+    ApproximateRoots<A> extrema, roots;
+    if (f.degree > 1) extrema = approximate_roots(f.slope(), bound);
     if (f.degree < 1) return roots;
     A low = -bound;
     auto sign_before = known_sign(middle(f.at(low)));
-    for (int i = 0; i <= turns.count; ++i) {
-        const A high = i < turns.count ? turns.x[static_cast<std::size_t>(i)] : bound;
+    for (int i = 0; i <= extrema.count; ++i) {
+        const A high = i < extrema.count ? extrema.x[static_cast<std::size_t>(i)] : bound;
         const auto sign_after = known_sign(middle(f.at(high)));
-        if (sign_before && sign_after && *sign_before * *sign_after < 0) roots.add(near_root(f, low, high));
+        if (sign_before && sign_after && *sign_before * *sign_after < 0) roots.add(approximate_root(f, low, high));
         if (sign_after != 0) low = high, sign_before = sign_after;
     }
     return roots;
 }
 
-/// An interval that holds exactly one root. `crosses` is true if the polynomial changes sign at the root; `behind` is
-/// its sign behind the root.
+/// An interval that holds exactly one root. `changes_sign` is true if the polynomial changes sign at the root;
+/// `sign_beyond` is its sign beyond the root.
 template <class E>
 struct EnclosedRoot {
     E low, high, root;
-    bool crosses;
-    int behind;
+    bool changes_sign;
+    int sign_beyond;
 };
 
 /// All real roots of f in order, and a polynomial `simple` that has each root of f once.
@@ -84,7 +84,7 @@ struct EnclosedRoots {
     template <class SignRelativeToX, class Value>
     [[nodiscard]] std::optional<int> order(int i, const SignRelativeToX& sign_relative_to_x, const Value& value) const {
         const auto agrees = [](const std::optional<int>& sign, int expected) { return sign && *sign * expected >= 0; };
-        const auto& [low, high, root, crosses, behind] = (*this)[i];
+        const auto& [low, high, root, changes_sign, sign_beyond] = (*this)[i];
         const auto sign_of_low = sign_relative_to_x(low), sign_of_high = sign_relative_to_x(high);
         if (agrees(sign_of_low, 1)) return 1;
         if (agrees(sign_of_high, -1)) return -1;
@@ -105,15 +105,15 @@ namespace detail {
 /// Approximates the roots within ±bound of a polynomial in double. With y = x/bound, the coefficients divided by the
 /// leading one are in the range of double, except for lines so far away that f has no root.
 template <class E>
-NearRoots<E> approximate_in_double(const Polynomial<E>& f, const E& bound) {
+ApproximateRoots<E> approximate_in_double(const Polynomial<E>& f, const E& bound) {
     Polynomial<double> in_double{{}, f.degree};
     E power(1);
     for (int i = f.degree; i >= 0; --i) {
-        in_double.of(i) = nearest_double(f.of(i) / (f.leading() * power));
+        in_double.coefficient(i) = nearest_double(f.coefficient(i) / (f.leading() * power));
         power = power * bound;
     }
-    const NearRoots<double> approximations = near_roots(in_double, 1.0);
-    NearRoots<E> roots;
+    const ApproximateRoots<double> approximations = approximate_roots(in_double, 1.0);
+    ApproximateRoots<E> roots;
     for (int i = 0; i < approximations.count; ++i)
         roots.add(middle(E(approximations.x[static_cast<std::size_t>(i)]) * bound));
     return roots;
@@ -121,8 +121,8 @@ NearRoots<E> approximate_in_double(const Polynomial<E>& f, const E& bound) {
 
 /// Improves approximations with `bits` correct bits by Newton steps, each of which doubles the number of correct bits.
 template <class E>
-NearRoots<E> refine(const Polynomial<E>& f, const NearRoots<E>& start, long bits) {
-    NearRoots<E> roots = start;
+ApproximateRoots<E> refine(const Polynomial<E>& f, const ApproximateRoots<E>& start, long bits) {
+    ApproximateRoots<E> roots = start;
     const Polynomial<E> slope = f.slope();
     for (const long full_bits = precision_of(E(0)); bits < full_bits; bits *= 2) {
         const typename E::Precision precision(std::min(2 * bits, full_bits));
@@ -136,24 +136,24 @@ NearRoots<E> refine(const Polynomial<E>& f, const NearRoots<E>& start, long bits
 }
 
 /// Precision of the second search for roots, which runs if the roots found in double prove nothing.
-inline constexpr long bits_of_search = 192;
+inline constexpr long search_bits = 192;
 
-/// Approximates the roots in `bits_of_search`.
+/// Approximates the roots with `search_bits` bits.
 template <class E>
-NearRoots<E> approximate_in_few_bits(const Polynomial<E>& f, const E& bound) {
-    const typename E::Precision precision(bits_of_search);
+ApproximateRoots<E> approximate_in_search_bits(const Polynomial<E>& f, const E& bound) {
+    const typename E::Precision precision(search_bits);
     Polynomial<E> rounded_f{{}, f.degree};
-    for (int i = 0; i <= f.degree; ++i) rounded_f.of(i) = middle(f.of(i));
-    return near_roots(rounded_f, E(middle(bound)));
+    for (int i = 0; i <= f.degree; ++i) rounded_f.coefficient(i) = middle(f.coefficient(i));
+    return approximate_roots(rounded_f, E(middle(bound)));
 }
 
 /// Approximates the roots of a polynomial over balls in double, which is accurate enough for most polynomials.
 template <class E>
-NearRoots<E> approximate_by_first_words(const Polynomial<E>& f, const E& bound) {
+ApproximateRoots<E> approximate_by_first_words(const Polynomial<E>& f, const E& bound) {
     Polynomial<double> in_double{{}, f.degree};
-    for (int i = 0; i <= f.degree; ++i) in_double.of(i) = f.of(i).hi();
-    const NearRoots<double> approximations = near_roots(in_double, bound.hi());
-    NearRoots<E> roots;
+    for (int i = 0; i <= f.degree; ++i) in_double.coefficient(i) = f.coefficient(i).hi();
+    const ApproximateRoots<double> approximations = approximate_roots(in_double, bound.hi());
+    ApproximateRoots<E> roots;
     for (int i = 0; i < approximations.count; ++i) roots.add(E(approximations.x[static_cast<std::size_t>(i)]));
     return roots;
 }
@@ -169,7 +169,7 @@ EnclosedRoot<E> enclose_root(const Polynomial<E>& f, const Polynomial<E>& slope,
     }
     const E value = f.at(x);
     const bool is_root = known_sign(value) == 0;
-    E distance = is_root ? bound : largest(value) / largest(middle(slope.at(x))) * E(8);
+    E distance = is_root ? bound : largest_magnitude(value) / largest_magnitude(middle(slope.at(x))) * E(8);
     for (int i = 0; is_root && i < precision_of(x) / 2; ++i) distance = distance / E(2);
     const E low = middle(x - distance), high = middle(x + distance);
     return {low, high, is_root ? x : between(low, high), true, 1};
@@ -177,30 +177,30 @@ EnclosedRoot<E> enclose_root(const Polynomial<E>& f, const Polynomial<E>& slope,
 
 /// Encloses the roots near their approximations. Each root is proved to lie between two points.
 template <class E>
-std::optional<EnclosedRoots<E>> enclosed_from(const NearRoots<E>& approximations, EnclosedRoots<E> roots,
-                                              bool are_simple, const E& bound) {
+std::optional<EnclosedRoots<E>> enclose_roots_near(const ApproximateRoots<E>& approximations, EnclosedRoots<E> roots,
+                                                   bool are_simple, const E& bound) {
     if (approximations.count != roots.count) return std::nullopt;
     const Polynomial<E> slope = roots.simple.slope();
     for (int i = 0; i < roots.count; ++i) {
         EnclosedRoot<E>& root = roots.all[static_cast<std::size_t>(i)];
         root = enclose_root(roots.simple, slope, approximations.x[static_cast<std::size_t>(i)], bound);
         const auto sign_before = known_sign(roots.simple.at(root.low)),
-                   sign_behind = known_sign(roots.simple.at(root.high));
-        if (!sign_before || !sign_behind || *sign_before * *sign_behind >= 0) return std::nullopt;
+                   sign_after = known_sign(roots.simple.at(root.high));
+        if (!sign_before || !sign_after || *sign_before * *sign_after >= 0) return std::nullopt;
         if (i > 0 && known_sign(E(root.low - roots[i - 1].high)) != 1) return std::nullopt;
     }
-    // The sign behind the last root is that of the leading coefficient. Half way between two roots the sign is known,
+    // The sign beyond the last root is that of the leading coefficient. Half way between two roots the sign is known,
     // even if the sign of f close to a double root, where f is the square of a small number, is not.
     for (int i = roots.count - 1, sign = known_sign(roots.f.leading()).value_or(1); i >= 0; --i) {
         EnclosedRoot<E>& root = roots.all[static_cast<std::size_t>(i)];
-        root.behind = sign;
+        root.sign_beyond = sign;
         const bool is_first = i == 0;
         const auto sign_before = are_simple ? std::optional(-sign)
                                  : is_first ? known_sign(roots.f.at(middle(-bound)))
                                             : known_sign(roots.f.at(middle((roots[i - 1].high + root.low) / E(2))));
         if (!sign_before) return std::nullopt;
         sign = *sign_before;
-        root.crosses = sign != root.behind;
+        root.changes_sign = sign != root.sign_beyond;
     }
     return roots;
 }
@@ -222,22 +222,22 @@ std::optional<EnclosedRoots<E>> enclosed_roots(const Polynomial<E>& f, const E& 
         roots.simple = divide(f, counted->common_divisor).quotient;
         if (!trim(roots.simple)) return std::nullopt;
     }
-    const E end = middle(bound);
-    const auto enclose_from = [&](const NearRoots<E>& approximations) {
-        return detail::enclosed_from(approximations, roots, are_simple, bound);
+    const E search_bound = middle(bound);
+    const auto enclose_near = [&](const ApproximateRoots<E>& approximations) {
+        return detail::enclose_roots_near(approximations, roots, are_simple, bound);
     };
     if constexpr (requires { bound.hi(); }) {
-        return enclose_from(detail::approximate_by_first_words(roots.simple, end));
+        return enclose_near(detail::approximate_by_first_words(roots.simple, search_bound));
     } else if constexpr (requires { typename E::Precision; }) {
-        if (auto enclosed =
-                enclose_from(detail::refine(roots.simple, detail::approximate_in_double(roots.simple, end), 53)))
+        if (auto enclosed = enclose_near(
+                detail::refine(roots.simple, detail::approximate_in_double(roots.simple, search_bound), 53)))
             return enclosed;
-        if (auto enclosed = enclose_from(detail::refine(
-                roots.simple, detail::approximate_in_few_bits(roots.simple, end), detail::bits_of_search)))
+        if (auto enclosed = enclose_near(detail::refine(
+                roots.simple, detail::approximate_in_search_bits(roots.simple, search_bound), detail::search_bits)))
             return enclosed;
-        return enclose_from(near_roots(roots.simple, end));
+        return enclose_near(approximate_roots(roots.simple, search_bound));
     } else {
-        return enclose_from(near_roots(roots.simple, end));
+        return enclose_near(approximate_roots(roots.simple, search_bound));
     }
 }
 

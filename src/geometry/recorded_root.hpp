@@ -6,12 +6,13 @@
 
 namespace lostbits {
 
-/// Records the search as one operation of a program; the operation performs the steps of `near_first_root` for packs.
-inline number::wide::ColumnWord near_first_root(const QuarticChain<number::wide::ColumnWord>& chain,
-                                                const number::wide::ColumnWord& begin,
-                                                const number::wide::ColumnWord& bound, int /*steps*/) {
+/// Records the search as one operation of a program; the operation performs the steps of `approximate_first_root` for
+/// packs.
+inline number::wide::ColumnWord approximate_first_root(const QuarticChain<number::wide::ColumnWord>& chain,
+                                                       const number::wide::ColumnWord& begin,
+                                                       const number::wide::ColumnWord& bound, int /*steps*/) {
     using number::wide::ColumnOperation, number::wide::ColumnWord, number::wide::record_instruction;
-    return ColumnWord::at(record_instruction(ColumnOperation::near_root_of_quartic, chain.n.index(), chain.p.index(),
+    return ColumnWord::at(record_instruction(ColumnOperation::first_root_of_quartic, chain.n.index(), chain.p.index(),
                                              chain.q.index(), chain.r.index(), begin.index(), bound.index()));
 }
 

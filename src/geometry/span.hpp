@@ -1,5 +1,5 @@
 // The part of a line o + t d inside a primitive, over any number. The truth of every shape is built from spans. A shape
-// chooses one of these spans and sets its coefficients; the span answers all questions about the line.
+// chooses one of the span types and sets its coefficients. The span decides if and where the line meets the shape.
 #pragma once
 
 #include <array>
@@ -31,9 +31,9 @@ struct QuadraticSpan {
     T h, c, a, q;
     T d2;  ///< d·d
 
-    /// True if a ray that only touches the surface may meet it again behind that point. Every span defines this
+    /// True if a ray that only touches the surface may meet it again beyond that point. Every span defines this
     /// constant.
-    static constexpr bool may_hit_behind_touch = false;
+    static constexpr bool may_hit_beyond_touch = false;
 };
 
 /// Compares a b with c d. Number types that can compare products more cheaply overload this function.
@@ -73,12 +73,12 @@ struct SlabSpan {
     mask_t<T> open;    ///< o lies in each open slab that the line does not cross, and every slab has thickness
     T d2;              ///< d·d
 
-    static constexpr bool may_hit_behind_touch = false;
+    static constexpr bool may_hit_beyond_touch = false;
 };
 
-/// A range of t in the form in which spans are compared with it. If the range has no end, `end` is 1/0.
+/// A range of t that spans are compared with. If the range has no end, `end` is 1/0.
 template <class T>
-struct RangeOfSpan {
+struct SpanRange {
     T begin;
     Fraction<T> end;
     OpenEnds open;
@@ -87,7 +87,7 @@ struct RangeOfSpan {
 /// True if a point lies before the end of a range, or at a closed end. `to_end` is the comparison of the point with
 /// that end.
 template <class Mask, class T>
-Mask in_time(const Order<Mask>& to_end, const RangeOfSpan<T>& range) {
+Mask is_before_range_end(const Order<Mask>& to_end, const SpanRange<T>& range) {
     return range.open.tmax ? to_end.less : to_end.at_most;
 }
 
@@ -131,15 +131,15 @@ QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, const Fraction<T>& t) {
 /// largest and a smallest number holds exactly if it holds for every pair, so neither needs to be known. Entry and exit
 /// of one axis are in the order of lo and hi.
 template <class T>
-struct InSlabs {
+struct SlabHit {
     mask_t<T> closed, open;
 };
 
-/// The decisions for the range of all t ≥ 0.
+/// Decides for the range of all t ≥ 0.
 template <class T>
-InSlabs<T> in_slabs(const SlabSpan<T>& s) {
+SlabHit<T> slab_hit(const SlabSpan<T>& s) {
     const T zero(0);
-    InSlabs<T> result{s.closed, s.open};
+    SlabHit<T> result{s.closed, s.open};
     for_each_axis([&](auto i) {
         result.closed = result.closed && zero <= s.exit[i].n;
         result.open = result.open && zero < s.exit[i].n;
@@ -157,15 +157,15 @@ InSlabs<T> in_slabs(const SlabSpan<T>& s) {
 }
 
 template <class T>
-InSlabs<T> in_slabs(const SlabSpan<T>& s, const RangeOfSpan<T>& range) {
-    InSlabs<T> result = in_slabs(s);
+SlabHit<T> slab_hit(const SlabSpan<T>& s, const SpanRange<T>& range) {
+    SlabHit<T> result = slab_hit(s);
     for_each_axis([&](auto i) {
         const auto begin_to_exit = order_of(Fraction<T>{range.begin, T(1)}, s.exit[i]),
                    entry_to_end = order_of(s.entry[i], range.end);
         const auto is_parallel = !s.crossed[i];
         result.closed =
             result.closed && (is_parallel || ((range.open.tmin ? begin_to_exit.less : begin_to_exit.at_most) &&
-                                              in_time(entry_to_end, range)));
+                                              is_before_range_end(entry_to_end, range)));
         result.open = result.open && (is_parallel || (begin_to_exit.less && entry_to_end.less));
     });
     result.open = result.closed && result.open;
@@ -174,28 +174,28 @@ InSlabs<T> in_slabs(const SlabSpan<T>& s, const RangeOfSpan<T>& range) {
 
 /// Largest entry, or 0/1 if no entry is positive. Of equal entries, returns the first.
 template <class T>
-Fraction<T> first_entry(const SlabSpan<T>& s) {
+Fraction<T> largest_entry(const SlabSpan<T>& s) {
     const T zero(0);
     const auto is_positive = [&](const Fraction<T>& entry) { return entry.n > zero; };
-    Fraction<T> first = select(is_positive(s.entry[0]), s.entry[0], Fraction<T>{zero, T(1)});
+    Fraction<T> largest = select(is_positive(s.entry[0]), s.entry[0], Fraction<T>{zero, T(1)});
     const auto take_larger = [&](const Fraction<T>& entry) {
-        first = select(is_positive(entry) && order_of(first, entry).less, entry, first);
+        largest = select(is_positive(entry) && order_of(largest, entry).less, entry, largest);
     };
     take_larger(s.entry[1]), take_larger(s.entry[2]);
-    return first;
+    return largest;
 }
 
 /// Largest entry, or the beginning of the range if no entry is later. Of equal entries, returns the first.
 template <class T>
-Fraction<T> first_entry(const SlabSpan<T>& s, const RangeOfSpan<T>& range) {
-    Fraction<T> first{range.begin, T(1)};
-    for_each_axis([&](auto i) { first = select(order_of(first, s.entry[i]).less, s.entry[i], first); });
-    return first;
+Fraction<T> largest_entry(const SlabSpan<T>& s, const SpanRange<T>& range) {
+    Fraction<T> largest{range.begin, T(1)};
+    for_each_axis([&](auto i) { largest = select(order_of(largest, s.entry[i]).less, s.entry[i], largest); });
+    return largest;
 }
 
 /// True if every entry comes before the beginning of the range (`less`), or no later (`at_most`).
 template <class T>
-Order<mask_t<T>> entries_to_begin(const SlabSpan<T>& s, const RangeOfSpan<T>& range) {
+Order<mask_t<T>> compare_entries_with_begin(const SlabSpan<T>& s, const SpanRange<T>& range) {
     const auto to_begin = [&](const Fraction<T>& entry) { return order_of(entry, Fraction<T>{range.begin, T(1)}); };
     const auto x = to_begin(s.entry[0]), y = to_begin(s.entry[1]), z = to_begin(s.entry[2]);
     return {x.less && y.less && z.less, x.at_most && y.at_most && z.at_most};
@@ -203,17 +203,17 @@ Order<mask_t<T>> entries_to_begin(const SlabSpan<T>& s, const RangeOfSpan<T>& ra
 
 /// Smallest exit. Of equal exits, returns the first.
 template <Number T>
-Fraction<T> first_exit(const SlabSpan<T>& s) {
-    Fraction<T> first = s.exit[0];
-    for (const Fraction<T>& exit : s.exit) first = select(order_of(exit, first).less, exit, first);
-    return first;
+Fraction<T> smallest_exit(const SlabSpan<T>& s) {
+    Fraction<T> smallest = s.exit[0];
+    for (const Fraction<T>& exit : s.exit) smallest = select(order_of(exit, smallest).less, exit, smallest);
+    return smallest;
 }
 
 /// A span of a primitive with an inside. It says whether the line meets the closed primitive and whether it meets the
 /// open one, and compares the entry and the exit of the line with a fraction.
 template <class S, class T>
 concept ComparableSpan = requires(const S& s, const Fraction<T>& t) {
-    s.is_hit(), s.is_open(), s.enters_to(t), s.leaves_to(t);
+    s.is_hit(), s.is_open(), s.compare_entry(t), s.compare_exit(t);
 };
 
 /// Entry and exit of a line: near ≤ far if it meets the primitive.
@@ -236,8 +236,8 @@ std::optional<Ends<T>> ends_of(const SlabSpan<T>& s) {
     if (!is_certain(s.closed)) return ends;
     for (std::size_t i = 0; i < s.entry.size(); ++i) {
         if (is_certain(!s.crossed[i])) continue;
-        const T t_in = s.entry[i].n / s.entry[i].m, t_out = s.exit[i].n / s.exit[i].m;
-        ends = ends ? Ends<T>{max(ends->near, t_in), min(ends->far, t_out)} : Ends<T>{t_in, t_out};
+        const T entry_t = s.entry[i].n / s.entry[i].m, exit_t = s.exit[i].n / s.exit[i].m;
+        ends = ends ? Ends<T>{max(ends->near, entry_t), min(ends->far, exit_t)} : Ends<T>{entry_t, exit_t};
     }
     return ends;
 }

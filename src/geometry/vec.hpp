@@ -1,5 +1,5 @@
-// Three-vectors over any number. glm::vec holds the components. dot and cross are our own, because the order of their
-// additions is part of what is measured (and those of glm require IEEE types).
+// Three-vectors over any number. glm::vec holds the components. dot and cross are defined here and not taken from glm:
+// the order of their additions is part of what is measured, and glm's versions require IEEE types.
 #pragma once
 
 #ifndef GLM_FORCE_XYZW_ONLY
@@ -62,15 +62,16 @@ const Vec<T>& named(std::string_view label, const Vec<T>& v) {
 
 /// Two unit vectors perpendicular to v and to each other. v must not be 0.
 template <class T>
-struct AcrossAxis {
-    Vec<T> side, other;
+struct PerpendicularAxes {
+    Vec<T> first, second;
 
-    explicit AcrossAxis(const Vec<T>& v) : side(unit(cross(v, along_least(v)))), other(unit(cross(v, side))) {}
+    explicit PerpendicularAxes(const Vec<T>& v)
+        : first(unit(cross(v, axis_of_smallest(v)))), second(unit(cross(v, first))) {}
 
 private:
     static Vec<T> unit(const Vec<T>& v) { return (T(1) / length(v)) * v; }
-    /// Unit vector along the axis in which |v| is smallest.
-    static Vec<T> along_least(const Vec<T>& v) {
+    /// Unit vector along the axis on which v has its smallest component.
+    static Vec<T> axis_of_smallest(const Vec<T>& v) {
         const T x = abs(v.x), y = abs(v.y), z = abs(v.z);
         return Vec<T>(x <= y && x <= z ? T(1) : T(0), y < x && y <= z ? T(1) : T(0), z < x && z < y ? T(1) : T(0));
     }

@@ -17,20 +17,20 @@ struct WallSpan {
     T d2;  ///< d·d
 
     static constexpr int crossings = 2;
-    static constexpr bool may_hit_behind_touch = true;
+    static constexpr bool may_hit_beyond_touch = true;
 
     [[nodiscard]] SurfaceCrossing<mask_t<T>> crossing(int i) const {
         const T zero(0);
-        const auto& [side, entry, exit, at_entry, at_exit, crossed, closed, open, size] = primitive;
+        const auto& [side, entry, exit, at_entry, at_exit, crossed, closed, open, direction_square] = primitive;
         const auto entry_order = i == 0 ? at_entry.near_root() : at_entry.far_root();
         const auto exit_order = i == 0 ? at_exit.near_root() : at_exit.far_root();
         const auto is_quadratic = side.a > zero;
         return {is_quadratic && closed && side.q >= zero && !entry_order.less && exit_order.at_most,
                 is_quadratic && open && side.q > zero && !entry_order.at_most && exit_order.less};
     }
-    /// Compares a root with t.
+    /// Compares the near root (i = 0) or the far root with t.
     template <class At = Fraction<T>>
-    [[nodiscard]] Order<mask_t<T>> order_to(int i, const At& t) const {
+    [[nodiscard]] Order<mask_t<T>> compare_crossing(int i, const At& t) const {
         const auto quadratic = quadratic_at(primitive.side, t);
         return i == 0 ? quadratic.near_root() : quadratic.far_root();
     }
@@ -39,12 +39,13 @@ struct WallSpan {
 /// First and last t at which the line crosses the surface. Returns nothing if these are not known.
 template <Number T>
 std::optional<Ends<T>> ends_of(const WallSpan<T>& s) {
-    const auto near_counts = s.crossing(0).closed, far_counts = s.crossing(1).closed;
-    const bool near = is_certain(near_counts), far = is_certain(far_counts);
-    if ((!near && !is_certain(!near_counts)) || (!far && !is_certain(!far_counts)) || !(near || far))
+    const auto near_crossing = s.crossing(0).closed, far_crossing = s.crossing(1).closed;
+    const bool is_near_hit = is_certain(near_crossing), is_far_hit = is_certain(far_crossing);
+    if ((!is_near_hit && !is_certain(!near_crossing)) || (!is_far_hit && !is_certain(!far_crossing)) ||
+        !(is_near_hit || is_far_hit))
         return std::nullopt;
     const Ends<T> roots = *ends_of(s.primitive.side);
-    return Ends<T>{near ? roots.near : roots.far, far ? roots.far : roots.near};
+    return Ends<T>{is_near_hit ? roots.near : roots.far, is_far_hit ? roots.far : roots.near};
 }
 
 }  // namespace lostbits

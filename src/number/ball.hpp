@@ -62,11 +62,11 @@ public:
         // A midpoint of zero inside a wide ball is a legitimate factor: only its radius counts.
         const bool has_zero_midpoint = a.hi_ == 0 || b.hi_ == 0, are_doubles = a.lo_ == 0 && b.lo_ == 0;
         if (are_doubles)
-            return in_range(p.hi) || has_zero_midpoint
+            return is_in_range(p.hi) || has_zero_midpoint
                        ? finish(p, propagated_radius, are_points(a, b), undefined_of(a, b))
                        : unknown();
         const DoubleDouble r = quick_two_sum(p.hi, p.lo + std::fma(a.hi_, b.lo_, a.lo_ * b.hi_));
-        if (!in_range(r.hi) && !has_zero_midpoint) return unknown();
+        if (!is_in_range(r.hi) && !has_zero_midpoint) return unknown();
         return finish(r, propagated_radius, false, undefined_of(a, b));
     }
     friend Ball operator/(const Ball& a, const Ball& b) {
@@ -74,7 +74,7 @@ public:
         if (!(distance_from_zero > 0)) return unknown();
         if (a.is_zero()) return a.is_bounded() && b.is_bounded() ? Ball(0) : unknown();
         const double qh = a.hi_ / b.hi_;
-        if (!in_range(qh) || !in_range(a.hi_)) return unknown();
+        if (!is_in_range(qh) || !is_in_range(a.hi_)) return unknown();
         // The remainder a − qh·b is small enough to be a double-double again.
         const double rh = quotient_residual(a.hi_, b.hi_, qh);
         const double ql = (rh + (a.lo_ - qh * b.lo_)) / b.hi_;
@@ -89,10 +89,10 @@ public:
         if (a.undefined_ == Undefined::always) return a;
         if (a.is_zero()) return a.is_bounded() ? Ball(0) : unknown();
         if (a.hi_ * (1 - 0x1p-50) <= a.radius_) {
-            const bool negative = a.hi_ < 0 && -a.hi_ * (1 - 0x1p-50) > a.radius_ && a.is_bounded();
-            return unknown(negative ? Undefined::always : Undefined::maybe);
+            const bool is_negative = a.hi_ < 0 && -a.hi_ * (1 - 0x1p-50) > a.radius_ && a.is_bounded();
+            return unknown(is_negative ? Undefined::always : Undefined::maybe);
         }
-        if (!in_range(a.hi_)) return unknown();
+        if (!is_in_range(a.hi_)) return unknown();
         const double sh = std::sqrt(a.hi_);
         const double sl = (a.lo_ + root_residual(a.hi_, sh)) / (2 * sh);
         // |√x − √a| = |x − a|/(√x + √a) ≤ radius/√a
@@ -104,17 +104,17 @@ public:
         return a.hi_ < 0 ? -a : a;  // | |x| − |m| | ≤ |x − m|
     }
     friend Ball copysign(const Ball& a, const Ball& b) {
-        const Tri negative = b < Ball(0);
-        // `negative` is a plain no if b is certainly NaN; the sign of a NaN may be either.
-        if (negative.is_unknown() || b.is_zero() || !b.is_bounded()) return unknown();
-        return negative.is_yes() ? -abs(a) : abs(a);
+        const Tri is_negative = b < Ball(0);
+        // `is_negative` is a plain no if b is certainly NaN; the sign of a NaN may be either.
+        if (is_negative.is_unknown() || b.is_zero() || !b.is_bounded()) return unknown();
+        return is_negative.is_yes() ? -abs(a) : abs(a);
     }
 
     friend Tri operator<(const Ball& a, const Ball& b) {
-        return guarded(decide_by_sign(a - b, Tri::yes, Tri::no, Tri::no), undefined_of(a, b));
+        return guard_undefined(decide_by_sign(a - b, Tri::yes, Tri::no, Tri::no), undefined_of(a, b));
     }
     friend Tri operator<=(const Ball& a, const Ball& b) {
-        return guarded(decide_by_sign(a - b, Tri::yes, Tri::yes, Tri::no), undefined_of(a, b));
+        return guard_undefined(decide_by_sign(a - b, Tri::yes, Tri::yes, Tri::no), undefined_of(a, b));
     }
     friend Tri operator>(const Ball& a, const Ball& b) { return b < a; }
     friend Tri operator>=(const Ball& a, const Ball& b) { return b <= a; }
@@ -129,25 +129,28 @@ public:
         const Ball difference = b - a;
         if (!difference.is_bounded()) return unknown();
         return Ball(a.hi_, a.lo_,
-                    (std::fabs(difference.hi_) * (1 + 0x1p-50) + difference.radius_ + a.radius_ + b.radius_) * inflate);
+                    (std::fabs(difference.hi_) * (1 + 0x1p-50) + difference.radius_ + a.radius_ + b.radius_) *
+                        radius_inflation);
     }
 
 private:
     static constexpr double dd_error = 0x1p-100;
-    // Covers the rounding of the radius itself, which takes at most ten operations with a relative error of 2^-53 each.
+    // Covers the rounding errors of the radius itself: at most ten operations with a relative error of 2^-53 each.
     // A product among them may underflow, so every inexact ball has a radius of at least `smallest_radius`.
-    static constexpr double inflate = 1 + 0x1p-45;
+    static constexpr double radius_inflation = 1 + 0x1p-45;
     static constexpr double smallest_radius = 0x1p-960;
 
     // Largest midpoint. It is below 2^1000, so that radii do not overflow either.
     static constexpr double largest_midpoint = 0x1p+900;
-    static bool in_range(double x) { return std::fabs(x) >= error_free_low && std::fabs(x) <= largest_midpoint; }
+    static bool is_in_range(double x) { return std::fabs(x) >= error_free_low && std::fabs(x) <= largest_midpoint; }
     static bool are_points(const Ball& a, const Ball& b) { return a.radius_ == 0 && b.radius_ == 0; }
     [[nodiscard]] bool is_zero() const { return hi_ == 0 && radius_ == 0; }
-    static Undefined undefined_of(const Ball& a, const Ball& b) { return spread(a.undefined_, b.undefined_); }
+    static Undefined undefined_of(const Ball& a, const Ball& b) {
+        return combine_undefined(a.undefined_, b.undefined_);
+    }
 
-    static Ball finish(DoubleDouble midpoint, double radius, bool exact, Undefined u) {
-        if (!exact) radius = (radius + std::fabs(midpoint.hi) * dd_error) * inflate + smallest_radius;
+    static Ball finish(DoubleDouble midpoint, double radius, bool is_error_free, Undefined u) {
+        if (!is_error_free) radius = (radius + std::fabs(midpoint.hi) * dd_error) * radius_inflation + smallest_radius;
         if (!(std::fabs(midpoint.hi) <= largest_midpoint) || !(radius < HUGE_VAL))
             return unknown(u == Undefined::always ? u : Undefined::maybe);
         Ball r(midpoint.hi, midpoint.lo, radius);
@@ -168,14 +171,14 @@ private:
 };
 
 /// Functions for root searches in enclosures. `middle` is a point of a ball, `between` a ball that holds two others,
-/// `largest` the largest magnitude in a ball, as a point, and `precision_of` the number of bits of a ball.
+/// `largest_magnitude` the largest magnitude in a ball, as a point, and `precision_of` the number of bits of a ball.
 inline Ball middle(const Ball& x) { return {x.hi(), x.lo(), 0}; }
 inline Ball between(const Ball& low, const Ball& high) {
     const Ball m = middle(Ball(0.5) * (low + high)), upper_half = high - m, lower_half = m - low;
     return {m.hi(), m.lo(),
             (std::fmax(upper_half.hi(), lower_half.hi()) + upper_half.radius() + lower_half.radius()) * (1 + 0x1p-45)};
 }
-inline Ball largest(const Ball& x) { return Ball((std::fabs(x.hi()) + x.radius()) * (1 + 0x1p-50)); }
+inline Ball largest_magnitude(const Ball& x) { return Ball((std::fabs(x.hi()) + x.radius()) * (1 + 0x1p-50)); }
 inline int precision_of(const Ball&) { return 100; }
 
 template <>

@@ -1,5 +1,5 @@
-// The operations that a formula may use. Everything else instantiates formulas over a type that models `Number`. To
-// measure something new, write a new such type.
+// The operations that a formula may use. The rest of the program instantiates formulas over types that model
+// `Number`. To measure something new, write a new type that models it.
 #pragma once
 
 #if defined(__FAST_MATH__)
@@ -92,7 +92,8 @@ bool > T select(bool mask, const T& a, const T& b) { return mask ? a : b; }
 
 inline bool any_of(bool mask) { return mask; }
 
-/// `a < b ? a : b`: the SSE rule, so a NaN in either operand yields b. This choice is part of what is measured.
+/// `a < b ? a : b`: the SSE rule, so a NaN in either operand yields b. The program measures the effect of
+/// this choice too.
 template <class T>
 T min(const T& a, const T& b) {
     return select(a < b, a, b);
@@ -124,15 +125,15 @@ auto decide(const M& mask, const F& f) {
     return f(mask);
 }
 
-/// Gives an intermediate result of a formula the name that the source gives it. Numbers that keep a tape overload this
-/// function; for all others it is the identity and costs nothing.
+/// Labels an intermediate result of a formula with its name in the form's source. Numbers that keep a tape overload
+/// this function; for all others it is the identity and costs nothing.
 template <class T>
 constexpr const T& named(std::string_view, const T& value) {
     return value;
 }
 
-/// While a `Part` lives, operations of numbers that keep a tape get its name instead of their own. A `Part` is for a
-/// long run of operations whose single names mean nothing. It has no effect on other numbers.
+/// While a `Part` lives, all operations of numbers that keep a tape get its name. It serves long runs of operations
+/// that have no useful names of their own. It has no effect on other numbers.
 template <class T>
 struct Part {
     explicit Part(std::string_view /*name*/) {}

@@ -25,14 +25,15 @@ struct OperationCounts {
     friend bool operator==(const OperationCounts&, const OperationCounts&) = default;
 };
 
-/// Numbers of operations of this thread since it last set them to zero.
+/// Operation counts of this thread since it last reset them.
 inline OperationCounts& operation_counts() {
     static thread_local OperationCounts counts;
     return counts;
 }
 
 /// A number of F whose operations are counted. An operation whose operands are all constants is not counted, since a
-/// compiler would fold it: `T(1) / T(2)` costs nothing. Common subexpressions count each time that they are written.
+/// compiler would fold it: `T(1) / T(2)` costs nothing. Common subexpressions are counted every time that the formula
+/// contains them.
 template <class F>
 class Counted {
 public:
@@ -45,18 +46,18 @@ public:
     static constexpr FloatFormat format() { return sizeof(F) == sizeof(float) ? binary32 : binary64; }
 
     friend Counted operator+(const Counted& a, const Counted& b) {
-        return counted(Operation::add, a.value_ + b.value_, a, b);
+        return counted_result(Operation::add, a.value_ + b.value_, a, b);
     }
     friend Counted operator-(const Counted& a, const Counted& b) {
-        return counted(Operation::add, a.value_ - b.value_, a, b);
+        return counted_result(Operation::add, a.value_ - b.value_, a, b);
     }
     friend Counted operator*(const Counted& a, const Counted& b) {
-        return counted(Operation::mul, a.value_ * b.value_, a, b);
+        return counted_result(Operation::mul, a.value_ * b.value_, a, b);
     }
     friend Counted operator/(const Counted& a, const Counted& b) {
-        return counted(Operation::div, a.value_ / b.value_, a, b);
+        return counted_result(Operation::div, a.value_ / b.value_, a, b);
     }
-    friend Counted operator-(const Counted& a) { return counted(Operation::sign, -a.value_, a); }
+    friend Counted operator-(const Counted& a) { return counted_result(Operation::sign, -a.value_, a); }
     Counted& operator+=(const Counted& b) { return *this = *this + b; }
     Counted& operator-=(const Counted& b) { return *this = *this - b; }
     Counted& operator*=(const Counted& b) { return *this = *this * b; }
@@ -74,21 +75,21 @@ public:
         return count_unless_constant(Operation::compare, a, b), a.value_ >= b.value_;
     }
 
-    friend Counted sqrt(const Counted& a) { return counted(Operation::sqrt, sqrt(a.value_), a); }
+    friend Counted sqrt(const Counted& a) { return counted_result(Operation::sqrt, sqrt(a.value_), a); }
     friend Counted fma(const Counted& a, const Counted& b, const Counted& c) {
-        return counted(Operation::fma, fma(a.value_, b.value_, c.value_), a, b, c);
+        return counted_result(Operation::fma, fma(a.value_, b.value_, c.value_), a, b, c);
     }
-    friend Counted abs(const Counted& a) { return counted(Operation::sign, abs(a.value_), a); }
+    friend Counted abs(const Counted& a) { return counted_result(Operation::sign, abs(a.value_), a); }
     friend Counted copysign(const Counted& a, const Counted& b) {
-        return counted(Operation::sign, copysign(a.value_, b.value_), a, b);
+        return counted_result(Operation::sign, copysign(a.value_, b.value_), a, b);
     }
-    friend Counted next_up(const Counted& a) { return counted(Operation::neighbour, next_up(a.value_), a); }
-    friend Counted next_down(const Counted& a) { return counted(Operation::neighbour, next_down(a.value_), a); }
+    friend Counted next_up(const Counted& a) { return counted_result(Operation::neighbour, next_up(a.value_), a); }
+    friend Counted next_down(const Counted& a) { return counted_result(Operation::neighbour, next_down(a.value_), a); }
     friend Counted min(const Counted& a, const Counted& b) {
-        return counted(Operation::choose, a.value_ < b.value_ ? a.value_ : b.value_, a, b);
+        return counted_result(Operation::choose, a.value_ < b.value_ ? a.value_ : b.value_, a, b);
     }
     friend Counted max(const Counted& a, const Counted& b) {
-        return counted(Operation::choose, a.value_ > b.value_ ? a.value_ : b.value_, a, b);
+        return counted_result(Operation::choose, a.value_ > b.value_ ? a.value_ : b.value_, a, b);
     }
     /// Counted even if a and b are constants, since the mask is known only at run time.
     friend Counted select(bool mask, const Counted& a, const Counted& b) {
@@ -115,7 +116,7 @@ private:
         return is_constant;
     }
     template <class... X>
-    static Counted counted(Operation kind, F value, const X&... operands) {
+    static Counted counted_result(Operation kind, F value, const X&... operands) {
         return Counted(value, count_unless_constant(kind, operands...));
     }
 

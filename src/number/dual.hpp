@@ -83,8 +83,8 @@ public:
                              [&](const F& da, const F& dc) { return da * a.value_ + a.value_ * da + dc; });
     }
     friend Dual abs(const Dual& a) {
-        const auto negative = a.value_ < F(0);
-        return unary_result(abs(a.value_), a, [&](const F& da) { return select(negative, -da, da); });
+        const auto is_negative = a.value_ < F(0);
+        return unary_result(abs(a.value_), a, [&](const F& da) { return select(is_negative, -da, da); });
     }
     /// |a| with the sign of b. Its derivative is that of a, or the negative of it if the sign changed. The derivative
     /// with respect to b is zero, except at b = 0, where the result jumps; it is taken as zero there too.

@@ -12,10 +12,10 @@ thread_local long Interval::working_bits_ = 128;
 
 namespace {
 
-/// Least precision at which MPFI holds every point: a point spans this many bits, from the highest of its first double
-/// to the last of its second.
+/// Smallest precision at which MPFI can hold every point: a point spans at most this many bits, from the highest bit of
+/// its first double to the lowest bit of its second.
 constexpr long point_bits = 192;
-constexpr double widest_gap = 0x1p-128;
+constexpr double smallest_low_ratio = 0x1p-128;
 
 /// The sum, if two doubles hold it exactly: no remainder is left when the second doubles are added. Two doubles hold at
 /// most 128 + 53 bits, fewer than `point_bits`, so MPFI also computes the sum without loss.
@@ -29,7 +29,7 @@ std::optional<DoubleDouble> exact_sum(const DoubleDouble& a, const DoubleDouble&
         sum = two_sum(v.hi, remainder.hi);
     }
     if (!(std::fabs(sum.hi) <= error_free_high)) return std::nullopt;
-    if (sum.lo != 0 && !(std::fabs(sum.lo) >= widest_gap * std::fabs(sum.hi))) return std::nullopt;
+    if (sum.lo != 0 && !(std::fabs(sum.lo) >= smallest_low_ratio * std::fabs(sum.hi))) return std::nullopt;
     return sum;
 }
 DoubleDouble negated(const DoubleDouble& a) { return {-a.hi, -a.lo}; }
@@ -129,7 +129,7 @@ Interval operator+(const Interval& a, const Interval& b) {
         if (const auto sum = exact_sum(a.point_, b.point_)) return Interval(*sum);
     Interval r{Interval::Ends()};
     mpfi_add(r.value_, a.ends(), b.ends());
-    r.set_undefined(spread(a.undefined_, b.undefined_));
+    r.set_undefined(combine_undefined(a.undefined_, b.undefined_));
     return r;
 }
 Interval operator-(const Interval& a, const Interval& b) {
@@ -137,7 +137,7 @@ Interval operator-(const Interval& a, const Interval& b) {
         if (const auto difference = exact_sum(a.point_, negated(b.point_))) return Interval(*difference);
     Interval r{Interval::Ends()};
     mpfi_sub(r.value_, a.ends(), b.ends());
-    r.set_undefined(spread(a.undefined_, b.undefined_));
+    r.set_undefined(combine_undefined(a.undefined_, b.undefined_));
     return r;
 }
 Interval operator*(const Interval& a, const Interval& b) {
@@ -145,11 +145,11 @@ Interval operator*(const Interval& a, const Interval& b) {
         if (const auto product = exact_product(a.point_, b.point_)) return Interval(*product);
     Interval r{Interval::Ends()};
     mpfi_mul(r.value_, a.ends(), b.ends());
-    r.set_undefined(spread(a.undefined_, b.undefined_));
+    r.set_undefined(combine_undefined(a.undefined_, b.undefined_));
     return r;
 }
 Interval operator/(const Interval& a, const Interval& b) {
-    const Undefined u = spread(a.undefined_, b.undefined_);
+    const Undefined u = combine_undefined(a.undefined_, b.undefined_);
     if (mpfi_has_zero(b.ends()) > 0) return Interval::unknown(u == Undefined::always ? u : Undefined::maybe);
     Interval r{Interval::Ends()};
     mpfi_div(r.value_, a.ends(), b.ends());
@@ -169,14 +169,14 @@ Tri operator<(const Interval& a, const Interval& b) {
     const Tri verdict = mpfr_less_p(a.upper(), b.lower()) != 0           ? Tri::yes
                         : mpfr_greaterequal_p(a.lower(), b.upper()) != 0 ? Tri::no
                                                                          : Tri::unknown;
-    return guarded(verdict, spread(a.undefined_, b.undefined_));
+    return guard_undefined(verdict, combine_undefined(a.undefined_, b.undefined_));
 }
 Tri operator<=(const Interval& a, const Interval& b) {
     if (a.is_point_ && b.is_point_) return Tri(!is_less(b.point_, a.point_));
     const Tri verdict = mpfr_lessequal_p(a.upper(), b.lower()) != 0 ? Tri::yes
                         : mpfr_greater_p(a.lower(), b.upper()) != 0 ? Tri::no
                                                                     : Tri::unknown;
-    return guarded(verdict, spread(a.undefined_, b.undefined_));
+    return guard_undefined(verdict, combine_undefined(a.undefined_, b.undefined_));
 }
 
 Interval sqrt(const Interval& a) {
@@ -193,7 +193,7 @@ Interval sqrt(const Interval& a) {
     Interval r{Interval::Ends()};
     mpfr_set_zero(&r.value_->left, +1);
     mpfr_sqrt(&r.value_->right, a.upper(), MPFR_RNDU);
-    r.set_undefined(spread(a.undefined_, Undefined::maybe));
+    r.set_undefined(combine_undefined(a.undefined_, Undefined::maybe));
     return r;
 }
 
@@ -227,10 +227,10 @@ Interval between(const Interval& low, const Interval& high) {
     Interval r{Interval::Ends()};
     mpfr_set(&r.value_->left, low.lower(), MPFR_RNDD);
     mpfr_set(&r.value_->right, high.upper(), MPFR_RNDU);
-    r.set_undefined(spread(low.undefined_, high.undefined_));
+    r.set_undefined(combine_undefined(low.undefined_, high.undefined_));
     return r;
 }
-Interval largest(const Interval& a) {
+Interval largest_magnitude(const Interval& a) {
     Interval r{Interval::Ends()};
     mpfi_mag(&r.value_->right, a.ends());
     mpfr_set(&r.value_->left, &r.value_->right, MPFR_RNDN);

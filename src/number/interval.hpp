@@ -88,10 +88,11 @@ public:
     friend Interval select(Tri mask, const Interval& a, const Interval& b);
 
     /// Functions for root searches in enclosures. `middle` is a point of an interval, `between` the interval from one
-    /// to another, `largest` the largest magnitude in an interval, as a point, and `precision_of` its number of bits.
+    /// to another, `largest_magnitude` the largest magnitude in an interval, as a point, and `precision_of` its number
+    /// of bits.
     friend Interval middle(const Interval& a);
     friend Interval between(const Interval& low, const Interval& high);
-    friend Interval largest(const Interval& a);
+    friend Interval largest_magnitude(const Interval& a);
     friend int precision_of(const Interval& a) { return static_cast<int>(a.bits_); }
     /// Double nearest to the lower end.
     friend double nearest_double(const Interval& a) { return mpfr_get_d(a.lower(), MPFR_RNDN); }

@@ -41,7 +41,7 @@ using RunnableNumbers = TypeList<  //
     Counted<double>,               //
     Recorded,                      // which operation lost the bits?
     RecordedInDouble,              //
-    Bounded<float>,                // how wrong can it be, by its own account?
+    Bounded<float>,                // what error bound does the formula itself prove?
     Bounded<double>                //
     >;
 

@@ -55,9 +55,9 @@ LOSTBITS_PACK_REGISTER(__m512d, _mm512, pd)
 #undef LOSTBITS_PACK_REGISTER
 
 #if defined(__FMA__)
-/// A fused multiply-add as one instruction. (std::fma of each lane stays one call per lane if the vectoriser of
-/// straight-line code is off, as in the objects of the widths. Two thirds of the instructions of double-double then
-/// only split registers into lanes and joined them again.)
+/// A fused multiply-add as one instruction. (With std::fma, the compiler calls a function for each lane if the
+/// vectoriser of straight-line code is off, as it is for the sources of each register width. Two thirds of the
+/// instructions of double-double then only split registers into lanes and joined them again.)
 #define LOSTBITS_PACK_FMA(V, prefix, suffix) \
     [[gnu::always_inline]] inline V pack_fma(V a, V b, V c) { return prefix##_fmadd_##suffix(a, b, c); }
 LOSTBITS_PACK_FMA(__m128, _mm, ps)
@@ -78,24 +78,24 @@ LOSTBITS_PACK_FMA(__m512d, _mm512, pd)
 [[gnu::always_inline]] inline __m128 pack_narrow(__m128d low, __m128d high) {
     return _mm_movelh_ps(_mm_cvtpd_ps(low), _mm_cvtpd_ps(high));
 }
-[[gnu::always_inline]] inline __m128d pack_rounded(__m128d x) { return _mm_cvtps_pd(_mm_cvtpd_ps(x)); }
+[[gnu::always_inline]] inline __m128d pack_round_to_float(__m128d x) { return _mm_cvtps_pd(_mm_cvtpd_ps(x)); }
 #if defined(__AVX__)
-[[gnu::always_inline]] inline __m256d pack_widened(__m128 x) { return _mm256_cvtps_pd(x); }
+[[gnu::always_inline]] inline __m256d pack_widen(__m128 x) { return _mm256_cvtps_pd(x); }
 [[gnu::always_inline]] inline __m256d pack_low(__m256 x) { return _mm256_cvtps_pd(_mm256_castps256_ps128(x)); }
 [[gnu::always_inline]] inline __m256d pack_high(__m256 x) { return _mm256_cvtps_pd(_mm256_extractf128_ps(x, 1)); }
 [[gnu::always_inline]] inline __m256 pack_narrow(__m256d low, __m256d high) {
     return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm256_cvtpd_ps(low)), _mm256_cvtpd_ps(high), 1);
 }
-[[gnu::always_inline]] inline __m256d pack_rounded(__m256d x) { return _mm256_cvtps_pd(_mm256_cvtpd_ps(x)); }
+[[gnu::always_inline]] inline __m256d pack_round_to_float(__m256d x) { return _mm256_cvtps_pd(_mm256_cvtpd_ps(x)); }
 #endif
 #if defined(__AVX512F__)
-[[gnu::always_inline]] inline __m512d pack_widened(__m256 x) { return _mm512_cvtps_pd(x); }
+[[gnu::always_inline]] inline __m512d pack_widen(__m256 x) { return _mm512_cvtps_pd(x); }
 [[gnu::always_inline]] inline __m512d pack_low(__m512 x) { return _mm512_cvtps_pd(_mm512_castps512_ps256(x)); }
 [[gnu::always_inline]] inline __m512d pack_high(__m512 x) { return _mm512_cvtps_pd(_mm512_extractf32x8_ps(x, 1)); }
 [[gnu::always_inline]] inline __m512 pack_narrow(__m512d low, __m512d high) {
     return _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(low)), _mm512_cvtpd_ps(high), 1);
 }
-[[gnu::always_inline]] inline __m512d pack_rounded(__m512d x) { return _mm512_cvtps_pd(_mm512_cvtpd_ps(x)); }
+[[gnu::always_inline]] inline __m512d pack_round_to_float(__m512d x) { return _mm512_cvtps_pd(_mm512_cvtpd_ps(x)); }
 #endif
 #else
 inline constexpr bool has_pack_registers = false;
@@ -110,9 +110,9 @@ struct PackDecisions {
 
     static Lanes less(Numbers a, Numbers b) { return a < b; }
     static Lanes at_most(Numbers a, Numbers b) { return a <= b; }
-    static Lanes both(Lanes a, Lanes b) { return a & b; }
-    static Lanes either(Lanes a, Lanes b) { return a | b; }
-    static Lanes opposite(Lanes a) { return ~a; }
+    static Lanes lane_and(Lanes a, Lanes b) { return a & b; }
+    static Lanes lane_or(Lanes a, Lanes b) { return a | b; }
+    static Lanes lane_not(Lanes a) { return ~a; }
 #if defined(__AVX2__)
     static Numbers select(Lanes mask, Numbers a, Numbers b) { return mask < 0 ? a : b; }  // one instruction
 #else
@@ -121,7 +121,7 @@ struct PackDecisions {
     }
 #endif
 #if defined(__SSE2__)
-    static bool any(Lanes mask) {
+    static bool any_lane(Lanes mask) {
         if constexpr (Width::bytes == 16) return _mm_movemask_epi8((__m128i)mask) != 0;
 #if defined(__AVX2__)
         else return _mm256_movemask_epi8((__m256i)mask) != 0;
@@ -147,10 +147,10 @@ struct PackDecisions {
         }
     }
 #else
-    static bool any(Lanes mask) {
-        bool found = false;
-        for (std::size_t k = 0; k < count; ++k) found = found || mask[k] != 0;
-        return found;
+    static bool any_lane(Lanes mask) {
+        bool is_any_set = false;
+        for (std::size_t k = 0; k < count; ++k) is_any_set = is_any_set || mask[k] != 0;
+        return is_any_set;
     }
     static void store(Lanes mask, bool* to) {
         for (std::size_t k = 0; k < count; ++k) to[k] = mask[k] != 0;
@@ -173,10 +173,10 @@ struct PackDecisions {
         using Lanes = __mmask##bits;                                                                         \
         static Lanes less(Numbers a, Numbers b) { return _mm512_cmp_##suffix##_mask(a, b, _CMP_LT_OS); }     \
         static Lanes at_most(Numbers a, Numbers b) { return _mm512_cmp_##suffix##_mask(a, b, _CMP_LE_OS); }  \
-        static Lanes both(Lanes a, Lanes b) { return static_cast<Lanes>(a & b); }                            \
-        static Lanes either(Lanes a, Lanes b) { return static_cast<Lanes>(a | b); }                          \
-        static Lanes opposite(Lanes a) { return _knot_mask##bits(a); }                                       \
-        static bool any(Lanes mask) { return _kortestz_mask##bits##_u8(mask, mask) == 0; }                   \
+        static Lanes lane_and(Lanes a, Lanes b) { return static_cast<Lanes>(a & b); }                        \
+        static Lanes lane_or(Lanes a, Lanes b) { return static_cast<Lanes>(a | b); }                         \
+        static Lanes lane_not(Lanes a) { return _knot_mask##bits(a); }                                       \
+        static bool any_lane(Lanes mask) { return _kortestz_mask##bits##_u8(mask, mask) == 0; }              \
         static Numbers select(Lanes m, Numbers a, Numbers b) { return _mm512_mask_blend_##suffix(m, b, a); } \
         static void store(Lanes mask, bool* to) {                                                            \
             const __m128i x = _mm512_cvt##words##_epi8(_mm512_maskz_set1_##words(mask, 1));                  \
@@ -198,24 +198,26 @@ LOSTBITS_PACK_DECISIONS(double, 8, pd, epi64)
 template <class F, class Width>
 class PackMask : public NotABool {
 public:
-    using All = PackDecisions<F, Width>;
+    using Decisions = PackDecisions<F, Width>;
 
     PackMask() = default;
-    explicit PackMask(typename All::Lanes lanes) : lanes_(lanes) {}
+    explicit PackMask(typename Decisions::Lanes lanes) : lanes_(lanes) {}
 
-    friend PackMask operator&&(const PackMask& a, const PackMask& b) { return PackMask(All::both(a.lanes_, b.lanes_)); }
-    friend PackMask operator||(const PackMask& a, const PackMask& b) {
-        return PackMask(All::either(a.lanes_, b.lanes_));
+    friend PackMask operator&&(const PackMask& a, const PackMask& b) {
+        return PackMask(Decisions::lane_and(a.lanes_, b.lanes_));
     }
-    friend PackMask operator!(const PackMask& a) { return PackMask(All::opposite(a.lanes_)); }
-    friend bool any_of(const PackMask& a) { return All::any(a.lanes_); }
+    friend PackMask operator||(const PackMask& a, const PackMask& b) {
+        return PackMask(Decisions::lane_or(a.lanes_, b.lanes_));
+    }
+    friend PackMask operator!(const PackMask& a) { return PackMask(Decisions::lane_not(a.lanes_)); }
+    friend bool any_of(const PackMask& a) { return Decisions::any_lane(a.lanes_); }
 
-    [[nodiscard]] typename All::Lanes registers() const { return lanes_; }
-    static PackMask load(const bool* from) { return PackMask(All::load(from)); }
-    void store(bool* to) const { All::store(lanes_, to); }
+    [[nodiscard]] typename Decisions::Lanes registers() const { return lanes_; }
+    static PackMask load(const bool* from) { return PackMask(Decisions::load(from)); }
+    void store(bool* to) const { Decisions::store(lanes_, to); }
 
 private:
-    mutable typename All::Lanes lanes_;  // as `Pack::x_`
+    mutable typename Decisions::Lanes lanes_;  // mutable for the same reason as `Pack::x_`
 };
 
 /// A register of numbers. F is float or double, Width a `Registers`, which sets the number of lanes.
@@ -240,7 +242,7 @@ public:
         typedef X Stored [[gnu::vector_size(lanes * sizeof(X)), gnu::aligned(alignof(X)), gnu::may_alias]];
         const auto& stored = *reinterpret_cast<const Stored*>(from);
         if constexpr (sizeof(X) == sizeof(F)) return Pack(Register(stored));
-        else if constexpr (has_pack_registers && Width::bytes > 16) return Pack(Register(pack_widened(stored)));
+        else if constexpr (has_pack_registers && Width::bytes > 16) return Pack(Register(pack_widen(stored)));
         else return Pack(Register(__builtin_convertvector(stored, Register)));
     }
     void store(F* to) const {
@@ -259,8 +261,8 @@ public:
     Pack& operator-=(const Pack& b) { return *this = *this - b; }
     Pack& operator*=(const Pack& b) { return *this = *this * b; }
 
-    friend Lanes operator<(const Pack& a, const Pack& b) { return Lanes(Lanes::All::less(a.x_, b.x_)); }
-    friend Lanes operator<=(const Pack& a, const Pack& b) { return Lanes(Lanes::All::at_most(a.x_, b.x_)); }
+    friend Lanes operator<(const Pack& a, const Pack& b) { return Lanes(Lanes::Decisions::less(a.x_, b.x_)); }
+    friend Lanes operator<=(const Pack& a, const Pack& b) { return Lanes(Lanes::Decisions::at_most(a.x_, b.x_)); }
     friend Lanes operator>(const Pack& a, const Pack& b) { return b < a; }
     friend Lanes operator>=(const Pack& a, const Pack& b) { return b <= a; }
 
@@ -268,8 +270,10 @@ public:
         if constexpr (has_pack_registers) return Pack(Register(pack_sqrt(a.x_)));
         else return each_lane([&a](std::size_t k) { return std::sqrt(a.x_[k]); });
     }
-    friend Pack abs(const Pack& a) { return Pack(a.words() & ~sign()); }
-    friend Pack copysign(const Pack& a, const Pack& b) { return Pack((a.words() & ~sign()) | (b.words() & sign())); }
+    friend Pack abs(const Pack& a) { return Pack(a.words() & ~sign_bit()); }
+    friend Pack copysign(const Pack& a, const Pack& b) {
+        return Pack((a.words() & ~sign_bit()) | (b.words() & sign_bit()));
+    }
     /// Without hardware FMA, lane by lane: std::fma is correctly rounded all the same.
     friend Pack fma(const Pack& a, const Pack& b, const Pack& c) {
 #if defined(__FMA__)
@@ -279,7 +283,7 @@ public:
 #endif
     }
     friend Pack select(const Lanes& mask, const Pack& a, const Pack& b) {
-        return Pack(Register(Lanes::All::select(mask.registers(), a.x_, b.x_)));
+        return Pack(Register(Lanes::Decisions::select(mask.registers(), a.x_, b.x_)));
     }
 
     friend Pack min(const Pack& a, const Pack& b) {
@@ -307,7 +311,7 @@ public:
     }
 
 private:
-    static Words sign() { return Pack(F(-0.0)).words(); }
+    static Words sign_bit() { return Pack(F(-0.0)).words(); }
     template <class LaneFunction>
     static Pack each_lane(const LaneFunction& lane_value) {
         Register x{};

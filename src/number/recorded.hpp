@@ -45,13 +45,13 @@ public:
     /// The value of a number; for a decision, 1 or 0.
     [[nodiscard]] virtual double value(NodeId x) const = 0;
     /// True if a loop of the formula with this condition goes on.
-    virtual bool goes_on(NodeId decision) = 0;
-    /// Names an operation as the source of the form does.
+    virtual bool continues_loop(NodeId decision) = 0;
+    /// Labels an operation with its name in the form's source.
     virtual void name(NodeId /*x*/, std::string_view /*label*/) {}
-    /// Gives all operations that follow this name, until it is called with an empty name.
-    virtual void name_all(std::string_view /*part*/) {}
+    /// Gives this name to all following operations, until it is called with an empty name.
+    virtual void name_following(std::string_view /*part*/) {}
     /// Records that a part of the formula depends on a decision (`decide`).
-    virtual void add_sides(NodeId /*decision*/) {}
+    virtual void add_branch(NodeId /*decision*/) {}
     /// Ends one sample of a march.
     virtual void end_sample() {}
 
@@ -59,7 +59,7 @@ public:
 
 private:
     [[noreturn]] static void throw_without_recorder() {
-        throw Error(Exit::internal, "a recorded number was used where nothing records: construct a Recorder first");
+        throw Error(Exit::internal, "a recorded number was used on a thread without a Recorder: construct one first");
     }
     static inline constinit thread_local Recorder* current_ = nullptr;
 
@@ -87,7 +87,9 @@ public:
     }
     friend RecordedMask operator!(const RecordedMask& a) { return RecordedMask(record(TapeOp::opposite, a.node_)); }
     /// Condition of a form's loops. It is recorded because without rounding the loop might have gone on.
-    friend bool any_of(const RecordedMask& a) { return Recorder::current().goes_on(record(TapeOp::any, a.node_)); }
+    friend bool any_of(const RecordedMask& a) {
+        return Recorder::current().continues_loop(record(TapeOp::any, a.node_));
+    }
 
 private:
     NodeId node_;
@@ -97,7 +99,7 @@ private:
 /// sides.
 template <class F>
 auto decide(const RecordedMask& mask, const F& f) {
-    Recorder::current().add_sides(mask.node());
+    Recorder::current().add_branch(mask.node());
     return f(mask);
 }
 
@@ -114,13 +116,13 @@ public:
     explicit BasicRecorded(X x) : node_(Recorder::current().input(x, in_double)) {}
 
     /// The number with this index in the recorder.
-    static BasicRecorded at(NodeId node) { return BasicRecorded(node, At()); }
+    static BasicRecorded at(NodeId node) { return BasicRecorded(node, FromNode()); }
 
     [[nodiscard]] NodeId node() const { return node_; }
     [[nodiscard]] auto value() const {
         const double x = Recorder::current().value(node_);
         if constexpr (in_double) return x;
-        else return RoundedAny::holding(x);
+        else return RoundedAny::from_value(x);
     }
     static FloatFormat format() { return in_double ? binary64 : Recorder::current().format(); }
 
@@ -176,7 +178,7 @@ public:
 
     /// The result of a call on recorded numbers.
     template <class Value>
-    friend BasicRecorded called(const Call& callee, std::span<const BasicRecorded> arguments, const Value& value) {
+    friend BasicRecorded call_result(const Call& callee, std::span<const BasicRecorded> arguments, const Value& value) {
         std::vector<NodeId> nodes;
         for (const BasicRecorded& a : arguments) nodes.push_back(a.node_);
         double x;
@@ -186,8 +188,8 @@ public:
     }
 
 private:
-    struct At {};
-    BasicRecorded(NodeId node, At) : node_(node) {}
+    struct FromNode {};
+    BasicRecorded(NodeId node, FromNode) : node_(node) {}
     static BasicRecorded record_number(TapeOp op, const BasicRecorded& a) { return at(record(op, a.node_)); }
     static BasicRecorded record_number(TapeOp op, const BasicRecorded& a, const BasicRecorded& b) {
         return at(record(op, a.node_, b.node_));
@@ -202,7 +204,7 @@ private:
 using Recorded = BasicRecorded<false>;
 using RecordedInDouble = BasicRecorded<true>;
 
-/// Gives an operation the name that the source of the form has for its result.
+/// Labels the operation that computed `value` with its name in the form's source.
 template <bool in_double>
 const BasicRecorded<in_double>& named(std::string_view label, const BasicRecorded<in_double>& value) {
     Recorder::current().name(value.node(), label);
@@ -211,8 +213,8 @@ const BasicRecorded<in_double>& named(std::string_view label, const BasicRecorde
 
 template <bool in_double>
 struct Part<BasicRecorded<in_double>> {
-    explicit Part(std::string_view name) { Recorder::current().name_all(name); }
-    ~Part() { Recorder::current().name_all({}); }
+    explicit Part(std::string_view name) { Recorder::current().name_following(name); }
+    ~Part() { Recorder::current().name_following({}); }
     Part(const Part&) = delete;
     Part& operator=(const Part&) = delete;
 };

@@ -13,7 +13,7 @@ namespace lostbits {
 constinit thread_local const FloatFormat* CurrentFormat::current_ = nullptr;
 constinit thread_local CurrentFormat::Engine CurrentFormat::engine_ = CurrentFormat::Engine::rounding;
 
-void CurrentFormat::refuse() {
+void CurrentFormat::throw_without_format() {
     throw Error(Exit::internal,
                 "a number of a format chosen at run time was used where no format is set: wrap the code in "
                 "CurrentFormat::Scope, or call it through with_number");
@@ -29,9 +29,9 @@ int sign_of(double x) { return (x > 0) - (x < 0); }
 /// 2^e for −1022 ≤ e ≤ 1023. std::ldexp, which takes any e, took a third of the time of a narrow format.
 double power_of_two(int e) { return std::bit_cast<double>(static_cast<std::uint64_t>(e + 1023) << 52); }
 
-/// whole · 2^e for 0 ≤ whole ≤ 2^53, −1074 ≤ e ≤ 1023, if a double holds it; infinity if it is too large.
-double scaled(std::uint64_t whole, int e) {
-    const auto x = static_cast<double>(whole);
+/// integer · 2^e for 0 ≤ integer ≤ 2^53, −1074 ≤ e ≤ 1023, if a double holds it; infinity if it is too large.
+double scaled(std::uint64_t integer, int e) {
+    const auto x = static_cast<double>(integer);
     return e >= -1022 ? x * power_of_two(e) : x * power_of_two(e + 128) * power_of_two(-128);
 }
 
@@ -56,11 +56,11 @@ public:
         }
         const long q = ulp_exponent(f, static_cast<long>(mpfr_get_exp(x_)) - 1);
         mpfr_div_2si(x_, x_, q, MPFR_RNDN);
-        const bool negative = mpfr_signbit(x_) != 0;
+        const bool is_negative = mpfr_signbit(x_) != 0;
         mpfr_roundeven(x_, x_);
         mpfr_mul_2si(x_, x_, q, MPFR_RNDN);
-        if (mpfr_zero_p(x_)) return negative ? -0.0 : 0.0;
-        if (mpfr_get_exp(x_) - 1 > f.emax) return negative ? -infinity : infinity;
+        if (mpfr_zero_p(x_)) return is_negative ? -0.0 : 0.0;
+        if (mpfr_get_exp(x_) - 1 > f.emax) return is_negative ? -infinity : infinity;
         return mpfr_get_d(x_, MPFR_RNDN);
     }
 

@@ -40,7 +40,7 @@ public:
     /// The format of the innermost scope; Error(Exit::internal) outside of every scope.
     static const FloatFormat& get() {
         if (!current_) [[unlikely]]
-            refuse();
+            throw_without_format();
         return *current_;
     }
 
@@ -66,7 +66,7 @@ public:
     };
 
 private:
-    [[noreturn]] static void refuse();
+    [[noreturn]] static void throw_without_format();
     // constinit: other files read it without first checking that it is initialised.
     static constinit thread_local const FloatFormat* current_;
     static constinit thread_local Engine engine_;
@@ -88,7 +88,7 @@ public:
     explicit BasicRounded(double x) : value_(rounding::to_format(x, 0, F::get())) {}
 
     /// Wraps a double that is a number of the format already.
-    static BasicRounded holding(double value) { return with_value(value); }
+    static BasicRounded from_value(double value) { return with_value(value); }
 
     [[nodiscard]] double value() const { return value_; }
     static FloatFormat format() { return F::get(); }
@@ -151,7 +151,7 @@ private:
     double value_ = 0;
 };
 
-/// P significand bits; exponents of binary64 unless given.
+/// P significand bits, by default with the exponents of binary64.
 template <int P, int Emin = -1022, int Emax = 1023>
 using Rounded = BasicRounded<FixedFormat<P, Emin, Emax>>;
 

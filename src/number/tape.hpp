@@ -15,7 +15,7 @@
 
 namespace lostbits {
 
-/// Kind of an operation. All that must be known about an operation follows from its kind.
+/// Kind of an operation: where its result comes from, and if it is rounded.
 enum class OperationKind : std::uint8_t {
     given,       ///< an input, or an integer of the formula's text, which has no operands
     rounded,     ///< a number computed from numbers and rounded to the format
@@ -105,7 +105,7 @@ struct TapeNode {
 /// A `call` on the tape: the call and its arguments.
 struct TapeCall {
     NodeId node;
-    Call of;
+    Call callee;
     std::vector<NodeId> arguments;
 };
 
@@ -126,13 +126,13 @@ public:
     std::vector<TapeCall> calls;
     TapeOutputs outputs;
     /// Length of the tape after each sample of the distance field, for a form that marches.
-    std::vector<std::size_t> samples;
+    std::vector<std::size_t> sample_ends;
     /// The decisions that a part of the formula depends on (`decide`).
-    std::vector<NodeId> sides;
+    std::vector<NodeId> branch_decisions;
     /// If true, every loop condition holds, so that the tape has all operations that a form can ever do.
-    bool every_loop = false;
+    bool runs_every_loop = false;
     /// The name of every operation that is recorded while this name is not empty (`Part`).
-    std::string_view part = {};
+    std::string_view part_name = {};
 
     [[nodiscard]] const TapeNode& operator[](NodeId i) const { return nodes[static_cast<std::size_t>(i)]; }
     [[nodiscard]] TapeNode& operator[](NodeId i) { return nodes[static_cast<std::size_t>(i)]; }
@@ -151,8 +151,8 @@ public:
         nodes.clear();
         formats.clear();
         calls.clear();
-        samples.clear();
-        sides.clear();
+        sample_ends.clear();
+        branch_decisions.clear();
         outputs = {};
         inputs_ = 0;
     }
@@ -161,7 +161,7 @@ public:
                          index_of(format),
                          {operands.a, operands.b, operands.c},
                          value,
-                         is_operation(op) ? part : std::string_view()});
+                         is_operation(op) ? part_name : std::string_view()});
         return size() - 1;
     }
     NodeId add_call(const Call& callee, const FloatFormat& format, double value, std::vector<NodeId> arguments) {

@@ -5,13 +5,13 @@
 
 namespace lostbits {
 
-/// Kleene's strong logic: `unknown` is the honest third answer, never a default.
+/// Kleene's strong logic. `unknown` means that the enclosures overlap; it is never a default.
 class Tri : public NotABool {
 public:
     enum Value : signed char { no = -1, unknown = 0, yes = 1 };
 
     constexpr Tri(Value value) : value_(value) {}
-    constexpr explicit Tri(bool certain) : value_(certain ? yes : no) {}
+    constexpr explicit Tri(bool is_true) : value_(is_true ? yes : no) {}
 
     [[nodiscard]] constexpr bool is_yes() const { return value_ == yes; }
     [[nodiscard]] constexpr bool is_no() const { return value_ == no; }
@@ -30,10 +30,10 @@ private:
 /// A three-valued decision in each lane of a pack: the lanes that are certainly true, and those that are certainly
 /// false. M is the mask of the pack.
 template <class M>
-class Tris : public NotABool {
+class TriMask : public NotABool {
 public:
-    Tris() = default;
-    Tris(const M& yes, const M& no) : yes_(yes), no_(no) {}
+    TriMask() = default;
+    TriMask(const M& yes, const M& no) : yes_(yes), no_(no) {}
 
     [[nodiscard]] const M& yes() const { return yes_; }
     [[nodiscard]] const M& no() const { return no_; }
@@ -43,11 +43,11 @@ public:
     [[nodiscard]] bool is_no() const requires std::same_as<M, bool> { return no_; }
     [[nodiscard]] bool is_unknown() const requires std::same_as<M, bool> { return !yes_ && !no_; }
 
-    friend Tris operator&&(const Tris& a, const Tris& b) { return {a.yes_ && b.yes_, a.no_ || b.no_}; }
-    friend Tris operator||(const Tris& a, const Tris& b) { return {a.yes_ || b.yes_, a.no_ && b.no_}; }
-    friend Tris operator!(const Tris& a) { return {a.no_, a.yes_}; }
-    friend bool any_of(const Tris& a) { return any_of(!a.no_); }
-    friend Tris select(const M& mask, const Tris& a, const Tris& b) {
+    friend TriMask operator&&(const TriMask& a, const TriMask& b) { return {a.yes_ && b.yes_, a.no_ || b.no_}; }
+    friend TriMask operator||(const TriMask& a, const TriMask& b) { return {a.yes_ || b.yes_, a.no_ && b.no_}; }
+    friend TriMask operator!(const TriMask& a) { return {a.no_, a.yes_}; }
+    friend bool any_of(const TriMask& a) { return any_of(!a.no_); }
+    friend TriMask select(const M& mask, const TriMask& a, const TriMask& b) {
         return {(mask && a.yes_) || (!mask && b.yes_), (mask && a.no_) || (!mask && b.no_)};
     }
 
@@ -72,10 +72,11 @@ auto decide(Tri mask, const F& f) {
 /// false.
 enum class Undefined : unsigned char { never, maybe, always };
 
-constexpr Undefined spread(Undefined a, Undefined b) { return a > b ? a : b; }
+/// The result of an operation is as undefined as its least defined operand.
+constexpr Undefined combine_undefined(Undefined a, Undefined b) { return a > b ? a : b; }
 
-/// The decision of a comparison, from the verdict of interval arithmetic and whether an operand may be undefined.
-constexpr Tri guarded(Tri verdict, Undefined u) {
+/// The decision of a comparison whose operands may be undefined, from the verdict of interval arithmetic.
+constexpr Tri guard_undefined(Tri verdict, Undefined u) {
     if (u == Undefined::always) return Tri::no;
     if (u == Undefined::maybe && verdict.is_yes()) return Tri::unknown;
     return verdict;

@@ -16,7 +16,7 @@ Placement<S> placement_of(const std::array<S, Affine<S>::numbers>& numbers, bool
 
 /// Reason for refusing a placement that is not proper, as the rest of a sentence after "the matrix " or the name of its
 /// key.
-inline constexpr std::string_view singular_words =
+inline constexpr std::string_view singular_reason =
     "is singular: it flattens the primitive, so no ray can be transformed back; write rows that do not lie in one "
     "plane";
 

@@ -127,10 +127,10 @@ std::string limit_phrase(Shape shape, const Key& key) {
                "; write a positive number less than that";
     if (key.limit == Key::Limit::not_zero)
         return "is 0 in all three components; write a vector of any length that points the right way";
-    if (key.limit == Key::Limit::off_line_before)
+    if (key.limit == Key::Limit::not_collinear_with_previous)
         return "is on one line with " + std::string((&key - 2)->name) + " and " + std::string((&key - 1)->name) + "; " +
                with_article(shape) + " has an area, so move one of the three";
-    if (key.limit == Key::Limit::apart_from_before)
+    if (key.limit == Key::Limit::differs_from_previous)
         return "equals " + std::string((&key - 1)->name) + "; " + with_article(shape) +
                " has a height, so move one of the two";
     return "is below " + std::string((&key - 1)->name) + " in a component; " + with_article(shape) + " needs " +

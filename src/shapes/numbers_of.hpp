@@ -11,17 +11,17 @@
 
 namespace lostbits {
 
-/// Builds the primitive whose numbers are `number(0)`, `number(1)`, …
+/// Builds the primitive whose numbers are `number_at(0)`, `number_at(1)`, …
 template <template <class> class S, class T, class Numbers>
-constexpr S<T> primitive_from(const Numbers& number) {
-    const auto make_key = [&number]<std::size_t key_index>(std::integral_constant<std::size_t, key_index>) {
+constexpr S<T> primitive_from(const Numbers& number_at) {
+    const auto make_key = [&number_at]<std::size_t key_index>(std::integral_constant<std::size_t, key_index>) {
         constexpr std::size_t first = [] {
             std::size_t count = 0;
             for (std::size_t k = 0; k < key_index; ++k) count += S<T>::keys[k].count();
             return count;
         }();
-        if constexpr (S<T>::keys[key_index].count() == 1) return T(number(first));
-        else return Vec<T>{number(first), number(first + 1), number(first + 2)};
+        if constexpr (S<T>::keys[key_index].count() == 1) return T(number_at(first));
+        else return Vec<T>{number_at(first), number_at(first + 1), number_at(first + 2)};
     };
     return [&make_key]<std::size_t... key_index>(std::index_sequence<key_index...>) {
         return S<T>{make_key(std::integral_constant<std::size_t, key_index>())...};
@@ -29,13 +29,13 @@ constexpr S<T> primitive_from(const Numbers& number) {
     (std::make_index_sequence<S<T>::keys.size()>());
 }
 
-/// Calls `take(number)` for each number.
+/// Calls `visit(number)` for each number of a primitive.
 template <template <class> class S, class T, class Take>
-constexpr void each_number(const S<T>& primitive, const Take& take) {
-    const auto visit_keys = [&take](const auto&... values) {
-        const auto visit_key = [&take](const auto& x) {
-            if constexpr (std::same_as<decltype(x), const Vec<T>&>) take(x.x), take(x.y), take(x.z);
-            else take(x);
+constexpr void each_number(const S<T>& primitive, const Take& visit) {
+    const auto visit_keys = [&visit](const auto&... values) {
+        const auto visit_key = [&visit](const auto& x) {
+            if constexpr (std::same_as<decltype(x), const Vec<T>&>) visit(x.x), visit(x.y), visit(x.z);
+            else visit(x);
         };
         (visit_key(values), ...);
     };

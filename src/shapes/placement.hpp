@@ -35,7 +35,7 @@ struct Placement {
 };
 
 /// Converts each number by `lift`. If the result is in doubles, `lift` may have rounded, so the sign of the determinant
-/// is computed again. Callers that round in a wider number type must compute the sign themselves.
+/// is computed again. If a caller rounds in a wider number type, it must compute the sign itself.
 template <class S, class Lift>
 auto transformed(const Placement<S>& placement, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
@@ -51,7 +51,7 @@ auto transformed(const Placement<S>& placement, Lift lift) {
 /// A world ray in the space of the stored primitive: the same line with the same t, if the primitive is made `scale` >
 /// 0 times as large.
 template <class E>
-struct InObject {
+struct ObjectSpaceRay {
     Ray<E> ray;
     E scale;
 };
@@ -62,7 +62,7 @@ struct InObject {
 ///     o' = s adj(A) v,   d' = s adj(A) d,   and the primitive is s det A = |det A| times as large.
 /// For a stored inverse, o' = A o + τ, d' = A d, and the primitive keeps its size.
 template <class E>
-InObject<E> in_object(const Ray<E>& ray, const Placement<E>& placed) {
+ObjectSpaceRay<E> to_object_space(const Ray<E>& ray, const Placement<E>& placed) {
     const Affine<E> m = placed.map();
     if (placed.is_inverse) return {{m.point(ray.origin), m.linear(ray.direction)}, E(1)};
     const E sign(placed.orientation);
@@ -73,7 +73,7 @@ InObject<E> in_object(const Ray<E>& ray, const Placement<E>& placed) {
 
 /// Transforms the world point p to the space of the stored primitive.
 template <class E>
-Vec<E> point_in_object(const Vec<E>& p, const Placement<E>& placed) {
+Vec<E> point_to_object_space(const Vec<E>& p, const Placement<E>& placed) {
     const Affine<E> m = placed.map();
     if (placed.is_inverse) return m.point(p);
     const E det = m.determinant();

@@ -35,14 +35,14 @@ struct Primitive {
     }
 
     /// Returns the numbers of the shape, without those of its matrix.
-    [[nodiscard]] std::span<const S> used() const { return std::span(numbers).first(row_of(shape).numbers); }
-    [[nodiscard]] std::span<S> used() { return std::span(numbers).first(row_of(shape).numbers); }
+    [[nodiscard]] std::span<const S> shape_numbers() const { return std::span(numbers).first(row_of(shape).numbers); }
+    [[nodiscard]] std::span<S> shape_numbers() { return std::span(numbers).first(row_of(shape).numbers); }
 
     template <template <class> class Of>
     [[nodiscard]] bool is() const {
         return shape == shape_as<Of>;
     }
-    /// Returns the primitive as the struct of its shape. `Of` must be the shape that `shape` names.
+    /// Returns the primitive as the struct `Of` of its shape. `shape` must be the shape of `Of`.
     template <template <class> class Of>
     [[nodiscard]] Of<S> as() const {
         return primitive_from<Of, S>([this](std::size_t k) { return numbers[k]; });
@@ -64,13 +64,13 @@ private:
     }
 };
 
-/// Calls `act.template operator()<Sphere>()` for a sphere.
+/// Calls `act.template operator()<Of>()` with the struct of the primitive's shape, such as `Sphere`.
 template <class S, class Act>
 decltype(auto) visit_shape(const Primitive<S>& primitive, const Act& act) {
     return Primitives::visit_shape(primitive, act);
 }
 
-/// Calls `act` on the struct of the shape. `act` is a template, or has an overload for every shape.
+/// Calls `act` with the primitive as the struct of its shape. `act` is a template, or has an overload for every shape.
 template <class S, class Act>
 decltype(auto) visit(const Primitive<S>& primitive, const Act& act) {
     return visit_shape(primitive,
@@ -88,29 +88,30 @@ Primitive<S> scaled(const Primitive<S>& primitive, const S& k) {
     return result;
 }
 
-/// Sets d·d in every part of a span to that of the world ray; it was that of the ray in the space of the primitive.
+/// Sets d·d in every part of a span to that of the world ray. Before, it is that of the ray in the primitive's space.
 template <class Span, class S>
-void tell_distances(Span& span, const S& d2) {
+void set_direction_square(Span& span, const S& d2) {
     span.d2 = d2;
-    if constexpr (requires { span.side.d2; }) tell_distances(span.side, d2);
-    if constexpr (requires { span.primitive.d2; }) tell_distances(span.primitive, d2);
-    if constexpr (requires { span.enter.d2; }) tell_distances(span.enter, d2), tell_distances(span.leave, d2);
+    if constexpr (requires { span.side.d2; }) set_direction_square(span.side, d2);
+    if constexpr (requires { span.primitive.d2; }) set_direction_square(span.primitive, d2);
+    if constexpr (requires { span.enter.d2; })
+        set_direction_square(span.enter, d2), set_direction_square(span.leave, d2);
 }
 
 /// Calls `act(shape, ray)` with a primitive of shape `Of` and the ray, both in the space of the primitive.
 template <template <class> class Of, class S, class Act>
-auto in_object_space(const Ray<S>& ray, const Primitive<S>& primitive, const Act& act) {
+auto visit_in_object_space(const Ray<S>& ray, const Primitive<S>& primitive, const Act& act) {
     if (!primitive.placed) return act(primitive.template as<Of>(), ray);
-    const InObject<S> in = in_object(ray, *primitive.placed);
+    const ObjectSpaceRay<S> in = to_object_space(ray, *primitive.placed);
     return act(scaled(primitive, in.scale).template as<Of>(), in.ray);
 }
 
 /// Returns the interval in which the ray's line is inside a primitive of shape `Of`. Distances are in the world.
 template <template <class> class Of, class S>
 auto span_of(const Ray<S>& ray, const Primitive<S>& primitive) {
-    auto span = in_object_space<Of>(
+    auto span = visit_in_object_space<Of>(
         ray, primitive, [](const Of<S>& shape, const Ray<S>& object_ray) { return shape.span(object_ray); });
-    if (primitive.placed) tell_distances(span, square(ray.direction));
+    if (primitive.placed) set_direction_square(span, square(ray.direction));
     return span;
 }
 
@@ -145,7 +146,7 @@ Primitive<S> primitive_around(Shape shape, const Vec<S>& point, const S& half) {
 template <class S, class Lift>
 auto transformed(const Primitive<S>& primitive, Lift lift) {
     Primitive<std::decay_t<std::invoke_result_t<Lift, const S&>>> result(primitive.shape);
-    for (std::size_t i = 0; i < primitive.used().size(); ++i) result.numbers[i] = lift(primitive.numbers[i]);
+    for (std::size_t i = 0; i < primitive.shape_numbers().size(); ++i) result.numbers[i] = lift(primitive.numbers[i]);
     if (primitive.placed) result.placed = transformed(*primitive.placed, lift);
     return result;
 }
@@ -161,20 +162,20 @@ bool are_apart(const Vec<S>& a, const Vec<S>& b) {
     return any_differs;
 }
 
-/// A limit of a key that a primitive breaks, and the index of the number that breaks it. If a point breaks the limit,
-/// this is the index of its first coordinate. NaN breaks every limit.
+/// A limit that a primitive breaks: its key, and the index of the number that breaks it. For a point this is the index
+/// of its first coordinate. NaN breaks every limit.
 struct BrokenLimit {
     const Key* key;
-    std::size_t number;
+    std::size_t number_index;
 };
 template <class S>
 std::optional<BrokenLimit> broken_limit(const Primitive<S>& primitive) {
     std::size_t k = 0;
     for (const Key& key : row_of(primitive.shape).keys) {
-        if (key.limit == Key::Limit::off_line_before &&
+        if (key.limit == Key::Limit::not_collinear_with_previous &&
             on_one_line(primitive.point(k - 6), primitive.point(k - 3), primitive.point(k)))
             return BrokenLimit{&key, k};
-        if (key.limit == Key::Limit::apart_from_before && !are_apart(primitive.point(k - 3), primitive.point(k)))
+        if (key.limit == Key::Limit::differs_from_previous && !are_apart(primitive.point(k - 3), primitive.point(k)))
             return BrokenLimit{&key, k};
         if (key.limit == Key::Limit::not_zero && !are_apart(Vec<S>(S(0), S(0), S(0)), primitive.point(k)))
             return BrokenLimit{&key, k};
@@ -185,7 +186,7 @@ std::optional<BrokenLimit> broken_limit(const Primitive<S>& primitive) {
                 (key.limit == Key::Limit::non_negative_below_previous &&
                  !(x >= S(0) && x < primitive.numbers[k - 1])) ||
                 (key.limit == Key::Limit::positive_below_previous && !(x > S(0) && x < primitive.numbers[k - 1])) ||
-                (key.limit == Key::Limit::at_least_before && !(primitive.numbers[k - key.count()] <= x)))
+                (key.limit == Key::Limit::at_least_previous && !(primitive.numbers[k - key.count()] <= x)))
                 return BrokenLimit{&key, k};
         }
     }
@@ -214,7 +215,7 @@ inline bool is_optional(Shape shape, std::size_t k) {
 /// A key that is a length, and the index of its number.
 struct LengthKey {
     const Key* key;
-    std::size_t number;
+    std::size_t number_index;
 };
 /// Returns the first length of a shape; nothing if it has none.
 inline std::optional<LengthKey> length_key(Shape shape) {

@@ -75,14 +75,14 @@ struct ShapeRow {
     std::string_view name, plural;
     std::span<const Key> keys;
     std::size_t numbers = 0;
-    bool takes_tmax = false;           ///< its forms take tmax, where a ray ends
-    bool inside_returns_zero = false;  ///< from inside, t is 0 and not the exit, unless a form says otherwise
-    bool usually_unit = false;         ///< most code for this shape takes directions of length one
-    bool round = false;                ///< it is its own bounding ball
-    bool flat = false;                 ///< a flat surface with a normal: a ray meets its front or its back
-    bool surface = false;              ///< it has no inside: a line crosses it at single points
-    bool edges = false;                ///< its keys are corners, and rays can be aimed at the edges between them
-    bool shaded = false;               ///< it has a normal for shading, so pictures can be made of it
+    bool takes_tmax = false;                    ///< its forms take tmax, where a ray ends
+    bool inside_returns_zero = false;           ///< from inside, t is 0 and not the exit, unless a form says otherwise
+    bool usually_takes_unit_direction = false;  ///< most code for this shape takes directions of length one
+    bool is_ball = false;                       ///< it is its own bounding ball
+    bool is_flat = false;                       ///< a flat surface with a normal: a ray meets its front or its back
+    bool is_surface = false;                    ///< it has no inside: a line crosses it at single points
+    bool has_edges = false;           ///< its keys are corners, and rays can be aimed at the edges between them
+    bool has_shading_normal = false;  ///< it has a normal for shading, so pictures can be made of it
     ShapeTexts texts = {};
 };
 
@@ -105,12 +105,12 @@ inline constexpr std::array<ShapeRow, Primitives::size> shape_rows = [] {
                      .keys = FloatShape::keys,
                      .takes_tmax = FloatShape::takes_tmax,
                      .inside_returns_zero = FloatShape::inside_returns_zero,
-                     .usually_unit = FloatShape::usually_unit,
-                     .round = FloatShape::round,
-                     .flat = std::same_as<decltype(std::declval<FloatShape>().span(Ray<float>{})), FlatSpan<float>>,
-                     .surface = SurfaceSpan<decltype(std::declval<FloatShape>().span(Ray<float>{})), float>,
-                     .edges = FloatShape::edges,
-                     .shaded = Shaded<FloatShape>,
+                     .usually_takes_unit_direction = FloatShape::usually_takes_unit_direction,
+                     .is_ball = FloatShape::is_ball,
+                     .is_flat = std::same_as<decltype(std::declval<FloatShape>().span(Ray<float>{})), FlatSpan<float>>,
+                     .is_surface = SurfaceSpan<decltype(std::declval<FloatShape>().span(Ray<float>{})), float>,
+                     .has_edges = FloatShape::has_edges,
+                     .has_shading_normal = Shaded<FloatShape>,
                      .texts = FloatShape::texts};
         for (const Key& key : shape_row.keys) shape_row.numbers += key.count();
     });
@@ -141,8 +141,8 @@ inline constexpr bool takes_tmax(Shape shape) { return is_primitive(shape) && ro
 inline constexpr bool inside_returns_zero(Shape shape) {
     return is_primitive(shape) && row_of(shape).inside_returns_zero;
 }
-inline constexpr bool is_flat(Shape shape) { return is_primitive(shape) && row_of(shape).flat; }
-inline constexpr bool has_inside(Shape shape) { return is_primitive(shape) && !row_of(shape).surface; }
+inline constexpr bool is_flat(Shape shape) { return is_primitive(shape) && row_of(shape).is_flat; }
+inline constexpr bool has_inside(Shape shape) { return is_primitive(shape) && !row_of(shape).is_surface; }
 
 inline constexpr std::array<std::string_view, shape_rows.size() + 1> shape_names = [] {
     std::array<std::string_view, shape_rows.size() + 1> names{};

@@ -25,7 +25,7 @@ struct Given {
         : ray{{p.ray[0], p.ray[1], p.ray[2]}, {p.ray[3], p.ray[4], p.ray[5]}},
           primitive(shape),
           range{p.tmin, p.tmax, {p.open_tmin, p.open_tmax}} {
-        for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = p.primitive[k];
+        for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k) primitive.numbers[k] = p.primitive[k];
         if (p.is_placed) primitive.placed = placement_of(p.matrix, p.is_inverse);
     }
 };

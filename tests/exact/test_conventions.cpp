@@ -90,7 +90,7 @@ struct Given {
         : ray{{p.ray[0], p.ray[1], p.ray[2]}, {p.ray[3], p.ray[4], p.ray[5]}},
           primitive(*shape_named(shape.name)),
           range{p.tmin, p.tmax, {p.open_tmin, p.open_tmax}} {
-        for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = p.primitive[k];
+        for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k) primitive.numbers[k] = p.primitive[k];
     }
     [[nodiscard]] Truth truth(const Convention& convention = {}) const {
         return find_truth(ray, primitive, {}, convention, range);
@@ -126,7 +126,7 @@ void hold(const Shaped& shape, const Problem& p, Tally& tally) {
     const Truth closed = given.truth();
     INFO(paste(shape, p, {.hit = closed.is_hit()}));
     REQUIRE(closed.is_hit() == meets(shape, p));
-    const double depth = visit(given.primitive, [&](const auto& s) { return s.off_surface(given.ray.origin); });
+    const double depth = visit(given.primitive, [&](const auto& s) { return s.relative_distance(given.ray.origin); });
     if (shape.name != "torus" || depth > 0x1p-30) hold_touching(shape, p, given, closed, tally);
     if (!closed.is_hit()) return;
     tally.touching += closed.touches, tally.from_it += closed.on_surface;

@@ -42,7 +42,8 @@ void for_each_filter(const Visit& visit) {
 template <class F>
 Primitive<F> primitive_of(const Intersector& form, const Problem& p) {
     Primitive<F> primitive(form.shape);
-    for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = static_cast<F>(p.primitive[k]);
+    for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k)
+        primitive.numbers[k] = static_cast<F>(p.primitive[k]);
     return primitive;
 }
 

@@ -31,7 +31,7 @@ Ray<T> ray_of(const Problem& p) {
 }
 Primitive<double> primitive_of(const Shaped& shape, const Problem& p) {
     Primitive<double> primitive(*shape_named(shape.name));
-    for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = p.primitive[k];
+    for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k) primitive.numbers[k] = p.primitive[k];
     return primitive;
 }
 
@@ -166,7 +166,7 @@ bool is_asked(const intersect::Info& form, const Shaped& shape, const Problem& p
         return measure::truth::find_truth(ray, primitive, {}, form.convention()).is_hit() ==
                measure::truth::find_truth(ray, primitive).is_hit();
     return form.roots != Roots::near_only ||
-           visit(primitive, [&](const auto& s) { return s.off_surface(ray.origin) >= 0; });
+           visit(primitive, [&](const auto& s) { return s.relative_distance(ray.origin) >= 0; });
 }
 
 /// Adds the first t at which the form meets the ray. A form with both roots is also asked for the last one: it is the

@@ -45,7 +45,7 @@ std::pair<int, int> roots_in(const Problem& p) {
 std::pair<int, int> roots_of(const Ray<double>& ray, const Primitive<double>& primitive) {
     const Vec<double>&o = ray.origin, &d = ray.direction;
     Problem p{.ray = {o.x, o.y, o.z, d.x, d.y, d.z}};
-    std::ranges::copy(primitive.used(), p.primitive.begin());
+    std::ranges::copy(primitive.shape_numbers(), p.primitive.begin());
     in_doubt = false;
     const auto roots = roots_in<Enclosed>(p);
     return in_doubt ? roots_in<Whole>(p) : roots;
@@ -136,7 +136,7 @@ TEST_CASE("half an ulp in each number moves t of a torus by no more than its rea
         for (const Problem& p : problems) {
             const Ray<double> ray = ray_of(p);
             Primitive<double> primitive(Shape::torus);
-            std::copy_n(p.primitive.begin(), primitive.used().size(), primitive.numbers.begin());
+            std::copy_n(p.primitive.begin(), primitive.shape_numbers().size(), primitive.numbers.begin());
             const Truth truth = find_truth(ray, primitive);
             if (!truth.is_hit() || truth.touches || truth.on_surface) continue;
             const double reach = test::reach_of_t(ray, primitive, truth.t, binary32);

@@ -37,7 +37,7 @@ void answer_by_row(const intersect::table::Intersector& row, intersect::Roots ro
     for (std::size_t i = 0; i < batch.size; ++i) {
         for (std::size_t k = 0; k < 6; ++k) columns[k].push_back(rays[6 * i + k]);
         Primitive<S> primitive(row.shape);
-        std::copy_n(numbers + batch.primitive_stride * i, primitive.used().size(), primitive.numbers.begin());
+        std::copy_n(numbers + batch.primitive_stride * i, primitive.shape_numbers().size(), primitive.numbers.begin());
         primitives.push_back(primitive);
     }
     const std::size_t n = batch.size;

@@ -39,7 +39,7 @@ inline ForeignForm solved_by(Shape shape, const Solves& solve) {
                     const double* const r = static_cast<const double*>(batch.rays) + 6 * i;
                     Primitive<double> primitive(shape);
                     std::copy_n(static_cast<const double*>(batch.primitives) + batch.primitive_stride * i,
-                                primitive.used().size(), primitive.numbers.begin());
+                                primitive.shape_numbers().size(), primitive.numbers.begin());
                     const Found t = solve({{r[0], r[1], r[2]}, {r[3], r[4], r[5]}}, primitive);
                     batch.hit[i] = t ? 1 : 0;
                     static_cast<double*>(batch.near_far)[2 * i] = t.value_or(0);

@@ -53,11 +53,11 @@ void check_nearest_point(const S<Real>& s, const Vec<double>& q) {
     const Ray<Real> ray{p, p};
     const Vec<Real> on = s.projected(ray, p), n = s.outward_normal(ray, on);
     const Real d = s.distance(p);
-    REQUIRE(abs(s.off_surface(on)) * s.unit() <= tolerance);
+    REQUIRE(abs(s.relative_distance(on)) * s.unit() <= tolerance);
     REQUIRE(abs(Real(length(n) - Real(1))) <= tolerance);
     REQUIRE(abs(s.distance(on + ldexp(Real(1), -20) * n)) > 0);
     if (s.name == "ellipsoid") return;  // whose `distance` is a bound, and `projected` along a radius
-    REQUIRE(abs(s.off_surface(p)) * s.unit() <= abs(d) + tolerance);
+    REQUIRE(abs(s.relative_distance(p)) * s.unit() <= abs(d) + tolerance);
     if (s.name == "cone" || s.name == "disc") return;  // put back across the axis, and onto the plane
     REQUIRE(abs(Real(abs(d) - length(Vec<Real>(p - on)))) <= tolerance);
     REQUIRE(abs(s.distance(on)) <= tolerance);
@@ -123,7 +123,7 @@ TEST_CASE("distance, normal, nearest point and bounded point of a shape agree wi
             }
             inside += d < 0;
         }
-        CHECK((inside > 2) == !(row.flat || row.name == "tube"));
+        CHECK((inside > 2) == !(row.is_flat || row.name == "tube"));
         const double share = largest_share_of_bound<S>(row, rng);
         CHECK(share < 1);
         CHECK(share > 0.01);

@@ -21,7 +21,7 @@ namespace {
 Primitive<double> counted_up(const ShapeRow& row) {
     Primitive<double> primitive(row.shape);
     double next = 1;
-    for (double& x : primitive.used()) x = next * next, ++next;
+    for (double& x : primitive.shape_numbers()) x = next * next, ++next;
     for_each_key(row.shape, [&](const Key& key, std::size_t k) {
         if (key.limit == Key::Limit::non_negative_below_previous || key.limit == Key::Limit::positive_below_previous)
             primitive.numbers[k] = primitive.numbers[k - 1] - 1;
@@ -43,7 +43,7 @@ TEST_CASE("a shape is written to its keys and read back with the same numbers in
     for (const ShapeRow& row : shape_rows) {
         CAPTURE(row.name);
         const Primitive<double> primitive = counted_up(row);
-        REQUIRE(primitive.used().size() == row.numbers);
+        REQUIRE(primitive.shape_numbers().size() == row.numbers);
         CHECK(&row == &row_of(row.shape));
         CHECK(shape_named(row.name) == row.shape);
         const Primitive<double> back = visit(primitive, [](const auto& shape) { return Primitive<double>(shape); });
@@ -94,15 +94,15 @@ TEST_CASE("a number outside its limits is reported with its key and value, and s
                     Primitive<double> primitive = good;
                     primitive.numbers[k] = bad;
                     const auto broken = broken_limit(primitive);
-                    const bool of_points = key.limit == Key::Limit::off_line_before ||
-                                           key.limit == Key::Limit::apart_from_before ||
+                    const bool of_points = key.limit == Key::Limit::not_collinear_with_previous ||
+                                           key.limit == Key::Limit::differs_from_previous ||
                                            key.limit == Key::Limit::not_zero;
                     if (of_points) {
                         CHECK(broken.has_value() == std::isnan(bad));
                     } else if (key.limit != Key::Limit::none) {
                         REQUIRE(broken);
                         CHECK(broken->key == &key);
-                        CHECK(broken->number == k);
+                        CHECK(broken->number_index == k);
                     }
                 }
             }
@@ -112,7 +112,7 @@ TEST_CASE("a number outside its limits is reported with its key and value, and s
     CHECK_FALSE(broken_limit(flat));
     flat.numbers[1] = 2;
     REQUIRE(broken_limit(flat));
-    CHECK(broken_limit(flat)->number == 4);
+    CHECK(broken_limit(flat)->number_index == 4);
     CHECK(order_phrase(*broken_limit(flat)->key) == "lo <= hi");
 }
 
@@ -158,17 +158,17 @@ TEST_CASE("lines, points and normals of a shape are consistent") {
                 ++met;
                 for (const double t : {ends->near, ends->far}) {
                     INFO("t = " << t);
-                    CHECK(std::fabs(shape.off_surface(at(t))) <= 0x1p-40 * (1 + std::fabs(t)));
+                    CHECK(std::fabs(shape.relative_distance(at(t))) <= 0x1p-40 * (1 + std::fabs(t)));
                 }
                 if (!surface) {
-                    const double depth = shape.off_surface(at((ends->near + ends->far) / 2));
+                    const double depth = shape.relative_distance(at((ends->near + ends->far) / 2));
                     CHECK(depth <= 0);
                     if (depth == 0) continue;  // along a face
                     // The line may enter a primitive with a hole again, so the point right behind the exit is checked.
                     const double beyond = is_holed<std::decay_t<decltype(shape)>> ? 0x1p-20 : 1;
-                    CHECK(shape.off_surface(at(ends->far + beyond * (ends->far - ends->near))) > 0);
-                    from_inside += shape.off_surface(ray.origin) < 0;
-                    CHECK((shape.off_surface(ray.origin) < 0) == (ends->near < 0 && ends->far > 0));
+                    CHECK(shape.relative_distance(at(ends->far + beyond * (ends->far - ends->near))) > 0);
+                    from_inside += shape.relative_distance(ray.origin) < 0;
+                    CHECK((shape.relative_distance(ray.origin) < 0) == (ends->near < 0 && ends->far > 0));
                 }
                 if (ends->near <= 0) continue;
                 const Vec<double> p = at(ends->near), n = shape.outward_normal(ray, p);
@@ -180,11 +180,11 @@ TEST_CASE("lines, points and normals of a shape are consistent") {
                 }
                 CHECK(std::fabs(length(n) - 1) <= 0x1p-50);
                 CHECK((dot(n, ray.direction) < 0 || (surface && ends->near == ends->far)));
-                CHECK(std::fabs(shape.off_surface(shape.projected(ray, p))) <= 0x1p-50);
+                CHECK(std::fabs(shape.relative_distance(shape.projected(ray, p))) <= 0x1p-50);
                 // The `distance` of an ellipsoid is a bound, and a cone grows about a point across its axis.
                 if (row.name == "ellipsoid" || row.name == "cone") continue;
                 const double away = shape.distance(ray.origin);
-                if (const auto grown = shape.grown(ray.origin, 2); grown && away > 0)
+                if (const auto grown = shape.scaled_about(ray.origin, 2); grown && away > 0)
                     CHECK(std::fabs(grown->distance(ray.origin) - away) <= 0x1p-40);
             }
             surfaces += surface;
@@ -199,15 +199,15 @@ TEST_CASE("the words and flags of the shape table are right for each shape") {
     for (const ShapeRow& row : shape_rows) {
         CAPTURE(row.name);
         for (const std::string_view words :
-             {row.texts.plainest, row.texts.touching, row.texts.point, row.texts.places, row.plural})
+             {row.texts.simplest, row.texts.touching_ray, row.texts.degenerate, row.texts.anchor_points, row.plural})
             CHECK_FALSE(words.empty());
         // The plainest primitive is hit at 3 by a ray that comes from 5 away, as the table says.
         const Primitive<double> plainest = primitive_around<double>(row.shape, {0, 0, 0}, 2);
         const Ray<double> ray{{0, 0, -5}, {0, 0, 1}};
         CHECK(visit(plainest, [&](const auto& shape) { return ends_of(shape.span(ray))->near; }) == 3);
-        CHECK(row.texts.plainest.find(row.name) != std::string_view::npos);
+        CHECK(row.texts.simplest.find(row.name) != std::string_view::npos);
         const auto [centre, radius] = ball_around(plainest);
-        if (row.round) {
+        if (row.is_ball) {
             CHECK(radius == 2);
             CHECK(Primitive<double>(Sphere<double>{centre, radius}).numbers == plainest.numbers);
         } else {
@@ -215,12 +215,12 @@ TEST_CASE("the words and flags of the shape table are right for each shape") {
         }
         const auto length = length_key(row.shape);
         REQUIRE(length.has_value() == std::ranges::any_of(row.keys, [](const Key& key) { return key.count() == 1; }));
-        if (length) CHECK(number_names(row.shape)[length->number] == length->key->name);
-        CHECK_FALSE((row.round && row.edges));
+        if (length) CHECK(number_names(row.shape)[length->number_index] == length->key->name);
+        CHECK_FALSE((row.is_ball && row.has_edges));
         CHECK(row.inside_returns_zero == row.takes_tmax);
     }
     CHECK_FALSE(inside_returns_zero(Shape::sdf));
-    CHECK(length_key(Shape::sphere)->number == 3);
+    CHECK(length_key(Shape::sphere)->number_index == 3);
 }
 
 TEST_CASE("the span of a shape over balls contains its span over intervals") {

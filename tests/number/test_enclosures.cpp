@@ -73,14 +73,14 @@ TEST_CASE("three-valued logic follows Kleene's strong tables", "[number][tri]") 
             CHECK((value[i] && value[j]) == both[i][j]);
             CHECK((value[i] || value[j]) == either[i][j]);
         }
-        CHECK(guarded(value[i], Undefined::never) == value[i]);
-        CHECK(guarded(value[i], Undefined::always) == no);
-        CHECK(guarded(value[i], Undefined::maybe) == (i == 2 ? unknown : value[i]));
+        CHECK(guard_undefined(value[i], Undefined::never) == value[i]);
+        CHECK(guard_undefined(value[i], Undefined::always) == no);
+        CHECK(guard_undefined(value[i], Undefined::maybe) == (i == 2 ? unknown : value[i]));
     }
     CHECK(Tri(true) == yes);
     CHECK(Tri(false) == no);
-    CHECK(spread(Undefined::never, Undefined::maybe) == Undefined::maybe);
-    CHECK(spread(Undefined::always, Undefined::maybe) == Undefined::always);
+    CHECK(combine_undefined(Undefined::never, Undefined::maybe) == Undefined::maybe);
+    CHECK(combine_undefined(Undefined::always, Undefined::maybe) == Undefined::always);
 }
 
 TEST_CASE("an interval's ends are the exact result rounded down and up", "[number][interval]") {

@@ -194,7 +194,7 @@ void sums_hold(double least) {
 }
 
 template <class Mask>
-std::size_t wrongly(const Tris<Mask>& said, const Tri& is) {
+std::size_t wrongly(const TriMask<Mask>& said, const Tri& is) {
     return (said.yes() && is.is_no()) || (said.no() && is.is_yes());
 }
 

@@ -38,7 +38,7 @@ int main() {
     for (const ShapeRow& row : shape_rows) std::printf("%s: %zu\n", row.name.data(), row.numbers);
     const HalfSpace<double> half{{0, 0, 3}, {0, 0, -2}};
     const Primitive<double> primitive(half);
-    std::printf("%s of %zu numbers, last %g\n", name_of(primitive.shape).data(), primitive.used().size(), primitive.used().back());
+    std::printf("%s of %zu numbers, last %g\n", name_of(primitive.shape).data(), primitive.shape_numbers().size(), primitive.shape_numbers().back());
     intersect::for_each_form([&]<class Form>() {
         if constexpr (intersect::shape_of<Form> == Shape::half_space)
             std::printf("%s hits at %g\n", Form::info.name.data(),

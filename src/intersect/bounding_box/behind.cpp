@@ -103,23 +103,23 @@ template <class RecordRow>
 void record_with(const BoxedFormParts& form_parts, const Format& format, const Ray<double>& ray,
                  const Target<double>& target, double tmax, Tape& tape, const RecordRow& record_row) {
     tape.clear();
-    const bool every_loop = tape.every_loop;
+    const bool runs_every_loop = tape.runs_every_loop;
     const auto input = [&](double x) { return tape.add_input(format.parameters, x); };
     std::vector<NodeId> form_inputs, box_inputs;
     for (const Vec<double>& v : {ray.origin, ray.direction})
         for (int k = 0; k < 3; ++k) form_inputs.push_back(input(v[k]));
     box_inputs = form_inputs;
     const Primitive<double> primitive = target.primitives.front(), box = box_around(form_parts, format, primitive);
-    for (const double x : primitive.used()) form_inputs.push_back(input(x));
+    for (const double x : primitive.shape_numbers()) form_inputs.push_back(input(x));
     if (primitive.placed)
         for (const double x : primitive.placed->matrix) form_inputs.push_back(input(x));
     form_inputs.push_back(input(tmax));
-    for (const double x : box.used()) box_inputs.push_back(input(x));
+    for (const double x : box.shape_numbers()) box_inputs.push_back(input(x));
     box_inputs.push_back(form_inputs.back());
     const auto append_row = [&](const Intersector& form, const Target<double>& part_target,
                                 const std::vector<NodeId>& inputs) {
         Tape row_tape;
-        row_tape.every_loop = every_loop;
+        row_tape.runs_every_loop = runs_every_loop;
         record_row(form, part_target, row_tape);
         return table::append(row_tape, inputs, tape);
     };

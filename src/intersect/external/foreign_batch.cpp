@@ -38,7 +38,7 @@ struct Interleaved {
         }
         primitives.clear();
         for (const Primitive<S>& primitive : target.primitives) {
-            const auto used = primitive.used();
+            const auto used = primitive.shape_numbers();
             primitives.insert(primitives.end(), used.begin(), used.end());
         }
         near_far.resize(2 * n);
@@ -122,7 +122,7 @@ void ForeignBatch::answer_in(const table::RayBatch<S>& rays, const Target<S>& ta
                       : has_ends ? rays.tmax.data()
                                  : nullptr,
               .primitives = buffers.primitives.data(),
-              .primitive_stride = target.primitives.size() == 1 ? 0 : target.primitives.front().used().size(),
+              .primitive_stride = target.primitives.size() == 1 ? 0 : target.primitives.front().shape_numbers().size(),
               .near_far = buffers.near_far.data(),
               .hit = buffers.hit.data(),
               .own = nullptr,

@@ -30,7 +30,7 @@ template <template <class> class S, class T, class P>
     const Ray<E> ray{{number_at(0), number_at(1), number_at(2)}, {number_at(3), number_at(4), number_at(5)}};
     const auto first_hit =
         first_span_hit(primitive_from<S, E>([&](std::size_t i) { return number_at(6 + i); }).span(ray));
-    const P u = number::wide::roundoff_of<P>(), t = number::wide::value_of(first_hit.t.word());
+    const P u = number::wide::roundoff<P>(), t = number::wide::value_of(first_hit.t.word());
     const mask_t<P> is_fine_enough = P(1024) * u <= P(1) / P(1024), is_accurate = first_hit.t.radius() <= P(62) * u * t;
     return {is_fine_enough && (first_hit.hit.no() || (first_hit.hit.yes() && is_accurate)), first_hit.hit.yes(),
             named("t", first_hit.t.word())};

@@ -84,8 +84,8 @@ FirstSpanHit<E> first_span_hit(const QuadraticSpan<E>& s) {
 /// a side, has no point inside: a ray that begins behind the entry of such a line begins on the surface.
 template <class E, template <class> class Span>
 requires ComparableSpan<Span<E>, E> FirstSpanHit<E> first_span_hit(const Span<E>& s) {
-    const auto far = s.enters_to(Start{}).less;
-    FirstSpanHit<E> first_hit = hit_at(s.is_hit() && !s.leaves_to(Start{}).less, end_of(s, far));
+    const auto far = s.compare_entry(Start{}).less;
+    FirstSpanHit<E> first_hit = hit_at(s.is_hit() && !s.compare_exit(Start{}).less, end_of(s, far));
     if constexpr (has_exact_sign<E>) first_hit.t = select(far && !s.is_open(), E(0), first_hit.t);
     return first_hit;
 }
@@ -97,7 +97,7 @@ FirstSpanHit<E> first_span_hit(const FlatSpan<E>& s) {
 
 template <class E>
 FirstSpanHit<E> first_span_hit(const WallSpan<E>& s) {
-    const auto is_ahead = [&s](int i) { return s.crossing(i).closed && !s.order_to(i, Start{}).less; };
+    const auto is_ahead = [&s](int i) { return s.crossing(i).closed && !s.compare_crossing(i, Start{}).less; };
     const auto is_first_ahead = is_ahead(0);
     return hit_at(is_first_ahead || is_ahead(1), root_of(s.primitive.side, !is_first_ahead));
 }

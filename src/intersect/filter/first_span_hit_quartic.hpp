@@ -24,14 +24,14 @@ FirstSpanHit<E> first_span_hit(const QuarticSpan<E>& s) {
     const QuarticChain<E> chain(s.f);
     const auto values = chain.at(s.b);
     const auto at_begin = values[0] <= E(0) && values[0] >= E(0);
-    const E x = near_first_root<E>(chain, s.b, s.bound, 6);
-    return {at_begin || sign_changes(values) > sign_changes(chain.at_infinity()), select(at_begin, E(0), s.time(x))};
+    const E x = approximate_first_root<E>(chain, s.b, s.bound, 6);
+    return {at_begin || sign_changes(values) > sign_changes(chain.at_infinity()), select(at_begin, E(0), s.t_at(x))};
 }
 
 /// Numbers that enclose roots (geometry/real_roots.hpp).
 template <class E>
 concept EnclosesRoots = is_exact<E> && requires(const E& x) {
-    largest(x);
+    largest_magnitude(x);
 };
 
 /// The first root that does not lie before the beginning of the ray; the line touches or crosses the surface there.
@@ -46,7 +46,7 @@ FirstSpanHit<E> first_span_hit(const QuarticSpan<E>& s) {
         const auto order = roots->order(i, s.b);
         if (!order) return unknown;
         if (*order == 0) return {Tri::yes, zero};
-        if (*order > 0) return {Tri::yes, s.time((*roots)[i].root)};
+        if (*order > 0) return {Tri::yes, s.t_at((*roots)[i].root)};
     }
     return {Tri::no, E(-1)};
 }
@@ -70,29 +70,29 @@ FirstSpanHit<number::wide::Proving<T>> first_span_hit(const QuarticSpan<number::
     const auto value_of = [](const E& x) { return U(number::wide::value_of(x.word()), x.radius()); };
     const QuarticChain<U> f(value_of(s.f.c[4]), value_of(s.f.c[2]), value_of(s.f.c[1]), value_of(s.f.c[0]));
     const U b = value_of(s.b);
-    const auto changes_at_begin = changes_in(f.at(b));
-    const auto roots_ahead = roots_between(changes_at_begin, changes_in(f.at_infinity()), f.last);
-    const auto is_miss = roots_ahead.none || is_above(f);
+    const auto changes_at_begin = prove_sign_changes(f.at(b));
+    const auto roots_ahead = prove_roots_between(changes_at_begin, prove_sign_changes(f.at_infinity()), f.last);
+    const auto is_miss = roots_ahead.is_absent || is_above(f);
     const E miss_t(-1);
     if constexpr (!traces_operations<T>)
         if (!any_of(!is_miss)) return {typename E::Mask(!is_miss, is_miss), miss_t};
     const QuarticChain<T> words(s.f.c[4].word(), s.f.c[2].word(), s.f.c[1].word(), s.f.c[0].word());
-    const T x = near_first_root<T>(words, s.b.word(), s.bound.word(), 5);
+    const T x = approximate_first_root<T>(words, s.b.word(), s.bound.word(), 5);
     const P x_value = number::wide::value_of(x);
     const U step = f.value(U(x_value)) / f.slope(U(x_value));
     const P distance =
-        P(17) / P(16) * (abs(step.word()) + step.radius()) + P(4) * number::wide::roundoff_of<P>() * abs(x_value);
+        P(17) / P(16) * (abs(step.word()) + step.radius()) + P(4) * number::wide::roundoff<P>() * abs(x_value);
     const U low(x_value - distance), high(x_value + distance);
     const auto is_found = !is_miss && (low > b).yes() && is_first_between(f, changes_at_begin, low, high);
     const typename E::Mask hit(is_found, is_miss);
-    return {hit, select(hit, s.time(E(x, distance * number::wide::outward_of<P>())), miss_t)};
+    return {hit, select(hit, s.t_at(E(x, distance * number::wide::outward_factor<P>())), miss_t)};
 }
 
 /// Computes in two words, as the packs of the truth do.
 template <class W>
 FirstSpanHit<number::wide::Running<W>> first_span_hit(const QuarticSpan<number::wide::Running<W>>& s) {
     const auto root = first_root(s.f, s.b, s.bound);
-    return {{root.found, root.none}, s.time(root.x)};
+    return {{root.is_found, root.is_absent}, s.t_at(root.root)};
 }
 
 }  // namespace lostbits::intersect::filter

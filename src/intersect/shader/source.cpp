@@ -168,7 +168,7 @@ external::Contract default_contract(const std::string& path, const Signature& si
                          .shape = signature.shape,
                          .bits = signature.doubles ? 64 : 32};
     using Answers = Signature::Answers;
-    c.direction = row_of(signature.shape).usually_unit ? Direction::unit : Direction::any;
+    c.direction = row_of(signature.shape).usually_takes_unit_direction ? Direction::unit : Direction::any;
     const bool has_two_roots = signature.answers == Answers::near_far || signature.answers == Answers::hit_and_near_far;
     c.roots = has_two_roots ? Roots::both : signature.answers == Answers::hit ? Roots::none : Roots::near_only;
     if (signature.kind != Signature::Kind::intersector) {

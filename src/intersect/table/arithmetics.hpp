@@ -124,7 +124,7 @@ void record_of(const Format& format, const Ray<double>& ray, const Target<double
 inline void record_all_by(EvaluateRecorded evaluate, const Target<double>& target, Tape& tape) {
     const Ray<double> sample_ray{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)};
     tape.clear();
-    tape.every_loop = true;
+    tape.runs_every_loop = true;
     if (target.march) {
         MarchConstants<double> shortened = *target.march;
         shortened.max_steps = 3;
@@ -134,7 +134,7 @@ inline void record_all_by(EvaluateRecorded evaluate, const Target<double>& targe
     } else {
         evaluate_on(evaluate, tape, binary32, sample_ray, target, HUGE_VAL);
     }
-    tape.every_loop = false;
+    tape.runs_every_loop = false;
 }
 
 template <class Form>

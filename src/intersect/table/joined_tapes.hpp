@@ -26,7 +26,7 @@ inline TapeOutputs append(const Tape& form, const std::vector<NodeId>& inputs, T
             const TapeCall& call = form.call_at(i);
             std::vector<NodeId> arguments;
             for (const NodeId k : call.arguments) arguments.push_back(renumbered(k));
-            copied = target.add_call(call.of, form.format_of(i), n.value, std::move(arguments));
+            copied = target.add_call(call.callee, form.format_of(i), n.value, std::move(arguments));
             target[copied].label = n.label;
             continue;
         }

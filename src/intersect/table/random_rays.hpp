@@ -51,7 +51,7 @@ public:
             for (const Key& key : row_of(shape).keys)
                 for (std::size_t k = 0; k < key.count(); ++k, ++index) {
                     double x = key.is_length() ? std::fabs(uniform()) + 0x1p-10 : 2 * uniform();
-                    if (key.limit == Key::Limit::at_least_before)
+                    if (key.limit == Key::Limit::at_least_previous)
                         x = static_cast<double>(primitive.numbers[index - 3]) + std::fabs(x);
                     if (key.limit == Key::Limit::non_negative_below_previous)
                         x = static_cast<double>(primitive.numbers[index - 1]) * 0.5 * x;
@@ -72,7 +72,7 @@ public:
     }
 
     [[nodiscard]] std::size_t size() const { return primitives_.size(); }
-    [[nodiscard]] std::span<const S> numbers(std::size_t ray) const { return primitives_[ray].used(); }
+    [[nodiscard]] std::span<const S> numbers(std::size_t ray) const { return primitives_[ray].shape_numbers(); }
     /// Input k of a tape: origin, direction, numbers of the primitive, and the end of the ray, which is infinite.
     [[nodiscard]] S input(std::size_t ray, std::size_t k) const {
         if (k < 6) return columns_[k][ray];

@@ -329,7 +329,8 @@ WrittenFormula written(const Tape& tape, Shape shape, std::string name) {
                                       .value = n.value,
                                       .label = std::string(n.label),
                                       .wide = !is_decision(n.op) && n.format != own_format});
-    for (const NodeId decision : tape.sides) formula.operations[static_cast<std::size_t>(decision)].has_sides = true;
+    for (const NodeId decision : tape.branch_decisions)
+        formula.operations[static_cast<std::size_t>(decision)].has_sides = true;
     const auto [hit, t, near, far] = tape.outputs;
     formula.hit = hit, formula.t = t, formula.near = near, formula.far = far;
     require_sense(formula);

@@ -113,7 +113,7 @@ void record_with(const TransformedFormParts& form_parts, const Format& format, c
     for (std::size_t k = 0; k < 6; ++k)
         world.ray[k] = input(k < 3 ? ray.origin[static_cast<int>(k)] : ray.direction[static_cast<int>(k - 3)]);
     std::vector<NodeId> numbers;
-    for (const double x : primitive.used()) numbers.push_back(input(x));
+    for (const double x : primitive.shape_numbers()) numbers.push_back(input(x));
     for (std::size_t k = 0; k < world.matrix.size(); ++k) world.matrix[k] = input(primitive.placed->matrix[k]);
     world.is_inverse = primitive.placed->is_inverse;
     const NodeId end = input(tmax);
@@ -150,7 +150,7 @@ void record_with(const TransformedFormParts& form_parts, const Format& format, c
         }
         const auto& r = object.ray;
         Tape form_tape;
-        form_tape.every_loop = tape.every_loop;
+        form_tape.runs_every_loop = tape.runs_every_loop;
         record_object(Ray<double>{{value(r[0]), value(r[1]), value(r[2])}, {value(r[3]), value(r[4]), value(r[5])}},
                       Target<double>(object_primitive), object_tmax, form_tape);
         return table::append(form_tape, inputs, tape);

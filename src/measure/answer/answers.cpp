@@ -36,7 +36,7 @@ template <class S, class Kernel>
 void test_pairs(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
     in.stop.check();
     const auto are_same_primitive = [primitives = in.primitives.listed()](std::size_t a, std::size_t b) {
-        return std::ranges::equal(primitives[a].used(), primitives[b].used()) &&
+        return std::ranges::equal(primitives[a].shape_numbers(), primitives[b].shape_numbers()) &&
                primitives[a].placed == primitives[b].placed;
     };
     for (std::size_t i = 0, end = 0; i < chunk.count(); i = end) {
@@ -197,7 +197,8 @@ OneToMany<S> kernel_per_sphere(const Intersector& form, const Kernel& kernel) {
         if (!range.is_whole())
             rays.tmax = span_of_one(range.tmax), rays.tmin = span_of_one(range.tmin), rays.open = range.open;
         for (std::size_t i = 0; i < spheres.size(); ++i) {
-            for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = spheres.numbers[k][i];
+            for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k)
+                primitive.numbers[k] = spheres.numbers[k][i];
             const HitBatch<S> hits{t.subspan(i, 1), std::span(&near, 1), std::span(&far, 1), hit.subspan(i, 1)};
             kernel(rays, Target<S>(primitive), hits);
             intersect::table::keep_in_range(*form.info, form.shape, rays, hits);

@@ -68,7 +68,9 @@ std::optional<E> answer_call(const Call& call, std::span<const E> numbers, const
 }
 
 /// Number of arguments that describe the ray and the primitive; the end of the ray may follow them.
-std::size_t count_numbers(const Call& call) { return 6 + Primitive<double>(form_of(call).shape).used().size(); }
+std::size_t count_numbers(const Call& call) {
+    return 6 + Primitive<double>(form_of(call).shape).shape_numbers().size();
+}
 
 /// Converts x exactly, as a sum of doubles.
 Interval exact_interval(Real2048 x) {

@@ -74,7 +74,7 @@ template <class Exact, class Value>
 std::optional<typename Exact::Number> result_of_call(const Tape& tape, NodeId call, const Value& value) {
     std::vector<typename Exact::Number> arguments;
     for (const NodeId operand : tape.operands_of(call)) arguments.push_back(value(operand));
-    return answer::without_rounding(tape.call_at(call).of, std::span<const typename Exact::Number>(arguments));
+    return answer::without_rounding(tape.call_at(call).callee, std::span<const typename Exact::Number>(arguments));
 }
 
 /// Factors by which errors of the arguments pass through a call. The arguments move from their exact to their computed

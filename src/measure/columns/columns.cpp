@@ -169,7 +169,7 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
         leave_all(answers, {out}, left);
         return;
     }
-    const std::size_t number_count = first.used().size();
+    const std::size_t number_count = first.shape_numbers().size();
     std::array<std::array<double, block>, most_numbers> numbers;
     const auto load_primitive = [&](std::size_t i, std::size_t primitive) {
         const Primitive<double> current = points.primitives[primitive];

@@ -55,7 +55,7 @@ std::optional<Primitive<double>> image_of(const Primitive<double>& primitive, co
     const Affine<double> m = primitive.placed->map();
     const std::span<const Key> keys = row_of(primitive.shape).keys;
     const bool is_axis_aligned =
-        std::ranges::any_of(keys, [](const Key& key) { return key.limit == Key::Limit::at_least_before; });
+        std::ranges::any_of(keys, [](const Key& key) { return key.limit == Key::Limit::at_least_previous; });
     const bool has_only_points = std::ranges::all_of(keys, [](const Key& key) { return key.kind == Key::Kind::point; });
     const bool has_axis_lengths =
         std::ranges::any_of(keys, [](const Key& key) { return key.kind == Key::Kind::lengths; });

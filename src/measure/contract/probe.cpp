@@ -57,7 +57,7 @@ std::vector<Question> many_questions(Shape shape) {
     return questions;
 }
 
-std::string plainest_primitive_text(Shape shape) { return std::string(row_of(shape).texts.plainest); }
+std::string plainest_primitive_text(Shape shape) { return std::string(row_of(shape).texts.simplest); }
 
 /// Text of the plainest ray and its primitive.
 std::string plainest_ray_text(Shape shape, const char* joint) {
@@ -169,11 +169,12 @@ std::optional<LengthMistake> find_length_mistake(const Trial& trial) {
     const auto length = length_key(trial.shape);
     if (!length) return std::nullopt;
     std::vector<std::pair<Question, Reply>> answered;
-    for (const Question& q : questions_at_lengths(trial.shape, length->number)) answered.emplace_back(q, trial.ask(q));
+    for (const Question& q : questions_at_lengths(trial.shape, length->number_index))
+        answered.emplace_back(q, trial.ask(q));
     const auto explains = [&](const LengthMisuse& mistake) {
         return std::ranges::all_of(answered, [&](const auto& pair) {
             auto [q, r] = pair;
-            q.primitive[length->number] = mistake.change(q.primitive[length->number]);
+            q.primitive[length->number_index] = mistake.change(q.primitive[length->number_index]);
             const auto ends = ends_of(q, trial.shape);
             if (!ends) return r.hit == 0;
             return r.hit == 1 && (!trial.tells_t || is_answer(r.near, ends->near));
@@ -380,7 +381,7 @@ void try_odd_numbers(Trial& trial) {
     }
     try_odd(trial, "nan-origin", "an origin of NaN", question_along_z(shape, nan, 1));
     try_odd(trial, "infinite-origin", "an origin at infinity", question_along_z(shape, -infinity, 1));
-    try_odd(trial, "point", std::string(row_of(shape).texts.point), question_along_z(shape, -5, 1, 0, 0));
+    try_odd(trial, "point", std::string(row_of(shape).texts.degenerate), question_along_z(shape, -5, 1, 0, 0));
     const int scale = trial.contract.bits == 32 ? 100 : 600;
     const std::string format = "binary" + std::to_string(trial.contract.bits), power = std::to_string(scale);
     try_odd(

@@ -207,7 +207,7 @@ std::optional<RayAtMeshEdge> draw_ray(const Mesh& mesh, const intersect::externa
 Question question_at(const Ray<double>& ray, const Primitive<double>& primitive) {
     Question q{.ray = {ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z},
                .primitive = {}};
-    std::ranges::copy(primitive.used(), q.primitive.begin());
+    std::ranges::copy(primitive.shape_numbers(), q.primitive.begin());
     return q;
 }
 

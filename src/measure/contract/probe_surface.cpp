@@ -195,7 +195,7 @@ void try_touching(Trial& trial) {
         return trial.truth(q, closed).hit && !trial.truth(q, open).hit;
     };
     if (!touches(2) && !touches(1)) return;  // a plane has no rim
-    const std::string ray_text(row_of(trial.shape).texts.touching);
+    const std::string ray_text(row_of(trial.shape).texts.touching_ray);
     int hits = 0, tested = 0;
     for (const double start_z : {-5.0, -4.0, -7.0}) {
         for (const double side : {1.0, -1.0}) {

@@ -20,7 +20,7 @@ int greatest_power(const intersect::external::Contract& contract) {
     const ShapeRow& shape_row = row_of(contract.shape);
     const auto ends = ends_of(plainest_question(contract.shape), contract.shape);
     if (has_inside(contract.shape) && ends && ends->far < 7) return 12;
-    return (contract.bits == 32 ? 112 : 960) / (shape_row.round || shape_row.flat || shape_row.edges ? 4 : 10);
+    return (contract.bits == 32 ? 112 : 960) / (shape_row.is_ball || shape_row.is_flat || shape_row.has_edges ? 4 : 10);
 }
 
 /// Plain rays at a primitive of half-width 2·size: straight, off its centre, from inside, past it.
@@ -127,7 +127,7 @@ std::string wrong_count_text(const WrongCount& count, const Aim& aim) {
 
 bool has_axis(Shape shape) {
     return std::ranges::any_of(row_of(shape).keys, [](const Key& key) {
-        return key.kind == Key::Kind::direction || key.limit == Key::Limit::apart_from_before;
+        return key.kind == Key::Kind::direction || key.limit == Key::Limit::differs_from_previous;
     });
 }
 
@@ -164,7 +164,7 @@ Question question_of(const Vec<double>& origin, const Vec<double>& direction, co
         q.ray[static_cast<std::size_t>(k)] = static_cast<float>(origin[k]);
         q.ray[static_cast<std::size_t>(k) + 3] = static_cast<float>(direction[k]);
     }
-    std::ranges::copy(primitive.used(), q.primitive.begin());
+    std::ranges::copy(primitive.shape_numbers(), q.primitive.begin());
     return q;
 }
 
@@ -202,7 +202,7 @@ std::string answer_text(const Trial& trial, const HitOrMiss& d) {
 Question scaled_by(const Question& q, Shape shape, int power) {
     Question result = q;
     for (std::size_t k = 0; k < 3; ++k) result.ray[k] = std::ldexp(q.ray[k], power);
-    std::ranges::copy(scaled(primitive_of(q, shape), std::ldexp(1.0, power)).used(), result.primitive.begin());
+    std::ranges::copy(scaled(primitive_of(q, shape), std::ldexp(1.0, power)).shape_numbers(), result.primitive.begin());
     return result;
 }
 

@@ -38,7 +38,7 @@ bool fits(const AnswerSample& sample, const Ray<double>& ray, const Primitive<do
 bool fits_length(const AnswerSample& sample, const ShapeRow& shape_row, double (*change)(double)) {
     if (sample.primitive.shape != shape_row.shape) return false;
     Primitive<double> other = sample.primitive;
-    double& length = other.numbers[length_key(shape_row.shape)->number];
+    double& length = other.numbers[length_key(shape_row.shape)->number_index];
     const double old_length = length;
     length = change(old_length);
     return is_about(length, old_length) ? is_right(sample) : fits(sample, sample.ray, other);
@@ -47,7 +47,7 @@ bool fits_length(const AnswerSample& sample, const ShapeRow& shape_row, double (
 /// True if the answer is that for a primitive whose numbers are `factor` times as large.
 bool fits_scaled(const AnswerSample& sample, double factor) {
     Primitive<double> other = sample.primitive;
-    for (std::size_t k = 0; k < other.used().size(); ++k) other.numbers[k] *= factor;
+    for (std::size_t k = 0; k < other.shape_numbers().size(); ++k) other.numbers[k] *= factor;
     return fits(sample, sample.ray, other);
 }
 

@@ -102,7 +102,7 @@ inline Ray<double> ray_of(const Question& q) {
 }
 inline Primitive<double> primitive_of(const Question& q, Shape shape) {
     Primitive<double> primitive(shape);
-    std::copy_n(q.primitive.begin(), primitive.used().size(), primitive.numbers.begin());
+    std::copy_n(q.primitive.begin(), primitive.shape_numbers().size(), primitive.numbers.begin());
     return primitive;
 }
 
@@ -153,7 +153,7 @@ inline std::string text_of(double x) {
 /// leaves at 7 if the half-width is 2 and z is 0.
 inline Question question_along_z(Shape shape, double from, double direction, double z = 0, double half = 2) {
     Question q{.ray = {0, 0, from, 0, 0, direction}, .primitive = {}};
-    std::ranges::copy(primitive_around<double>(shape, {0, 0, z}, half).used(), q.primitive.begin());
+    std::ranges::copy(primitive_around<double>(shape, {0, 0, z}, half).shape_numbers(), q.primitive.begin());
     return q;
 }
 

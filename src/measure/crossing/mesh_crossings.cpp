@@ -39,7 +39,7 @@ std::optional<Passage> find_passage(const Ray<double>& ray, const Primitive<doub
     if (!span.closed.is_yes() || span.open.is_unknown()) return std::nullopt;
     const auto t = sign(span.at.n);
     if (!t) return std::nullopt;
-    return Passage{span.open.is_yes() ? Passage::Kind::inner : Passage::Kind::rim, span.front.is_yes(), *t};
+    return Passage{span.open.is_yes() ? Passage::Kind::inner : Passage::Kind::rim, span.is_front.is_yes(), *t};
 }
 
 /// Returns nothing if no precision decides. Single doubles with bounds decide most triangles, in a fifth of the time.
@@ -156,7 +156,7 @@ std::optional<int> facing_of(const Ray<double>& ray, const Primitive<double>& tr
         const FlatSpan<E> span = lifted_span<E>(ray, triangle);
         const auto steepness = sign(span.at.m);
         if (!steepness || *steepness == 0) return steepness;
-        return span.front.is_yes() ? 1 : -1;
+        return span.is_front.is_yes() ? 1 : -1;
     });
 }
 
@@ -165,10 +165,10 @@ unsigned nearest_edges(const Ray<double>& ray, const Primitive<double>& triangle
     const int facing = facing_of(ray, triangle).value_or(0);
     if (facing == 0) return all_edges;
     const auto found = by_rising_precision([&]<class E>() {
-        return in_object_space<Triangle>(lift_ray<E>(ray), lift_primitive<E>(triangle),
-                                         [facing](const auto& shape, const auto& object_ray) {
-                                             return find_nearest_edges<E>(shape, object_ray, facing);
-                                         });
+        return visit_in_object_space<Triangle>(lift_ray<E>(ray), lift_primitive<E>(triangle),
+                                               [facing](const auto& shape, const auto& object_ray) {
+                                                   return find_nearest_edges<E>(shape, object_ray, facing);
+                                               });
     });
     return found.value_or(all_edges);
 }

@@ -38,7 +38,7 @@ struct MatrixBounds {
     explicit MatrixBounds(const Primitive<double>& primitive) {
         if (!primitive.placed) return;
         const Affine<double> m = primitive.placed->map();
-        for (const double x : primitive.used()) size = std::max(size, std::fabs(x));
+        for (const double x : primitive.shape_numbers()) size = std::max(size, std::fabs(x));
         size = frobenius(m.rows) * 1.75 * size + std::sqrt(dot(m.shift, m.shift));
         condition = frobenius(m.rows) * frobenius(m.adjugate()) / std::fabs(m.determinant()) / 3;
     }

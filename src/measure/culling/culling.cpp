@@ -320,7 +320,7 @@ Decision begins_inside(const SlabSpan<Certain>& s) {
 }
 template <ComparableSpan<Certain> S>
 Decision begins_inside(const S& s) {
-    return s.is_hit() && s.enters_to(Start()).at_most && !s.leaves_to(Start()).less;
+    return s.is_hit() && s.compare_entry(Start()).at_most && !s.compare_exit(Start()).less;
 }
 template <SurfaceSpan<Certain> S>
 Decision begins_inside(const S&) {

@@ -67,13 +67,14 @@ double enclosed(const Formula& formula) {
     return exact.is_bounded() ? mpfr_get_d(exact.lower(), MPFR_RNDN) : missing;
 }
 
-/// Returns `off_surface` of a primitive at a point in world space. If the primitive has a matrix, both are taken to
-/// object space.
+/// Returns `relative_distance` of a primitive at a point in world space. If the primitive has a matrix, both are taken
+/// to object space.
 template <class E, template <class> class S>
-E off_surface(const Vec<double>& p, const Primitive<double>& primitive) {
+E relative_distance(const Vec<double>& p, const Primitive<double>& primitive) {
     const Primitive<E> lifted = lift_primitive<E>(primitive);
     const Vec<E> point = lift_vec<E>(p);
-    return lifted.template as<S>().off_surface(lifted.placed ? point_in_object(point, *lifted.placed) : point);
+    return lifted.template as<S>().relative_distance(lifted.placed ? point_to_object_space(point, *lifted.placed)
+                                                                   : point);
 }
 
 double residual_of(const Vec<double>& p, const Primitive<double>& primitive) {
@@ -82,7 +83,7 @@ double residual_of(const Vec<double>& p, const Primitive<double>& primitive) {
         const auto coordinate = [&primitive](int k) { return primitive.numbers[static_cast<std::size_t>(k)]; };
         if (double fast_result; !primitive.placed && columns::find_residual<S>(point, coordinate, fast_result))
             return fast_result;
-        return enclosed([&]<class E>() { return off_surface<E, S>(p, primitive); });
+        return enclosed([&]<class E>() { return relative_distance<E, S>(p, primitive); });
     });
 }
 
@@ -102,10 +103,10 @@ double weight_error(double x, const Sample& s, std::size_t vertex) {
     return visit_shape(*s.primitive, [&]<template <class> class S>() {
         if constexpr (requires(const S<double>& shape) { shape.weights(Ray<double>()); }) {
             return std::fabs(enclosed([&]<class E>() {
-                return in_object_space<S>(lift_ray<E>(*s.ray), lift_primitive<E>(*s.primitive),
-                                          [&](const S<E>& shape, const Ray<E>& ray) -> E {
-                                              return E(x) - shape.weights(ray)[static_cast<int>(vertex)];
-                                          });
+                return visit_in_object_space<S>(lift_ray<E>(*s.ray), lift_primitive<E>(*s.primitive),
+                                                [&](const S<E>& shape, const Ray<E>& ray) -> E {
+                                                    return E(x) - shape.weights(ray)[static_cast<int>(vertex)];
+                                                });
             }));
         } else {
             return missing;
@@ -219,7 +220,7 @@ double point_error(const Sample& s) {
 }
 
 double projected_error(const Sample& s) {
-    if (!row_of(s.primitive->shape).round) return missing;
+    if (!row_of(s.primitive->shape).is_ball) return missing;
     return in_format(s, [&]<class F>() { return projected<F>(s); });
 }
 

@@ -47,7 +47,7 @@ double least_distance(const Vec<double>& p, const Primitive<double>& primitive) 
     const Vec<Running> point = lift_vec<Running>(p);
     const Primitive<Running> running_primitive = lift_primitive<Running>(primitive);
     const auto distance_from_surface = [&point](const auto& shape) {
-        return abs(shape.off_surface(point) * shape.unit());
+        return abs(shape.relative_distance(point) * shape.unit());
     };
     const auto distance_from_ball = [&] {
         const auto ball = ball_around(running_primitive);
@@ -150,7 +150,7 @@ public:
         const FloatFormat& format = work_.form_row_.format.parameters;
         const double start = std::ldexp(largest_of(p_), -format.precision);
         double size = largest_of(p_);
-        for (const double x : departed_primitive().used()) size = std::max(size, std::fabs(x));
+        for (const double x : departed_primitive().shape_numbers()) size = std::max(size, std::fabs(x));
         return smallest_enough(format, start, 64 * size, [&](double e) { return verdict_on_offset(side, e, by_form); });
     }
 

@@ -46,7 +46,7 @@ std::optional<Meeting> meeting_of(const SlabSpan<E>& s) {
 template <class E, ComparableSpan<E> S>
 std::optional<Meeting> meeting_of(const S& s) {
     const Fraction<E> start{E(0), E(1)};
-    const auto enters = s.enters_to(start), leaves = s.leaves_to(start);
+    const auto enters = s.compare_entry(start), leaves = s.compare_exit(start);
     const Tri open = s.is_open(), closed = s.is_hit();
     const Tri inside = open && enters.less && !leaves.at_most;
     const Tri outside = !closed || !enters.at_most || leaves.less;
@@ -61,7 +61,7 @@ std::optional<Meeting> meeting_of(const S& s) {
     Tri on_surface = Tri::no, meets = Tri::no;
     for (int i = 0; i < S::crossings; ++i) {
         const auto crossing = s.crossing(i);
-        const auto order = s.order_to(i, {E(0), E(1)});
+        const auto order = s.compare_crossing(i, {E(0), E(1)});
         on_surface = on_surface || (crossing.closed && order.at_most && !order.less);
         meets = meets || (crossing.open && !order.at_most);
     }
@@ -80,7 +80,7 @@ std::optional<bool> is_inside_between(const QuarticSpan<E>& s, const E* end) {
         const auto roots = enclosed_roots(s.f, s.bound);
         if (!roots) return std::nullopt;
         for (int i = 0, entry = -1; i < roots->count; ++i) {
-            if (!(*roots)[i].crosses) continue;
+            if (!(*roots)[i].changes_sign) continue;
             const int previous_entry = std::exchange(entry, entry < 0 ? i : -1);
             if (previous_entry < 0) continue;
             const auto exit_order = roots->order(i, s.b),
@@ -139,7 +139,7 @@ std::optional<bool> segment_meets(const QuadraticSpan<E>& s) {
 
 template <class E>
 std::optional<bool> segment_meets(const SlabSpan<E>& s) {
-    const RangeOfSpan<E> segment{E(0), {E(1), E(1)}, {}};
+    const SpanRange<E> segment{E(0), {E(1), E(1)}, {}};
     const Tri hit = truth::enclose<E>(s, &segment, intersect::Touching::miss).hit;
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
 }
@@ -153,7 +153,7 @@ std::optional<bool> segment_meets(const QuarticSpan<E>& s) {
 template <class E, ComparableSpan<E> S>
 std::optional<bool> segment_meets(const S& s) {
     const Fraction<E> start{E(0), E(1)}, end{E(1), E(1)};
-    const Tri hit = s.is_open() && !s.leaves_to(start).at_most && s.enters_to(end).less;
+    const Tri hit = s.is_open() && !s.compare_exit(start).at_most && s.compare_entry(end).less;
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
 }
 
@@ -161,13 +161,14 @@ template <class E, SurfaceSpan<E> S>
 std::optional<bool> segment_meets(const S& s) {
     Tri hit = Tri::no;
     for (int i = 0; i < S::crossings; ++i)
-        hit = hit || (s.crossing(i).open && !s.order_to(i, {E(0), E(1)}).at_most && s.order_to(i, {E(1), E(1)}).less);
+        hit = hit || (s.crossing(i).open && !s.compare_crossing(i, {E(0), E(1)}).at_most &&
+                      s.compare_crossing(i, {E(1), E(1)}).less);
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
 }
 
 /// True for shapes that a ray may meet again after it has touched them: those that are neither convex nor flat.
 template <template <class> class Of>
-constexpr bool may_be_hit_again = decltype(std::declval<Of<double>>().span(Ray<double>{}))::may_hit_behind_touch;
+constexpr bool may_be_hit_again = decltype(std::declval<Of<double>>().span(Ray<double>{}))::may_hit_beyond_touch;
 
 /// The ray starts at a point of the surface. If it goes towards the axis, its start is the near root, and the far root
 /// is the far wall if it lies between the rims.
@@ -183,14 +184,14 @@ FarSide far_side_of(const WallSpan<double>& s) {
 /// 2√a (R + r) on a line that meets the ball of radius R + r, |p| ≤ 1.12|x|/√a, so that the slope of f has the sign of
 /// x.
 FarSide far_side_of(const QuarticSpan<double>& s) {
-    const NearRoots<double> turns = near_roots(s.f.slope(), s.bound);
+    const ApproximateRoots<double> turns = approximate_roots(s.f.slope(), s.bound);
     if (turns.count < 3) return {};
     const double turn = turns.x[1];
     if (!(turn > s.b) || !(s.f.at(turn) > 0)) return {};
-    FarSide far{.t_begin = s.time(turn)};
-    const NearRoots<double> roots = near_roots(s.f, s.bound);
+    FarSide far{.t_begin = s.t_at(turn)};
+    const ApproximateRoots<double> roots = approximate_roots(s.f, s.bound);
     const auto wall = std::find_if(roots.x.begin(), roots.x.begin() + roots.count, [&](double x) { return x > turn; });
-    if (wall != roots.x.begin() + roots.count) far.t_wall = s.time(*wall);
+    if (wall != roots.x.begin() + roots.count) far.t_wall = s.t_at(*wall);
     return far;
 }
 
@@ -216,7 +217,8 @@ FarSide far_side(const Ray<double>& ray, const Primitive<double>& primitive) {
     return visit_shape(primitive, [&]<template <class> class Of>() {
         if constexpr (!may_be_hit_again<Of>) return FarSide{};
         else
-            return in_object_space<Of>(ray, primitive, [](const Of<double>& shape, const Ray<double>& object_ray) {
+            return visit_in_object_space<
+                Of>(ray, primitive, [](const Of<double>& shape, const Ray<double>& object_ray) {
                 return far_side_of(shape.span({shape.projected(object_ray, object_ray.origin), object_ray.direction}));
             });
     });

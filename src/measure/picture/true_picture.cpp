@@ -74,7 +74,7 @@ struct ObjectQuery {
     ObjectQuery(const Ray<E>& world_ray, const Primitive<E>& world_primitive)
         : ray(world_ray), primitive(world_primitive) {
         if (!world_primitive.placed) return;
-        const InObject<E> object_ray = in_object(world_ray, *world_primitive.placed);
+        const ObjectSpaceRay<E> object_ray = to_object_space(world_ray, *world_primitive.placed);
         ray = object_ray.ray;
         primitive = scaled(world_primitive, object_ray.scale);
     }

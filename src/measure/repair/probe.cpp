@@ -35,7 +35,7 @@ Placement<Real> mapped_placement(Placement<Real> placement, const Isometry& isom
 
 bool is_along_axes(Shape shape) {
     return std::ranges::any_of(row_of(shape).keys, [](const Key& key) {
-        return key.kind == Key::Kind::lengths || key.limit == Key::Limit::at_least_before;
+        return key.kind == Key::Kind::lengths || key.limit == Key::Limit::at_least_previous;
     });
 }
 
@@ -53,7 +53,7 @@ std::optional<Primitive<Real>> mapped(const Primitive<Real>& primitive, const Is
         Vec<Real> v = mapped_vector(primitive.point(k), isometry);
         for (int i = 0; i < 3 && key.kind == Key::Kind::lengths; ++i) v[i] = abs(v[i]);
         result.set_point(k, v);
-        if (key.limit != Key::Limit::at_least_before) return;
+        if (key.limit != Key::Limit::at_least_previous) return;
         for (std::size_t i = k; i < k + 3; ++i)
             if (result.numbers[i] < result.numbers[i - 3]) std::swap(result.numbers[i], result.numbers[i - 3]);
     });
@@ -127,7 +127,8 @@ namespace {
 
 /// For each input of a tape, the index of the input that takes its place under an exchange of axes.
 std::vector<int> exchanged_inputs(const Primitive<double>& example, const Isometry& isometry) {
-    std::vector<double> numbers(6 + example.used().size() + (example.placed ? example.placed->matrix.size() : 0) + 1);
+    std::vector<double> numbers(6 + example.shape_numbers().size() +
+                                (example.placed ? example.placed->matrix.size() : 0) + 1);
     std::iota(numbers.begin(), numbers.end(), 0);
     const auto real = [](double x) { return Real(x); };
     const auto vector = [&](const Vec<double>& v) {

@@ -12,7 +12,7 @@ namespace lostbits::measure::stability {
 /// twice: with yes and with no as the answer to the first open comparison. Every problem is in one of the cases, so a
 /// result that all cases share holds for all problems. A sign that does not affect the decision, such as that of v·d
 /// for a ray across a cylinder, then does not limit the result.
-class Cases : Near::Open {
+class Cases : Near::OpenComparisons {
 public:
     /// A number and the sign that it has in a case: −1 for at most 0, +1 for at least 0, 0 for either.
     struct Sign {
@@ -27,10 +27,10 @@ public:
         most_runs_ = most_runs;
         answers_.clear(), contradiction_.clear();
         runs_ = 0;
-        Near::Open* const outer_open = Near::open;
-        Near::open = this;
+        Near::OpenComparisons* const outer_open = Near::open_comparisons;
+        Near::open_comparisons = this;
         const bool is_same = all_from_here(run);
-        Near::open = outer_open;
+        Near::open_comparisons = outer_open;
         return is_same;
     }
     /// Numbers whose signs lead to another result, after `all` has returned false: those of the last case that ran.

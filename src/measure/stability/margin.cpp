@@ -56,16 +56,16 @@ double largest_epsilon(const Holds& holds) {
 /// Side of m on which the answers of all rays lie that hit. −1 and +1 prove that no answer is m, even if some rays
 /// miss.
 template <class S>
-std::optional<int> side_if_any(const S& span, const Near& m, const RangeOfSpan<Near>* range,
+std::optional<int> side_if_any(const S& span, const Near& m, const SpanRange<Near>* range,
                                intersect::Convention convention) {
     return side_of<Near>(span, m, Length::parameter, range, convention);
 }
-std::optional<int> side_if_any(const FlatSpan<Near>& span, const Near& m, const RangeOfSpan<Near>*,
+std::optional<int> side_if_any(const FlatSpan<Near>& span, const Near& m, const SpanRange<Near>*,
                                intersect::Convention) {
     return side_of_fraction(span.at, span.d2, m, Length::parameter);
 }
 /// The largest entry lies after m if any entry does, and before m if all entries do.
-std::optional<int> side_if_any(const SlabSpan<Near>& span, const Near& m, const RangeOfSpan<Near>* range,
+std::optional<int> side_if_any(const SlabSpan<Near>& span, const Near& m, const SpanRange<Near>* range,
                                intersect::Convention convention) {
     const bool is_exit =
         !(span.entry[0].n > Near(0) || span.entry[1].n > Near(0) || span.entry[2].n > Near(0)).is_yes();
@@ -84,7 +84,7 @@ std::optional<int> side_if_any(const SlabSpan<Near>& span, const Near& m, const 
 namespace {
 
 template <class E>
-std::optional<SpanDecision> decide_exactly(const QuarticSpan<E>& span, const RangeOfSpan<E>* range,
+std::optional<SpanDecision> decide_exactly(const QuarticSpan<E>& span, const SpanRange<E>* range,
                                            intersect::Convention convention) {
     const RootHit<E> found_root = root_hit(span, range, convention);
     if (found_root.hit.is_unknown()) return std::nullopt;
@@ -97,8 +97,7 @@ std::optional<SpanDecision> decide_exactly(const QuarticSpan<E>& span, const Ran
                                      : TorusPass::second};
 }
 template <class E, class S>
-std::optional<SpanDecision> decide_exactly(const S& span, const RangeOfSpan<E>* range,
-                                           intersect::Convention convention) {
+std::optional<SpanDecision> decide_exactly(const S& span, const SpanRange<E>* range, intersect::Convention convention) {
     const Enclosed<E> enclosed = enclose<E>(span, range, convention);
     return enclosed.hit.is_unknown() ? std::nullopt : std::optional(SpanDecision{enclosed.hit, enclosed.at});
 }
@@ -132,7 +131,7 @@ bool misses(const auto&) { return false; }
 /// True if every line of all problems misses each of the parts of a primitive that is a union.
 bool misses_parts(const Ray<Near>& ray, const Primitive<Near>& primitive) {
     return visit_shape(primitive, [&]<template <class> class S>() {
-        return in_object_space<S>(ray, primitive, [](const S<Near>& shape, const Ray<Near>& object_ray) {
+        return visit_in_object_space<S>(ray, primitive, [](const S<Near>& shape, const Ray<Near>& object_ray) {
             bool misses_all = false;
             if constexpr (requires { each_part(shape, [](const auto&) {}); }) {
                 misses_all = true;
@@ -213,7 +212,7 @@ private:
     }
     /// Returns whether the decision is known, and whether it is that of the problem itself.
     std::pair<bool, bool> outcome_of(const Ray<Near>& ray, const Primitive<Near>& primitive,
-                                     const RangeOfSpan<Near>* range, intersect::Convention convention) {
+                                     const SpanRange<Near>* range, intersect::Convention convention) {
         if (decision_->hit.is_no() && misses_parts(ray, primitive)) return {true, true};
         const SpanDecision decision = with_span(ray, primitive, [&]<class Span>(const Span& span) {
             const intersect::Convention span_convention = asked_of_span<Span>(convention);
@@ -221,9 +220,9 @@ private:
                 return QuarticCases(span, range, span_convention, counted_, cases_).find();
             } else {
                 if (decision_->hit.is_no() && misses(span)) return SpanDecision{Tri::no};
-                Near::signs_only = true;
+                Near::computes_signs_only = true;
                 const Enclosed<Near> enclosed = enclose<Near>(span, range, span_convention);
-                Near::signs_only = false;
+                Near::computes_signs_only = false;
                 return SpanDecision{enclosed.hit, enclosed.at};
             }
         });
@@ -237,7 +236,7 @@ private:
             const double middle = x.hi(), threshold = x.deviation() / 4;
             for (const int wanted_sign : {-1, 1}) {
                 if (sign * wanted_sign < 0 || middle * wanted_sign > threshold) continue;
-                Near::Deviations deviations = x.steepest();
+                Near::Deviations deviations = x.steepest_deviations();
                 for (std::size_t i = 0; i < deviations.size(); ++i)
                     deviations[i] *= wanted_sign, mean_deviations[i] += deviations[i];
                 found.push_back(deviations);
@@ -341,7 +340,7 @@ bool is_off_quartic(const Ray<Near>& ray, const Primitive<Near>& primitive, cons
         if constexpr (!std::same_as<Span, QuarticSpan<Near>>) return false;
         else {
             const Near distance =
-                in_object_space<S>(ray, primitive, [&](const S<Near>& shape, const Ray<Near>& object_ray) {
+                visit_in_object_space<S>(ray, primitive, [&](const S<Near>& shape, const Ray<Near>& object_ray) {
                     return shape.distance(object_ray.origin + t * object_ray.direction);
                 });
             return distance.lowest() > 0 || distance.highest() < 0;

@@ -208,7 +208,7 @@ private:
     ChangedProblems neighbours_;
     intersect::Convention convention_;
     Range<double> range_in_world_;
-    std::optional<RangeOfSpan<Near>> range_;
+    std::optional<SpanRange<Near>> range_;
 };
 
 }  // namespace lostbits::measure::stability

@@ -28,13 +28,13 @@ struct SpanDecision {
 /// Critical points of a quartic, approximated from the middle of its enclosure. The first and the last are minima; of
 /// three points, the second is the maximum.
 struct CriticalPoints {
-    NearRoots<double> points;
+    ApproximateRoots<double> points;
 
     template <class E>
     explicit CriticalPoints(const QuarticSpan<E>& s) {
         Polynomial<double> f{{}, 4};
-        for (int i = 0; i <= 4; ++i) f.of(i) = value_of(s.f.of(i));
-        points = near_roots(f.slope(), value_of(s.bound));
+        for (int i = 0; i <= 4; ++i) f.coefficient(i) = value_of(s.f.coefficient(i));
+        points = approximate_roots(f.slope(), value_of(s.bound));
     }
     [[nodiscard]] std::optional<double> maximum() const {
         return points.count == 3 ? std::optional(points.x[1]) : std::nullopt;
@@ -51,7 +51,7 @@ private:
 /// exact to first order.
 class QuarticCases {
 public:
-    QuarticCases(const QuarticSpan<Near>& s, const RangeOfSpan<Near>* range, intersect::Convention convention,
+    QuarticCases(const QuarticSpan<Near>& s, const SpanRange<Near>* range, intersect::Convention convention,
                  CountedChange counted, Cases& cases)
         : span_(s),
           range_(range),
@@ -59,20 +59,20 @@ public:
           counted_(counted),
           cases_(cases),
           critical_points_(s),
-          begin_(range ? s.place(range->begin) : s.b) {
-        if (range && (range->end.m > Near(0)).is_yes()) end_ = s.place(range->end.n);
+          begin_(range ? s.x_at(range->begin) : s.b) {
+        if (range && (range->end.m > Near(0)).is_yes()) end_ = s.x_at(range->end.n);
     }
 
     [[nodiscard]] SpanDecision find() {
         const Near at_begin = span_.f.at(begin_), zero(0);
         const Tri outside = at_begin > zero, inside = at_begin < zero;
-        Near::Open* const outer = Near::open;
-        Near::open = nullptr;
+        Near::OpenComparisons* const outer = Near::open_comparisons;
+        Near::open_comparisons = nullptr;
         const SpanDecision decision = outside.is_yes()                    ? from_outside()
                                       : inside.is_yes()                   ? from_inside()
                                       : outside.is_no() && inside.is_no() ? from_surface()
                                                                           : SpanDecision{};
-        Near::open = outer;
+        Near::open_comparisons = outer;
         return decision;
     }
 
@@ -171,7 +171,8 @@ private:
         std::array<Near, 5> c;
         Taylor(const Polynomial<Near>& f, double m, int sign) {
             const Near x(m);
-            for (int i = 0; i <= 4; ++i) c[static_cast<std::size_t>(i)] = sign > 0 ? f.of(i) : -f.of(i);
+            for (int i = 0; i <= 4; ++i)
+                c[static_cast<std::size_t>(i)] = sign > 0 ? f.coefficient(i) : -f.coefficient(i);
             for (std::size_t k = 0; k < 4; ++k)
                 for (std::size_t i = 4; i-- > k;) c[i] = c[i] + c[i + 1] * x;
         }
@@ -194,7 +195,7 @@ private:
 
     static constexpr int most_pieces = 48;
     const QuarticSpan<Near>& span_;
-    const RangeOfSpan<Near>* range_;
+    const SpanRange<Near>* range_;
     intersect::Convention convention_;
     CountedChange counted_;
     Cases& cases_;

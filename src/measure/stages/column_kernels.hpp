@@ -17,10 +17,10 @@
 
 namespace lostbits::measure::stages {
 
-using number::wide::bounded_operands;
+using number::wide::bounded_operand_count;
 using number::wide::column_count_of;
 using number::wide::ColumnOperation;
-using number::wide::exact_with_kernel;
+using number::wide::exact_operands_with_kernel;
 
 /// Mask of a decision, which columns store as registers hold it: all bits of a lane are set, or none.
 template <class P>
@@ -98,9 +98,9 @@ struct WordStep {
             const auto order = certain_order(c.word(0), c.word(1), c.word(2));
             c.store(3, order.less.yes()), c.store(4, order.less.no());
             c.store(5, order.at_most.yes()), c.store(6, order.at_most.no());
-        } else if constexpr (operation == near_root_of_quartic) {
+        } else if constexpr (operation == first_root_of_quartic) {
             const QuarticChain<P> chain(c.word(0), c.word(1), c.word(2), c.word(3));
-            c.store(6, near_first_root(chain, c.word(4), c.word(5), newton_steps));
+            c.store(6, approximate_first_root(chain, c.word(4), c.word(5), newton_steps));
         }
     }
 };
@@ -138,7 +138,7 @@ struct BoundedOperands {
         c.store(index + (has_two ? 2 : 1), x.bound());
     }
     template <class Cursor>
-    [[gnu::always_inline]] static void store(const Cursor& c, const Tris<mask_t<P>>& x) {
+    [[gnu::always_inline]] static void store(const Cursor& c, const TriMask<mask_t<P>>& x) {
         c.store(index_of(count), x.yes()), c.store(index_of(count) + 1, x.no());
     }
 };
@@ -162,7 +162,7 @@ template <ColumnOperation operation, class E, class... Es>
 
 template <ColumnOperation operation, unsigned exact_mask, class W>
 struct BoundedStep {
-    static constexpr std::size_t count = bounded_operands(operation);
+    static constexpr std::size_t count = bounded_operand_count(operation);
     static constexpr bool is_decision =
         operation == ColumnOperation::bounded_less || operation == ColumnOperation::bounded_at_most;
     using Operands = BoundedOperands<W, exact_mask, count>;
@@ -183,13 +183,13 @@ private:
 template <class W, ColumnOperation operation>
 void fill_kernels(ColumnKernels::OperationKernels& kernels) {
     using P = typename Running<W>::P;
-    constexpr std::size_t operands = bounded_operands(operation);
+    constexpr std::size_t operands = bounded_operand_count(operation);
     if constexpr (operands == 0) {
         kernels.fill(run<P, WordStep<operation, P>>);
     } else {
         [&]<std::size_t... masks>(std::index_sequence<masks...>) {
             const auto fill = [&]<std::size_t mask>() {
-                if constexpr (exact_with_kernel(mask, operands) == mask)
+                if constexpr (exact_operands_with_kernel(mask, operands) == mask)
                     kernels[mask] = run<P, BoundedStep<operation, mask, W>>;
             };
             (fill.template operator()<masks>(), ...);

@@ -42,7 +42,10 @@ double* scratch_of_thread(std::size_t doubles) {
 class ColumnRun::Layout {
 public:
     Layout(const ColumnProgram& program, std::size_t lanes, std::uint64_t shared_inputs)
-        : program_(program), lanes_(lanes), columns_(program.columns), constant_offsets_(program.constants.size()) {
+        : program_(program),
+          lanes_(lanes),
+          columns_(program.column_count),
+          constant_offsets_(program.constants.size()) {
         for (std::size_t k = 0; k < program.input_count; ++k) columns_[k].is_shared = (shared_inputs >> k & 1) != 0;
         find_last_uses();
         for (std::size_t k = 0; k < program.constants.size(); ++k) constant_offsets_[k] = take_shared_offset();
@@ -149,11 +152,11 @@ ColumnRun::ColumnRun(const ColumnProgram& program, const ColumnKernels& kernels,
     for (const auto& [first_operand, instruction] : first_operands) {
         const bool is_gate = instruction->operation == ColumnOperation::gate,
                    is_shared = !is_gate && layout.is_shared(*instruction);
-        const auto& word_kernels = kernels.by_words[static_cast<std::size_t>(program.words - 1)];
+        const auto& word_kernels = kernels.by_words[static_cast<std::size_t>(program.words_per_number - 1)];
         const auto& operation_kernels = word_kernels[static_cast<std::size_t>(instruction->operation)];
         (is_shared ? shared_steps_ : ray_steps_)
             .push_back({is_gate ? nullptr : operation_kernels[instruction->exact], &operands_[first_operand],
-                        is_of_masks(instruction->operation)});
+                        acts_on_masks(instruction->operation)});
     }
     for (const ColumnIndex column_index : program.outputs) outputs_.push_back(layout.operand(column_index));
     scratch_size_ = layout.size();
@@ -207,7 +210,7 @@ void ColumnRun::run_block(double* scratch, std::size_t packs) const {
             const bool is_shared = step.operands[0].step == 0;
             are_numbers_needed =
                 are_numbers_needed && kernels_->is_any(scratch + step.operands[0].offset, is_shared ? 1 : packs);
-        } else if (are_numbers_needed || step.is_of_masks) {
+        } else if (are_numbers_needed || step.acts_on_masks) {
             step.kernel(scratch, step.operands, packs);
         }
     }

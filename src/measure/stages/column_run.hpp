@@ -28,7 +28,7 @@ private:
     struct Step {
         ColumnKernels::Kernel kernel;  ///< null for a gate, whose operand is its mask
         const ColumnOperand* operands;
-        bool is_of_masks;
+        bool acts_on_masks;
     };
     struct Input {
         std::size_t input;

@@ -84,7 +84,7 @@ template <class Width>
 Pack<double, Width> nearest_binary32(const Pack<double, Width>& x) {
     using P = Pack<double, Width>;
     if constexpr (has_pack_registers) {
-        return P(typename P::Register(pack_rounded(x.registers())));
+        return P(typename P::Register(pack_round_to_float(x.registers())));
     } else {
         double lanes[P::lanes];
         x.store(lanes);

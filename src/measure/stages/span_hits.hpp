@@ -47,8 +47,8 @@ E root_of(const QuadraticSpan<E>& s, const mask_t<typename E::P>& far, const mas
 /// Tests by the order of an entry relative to the end of the range if the entry lies in the range, for both the closed
 /// and the open primitive. A ray that ends at the entry touches the primitive.
 template <class Mask, class T>
-Mask entry_in_time(const Order<Mask>& to_end, const RangeOfSpan<T>& range) {
-    return {to_end.less.yes(), in_time(to_end, range).no()};
+Mask entry_in_time(const Order<Mask>& to_end, const SpanRange<T>& range) {
+    return {to_end.less.yes(), is_before_range_end(to_end, range).no()};
 }
 
 /// Answer of `truth::enclose` for the usual convention.
@@ -68,13 +68,14 @@ SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s) {
 
 /// Answer of `truth::enclose` for a ray with a range.
 template <class W>
-SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
+SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s, const SpanRange<Running<W>>& range) {
     using E = Running<W>;
     using P = typename E::P;
     const E zero(0);
     const auto begin = quadratic_at(s, range.begin), end = quadratic_at(s, range.end);
     const auto outside = begin.value > zero, inside = begin.value < zero;
-    const auto near_in_range = entry_in_time(end.near_root(), range), far_in_range = in_time(end.far_root(), range);
+    const auto near_in_range = entry_in_time(end.near_root(), range),
+               far_in_range = is_before_range_end(end.far_root(), range);
     const auto hits_far = inside.yes() && far_in_range.yes();
     const auto hits_near = outside.yes() && (begin.half_slope < zero).yes() && near_in_range.yes();
     const auto hit = (s.q > zero).yes() && (hits_near || hits_far);
@@ -88,12 +89,12 @@ SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s, const Ran
 
 /// Order of x and y, each of which may be off by 2^-44 of itself plus half of `least`.
 template <class P>
-Order<Tris<mask_t<P>>> certain_order(const P& x, const P& y, const P& least) {
+Order<TriMask<mask_t<P>>> certain_order(const P& x, const P& y, const P& least) {
     using lostbits::abs;
     const P d = x - y, e = P(0x1p-43) * (abs(x) + abs(y)) + least, low = d - e, high = d + e;
     return {{high < P(0), low >= P(0)}, {high <= P(0), low > P(0)}};
 }
-inline Order<Tris<ColumnMask>> certain_order(const ColumnWord& x, const ColumnWord& y, const ColumnWord& least) {
+inline Order<TriMask<ColumnMask>> certain_order(const ColumnWord& x, const ColumnWord& y, const ColumnWord& least) {
     return order_of_first_words(x, y, least);
 }
 
@@ -108,7 +109,7 @@ inline Order<Tris<ColumnMask>> certain_order(const ColumnWord& x, const ColumnWo
 template <class W>
 struct ByFirstWord {
     using P = typename Running<W>::P;
-    using Mask = Tris<mask_t<P>>;
+    using Mask = TriMask<mask_t<P>>;
 
     Running<W> whole;
 
@@ -170,8 +171,8 @@ SpanHit<Running<W>> first_span_hit(const SlabSpan<Running<W>>& s) {
     using E = Running<W>;
     using Quick = ByFirstWord<W>;
     const auto [slabs, is_precise] = quick_slabs(s);
-    const InSlabs<Quick> in = in_slabs(slabs);
-    const Fraction<Quick> entry = first_entry(slabs);
+    const SlabHit<Quick> in = slab_hit(slabs);
+    const Fraction<Quick> entry = largest_entry(slabs);
     const auto at_origin = (entry.n <= Quick(0)).yes(), hit = is_precise && in.open.yes(),
                missed = is_precise && in.closed.no();
     const E one(1);
@@ -181,14 +182,14 @@ SpanHit<Running<W>> first_span_hit(const SlabSpan<Running<W>>& s) {
 
 /// Answer of `truth::enclose` for a ray with a range.
 template <class W>
-SpanHit<Running<W>> first_span_hit(const SlabSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
+SpanHit<Running<W>> first_span_hit(const SlabSpan<Running<W>>& s, const SpanRange<Running<W>>& range) {
     using E = Running<W>;
     using Quick = ByFirstWord<W>;
     const auto [slabs, is_precise] = quick_slabs(s);
-    const RangeOfSpan<Quick> quick_range{Quick(range.begin), {Quick(range.end.n), Quick(range.end.m)}, range.open};
-    const InSlabs<Quick> in = in_slabs(slabs, quick_range);
-    const Fraction<Quick> entry = first_entry(slabs, quick_range);
-    const auto at_begin = entries_to_begin(slabs, quick_range).at_most.yes();
+    const SpanRange<Quick> quick_range{Quick(range.begin), {Quick(range.end.n), Quick(range.end.m)}, range.open};
+    const SlabHit<Quick> in = slab_hit(slabs, quick_range);
+    const Fraction<Quick> entry = largest_entry(slabs, quick_range);
+    const auto at_begin = compare_entries_with_begin(slabs, quick_range).at_most.yes();
     const auto at_origin = at_begin && (range.begin <= E(0)).yes();
     const auto hit = is_precise && in.open.yes(), missed = is_precise && in.closed.no();
     const E one(1);
@@ -211,11 +212,11 @@ SpanHit<Running<W>> first_span_hit(const FlatSpan<Running<W>>& s) {
 
 /// Answer of `truth::enclose` for a ray with a range that does not begin on the surface.
 template <class W>
-SpanHit<Running<W>> first_span_hit(const FlatSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
+SpanHit<Running<W>> first_span_hit(const FlatSpan<Running<W>>& s, const SpanRange<Running<W>>& range) {
     using P = typename Running<W>::P;
     const Running<W> zero(0), one(1);
     const auto to_begin = order_of(s.at, Fraction<Running<W>>{range.begin, one});
-    const auto before_end = in_time(order_of(s.at, range.end), range);
+    const auto before_end = is_before_range_end(order_of(s.at, range.end), range);
     const auto hit = s.open.yes() && to_begin.at_most.no() && before_end.yes(), none = P(0) < P(0);
     const auto missed = s.closed.no() || to_begin.less.yes() || before_end.no();
     if (is_unset(hit)) return {hit, missed, none, zero};
@@ -231,7 +232,7 @@ SpanHit<E> first_span_hit_of_wall(const WallSpan<E>& s, const Begin& begin, cons
     std::array<mask_t<P>, 2> hits{none, none}, misses{none, none};
     for (std::size_t i = 0; i < 2; ++i) {
         const auto crossing = s.crossing(static_cast<int>(i));
-        const auto to_begin = s.order_to(static_cast<int>(i), begin);
+        const auto to_begin = s.compare_crossing(static_cast<int>(i), begin);
         hits[i] = crossing.open.yes() && to_begin.at_most.no() && in_range[i].yes();
         misses[i] = crossing.closed.no() || to_begin.less.yes() || in_range[i].no();
     }
@@ -248,10 +249,10 @@ SpanHit<Running<W>> first_span_hit(const WallSpan<Running<W>>& s) {
 
 /// Answer of `truth::enclose` for a ray with a range.
 template <class W>
-SpanHit<Running<W>> first_span_hit(const WallSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
-    return first_span_hit_of_wall<Running<W>>(
-        s, Fraction<Running<W>>{range.begin, Running<W>(1)},
-        {in_time(s.order_to(0, range.end), range), in_time(s.order_to(1, range.end), range)});
+SpanHit<Running<W>> first_span_hit(const WallSpan<Running<W>>& s, const SpanRange<Running<W>>& range) {
+    return first_span_hit_of_wall<Running<W>>(s, Fraction<Running<W>>{range.begin, Running<W>(1)},
+                                              {is_before_range_end(s.compare_crossing(0, range.end), range),
+                                               is_before_range_end(s.compare_crossing(1, range.end), range)});
 }
 
 /// The t at which the line enters (if `far`, leaves), in the lanes of a hit. `known` is set in the lanes in which this
@@ -286,7 +287,7 @@ template <class E, class S, class Begin>
 SpanHit<E> first_span_hit_from(const S& s, const Begin& begin, const mask_t<E>& entry_in_range,
                                const mask_t<E>& exit_in_range) {
     using P = typename E::P;
-    const auto enters = s.enters_to(begin), leaves = s.leaves_to(begin);
+    const auto enters = s.compare_entry(begin), leaves = s.compare_exit(begin);
     const auto open = s.is_open().yes() && leaves.at_most.no(), none = P(0) < P(0);
     const auto hits_near = open && enters.at_most.no() && entry_in_range.yes();
     const auto hits_far = open && enters.less.yes() && exit_in_range.yes();
@@ -306,10 +307,10 @@ requires ComparableSpan<Span<Running<W>>, Running<W>> SpanHit<Running<W>> first_
 /// Answer of `truth::enclose` for a ray with a range.
 template <class W, template <class> class Span>
 requires ComparableSpan<Span<Running<W>>, Running<W>> SpanHit<Running<W>> first_span_hit(
-    const Span<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
+    const Span<Running<W>>& s, const SpanRange<Running<W>>& range) {
     return first_span_hit_from<Running<W>>(s, Fraction<Running<W>>{range.begin, Running<W>(1)},
-                                           entry_in_time(s.enters_to(range.end), range),
-                                           in_time(s.leaves_to(range.end), range));
+                                           entry_in_time(s.compare_entry(range.end), range),
+                                           is_before_range_end(s.compare_exit(range.end), range));
 }
 
 /// First t on a surface of degree four: the answer of `truth::enclose` for the usual convention. If every root is known
@@ -318,17 +319,17 @@ template <class W>
 SpanHit<Running<W>> first_span_hit(const QuarticSpan<Running<W>>& s) {
     using P = typename Running<W>::P;
     const FirstRoot<Running<W>> root = first_root(s.f, s.b, s.bound);
-    return {root.found, root.none, P(0) < P(0), s.time(root.x)};
+    return {root.is_found, root.is_absent, P(0) < P(0), s.t_at(root.root)};
 }
 
 /// Answer of `truth::enclose` for a ray with a range.
 template <class W>
-SpanHit<Running<W>> first_span_hit(const QuarticSpan<Running<W>>& s, const RangeOfSpan<Running<W>>& range) {
+SpanHit<Running<W>> first_span_hit(const QuarticSpan<Running<W>>& s, const SpanRange<Running<W>>& range) {
     using P = typename Running<W>::P;
-    const FirstRoot<Running<W>> root = first_root(s.f, s.place(range.begin), s.bound);
+    const FirstRoot<Running<W>> root = first_root(s.f, s.x_at(range.begin), s.bound);
     const Running<W> end = s.a * range.end.n + s.b * range.end.m;
     const auto is_in_time = (root.high * range.end.m < end).yes(), is_late = (root.low * range.end.m > end).yes();
-    return {root.found && is_in_time, root.none || (root.found && is_late), P(0) < P(0), s.time(root.x)};
+    return {root.is_found && is_in_time, root.is_absent || (root.is_found && is_late), P(0) < P(0), s.t_at(root.root)};
 }
 
 }  // namespace lostbits::measure::stages

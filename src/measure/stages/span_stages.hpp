@@ -69,7 +69,7 @@ mask_t<typename E::P> keeps_limit(const std::array<E, numbers_of<S>>& primitive)
         return (primitive[k] >= zero).yes() && (primitive[k] < primitive[k - 1]).yes();
     } else if constexpr (key.limit == Limit::positive_below_previous) {
         return (primitive[k] > zero).yes() && (primitive[k] < primitive[k - 1]).yes();
-    } else if constexpr (key.limit == Limit::at_least_before) {
+    } else if constexpr (key.limit == Limit::at_least_previous) {
         return (primitive[k - key.count()] <= primitive[k]).yes();
     } else {
         return zero.first() <= zero.first();
@@ -90,7 +90,7 @@ mask_t<typename E::P> is_proper(const std::array<E, numbers_of<S>>& primitive) {
 /// Returns the range from tmin to tmax. If it does not contain more than one t, `proper` becomes false, and nothing is
 /// proved.
 template <class E, class P = typename E::P>
-RangeOfSpan<E> range_of(const P& tmin, const P& tmax, OpenEnds open, mask_t<P>& proper) {
+SpanRange<E> range_of(const P& tmin, const P& tmax, OpenEnds open, mask_t<P>& proper) {
     const auto is_endless = tmax >= P(HUGE_VAL);
     proper = proper && tmin >= P(0) && tmin < P(HUGE_VAL) && tmin < tmax;
     const auto exact_number = [](const P& x) { return E(std::remove_cvref_t<decltype(std::declval<E>().words())>(x)); };
@@ -115,10 +115,10 @@ struct ObjectSpaceProblem {
     mask_t<typename E::P> proper;
 };
 
-/// Does the work of `in_object` (shapes/placement.hpp) for rays at one primitive, in each lane. Everything that depends
-/// only on the matrix and the primitive is computed once. If the determinant is not proved to differ from 0, nothing is
-/// proved. `proper` is decided before the numbers are scaled, since zero times a number with an error bound is not an
-/// exact zero.
+/// Does the work of `to_object_space` (shapes/placement.hpp) for rays at one primitive, in each lane. Everything that
+/// depends only on the matrix and the primitive is computed once. If the determinant is not proved to differ from 0,
+/// nothing is proved. `proper` is decided before the numbers are scaled, since zero times a number with an error bound
+/// is not an exact zero.
 template <class S, class E>
 struct ObjectSpaceMap {
     UnderMatrix matrix;

@@ -101,7 +101,7 @@ Stages stages_of(Shape shape, Isa isa) {
     return {.binary64 = {shape, ShapeStage<float>::Arithmetic::one_word, &kernels},
             .double_double = {shape, Exact::Arithmetic::two_words, &kernels},
             .ties = has_ties ? Exact{shape, Exact::Arithmetic::exact_sums, &kernels} : Exact{},
-            .ties_first = has_ties && row_of(shape).flat,
+            .ties_first = has_ties && row_of(shape).is_flat,
             .unit_directions = kernels.unit_directions,
             .lanes = kernels.columns.lanes};
 }

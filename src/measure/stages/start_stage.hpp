@@ -246,15 +246,15 @@ template <template <class> class Of, class P, std::size_t count>
     const RootsFromStart<P> roots(g, span.bound.first() / span.a.first());
     const auto touches = at_origin && (g.c[1] <= zero).yes() && (g.c[1] >= zero).yes() && roots.bends();
     const FirstRoot<E> root_in_reach = roots.first();
-    const E begin{span.place(E(W(P(0.5) * roots.reach()))).words()};
+    const E begin{span.x_at(E(W(P(0.5) * roots.reach()))).words()};
     const auto is_reach_empty =
-        root_in_reach.none && (begin > span.b).yes() && (begin < span.place(E(W(roots.reach())))).yes();
+        root_in_reach.is_absent && (begin > span.b).yes() && (begin < span.x_at(E(W(roots.reach())))).yes();
     const FirstRoot<E> root_behind = first_root(span.f, begin, span.bound);
 
-    const auto missed = proper && is_reach_empty && root_behind.none;
-    auto hit = proper && ((at_origin && (touches || roots.crosses())) || root_in_reach.found ||
-                          (is_reach_empty && root_behind.found));
-    const E t = select(root_in_reach.found, root_in_reach.x, span.time(root_behind.x));
+    const auto missed = proper && is_reach_empty && root_behind.is_absent;
+    auto hit = proper && ((at_origin && (touches || roots.crosses())) || root_in_reach.is_found ||
+                          (is_reach_empty && root_behind.is_found));
+    const E t = select(root_in_reach.is_found, root_in_reach.root, span.t_at(root_behind.root));
     const Enclosure<P> no_length{{P(0), P(0)}, P(0)};
     TieFinding<P> tie{{missed, hit, no_length, no_length}, touches, at_origin};
     if (requested.t) tie.found.t = accepted_length(t, at_origin, at_origin, hit);

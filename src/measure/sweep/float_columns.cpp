@@ -54,7 +54,7 @@ truth::ProblemColumns<float> AxisColumns::problems() const { return problems(val
 truth::ProblemColumns<float> AxisColumns::problems(std::span<const float> values) const {
     truth::ProblemColumns<float> p{.size = values.size(), .ray = {}, .shape = file_.primitive.shape, .primitive = {}};
     for (std::size_t k = 0; k < 6; ++k) p.ray[k] = ray_varies_[k] ? values : span_of_one(ray_numbers_[k]);
-    for (std::size_t k = 0; k < file_.primitive.used().size(); ++k)
+    for (std::size_t k = 0; k < file_.primitive.shape_numbers().size(); ++k)
         p.primitive[k] = primitive_varies_[k] ? values : span_of_one(primitive_numbers_[k]);
     if (!tmax_.empty()) p.tmax = span_of_one(tmax_.front());
     return p;
@@ -131,7 +131,7 @@ void AxisColumns::answer_primitives(const TestedForm& form_row, const RayBatch<f
                                        hits);
     }
     intersect::simd::PrimitiveArrays<float> primitives;
-    for (std::size_t k = 0; k < file_.primitive.used().size(); ++k)
+    for (std::size_t k = 0; k < file_.primitive.shape_numbers().size(); ++k)
         primitives.numbers[k] = primitive_varies_[k] ? values_ : std::span<const float>(primitive_columns_[k]).first(n);
     kernels.f32(ray_for(form_row, 0), primitives, hits.t, hits.hit);
 }

@@ -34,7 +34,7 @@ struct SearchPoint {
     [[nodiscard]] Primitive<double> primitive(Shape shape) const {
         Primitive<double> s;
         s.shape = shape;
-        for (std::size_t i = 0; i < s.used().size(); ++i) s.numbers[i] = x[6 + i];
+        for (std::size_t i = 0; i < s.shape_numbers().size(); ++i) s.numbers[i] = x[6 + i];
         return s;
     }
 };

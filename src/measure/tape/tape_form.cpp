@@ -131,10 +131,11 @@ Tape tape_of(const Intersector& form, const Format& format, bool from_inverse) {
         throw InputError(std::string(form.info->name) + ": " + reason);
     const Ray<double> sample_ray{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)};
     Primitive<double> primitive(form.shape);
-    for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = static_cast<double>(k + 1);
+    for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k)
+        primitive.numbers[k] = static_cast<double>(k + 1);
     if (form.is_placed) primitive.placed = {{2, 0, 0, 1, 0, 2, 0, 1, 0, 0, 2, 1}, from_inverse};
     Tape tape;
-    tape.every_loop = true;
+    tape.runs_every_loop = true;
     form.record(format, sample_ray, intersect::Target<double>(primitive), HUGE_VAL, tape);
     return tape;
 }
@@ -142,7 +143,7 @@ Tape tape_of(const Intersector& form, const Format& format, bool from_inverse) {
 std::vector<double> inputs_of(const Ray<double>& ray, const Primitive<double>& primitive, double tmax) {
     const auto &o = ray.origin, &d = ray.direction;
     std::vector<double> inputs{o.x, o.y, o.z, d.x, d.y, d.z};
-    const auto used = primitive.used();
+    const auto used = primitive.shape_numbers();
     inputs.insert(inputs.end(), used.begin(), used.end());
     if (primitive.placed) inputs.insert(inputs.end(), primitive.placed->matrix.begin(), primitive.placed->matrix.end());
     inputs.push_back(tmax);
@@ -156,7 +157,7 @@ Ray<double> ray_of(const std::vector<double>& inputs) {
 Primitive<double> primitive_of(const std::vector<double>& inputs, const Primitive<double>& model) {
     Primitive<double> primitive = model;
     auto next = inputs.begin() + 6;
-    for (double& x : primitive.used()) x = *next++;
+    for (double& x : primitive.shape_numbers()) x = *next++;
     if (primitive.placed)
         for (double& x : primitive.placed->matrix) x = *next++;
     return primitive;

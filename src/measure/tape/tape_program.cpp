@@ -21,7 +21,7 @@ namespace {
 /// matrix.
 template <class S>
 S number_of(const Primitive<S>& primitive, std::size_t index) {
-    const auto numbers = primitive.used();
+    const auto numbers = primitive.shape_numbers();
     return index < numbers.size() ? numbers[index] : primitive.placed->matrix[index - numbers.size()];
 }
 

@@ -294,7 +294,7 @@ bool Band::keeps_primitive(const FormatInputs& inputs, std::size_t k) const {
     return with_ray(0, [&](const auto&, const auto& primitives) {
         const auto stored_primitive = inputs.primitives[k];
         const auto given = primitives[k];
-        if (!std::ranges::equal(stored_primitive.used(), given.used(), is_same)) return false;
+        if (!std::ranges::equal(stored_primitive.shape_numbers(), given.shape_numbers(), is_same)) return false;
         return !given.placed || std::ranges::equal(stored_primitive.placed->matrix, given.placed->matrix, is_same);
     });
 }

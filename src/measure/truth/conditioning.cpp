@@ -30,7 +30,7 @@ struct FlatProblem {
     FlatProblem(const Ray<S>& ray, const Primitive<S>& primitive) : shape(primitive.shape) {
         auto& all_numbers = numbers.emplace<std::vector<S>>();
         for (const Vec<S>& v : {ray.origin, ray.direction}) all_numbers.insert(all_numbers.end(), {v.x, v.y, v.z});
-        all_numbers.insert(all_numbers.end(), primitive.used().begin(), primitive.used().end());
+        all_numbers.insert(all_numbers.end(), primitive.shape_numbers().begin(), primitive.shape_numbers().end());
         if (!primitive.placed) return;
         all_numbers.insert(all_numbers.end(), primitive.placed->matrix.begin(), primitive.placed->matrix.end());
         placed = transformed(*primitive.placed, [](const S&) { return 0; });
@@ -57,7 +57,7 @@ struct Problem {
         std::size_t i = 0;
         const auto next = [&] { return ++i, Sensitive<E>::input(x[i - 1], i - 1, x.size()); };
         for (auto* const v : {&ray.origin, &ray.direction}) v->x = next(), v->y = next(), v->z = next();
-        for (auto& element : primitive.used()) element = next();
+        for (auto& element : primitive.shape_numbers()) element = next();
         if (!flat.placed) return;
         primitive.placed = transformed(*flat.placed, [](int) { return Sensitive<E>(0); });
         for (auto& element : primitive.placed->matrix) element = next();

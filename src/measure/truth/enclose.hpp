@@ -42,14 +42,14 @@ struct Enclosed {
 
 /// Parameter t at which a ray begins: the start of its range, or 0.
 template <class E>
-E begin_of(const RangeOfSpan<E>* range) {
+E begin_of(const SpanRange<E>* range) {
     return range ? range->begin : E(0);
 }
 
 /// Hit at the start of the ray. The distance of t = 0 is 0 itself, not a product with 0, whose enclosure would be
 /// wider.
 template <class E>
-Enclosed<E> enclosed_begin(const E& d2, const RangeOfSpan<E>* range, bool touching = false, bool on_surface = false) {
+Enclosed<E> enclosed_begin(const E& d2, const SpanRange<E>* range, bool touching = false, bool on_surface = false) {
     const E begin = begin_of(range);
     const bool at_0 = (begin <= E(0)).is_yes();
     return {Tri::yes, begin, at_0 ? begin : begin * sqrt(d2), touching, on_surface};
@@ -68,7 +68,7 @@ Enclosed<E> enclosed_root(const QuadraticSpan<E>& s, Crossing root, bool touchin
 
 /// Answer of a convention for a ray that begins on the surface, where q = h².
 template <class E>
-Enclosed<E> enclose_from_surface(const QuadraticSpan<E>& s, const E& h, Tri leaving, const RangeOfSpan<E>* range,
+Enclosed<E> enclose_from_surface(const QuadraticSpan<E>& s, const E& h, Tri leaving, const SpanRange<E>* range,
                                  intersect::Convention convention) {
     const E zero(0);
     const Tri crosses = h > zero || h < zero;
@@ -95,7 +95,7 @@ Enclosed<E> enclose_from_surface(const QuadraticSpan<E>& s, const E& h, Tri leav
 /// start of the ray. It is the answer if it counts; otherwise the answer is the other root if that lies ahead. From
 /// inside (c < 0), the convention defines t.
 template <class E>
-Enclosed<E> enclose_ahead(const QuadraticSpan<E>& s, const QuadraticAt<E>& from, const RangeOfSpan<E>* range,
+Enclosed<E> enclose_ahead(const QuadraticSpan<E>& s, const QuadraticAt<E>& from, const SpanRange<E>* range,
                           intersect::Convention convention) {
     const auto& [c, h] = from;
     const E zero(0);
@@ -120,14 +120,15 @@ Enclosed<E> enclose_ahead(const QuadraticSpan<E>& s, const QuadraticAt<E>& from,
 /// First hit of a quadratic surface by a ray with a range (null: everything ahead): the root that a ray from tmin
 /// meets, if that root comes no later than tmax.
 template <class E>
-Enclosed<E> enclose(const QuadraticSpan<E>& s, const RangeOfSpan<E>* range = nullptr,
+Enclosed<E> enclose(const QuadraticSpan<E>& s, const SpanRange<E>* range = nullptr,
                     intersect::Convention convention = {}) {
     if (!range) return enclose_ahead<E>(s, {s.c, s.h}, range, convention);
     Enclosed<E> found = enclose_ahead(s, quadratic_at(s, range->begin), range, convention);
     if (!found.hit.is_yes()) return found;
     const QuadraticAt<E> end = quadratic_at(s, range->end);
     const Order<Tri> entry = end.near_root();
-    if (found.at != Crossing::begin) found.hit = in_time(found.at == Crossing::near ? entry : end.far_root(), *range);
+    if (found.at != Crossing::begin)
+        found.hit = is_before_range_end(found.at == Crossing::near ? entry : end.far_root(), *range);
     if (found.hit.is_yes() && entry.less.is_unknown()) found.hit = Tri::unknown;
     found.touching = found.hit.is_yes() && (found.touching || entry.less.is_no());
     return found;
@@ -137,16 +138,16 @@ Enclosed<E> enclose(const QuadraticSpan<E>& s, const RangeOfSpan<E>* range = nul
 /// tmin < b, the ray begins inside or, if it touches, on a face along which it runs. If a = tmin, it enters at its
 /// start; if b = tmin, it leaves there; if both, it touches in one point. An exit beyond tmax does not count.
 template <class E>
-Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const RangeOfSpan<E>* range, intersect::Convention convention,
+Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const SpanRange<E>* range, intersect::Convention convention,
                                 bool touching) {
     using intersect::AtOrigin, intersect::Inside;
     const E zero(0);
     const Enclosed<E> none{Tri::no};
     Tri entered = Tri::yes;
-    if (range) entered = entries_to_begin(slabs, *range).less;
+    if (range) entered = compare_entries_with_begin(slabs, *range).less;
     else
         for (const auto& entry : slabs.entry) entered = entered && entry.n < zero;
-    const Fraction<E> exit = first_exit(slabs);
+    const Fraction<E> exit = smallest_exit(slabs);
     const Tri leaving = range ? order_of(exit, Fraction<E>{range->begin, E(1)}).at_most : exit.n <= zero;
     if (entered.is_unknown() || leaving.is_unknown()) return {Tri::unknown};
     const auto hit_at_begin = [&] { return enclosed_begin(slabs.d2, range); };
@@ -156,7 +157,7 @@ Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const RangeOfSpan<E>* 
     if (leaving.is_yes()) return exit_counts && convention.at_origin != AtOrigin::miss ? hit_at_begin() : none;
     if (convention.inside != Inside::exit && !runs_along) return none;
     if (range) {
-        const Tri in_range = in_time(order_of(exit, range->end), *range);
+        const Tri in_range = is_before_range_end(order_of(exit, range->end), *range);
         if (!in_range.is_yes()) return {in_range};
     }
     const E t = exit.n / exit.m;
@@ -179,16 +180,16 @@ Enclosed<E> enclose_from_inside(const SlabSpan<E>& slabs, const RangeOfSpan<E>* 
 /// conventions differ; like every other member, it is known only if `hit` is. For a Dual, the gradient is that of the
 /// chosen axis: if two entries are equal, t has a kink, and the gradient is one-sided.
 template <class E>
-Enclosed<E> enclose(const SlabSpan<E>& slabs, const RangeOfSpan<E>* range, intersect::Convention convention) {
+Enclosed<E> enclose(const SlabSpan<E>& slabs, const SpanRange<E>* range, intersect::Convention convention) {
     const E zero(0);
-    const InSlabs<E> in = range ? in_slabs(slabs, *range) : in_slabs(slabs);
+    const SlabHit<E> in = range ? slab_hit(slabs, *range) : slab_hit(slabs);
     if (in.closed.is_no()) return {Tri::no};
     if (in.closed.is_unknown() || in.open.is_unknown()) return {Tri::unknown};
     const bool touching = in.open.is_no();
     if (touching && convention.touching == intersect::Touching::miss) return {.hit = Tri::no, .touching = touching};
 
-    const Fraction<E> first = range ? first_entry(slabs, *range) : first_entry(slabs);
-    const Tri begins_inside = range ? entries_to_begin(slabs, *range).at_most : first.n <= zero;
+    const Fraction<E> first = range ? largest_entry(slabs, *range) : largest_entry(slabs);
+    const Tri begins_inside = range ? compare_entries_with_begin(slabs, *range).at_most : first.n <= zero;
     if (begins_inside.is_unknown()) return {Tri::unknown};
     if (begins_inside.is_yes()) {
         const bool usual =
@@ -217,7 +218,7 @@ Enclosed<E> enclosed_at(const WallSpan<E>& s, int i, bool touching, bool on_surf
 template <class E>
 Tri faces(const FlatSpan<E>& s, intersect::Facing facing) {
     if (facing == intersect::Facing::both) return Tri::yes;
-    return facing == intersect::Facing::front ? Tri(s.front) : !Tri(s.front);
+    return facing == intersect::Facing::front ? Tri(s.is_front) : !Tri(s.is_front);
 }
 template <class E>
 Tri faces(const WallSpan<E>&, intersect::Facing) {
@@ -228,15 +229,15 @@ Tri faces(const WallSpan<E>&, intersect::Facing) {
 /// touches it. A crossing at the start of the ray is a root, and the convention decides whether this root counts. If
 /// there are two crossings, the near one is an entry and the far one an exit; a single crossing is both.
 template <class E, SurfaceSpan<E> S>
-Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Convention convention) {
+Enclosed<E> enclose(const S& s, const SpanRange<E>* range, intersect::Convention convention) {
     using intersect::AtOrigin, intersect::Touching;
     const E zero(0);
     const Fraction<E> begin{begin_of(range), E(1)};
     Enclosed<E> none{Tri::no};
     for (int i = 0; i < S::crossings; ++i) {
         const auto crossing = s.crossing(i);
-        const auto to_begin = s.order_to(i, begin);
-        const Tri in_range = range ? in_time(s.order_to(i, range->end), *range) : Tri::yes;
+        const auto to_begin = s.compare_crossing(i, begin);
+        const Tri in_range = range ? is_before_range_end(s.compare_crossing(i, range->end), *range) : Tri::yes;
         const Tri ahead = crossing.closed && faces(s, convention.facing) && !to_begin.less && in_range;
         const Tri at_begin = to_begin.at_most;
         if (ahead.is_no()) continue;
@@ -272,10 +273,10 @@ Enclosed<E> enclosed_at(const JoinedSpan<E>& s, Crossing crossing, bool touching
 
 /// Answer of a convention for a ray that begins inside a primitive or on its surface.
 template <class E, ComparableSpan<E> S>
-Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const RangeOfSpan<E>* range,
+Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const SpanRange<E>* range,
                                 intersect::Convention convention, bool touching) {
     using intersect::AtOrigin, intersect::Inside;
-    const Tri entered = s.enters_to(begin).less, leaving = s.leaves_to(begin).at_most;
+    const Tri entered = s.compare_entry(begin).less, leaving = s.compare_exit(begin).at_most;
     if (entered.is_unknown() || leaving.is_unknown()) return {Tri::unknown};
     const bool on_surface = touching || entered.is_no() || leaving.is_yes();
     const Enclosed<E> none{.hit = Tri::no, .touching = touching, .on_surface = on_surface};
@@ -291,7 +292,7 @@ Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const Rang
         return none;
     }
     if (range) {
-        const Tri in_range = in_time(s.leaves_to(range->end), *range);
+        const Tri in_range = is_before_range_end(s.compare_exit(range->end), *range);
         if (!in_range.is_yes()) return in_range.is_no() ? none : Enclosed<E>{Tri::unknown};
     }
     return enclosed_at<E>(s, Crossing::far, touching, on_surface);
@@ -300,17 +301,18 @@ Enclosed<E> enclose_from_inside(const S& s, const Fraction<E>& begin, const Rang
 /// t* is the entry for a ray from outside and the exit for a ray from inside. A line touches if it runs along the
 /// surface or meets only a rim, and so does a ray that ends where it enters.
 template <class E, ComparableSpan<E> S>
-Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Convention convention) {
+Enclosed<E> enclose(const S& s, const SpanRange<E>* range, intersect::Convention convention) {
     const Fraction<E> begin{begin_of(range), E(1)};
     Order<Tri> to_end{Tri::yes, Tri::yes};
     if (range) {
-        to_end = s.enters_to(range->end);
+        to_end = s.compare_entry(range->end);
         to_end.less = to_end.less || range->end.m <= E(0);  // along a side of a cone no root comes before 1/0
     }
-    const Tri closed = s.is_hit() && !s.leaves_to(begin).less && (range ? in_time(to_end, *range) : Tri::yes);
+    const Tri closed =
+        s.is_hit() && !s.compare_exit(begin).less && (range ? is_before_range_end(to_end, *range) : Tri::yes);
     if (closed.is_no()) return {Tri::no};
     if (closed.is_unknown()) return {Tri::unknown};
-    const Tri begins_inside = s.enters_to(begin).at_most, crosses = s.is_open() && to_end.less;
+    const Tri begins_inside = s.compare_entry(begin).at_most, crosses = s.is_open() && to_end.less;
     if (begins_inside.is_unknown() || crosses.is_unknown()) return {Tri::unknown};
     const bool touching = crosses.is_no();
     if (touching && convention.touching == intersect::Touching::miss) return {.hit = Tri::no, .touching = touching};
@@ -320,19 +322,19 @@ Enclosed<E> enclose(const S& s, const RangeOfSpan<E>* range, intersect::Conventi
 
 /// Defined in side.hpp.
 template <class E>
-Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention);
+Enclosed<E> enclose(const QuarticSpan<E>& s, const SpanRange<E>* range, intersect::Convention convention);
 
 /// Convention by which to enclose a span. If a span cannot be hit behind a touch, touching counts here, and the caller
 /// decides whether it is a hit.
 template <class Span>
 intersect::Convention asked_of_span(intersect::Convention convention) {
-    if (!Span::may_hit_behind_touch) convention.touching = intersect::Touching::hit;
+    if (!Span::may_hit_beyond_touch) convention.touching = intersect::Touching::hit;
     return convention;
 }
 
 /// First hit of a primitive of any shape. `range` (null: everything ahead) is not empty.
 template <class E>
-Enclosed<E> enclose(const Ray<E>& ray, const Primitive<E>& primitive, const RangeOfSpan<E>* range = nullptr,
+Enclosed<E> enclose(const Ray<E>& ray, const Primitive<E>& primitive, const SpanRange<E>* range = nullptr,
                     intersect::Convention convention = {}) {
     return with_span(ray, primitive, [&]<class Span>(const Span& span) {
         return enclose<E>(span, range, asked_of_span<Span>(convention));
@@ -343,11 +345,11 @@ Enclosed<E> enclose(const Ray<E>& ray, const Primitive<E>& primitive, const Rang
 /// must not be empty. An infinite end is not open: along a side of a cone, P(t) has degree one, and at 1/0 no root
 /// comes before the end.
 template <class E, class F = E>
-std::optional<RangeOfSpan<E>> range_over(const Range<double>& range) {
+std::optional<SpanRange<E>> range_over(const Range<double>& range) {
     if (range.is_whole()) return std::nullopt;
     const bool is_bounded = !std::isinf(range.tmax);
     const OpenEnds open{range.open.tmin, range.open.tmax && is_bounded};
-    return RangeOfSpan<E>{E(F(range.tmin)), {is_bounded ? E(F(range.tmax)) : E(1), E(is_bounded ? 1 : 0)}, open};
+    return SpanRange<E>{E(F(range.tmin)), {is_bounded ? E(F(range.tmax)) : E(1), E(is_bounded ? 1 : 0)}, open};
 }
 
 /// Convention for a ray that begins at tmin. If tmin > 0, or if the range is open there, the range itself decides

@@ -157,7 +157,7 @@ public:
     [[nodiscard]] double ball_bound(const WithinErrors& t) const {
         if (placed_ || !has_bounding_box(shape_)) return anywhere;
         Primitive<double> plain(shape_);
-        std::copy_n(x_.begin() + 6, plain.used().size(), plain.numbers.begin());
+        std::copy_n(x_.begin() + 6, plain.shape_numbers().size(), plain.numbers.begin());
         // Covers the roundings of a radius, and what its squares lose to underflow.
         double distance = 2 * ball_around(plain).radius + 0x1p-48 * length_of(x_, 6, count_) + 0x1p-500;
         for_each_vector([&](std::size_t first, std::size_t end) {
@@ -246,8 +246,9 @@ public:
     template <class Act>
     [[nodiscard]] auto with_ray_from(const WithinErrors& t, const Act& act) const {
         const Ray<Differentiated> moved_ray{ray.origin + Differentiated(t) * ray.direction, ray.direction};
-        return visit_shape(primitive,
-                           [&]<template <class> class Of>() { return in_object_space<Of>(moved_ray, primitive, act); });
+        return visit_shape(primitive, [&]<template <class> class Of>() {
+            return visit_in_object_space<Of>(moved_ray, primitive, act);
+        });
     }
     /// Calls `act(shape, ray)` in object space with the problem as it is stored.
     template <class Act>
@@ -257,7 +258,7 @@ public:
         Primitive<WithinErrors> stored_primitive(shape());
         fill(stored_primitive, number);
         return visit_shape(stored_primitive, [&]<template <class> class Of>() {
-            return in_object_space<Of>(stored_ray, stored_primitive, act);
+            return visit_in_object_space<Of>(stored_ray, stored_primitive, act);
         });
     }
 };

@@ -78,7 +78,7 @@ private:
         const Primitive<double> low = transformed(primitive, [](const S& x) { return low_word_of(x); });
         ProblemColumns<double> columns = columns_for(primitive.shape);
         const auto set_columns = [](const Primitive<double>& from, auto& to) {
-            for (std::size_t k = 0; k < from.used().size(); ++k) to[k] = std::span(&from.numbers[k], 1);
+            for (std::size_t k = 0; k < from.shape_numbers().size(); ++k) to[k] = std::span(&from.numbers[k], 1);
             for (std::size_t k = most_numbers; from.placed && k < most_stored; ++k)
                 to[k] = std::span(&from.placed->matrix[k - most_numbers], 1);
         };

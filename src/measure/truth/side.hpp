@@ -81,7 +81,7 @@ std::optional<int> side_of_root(const QuadraticSpan<E>& s, Crossing root, const 
 /// Order of the hit of a quadratic surface relative to m > 0, for a ray that hits. Without a range, a ray from outside
 /// hits at the near root. A ray from inside hits at the far root, and its near root lies before every m > 0.
 template <class E>
-std::optional<int> side_of(const QuadraticSpan<E>& s, const E& m, Length length, const RangeOfSpan<E>* range,
+std::optional<int> side_of(const QuadraticSpan<E>& s, const E& m, Length length, const SpanRange<E>* range,
                            intersect::Convention convention) {
     Crossing crossing = Crossing::far;
     if (range) {
@@ -122,7 +122,7 @@ std::optional<int> side_at(const WallSpan<E>& s, Crossing crossing, const E& m, 
 /// Order of the hit relative to m > 0, for a ray that hits.
 template <class E, class S>
 requires(ComparableSpan<S, E> || SurfaceSpan<S, E>) std::optional<int> side_of(const S& s, const E& m, Length length,
-                                                                               const RangeOfSpan<E>* range,
+                                                                               const SpanRange<E>* range,
                                                                                intersect::Convention convention) {
     const Enclosed<E> found = enclose<E>(s, range, convention);
     if (!found.hit.is_yes()) return std::nullopt;
@@ -133,15 +133,15 @@ requires(ComparableSpan<S, E> || SurfaceSpan<S, E>) std::optional<int> side_of(c
 /// Order of t* relative to m > 0, for a ray that hits. t* is the start of the range, the first entry, or the first exit
 /// if that is the answer from inside.
 template <class E>
-std::optional<int> side_of(const SlabSpan<E>& s, const E& m, Length length, const RangeOfSpan<E>* range,
+std::optional<int> side_of(const SlabSpan<E>& s, const E& m, Length length, const SpanRange<E>* range,
                            intersect::Convention convention) {
-    Fraction<E> answer = range ? first_entry(s, *range) : first_entry(s);
+    Fraction<E> answer = range ? largest_entry(s, *range) : largest_entry(s);
     if (range) {
         const Enclosed<E> found = enclose(s, range, convention);
         if (!found.hit.is_yes()) return std::nullopt;
-        if (found.at == Crossing::far) answer = first_exit(s);
+        if (found.at == Crossing::far) answer = smallest_exit(s);
     } else if (convention.inside == intersect::Inside::exit && (answer.n <= E(0)).is_yes()) {
-        answer = first_exit(s);
+        answer = smallest_exit(s);
     }
     return side_of_fraction(answer, s.d2, m, length);
 }
@@ -182,8 +182,8 @@ struct RootHit {
 template <class F>
 class QuarticWalk {
 public:
-    QuarticWalk(const QuarticSpan<F>& s, const RangeOfSpan<F>* range, intersect::Convention convention)
-        : span_(s), range_(range), convention_(convention), begin_(range ? s.place(range->begin) : s.b) {}
+    QuarticWalk(const QuarticSpan<F>& s, const SpanRange<F>* range, intersect::Convention convention)
+        : span_(s), range_(range), convention_(convention), begin_(range ? s.x_at(range->begin) : s.b) {}
 
     [[nodiscard]] RootHit<F> find() {
         auto roots = enclosed_roots(span_.f, span_.bound);
@@ -219,10 +219,10 @@ private:
     /// ray may meet the surface again after it leaves.
     [[nodiscard]] RootHit<F> hit_from_surface(int root) {
         using intersect::AtOrigin, intersect::Inside, intersect::Touching;
-        const bool leaving = result_.roots[root].behind > 0;
+        const bool leaving = result_.roots[root].sign_beyond > 0;
         const auto to_end = order_to_end(root);
         if (!to_end) return {Tri::unknown};
-        const bool touching = !result_.roots[root].crosses || (!leaving && *to_end == 0);
+        const bool touching = !result_.roots[root].changes_sign || (!leaving && *to_end == 0);
         result_.on_surface = true;
         if (!touching || convention_.touching == Touching::hit) {
             const bool no_exits = convention_.inside == Inside::miss && !touching;
@@ -240,45 +240,44 @@ private:
     /// Order of a root relative to the end of the range.
     [[nodiscard]] std::optional<int> order_to_end(int root) const {
         if (!range_ || known_sign(range_->end.m) == 0) return -1;
-        return result_.roots.order(root, span_.place(range_->end.n));
+        return result_.roots.order(root, span_.x_at(range_->end.n));
     }
     /// Hit at the first root from index `root` on that counts; a miss if that root comes after the end of the range.
     [[nodiscard]] RootHit<F> next_hit(int root, Crossing crossing = Crossing::near) {
         const auto counts = [this](int i) {
-            return result_.roots[i].crosses || convention_.touching == intersect::Touching::hit;
+            return result_.roots[i].changes_sign || convention_.touching == intersect::Touching::hit;
         };
         while (root < result_.roots.count && !counts(root)) ++root;
         if (root == result_.roots.count) return finish(Tri::no);
         const auto to_end = order_to_end(root);
         if (!to_end) return {Tri::unknown};
         if (*to_end > 0 || (*to_end == 0 && range_->open.tmax)) return finish(Tri::no);
-        const bool touching = !result_.roots[root].crosses || (*to_end == 0 && crossing == Crossing::near);
+        const bool touching = !result_.roots[root].changes_sign || (*to_end == 0 && crossing == Crossing::near);
         if (touching && convention_.touching == intersect::Touching::miss) return finish(Tri::no);
         result_.root = root, result_.at = crossing, result_.touching = touching;
         return finish(Tri::yes);
     }
 
     const QuarticSpan<F>& span_;
-    const RangeOfSpan<F>* range_;
+    const SpanRange<F>* range_;
     intersect::Convention convention_;
     F begin_;
     RootHit<F> result_{Tri::unknown};
 };
 
 template <class E, class F = typename EnclosingPart<E>::type>
-RootHit<F> root_hit(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention) {
+RootHit<F> root_hit(const QuarticSpan<E>& s, const SpanRange<E>* range, intersect::Convention convention) {
     const QuarticSpan<F> part = enclosing_part(s);
     const auto value = [](const E& x) { return EnclosingPart<E>::value(x); };
-    std::optional<RangeOfSpan<F>> plain_range;
-    if (range)
-        plain_range = RangeOfSpan<F>{value(range->begin), {value(range->end.n), value(range->end.m)}, range->open};
+    std::optional<SpanRange<F>> plain_range;
+    if (range) plain_range = SpanRange<F>{value(range->begin), {value(range->end.n), value(range->end.m)}, range->open};
     return QuarticWalk<F>(part, plain_range ? &*plain_range : nullptr, convention).find();
 }
 
 /// Encloses the hit of a quartic. If the numbers have a gradient, that of the root x follows from f(x) = 0: x' =
 /// −f'/(∂f/∂x). At a double root the gradient is unknown.
 template <class E>
-Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, intersect::Convention convention) {
+Enclosed<E> enclose(const QuarticSpan<E>& s, const SpanRange<E>* range, intersect::Convention convention) {
     const auto found = root_hit(s, range, convention);
     if (!found.hit.is_yes()) return {found.hit};
     if (found.at == Crossing::begin) return enclosed_begin(s.d2, range, found.touching, found.on_surface);
@@ -290,14 +289,14 @@ Enclosed<E> enclose(const QuarticSpan<E>& s, const RangeOfSpan<E>* range, inters
         for (const auto& slope : f.gradient()) gradient.push_back(-slope / slope_at_root);
         x = E(x.value(), gradient);
     }
-    const E t = s.time(x);
+    const E t = s.t_at(x);
     return {.hit = Tri::yes,
             .t = t,
             .distance = t * sqrt(s.d2),
             .touching = found.touching,
             .on_surface = found.on_surface,
             .at = found.at,
-            .at_double_root = !found.roots[found.root].crosses};
+            .at_double_root = !found.roots[found.root].changes_sign};
 }
 
 /// Number u + v √d. Products of two such numbers with one d have the same form. In a `QuarticSpan` s, a distance m is
@@ -315,13 +314,13 @@ struct QuadraticSurd {
 /// Order of the root of a quartic that the ray hits, relative to m > 0. For a distance, the sign of the polynomial
 /// `simple` is that of `simple` times d2 to the power of its degree, which is a `QuadraticSurd`.
 template <class E>
-std::optional<int> side_of(const QuarticSpan<E>& s, const E& m, Length length, const RangeOfSpan<E>* range,
+std::optional<int> side_of(const QuarticSpan<E>& s, const E& m, Length length, const SpanRange<E>* range,
                            intersect::Convention convention) {
     const auto found = root_hit(s, range, convention);
     if (!found.hit.is_yes()) return std::nullopt;
     if (found.at == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
     const EnclosedRoots<E>& roots = found.roots;
-    if (length == Length::parameter) return roots.order(found.root, s.place(m));
+    if (length == Length::parameter) return roots.order(found.root, s.x_at(m));
     const QuadraticSurd<E> x{s.b * s.d2, s.a * m, s.d2};
     return roots.order(
         found.root, [&](const E& p) { return sign_of_sum<E>(p - s.b, -(s.a * m), s.d2); },
@@ -331,7 +330,7 @@ std::optional<int> side_of(const QuarticSpan<E>& s, const E& m, Length length, c
             for (int i = roots.simple.degree - 1; i >= 0; --i) {
                 power = power * s.d2;
                 y = y * x;
-                y.u = y.u + power * roots.simple.of(i);
+                y.u = y.u + power * roots.simple.coefficient(i);
             }
             return y.sign();
         });
@@ -339,7 +338,7 @@ std::optional<int> side_of(const QuarticSpan<E>& s, const E& m, Length length, c
 
 template <class E>
 std::optional<int> side_of(const Ray<E>& ray, const Primitive<E>& primitive, const E& m, Length length,
-                           const RangeOfSpan<E>* range = nullptr, intersect::Convention convention = {}) {
+                           const SpanRange<E>* range = nullptr, intersect::Convention convention = {}) {
     return with_span(ray, primitive, [&](const auto& span) { return side_of(span, m, length, range, convention); });
 }
 

@@ -85,7 +85,7 @@ bool is_ray(const Ray<S>& r) {
 
 template <class S>
 bool is_proper_primitive(const Primitive<S>& primitive) {
-    return std::ranges::all_of(primitive.used(), is_finite<S>) && !broken_limit(primitive) &&
+    return std::ranges::all_of(primitive.shape_numbers(), is_finite<S>) && !broken_limit(primitive) &&
            (!primitive.placed || primitive.placed->is_proper());
 }
 

@@ -24,7 +24,8 @@ Truth truth_of_ray(const ProblemColumns<S>& p, const ColumnTerms& terms, std::si
     const auto& r = p.ray;
     Primitive<double> primitive;
     primitive.shape = p.shape;
-    for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = number_of_ray(p.primitive[k]);
+    for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k)
+        primitive.numbers[k] = number_of_ray(p.primitive[k]);
     if (p.matrix.placed) {
         primitive.placed = Placement<double>{{}, p.matrix.is_inverse, p.matrix.orientation};
         for (std::size_t k = most_numbers; k < most_stored; ++k)

@@ -3,7 +3,7 @@
 namespace lostbits::number::recorders {
 
 NodeId BoundsRecorder::input(double x, bool in_double) {
-    return in_double || is_double_ ? add(Bounded<double>(x)) : add(Bounded<float>(x));
+    return in_double || has_double_format_ ? add(Bounded<double>(x)) : add(Bounded<float>(x));
 }
 
 template <class F>
@@ -47,7 +47,7 @@ NodeId BoundsRecorder::apply(TapeOp op, const TapeOperands& operands) {
 }
 
 NodeId BoundsRecorder::convert(NodeId x, bool to_double) {
-    if (entry_of(x).in_double == (to_double || is_double_)) return x;
+    if (entry_of(x).in_double == (to_double || has_double_format_)) return x;
     return to_double ? add(bounded_number<float>(x).template converted<double>())
                      : add(bounded_number<double>(x).template converted<float>());
 }
@@ -56,9 +56,10 @@ NodeId BoundsRecorder::call(const Call& callee, std::span<const NodeId> argument
     const auto add_result = [&]<class F>() {
         std::vector<Bounded<F>> numbers;
         for (const NodeId a : arguments) numbers.push_back(bounded_number<F>(a));
-        return add(called(callee, std::span<const Bounded<F>>(numbers), static_cast<F>(value)));
+        return add(call_result(callee, std::span<const Bounded<F>>(numbers), static_cast<F>(value)));
     };
-    return in_double || is_double_ ? add_result.template operator()<double>() : add_result.template operator()<float>();
+    return in_double || has_double_format_ ? add_result.template operator()<double>()
+                                           : add_result.template operator()<float>();
 }
 
 }  // namespace lostbits::number::recorders

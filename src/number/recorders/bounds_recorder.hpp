@@ -11,15 +11,15 @@ namespace lostbits::number::recorders {
 /// Computes each operation over `Bounded<float>` or `Bounded<double>`. The format is binary32 or binary64.
 class BoundsRecorder final : public Recorder {
 public:
-    explicit BoundsRecorder(const FloatFormat& format) : Recorder(format), is_double_(format == binary64) {}
+    explicit BoundsRecorder(const FloatFormat& format) : Recorder(format), has_double_format_(format == binary64) {}
 
-    NodeId constant(int x, bool in_double) override { return add(x, 0, in_double || is_double_); }
+    NodeId constant(int x, bool in_double) override { return add(x, 0, in_double || has_double_format_); }
     NodeId input(double x, bool in_double) override;
     NodeId apply(TapeOp op, const TapeOperands& operands) override;
     NodeId convert(NodeId x, bool to_double) override;
     NodeId call(const Call& callee, std::span<const NodeId> arguments, double value, bool in_double) override;
     [[nodiscard]] double value(NodeId x) const override { return entry_of(x).value; }
-    bool goes_on(NodeId decision) override { return entry_of(decision).value != 0 || !is_proved(decision); }
+    bool continues_loop(NodeId decision) override { return entry_of(decision).value != 0 || !is_proved(decision); }
 
     /// Bound on the distance from the result of the same formula without rounding; infinity if nothing is known.
     [[nodiscard]] double error(NodeId x) const { return entry_of(x).error; }
@@ -50,7 +50,7 @@ private:
     template <class F>
     NodeId compute(TapeOp op, const TapeOperands& operands);
 
-    bool is_double_;
+    bool has_double_format_;
     std::vector<Entry> entries_;
 };
 

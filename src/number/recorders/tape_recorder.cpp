@@ -45,7 +45,7 @@ double compute_in(const FloatFormat& format, TapeOp op, double x, double y, doub
     const auto widen = [](auto v) { return static_cast<double>(v); };
     if (format == binary32) return compute<float>(op, x, y, z, to_float, widen);
     if (format == binary64) return compute<double>(op, x, y, z, widen, widen);
-    return compute<RoundedAny>(op, x, y, z, RoundedAny::holding, [](RoundedAny v) { return v.value(); });
+    return compute<RoundedAny>(op, x, y, z, RoundedAny::from_value, [](RoundedAny v) { return v.value(); });
 }
 
 }  // namespace

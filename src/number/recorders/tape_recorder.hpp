@@ -17,11 +17,11 @@ public:
     NodeId convert(NodeId x, bool to_double) override;
     NodeId call(const Call& callee, std::span<const NodeId> arguments, double value, bool in_double) override;
     [[nodiscard]] double value(NodeId x) const override { return tape_[x].value; }
-    bool goes_on(NodeId decision) override { return tape_[decision].value != 0 || tape_.every_loop; }
+    bool continues_loop(NodeId decision) override { return tape_[decision].value != 0 || tape_.runs_every_loop; }
     void name(NodeId x, std::string_view label) override { tape_.name(x, label); }
-    void name_all(std::string_view part) override { tape_.part = part; }
-    void add_sides(NodeId decision) override { tape_.sides.push_back(decision); }
-    void end_sample() override { tape_.samples.push_back(tape_.nodes.size()); }
+    void name_following(std::string_view part) override { tape_.part_name = part; }
+    void add_branch(NodeId decision) override { tape_.branch_decisions.push_back(decision); }
+    void end_sample() override { tape_.sample_ends.push_back(tape_.nodes.size()); }
 
 private:
     [[nodiscard]] const FloatFormat& format_of(bool in_double) const { return in_double ? binary64 : format(); }

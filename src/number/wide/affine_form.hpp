@@ -30,21 +30,21 @@ template <std::size_t N>
 class AffineForm {
 public:
     using Centre = Running<TwoWords<double>>;
-    /// Index behind the last component of each vector, in ascending order, up to N. If empty, each ηᵢ is bounded by
+    /// Index after the last component of each vector, in ascending order, up to N. If empty, each ηᵢ is bounded by
     /// itself.
     using Vectors = std::span<const std::size_t>;
     /// A value of ηᵢ for each input.
     using Deviations = std::array<double, N>;
     /// Decides comparisons that the enclosures leave open. To cover all cases, a formula is run once for each outcome.
-    struct Open {
-        virtual ~Open() = default;
+    struct OpenComparisons {
+        virtual ~OpenComparisons() = default;
         /// Decides x < 0, or x ≤ 0 if `or_equal`.
         virtual Tri is_below(const AffineForm& x, bool or_equal) = 0;
     };
-    /// Decides the comparisons of this thread that are left open. If null, they stay unknown.
-    static inline thread_local Open* open = nullptr;
+    /// Decides the open comparisons of this thread. If null, they stay unknown.
+    static inline thread_local OpenComparisons* open_comparisons = nullptr;
     /// Set while only signs of sums and products are needed. Quotients and roots are then unknown and take no time.
-    static inline thread_local bool signs_only = false;
+    static inline thread_local bool computes_signs_only = false;
 
     AffineForm() = default;
     AffineForm(const AffineForm& x) { *this = x; }
@@ -66,23 +66,25 @@ public:
         vectors_ = vectors;
     }
 
-    friend AffineForm operator-(const AffineForm& a) { return a.linear(-a.centre_, -1, a.rest_); }
+    friend AffineForm operator-(const AffineForm& a) { return a.scaled(-a.centre_, -1, a.rest_); }
     friend AffineForm operator+(const AffineForm& a, const AffineForm& b) {
-        return combined(a.centre_ + b.centre_, a, 1, b, 1, a.rest_ + b.rest_);
+        return combine(a.centre_ + b.centre_, a, 1, b, 1, a.rest_ + b.rest_);
     }
     friend AffineForm operator-(const AffineForm& a, const AffineForm& b) {
-        return combined(a.centre_ - b.centre_, a, 1, b, -1, a.rest_ + b.rest_);
+        return combine(a.centre_ - b.centre_, a, 1, b, -1, a.rest_ + b.rest_);
     }
     friend AffineForm operator*(const AffineForm& a, const AffineForm& b) {
         if (a.is_zero() || b.is_zero()) return AffineForm(0);
         if (&a == &b && !a.is_constant()) return a.squared();
-        const double x = a.largest_centre(), y = b.largest_centre(), off_x = a.centre_error(), off_y = b.centre_error();
+        const double x = a.largest_centre(), y = b.largest_centre(), centre_error_x = a.centre_error(),
+                     centre_error_y = b.centre_error();
         const double second_order = a.is_constant() || b.is_constant() ? 0 : a.deviation() * b.deviation();
-        const double rest = x * b.rest_ + y * a.rest_ + second_order + off_x * b.sum() + off_y * a.sum();
-        return combined(a.centre_ * b.centre_, a, b.centre_.first(), b, a.centre_.first(), rest);
+        const double rest =
+            x * b.rest_ + y * a.rest_ + second_order + centre_error_x * b.sum() + centre_error_y * a.sum();
+        return combine(a.centre_ * b.centre_, a, b.centre_.first(), b, a.centre_.first(), rest);
     }
     friend AffineForm operator/(const AffineForm& a, const AffineForm& b) {
-        return signs_only ? unknown() : a * inverse(b);
+        return computes_signs_only ? unknown() : a * inverse(b);
     }
     AffineForm& operator+=(const AffineForm& b) { return *this = *this + b; }
     AffineForm& operator-=(const AffineForm& b) { return *this = *this - b; }
@@ -90,13 +92,13 @@ public:
 
     friend AffineForm sqrt(const AffineForm& x) {
         if (x.is_constant() && x.centre_.first() == 0 && x.centre_error() == 0) return x;
-        if (signs_only) return unknown();
+        if (computes_signs_only) return unknown();
         const double least_centre = x.least_centre(), deviation = x.deviation();
         if (!(x.centre_.first() > 0 && least_centre > deviation)) return unknown();
-        const double slope = 0.5 / std::sqrt(x.centre_.first()), most_slope = 0.5 / std::sqrt(least_centre);
-        const double rest = most_slope * (x.rest_ + deviation * deviation / least_centre) +
+        const double slope = 0.5 / std::sqrt(x.centre_.first()), largest_slope = 0.5 / std::sqrt(least_centre);
+        const double rest = largest_slope * (x.rest_ + deviation * deviation / least_centre) +
                             x.centre_error() / least_centre * slope * x.sum();
-        return x.linear(sqrt(x.centre_), slope, rest);
+        return x.scaled(sqrt(x.centre_), slope, rest);
     }
     friend AffineForm fma(const AffineForm& a, const AffineForm& b, const AffineForm& c) { return a * b + c; }
     /// Returns x: the form represents exact numbers, which have no neighbours.
@@ -131,17 +133,17 @@ public:
             for (const std::size_t end : vectors_) {
                 double sum_of_squares = 0;
                 for (; i < std::min(end, term_count_); ++i) sum_of_squares += terms_[i] * terms_[i];
-                first_order += std::sqrt(sum_of_squares) * inflate + tiny;
+                first_order += std::sqrt(sum_of_squares) * inflation + underflow_bound;
             }
         }
-        return (first_order + rest_) * inflate;
+        return (first_order + rest_) * inflation;
     }
 
     /// Lower and upper end of the enclosure.
-    [[nodiscard]] double lowest() const { return enclosure().middle - enclosure().radius * inflate; }
-    [[nodiscard]] double highest() const { return enclosure().middle + enclosure().radius * inflate; }
+    [[nodiscard]] double lowest() const { return enclosure().middle - enclosure().radius * inflation; }
+    [[nodiscard]] double highest() const { return enclosure().middle + enclosure().radius * inflation; }
     /// The ηᵢ for which x is largest, to first order.
-    [[nodiscard]] Deviations steepest() const {
+    [[nodiscard]] Deviations steepest_deviations() const {
         Deviations deviations{};
         if (vectors_.empty())
             for (std::size_t i = 0; i < term_count_; ++i) deviations[i] = terms_[i] > 0 ? 1 : terms_[i] < 0 ? -1 : 0;
@@ -167,8 +169,8 @@ public:
     }
 
     /// Functions for root searches in enclosures. `middle` is a point of an enclosure, `between` an enclosure of two
-    /// others, `largest` the largest magnitude in an enclosure, as a point, and `precision_of` the number of bits of a
-    /// number.
+    /// others, `largest_magnitude` the largest magnitude in an enclosure, as a point, and `precision_of` the number of
+    /// bits of a number.
     friend AffineForm middle(const AffineForm& x) {
         AffineForm result;
         result.centre_ = Centre(x.centre_.words());
@@ -176,12 +178,12 @@ public:
     }
     friend AffineForm between(const AffineForm& low, const AffineForm& high) {
         AffineForm result = middle(AffineForm(0.5) * (low + high));
-        const double above = largest(high - result).hi(), below = largest(result - low).hi();
+        const double above = largest_magnitude(high - result).hi(), below = largest_magnitude(result - low).hi();
         result.rest_ = !(above <= below) ? above : below;
         return result;
     }
-    friend AffineForm largest(const AffineForm& x) {
-        return AffineForm((x.largest_centre() + x.deviation()) * inflate);
+    friend AffineForm largest_magnitude(const AffineForm& x) {
+        return AffineForm((x.largest_centre() + x.deviation()) * inflation);
     }
     friend int precision_of(const AffineForm&) { return 100; }
     [[nodiscard]] double hi() const { return centre_.first(); }
@@ -189,8 +191,8 @@ public:
 
 private:
     /// Factor that compensates the roundings of a bound: fewer than 2^10 of them, 2^-53 each.
-    static constexpr double inflate = 1 + 0x1p-42;
-    static constexpr double tiny = 0x1p-500;  ///< above the square root of the loss of a square to underflow
+    static constexpr double inflation = 1 + 0x1p-42;
+    static constexpr double underflow_bound = 0x1p-500;  ///< above the square root of the loss of a square to underflow
 
     static AffineForm unknown() {
         AffineForm x(0);
@@ -200,26 +202,26 @@ private:
     static AffineForm inverse(const AffineForm& y) {
         const double least_centre = y.least_centre(), deviation = y.deviation();
         if (!(least_centre > deviation)) return unknown();
-        const double q = 1 / y.centre_.first(), largest_centre = 1 / least_centre * inflate;
-        const double rest =
-            largest_centre * largest_centre * (y.rest_ + deviation * deviation / (least_centre - deviation) * inflate);
-        return y.linear(AffineForm(1).centre_ / y.centre_, -(q * q),
-                        rest + 4 * y.centre_error() * largest_centre * largest_centre * largest_centre * y.sum());
+        const double q = 1 / y.centre_.first(), largest_inverse = 1 / least_centre * inflation;
+        const double rest = largest_inverse * largest_inverse *
+                            (y.rest_ + deviation * deviation / (least_centre - deviation) * inflation);
+        return y.scaled(AffineForm(1).centre_ / y.centre_, -(q * q),
+                        rest + 4 * y.centre_error() * largest_inverse * largest_inverse * largest_inverse * y.sum());
     }
 
     [[nodiscard]] AffineForm squared() const {
         const double x = largest_centre(), d = deviation(), second_order = d * d / 2;
         if (!(second_order < HUGE_VAL)) return unknown();
-        const double rest = 2 * x * rest_ + second_order * inflate + 2 * centre_error() * sum();
-        return combined(centre_ * centre_ + Centre(TwoWords<double>(second_order)), *this, 2 * centre_.first(),
-                        AffineForm(0), 0, rest);
+        const double rest = 2 * x * rest_ + second_order * inflation + 2 * centre_error() * sum();
+        return combine(centre_ * centre_ + Centre(TwoWords<double>(second_order)), *this, 2 * centre_.first(),
+                       AffineForm(0), 0, rest);
     }
     /// Decides whether this is below 0, or at most 0 if `or_equal`.
     [[nodiscard]] Tri is_below(bool or_equal) const {
         const auto [middle, radius] = enclosure();
         if (or_equal ? middle <= -radius : middle < -radius) return Tri::yes;
         if (or_equal ? middle > radius : middle >= radius) return Tri::no;
-        return open ? open->is_below(*this, or_equal) : Tri::unknown;
+        return open_comparisons ? open_comparisons->is_below(*this, or_equal) : Tri::unknown;
     }
     [[nodiscard]] bool is_zero() const {
         return centre_.first() == 0 && centre_error() == 0 && rest_ == 0 && sum() == 0;
@@ -229,7 +231,7 @@ private:
     [[nodiscard]] double centre_error() const { return std::fabs(centre_.first()) * 0x1p-52 + centre_.radius(); }
     [[nodiscard]] double largest_centre() const { return std::fabs(centre_.first()) + centre_error(); }
     [[nodiscard]] double least_centre() const {
-        return std::fabs(centre_.first()) * (1 - 0x1p-50) - centre_.radius() * inflate;
+        return std::fabs(centre_.first()) * (1 - 0x1p-50) - centre_.radius() * inflation;
     }
     /// Σ |sᵢ|, rounded up.
     [[nodiscard]] double sum() const { return sum_; }
@@ -237,14 +239,14 @@ private:
         double middle, radius;
     };
     /// A number within `radius` of `middle`. An exact 0 has radius 0.
-    [[nodiscard]] Enclosure enclosure() const { return {centre_.first(), (deviation() + centre_error()) * inflate}; }
+    [[nodiscard]] Enclosure enclosure() const { return {centre_.first(), (deviation() + centre_error()) * inflation}; }
 
     /// This number times k, with another centre. Each product of a term with k is rounded, by at most 2^-53 of itself.
-    [[nodiscard]] AffineForm linear(const Centre& centre, double k, double rest) const {
-        return combined(centre, *this, k, AffineForm(0), 0, rest);
+    [[nodiscard]] AffineForm scaled(const Centre& centre, double k, double rest) const {
+        return combine(centre, *this, k, AffineForm(0), 0, rest);
     }
-    static AffineForm combined(const Centre& centre, const AffineForm& a, double factor_a, const AffineForm& b,
-                               double factor_b, double rest) {
+    static AffineForm combine(const Centre& centre, const AffineForm& a, double factor_a, const AffineForm& b,
+                              double factor_b, double rest) {
         AffineForm x;
         x.centre_ = centre;
         x.term_count_ = std::max(a.term_count_, b.term_count_);
@@ -259,12 +261,14 @@ private:
             x.terms_[i] = longer->terms_[i] * k;
             sum += std::fabs(x.terms_[i]);
         }
-        x.sum_ = sum * inflate;
+        x.sum_ = sum * inflation;
         const double magnitude = std::fabs(factor_a) * a.sum_ + std::fabs(factor_b) * b.sum_;
         x.vectors_ = a.vectors_.empty() ? b.vectors_ : a.vectors_;
         // Rounding of the two products and their sum, 3 · 2^-53 of their magnitude, and the loss of a product to
         // underflow.
-        x.rest_ = rest == 0 && magnitude == 0 ? 0 : (rest + magnitude * 0x1p-51 + tiny * tiny) * inflate;
+        x.rest_ = rest == 0 && magnitude == 0
+                      ? 0
+                      : (rest + magnitude * 0x1p-51 + underflow_bound * underflow_bound) * inflation;
         return x;
     }
 

@@ -12,43 +12,44 @@ thread_local ColumnRecorder* recorder = nullptr;
 
 }  // namespace
 
-ColumnRecorder::ColumnRecorder(int words, std::size_t input_count) : previous_(recorder) {
-    program_.words = words;
-    program_.input_count = program_.columns = input_count;
+ColumnRecorder::ColumnRecorder(int words_per_number, std::size_t input_count) : previous_(recorder) {
+    program_.words_per_number = words_per_number;
+    program_.input_count = program_.column_count = input_count;
     recorder = this;
 }
 ColumnRecorder::~ColumnRecorder() { recorder = previous_; }
 
 ColumnRecorder& ColumnRecorder::current() {
-    if (!recorder) throw std::logic_error("a column is recorded, and no program is being written");
+    if (!recorder)
+        throw std::logic_error("a column operation was used on a thread without a ColumnRecorder: construct one first");
     return *recorder;
 }
 
 ColumnIndex ColumnRecorder::constant(double x) {
-    const auto [found, is_new] = constants_.try_emplace(std::bit_cast<std::uint64_t>(x), ColumnIndex{0});
+    const auto [entry, is_new] = constants_.try_emplace(std::bit_cast<std::uint64_t>(x), ColumnIndex{0});
     if (is_new) {
         program_.constants.push_back(x);
-        found->second = static_cast<ColumnIndex>(-static_cast<int>(program_.constants.size()));
+        entry->second = static_cast<ColumnIndex>(-static_cast<int>(program_.constants.size()));
     }
-    return found->second;
+    return entry->second;
 }
 
 std::array<ColumnIndex, ColumnInstruction::max_outputs> ColumnRecorder::record(ColumnInstruction instruction) {
     Key key{static_cast<std::int32_t>(instruction.operation), instruction.exact};
     for (std::size_t k = 0; k < instruction.input_count; ++k) key[2 + k] = instruction.in[k];
-    const auto [found, is_new] = results_.try_emplace(key);
-    if (!is_new) return found->second;
+    const auto [entry, is_new] = results_.try_emplace(key);
+    if (!is_new) return entry->second;
     for (std::size_t k = 0; k < instruction.output_count; ++k) {
-        if (program_.columns > static_cast<std::size_t>(std::numeric_limits<ColumnIndex>::max()))
-            throw std::logic_error("a program has more columns than places");
-        instruction.out[k] = static_cast<ColumnIndex>(program_.columns++);
+        if (program_.column_count > static_cast<std::size_t>(std::numeric_limits<ColumnIndex>::max()))
+            throw std::logic_error("a program has more columns than a ColumnIndex can number");
+        instruction.out[k] = static_cast<ColumnIndex>(program_.column_count++);
     }
     program_.instructions.push_back(instruction);
-    return found->second = instruction.out;
+    return entry->second = instruction.out;
 }
 
 ColumnProgram ColumnRecorder::finish(std::vector<ColumnIndex> outputs) {
-    std::vector<bool> is_needed(program_.columns, false);
+    std::vector<bool> is_needed(program_.column_count, false);
     const auto mark_needed = [&is_needed](ColumnIndex index) {
         if (index >= 0) is_needed[static_cast<std::size_t>(index)] = true;
     };

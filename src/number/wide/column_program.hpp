@@ -41,20 +41,20 @@ enum class ColumnOperation : std::uint8_t {
     bounded_less,     ///< a, b -> yes, no
     bounded_at_most,  ///< a, b -> yes, no
     // operations of a whole step of a formula, on several words
-    order_of_first_words,  ///< x, y, least -> less yes, less no, at most yes, at most no
-    near_root_of_quartic,  ///< coefficients of x⁴, x², x and 1, begin, bound -> root
-    /// Has no result. If its mask is unset in every lane, no result recorded after the gate is needed.
+    order_of_first_words,   ///< x, y, least -> less yes, less no, at most yes, at most no
+    first_root_of_quartic,  ///< coefficients of x⁴, x², x and 1, begin, bound -> root
+    /// Has no result. If its mask is unset in every lane, the rest of the program need not run.
     gate,
 };
 inline constexpr std::size_t column_operation_count = static_cast<std::size_t>(ColumnOperation::gate) + 1;
 
-inline constexpr bool is_of_masks(ColumnOperation operation) {
+inline constexpr bool acts_on_masks(ColumnOperation operation) {
     return operation == ColumnOperation::mask_and || operation == ColumnOperation::mask_or ||
            operation == ColumnOperation::mask_not;
 }
 
 /// Number of bounded operands; 0 for operations on words and masks.
-inline constexpr std::size_t bounded_operands(ColumnOperation operation) {
+inline constexpr std::size_t bounded_operand_count(ColumnOperation operation) {
     using enum ColumnOperation;
     switch (operation) {
         case bounded_square:
@@ -82,7 +82,7 @@ inline constexpr std::size_t column_count_of(ColumnOperation operation) {
         case mask_not: return 2;
         case choose: return 4;
         case order_of_first_words:
-        case near_root_of_quartic: return 7;
+        case first_root_of_quartic: return 7;
         default: return 3;
     }
 }
@@ -90,7 +90,7 @@ inline constexpr std::size_t column_count_of(ColumnOperation operation) {
 /// Returns the largest subset of the exact operands for which a kernel exists. For two operands every subset has a
 /// kernel. For three operands there are kernels for none exact and for all exact. A cross or dot product has two more:
 /// for exact first factors and for exact second factors, since rays and primitives as given are exact.
-inline constexpr unsigned exact_with_kernel(unsigned exact, std::size_t operands) {
+inline constexpr unsigned exact_operands_with_kernel(unsigned exact, std::size_t operands) {
     const unsigned all = (1U << operands) - 1, first_factors = 0b010101U & all, second_factors = 0b101010U & all;
     if (operands <= 2 || exact == all) return exact;
     if (operands == 3) return 0;
@@ -116,9 +116,9 @@ struct ColumnInstruction {
 
 /// Computes the outputs from columns of inputs and constants.
 struct ColumnProgram {
-    int words = 1;                ///< words of a bounded number
+    int words_per_number = 1;     ///< words of a bounded number
     std::size_t input_count = 0;  ///< inputs are the columns 0 to input_count − 1
-    std::size_t columns = 0;
+    std::size_t column_count = 0;
     std::vector<double> constants;  ///< constants of the columns −1, −2, …
     std::vector<ColumnInstruction> instructions;
     std::vector<ColumnIndex> outputs;
@@ -132,7 +132,7 @@ struct ColumnProgram {
 /// operands as an earlier one is not recorded again.
 class ColumnRecorder {
 public:
-    ColumnRecorder(int words, std::size_t input_count);
+    ColumnRecorder(int words_per_number, std::size_t input_count);
     ~ColumnRecorder();
     ColumnRecorder(const ColumnRecorder&) = delete;
     ColumnRecorder& operator=(const ColumnRecorder&) = delete;

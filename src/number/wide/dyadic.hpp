@@ -108,7 +108,7 @@ public:
     }
 
 private:
-    static constexpr int most_limbs = 272;
+    static constexpr int max_limbs = 272;
 
     /// Copies only the limbs in use: most numbers have a few.
     void copy_limbs(const Dyadic& x) {
@@ -151,7 +151,7 @@ private:
         size_ -= zeros;
     }
 
-    std::uint32_t limbs_[most_limbs];
+    std::uint32_t limbs_[max_limbs];
     int first_ = 0, size_ = 0;
     bool negative_ = false;
 };

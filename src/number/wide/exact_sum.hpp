@@ -32,13 +32,13 @@ public:
     /// "Accurate sum and dot product", 2005). After the pass the last word is the rounded sum and the others are the
     /// rounding errors; the sum of all words is unchanged. Each pass makes the others smaller by a factor of about
     /// size·u. The passes end if the others add up to at most 2^-60 of the last word, or to zero. They reach zero
-    /// because all words are multiples of the smallest last place among them. `most_passes` are enough for 1600 bits
+    /// because all words are multiples of the smallest last place among them. `max_passes` are enough for 1600 bits
     /// between the largest word and the smallest.
     P value() {
-        constexpr int most_passes = 40;
+        constexpr int max_passes = 40;
         if (count_ == 0) return P(0);
         P& last = words_[count_ - 1];
-        for (int pass = 0; pass < most_passes; ++pass) {
+        for (int pass = 0; pass < max_passes; ++pass) {
             P others(0);
             for (std::size_t i = 1; i < count_; ++i) {
                 const TwoWords<P> s = sum_of(words_[i], words_[i - 1]);

@@ -68,7 +68,7 @@ public:
     /// The number, with bound 0 if it is known and infinity otherwise.
     [[nodiscard]] Running<TwoWords<P>> running() const {
         using lostbits::select;
-        return {w_, select(is_held(), P(0), P(HUGE_VAL))};
+        return {w_, select(is_known(), P(0), P(HUGE_VAL))};
     }
 
     friend Multiple operator+(const Multiple& a, const Multiple& b) {
@@ -99,15 +99,15 @@ public:
     Multiple& operator-=(const Multiple& b) { return *this = *this - b; }
     Multiple& operator*=(const Multiple& b) { return *this = *this * b; }
 
-    friend Tris<Lanes> operator<(const Multiple& a, const Multiple& b) {
-        const Lanes are_held = a.is_held() && b.is_held();
-        if (is_known_zero(b.w_.hi)) return {are_held && a.w_.hi < P(0), are_held && a.w_.hi >= P(0)};
-        if (is_known_zero(a.w_.hi)) return {are_held && b.w_.hi > P(0), are_held && b.w_.hi <= P(0)};
-        return {are_held && a.w_ < b.w_, are_held && a.w_ >= b.w_};
+    friend TriMask<Lanes> operator<(const Multiple& a, const Multiple& b) {
+        const Lanes are_known = a.is_known() && b.is_known();
+        if (is_known_zero(b.w_.hi)) return {are_known && a.w_.hi < P(0), are_known && a.w_.hi >= P(0)};
+        if (is_known_zero(a.w_.hi)) return {are_known && b.w_.hi > P(0), are_known && b.w_.hi <= P(0)};
+        return {are_known && a.w_ < b.w_, are_known && a.w_ >= b.w_};
     }
-    friend Tris<Lanes> operator<=(const Multiple& a, const Multiple& b) { return !(b < a); }
-    friend Tris<Lanes> operator>(const Multiple& a, const Multiple& b) { return b < a; }
-    friend Tris<Lanes> operator>=(const Multiple& a, const Multiple& b) { return !(a < b); }
+    friend TriMask<Lanes> operator<=(const Multiple& a, const Multiple& b) { return !(b < a); }
+    friend TriMask<Lanes> operator>(const Multiple& a, const Multiple& b) { return b < a; }
+    friend TriMask<Lanes> operator>=(const Multiple& a, const Multiple& b) { return !(a < b); }
 
     friend Multiple fma(const Multiple& a, const Multiple& b, const Multiple& c) { return a * b + c; }
     /// Returns a: the type represents exact numbers, which have no neighbours.
@@ -118,7 +118,7 @@ public:
         const Multiple x = abs(a);
         return select(b < Multiple(0), -x, x);
     }
-    friend Multiple select(const Tris<Lanes>& mask, const Multiple& a, const Multiple& b) {
+    friend Multiple select(const TriMask<Lanes>& mask, const Multiple& a, const Multiple& b) {
         using lostbits::max, lostbits::min, lostbits::select;
         const P size = select(mask.yes() || mask.no(), max(a.size_, b.size_), P(HUGE_VAL));
         return {select(mask.yes(), a.w_, b.w_), min(a.unit_, b.unit_), size};
@@ -143,7 +143,7 @@ private:
         return {p.hi, p.lo + fma(a.hi, b.lo, a.lo * b.hi)};
     }
 
-    [[nodiscard]] Lanes is_held() const { return size_ < P(0x1p100) * unit_; }
+    [[nodiscard]] Lanes is_known() const { return size_ < P(0x1p100) * unit_; }
 
     W w_;
     P unit_, size_;

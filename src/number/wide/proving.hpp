@@ -9,13 +9,13 @@ namespace lostbits::number::wide {
 
 /// Unit roundoff u of a format.
 template <class P>
-P roundoff_of() {
+P roundoff() {
     if constexpr (InRegisters<P>) return P(has_wider_word<P> ? 0x1p-24 : 0x1p-53);
     else return unit_roundoff<P>();
 }
 /// Factor 1 + 2^-9 by which the bound of a comparison is enlarged.
 template <class P>
-P outward_of() {
+P outward_factor() {
     if constexpr (InRegisters<P>) return P(1 + 0x1p-9);
     else return P(513) / P(512);
 }
@@ -47,7 +47,7 @@ class Proving {
 public:
     using P = decltype(value_of(std::declval<const T&>()));
     using Lanes = mask_t<P>;
-    using Mask = Tris<Lanes>;
+    using Mask = TriMask<Lanes>;
 
     explicit Proving(std::same_as<int> auto x) : w_(T(x)), e_(0) {}
     /// An input: exact.
@@ -56,22 +56,27 @@ public:
 
     [[nodiscard]] const T& word() const { return w_; }
     /// Upper bound on the distance from the word to any enclosed x.
-    [[nodiscard]] P radius() const { return e_ * outward_of<P>(); }
+    [[nodiscard]] P radius() const { return e_ * outward_factor<P>(); }
     /// True if the word is positive; x itself may have the other sign.
     [[nodiscard]] Mask word_is_positive() const {
         const Lanes is_positive = value_of(w_) > P(0);
         return {is_positive, !is_positive};
     }
 
-    friend Proving operator+(const Proving& a, const Proving& b) { return rounded(a.w_ + b.w_, a.e_ + b.e_); }
-    friend Proving operator-(const Proving& a, const Proving& b) { return rounded(a.w_ - b.w_, a.e_ + b.e_); }
+    friend Proving operator+(const Proving& a, const Proving& b) {
+        return with_rounding_error(a.w_ + b.w_, a.e_ + b.e_);
+    }
+    friend Proving operator-(const Proving& a, const Proving& b) {
+        return with_rounding_error(a.w_ - b.w_, a.e_ + b.e_);
+    }
     friend Proving operator-(const Proving& a) { return {-a.w_, a.e_}; }
     friend Proving operator*(const Proving& a, const Proving& b) {
-        return rounded(a.w_ * b.w_, (a.magnitude() + a.e_) * b.e_ + b.magnitude() * a.e_ + least_normal<P>());
+        return with_rounding_error(a.w_ * b.w_,
+                                   (a.magnitude() + a.e_) * b.e_ + b.magnitude() * a.e_ + least_normal<P>());
     }
     friend Proving operator/(const Proving& a, const Proving& b) {
         using lostbits::select;
-        const Proving q = rounded(a.w_ / b.w_, least_normal<P>());
+        const Proving q = with_rounding_error(a.w_ / b.w_, least_normal<P>());
         const P least_divisor = b.magnitude() - b.radius(), underflow_loss = least_normal<P>();
         const P propagated_error = (a.e_ + (q.magnitude() + underflow_loss) * b.e_ + underflow_loss) / least_divisor;
         return {q.w_, select(least_divisor > P(0), q.e_ + propagated_error, P(1) / P(0))};
@@ -81,7 +86,7 @@ public:
     Proving& operator*=(const Proving& b) { return *this = *this * b; }
 
     friend Mask operator<(const Proving& a, const Proving& b) {
-        const P d = value_of(a.w_) - value_of(b.w_), e = (a.e_ + b.e_) * outward_of<P>();
+        const P d = value_of(a.w_) - value_of(b.w_), e = (a.e_ + b.e_) * outward_factor<P>();
         return {d<-e, d> e};
     }
     friend Mask operator<=(const Proving& a, const Proving& b) { return a < b; }
@@ -90,7 +95,7 @@ public:
 
     friend Proving sqrt(const Proving& a) {
         using lostbits::sqrt, lostbits::select;
-        const Proving root = rounded(sqrt(a.w_), P(0));
+        const Proving root = with_rounding_error(sqrt(a.w_), P(0));
         const P propagated_error = (a.e_ + least_normal<P>()) / value_of(root.w_);
         return {root.w_, select(value_of(a.w_) > a.radius(), root.e_ + propagated_error, P(1) / P(0))};
     }
@@ -118,9 +123,9 @@ private:
         using lostbits::abs;
         return abs(value_of(w_));
     }
-    static Proving rounded(const T& w, const P& propagated_error) {
+    static Proving with_rounding_error(const T& w, const P& propagated_error) {
         using lostbits::abs;
-        return {w, propagated_error + roundoff_of<P>() * abs(value_of(w))};
+        return {w, propagated_error + roundoff<P>() * abs(value_of(w))};
     }
 
     T w_;

@@ -107,7 +107,8 @@ private:
 };
 
 /// Records the operation of three words and four masks described at `stages::certain_order`.
-inline Order<Tris<ColumnMask>> order_of_first_words(const ColumnWord& x, const ColumnWord& y, const ColumnWord& least) {
+inline Order<TriMask<ColumnMask>> order_of_first_words(const ColumnWord& x, const ColumnWord& y,
+                                                       const ColumnWord& least) {
     const auto results = ColumnRecorder::current().record({.operation = ColumnOperation::order_of_first_words,
                                                            .input_count = 3,
                                                            .output_count = 4,
@@ -168,14 +169,14 @@ public:
     Running& operator-=(const Running& b) { return *this = *this - b; }
     Running& operator*=(const Running& b) { return *this = *this * b; }
 
-    friend Tris<Lanes> operator<(const Running& a, const Running& b) {
+    friend TriMask<Lanes> operator<(const Running& a, const Running& b) {
         return record_decision(ColumnOperation::bounded_less, a, b);
     }
-    friend Tris<Lanes> operator<=(const Running& a, const Running& b) {
+    friend TriMask<Lanes> operator<=(const Running& a, const Running& b) {
         return record_decision(ColumnOperation::bounded_at_most, a, b);
     }
-    friend Tris<Lanes> operator>(const Running& a, const Running& b) { return !(a <= b); }
-    friend Tris<Lanes> operator>=(const Running& a, const Running& b) { return !(a < b); }
+    friend TriMask<Lanes> operator>(const Running& a, const Running& b) { return !(a <= b); }
+    friend TriMask<Lanes> operator>=(const Running& a, const Running& b) { return !(a < b); }
 
     friend Running fma(const Running& a, const Running& b, const Running& c) { return a * b + c; }
     friend Running next_up(const Running& a) { return a; }
@@ -186,12 +187,12 @@ public:
     }
     friend Running copysign(const Running& a, const Running& b) {
         const Running x = abs(a), zero(0);
-        return select(Tris<Lanes>((b < zero).yes(), (b > zero).yes()), -x, x);
+        return select(TriMask<Lanes>((b < zero).yes(), (b > zero).yes()), -x, x);
     }
     friend Running select(const Lanes& mask, const Running& a, const Running& b) {
         return {select(mask, a.w_, b.w_), select(mask, a.e_, b.e_)};
     }
-    friend Running select(const Tris<Lanes>& mask, const Running& a, const Running& b) {
+    friend Running select(const TriMask<Lanes>& mask, const Running& a, const Running& b) {
         const Running x = select(mask.yes(), a, b);
         return {x.w_, select(mask.yes() || mask.no(), x.e_, P(HUGE_VAL))};
     }
@@ -210,9 +211,10 @@ private:
         unsigned exact = 0;
         for (std::size_t k = 0; k < operands.size(); ++k)
             exact |= static_cast<unsigned>(operands[k]->is_exact_word()) << k;
-        ColumnInstruction instruction{.operation = operation,
-                                      .exact = static_cast<std::uint8_t>(exact_with_kernel(exact, operands.size())),
-                                      .output_count = output_count};
+        ColumnInstruction instruction{
+            .operation = operation,
+            .exact = static_cast<std::uint8_t>(exact_operands_with_kernel(exact, operands.size())),
+            .output_count = output_count};
         for (std::size_t k = 0; k < operands.size(); ++k) {
             instruction.in[instruction.input_count++] = operands[k]->first().index();
             if ((instruction.exact >> k & 1) != 0) continue;
@@ -227,7 +229,7 @@ private:
         if constexpr (has_two_words) return {W(P::at(results[0]), P::at(results[1])), P::at(results[2])};
         else return {P::at(results[0]), P::at(results[1])};
     }
-    static Tris<Lanes> record_decision(ColumnOperation operation, const Running& a, const Running& b) {
+    static TriMask<Lanes> record_decision(ColumnOperation operation, const Running& a, const Running& b) {
         const auto results = record_operation(operation, 2, a, b);
         return {Lanes(results[0]), Lanes(results[1])};
     }

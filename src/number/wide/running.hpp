@@ -127,15 +127,15 @@ public:
     [[nodiscard]] P radius() const { return e_ * P(1 + 0x1p-40); }
 
     friend Running operator+(const Running& a, const Running& b) {
-        return rounded(Traits::sum(a.w_, b.w_), plus(a.e_, b.e_));
+        return with_rounding_error(Traits::sum(a.w_, b.w_), plus(a.e_, b.e_));
     }
     friend Running operator-(const Running& a, const Running& b) { return a + -b; }
     friend Running operator-(const Running& a) { return {Traits::negative(a.w_), a.e_}; }
     friend Running operator*(const Running& a, const Running& b) {
-        return rounded(Traits::product(a.w_, b.w_), plus(propagated_error_of(a, b), P(underflow_loss)));
+        return with_rounding_error(Traits::product(a.w_, b.w_), plus(propagated_error_of(a, b), P(underflow_loss)));
     }
     friend Running square(const Running& a) {
-        return rounded(Traits::product(a.w_, a.w_), plus(propagated_error_of(a), P(underflow_loss)));
+        return with_rounding_error(Traits::product(a.w_, a.w_), plus(propagated_error_of(a), P(underflow_loss)));
     }
     friend Running difference_of_products(const Running& a, const Running& b, const Running& c, const Running& d) {
         const W x = Traits::product(a.w_, b.w_), y = Traits::negative(Traits::product(c.w_, d.w_));
@@ -160,7 +160,7 @@ public:
                         P(3 * error) * magnitude_of(w) + P(underflow_loss))};
     }
     friend Running operator/(const Running& a, const Running& b) {
-        const Running q = rounded(a.w_ / b.w_, P(underflow_loss));
+        const Running q = with_rounding_error(a.w_ / b.w_, P(underflow_loss));
         const P least_divisor = b.magnitude() * P(1 - 0x1p-50) - b.radius();
         const P propagated_error =
             (a.e_ + (q.magnitude() + P(underflow_loss)) * b.e_ + P(underflow_loss)) / least_divisor;
@@ -170,23 +170,23 @@ public:
     Running& operator-=(const Running& b) { return *this = *this - b; }
     Running& operator*=(const Running& b) { return *this = *this * b; }
 
-    friend Tris<Lanes> operator<(const Running& a, const Running& b) {
+    friend TriMask<Lanes> operator<(const Running& a, const Running& b) {
         const Ends d = ends(a, b);
         return {d.high < P(0), d.low >= P(0)};
     }
-    friend Tris<Lanes> operator<=(const Running& a, const Running& b) {
+    friend TriMask<Lanes> operator<=(const Running& a, const Running& b) {
         const Ends d = ends(a, b);
         return {d.high <= P(0), d.low > P(0)};
     }
-    friend Tris<Lanes> operator>(const Running& a, const Running& b) { return !(a <= b); }
-    friend Tris<Lanes> operator>=(const Running& a, const Running& b) { return !(a < b); }
+    friend TriMask<Lanes> operator>(const Running& a, const Running& b) { return !(a <= b); }
+    friend TriMask<Lanes> operator>=(const Running& a, const Running& b) { return !(a < b); }
 
     friend Running sqrt(const Running& a) {
         using lostbits::sqrt;
-        const Running root = rounded(sqrt(a.w_), P(0));
+        const Running root = with_rounding_error(sqrt(a.w_), P(0));
         const P propagated_error = (a.e_ + P(underflow_loss)) / root.first();
-        const auto positive = a.first() * P(1 - 0x1p-50) > a.radius();
-        return {root.w_, select(positive, root.e_ + propagated_error, P(HUGE_VAL))};
+        const auto is_positive = a.first() * P(1 - 0x1p-50) > a.radius();
+        return {root.w_, select(is_positive, root.e_ + propagated_error, P(HUGE_VAL))};
     }
     friend Running fma(const Running& a, const Running& b, const Running& c) { return a * b + c; }
     /// Returns a: the type represents exact numbers, which have no neighbours.
@@ -198,14 +198,14 @@ public:
     }
     friend Running copysign(const Running& a, const Running& b) {
         const Running x = abs(a), zero(0);
-        return select(Tris<Lanes>((b < zero).yes(), (b > zero).yes()), -x, x);  // the sign of a zero is not known
+        return select(TriMask<Lanes>((b < zero).yes(), (b > zero).yes()), -x, x);  // the sign of a zero is not known
     }
     friend Running select(const Lanes& mask, const Running& a, const Running& b) {
         using lostbits::select;
         return {select(mask, a.w_, b.w_), select(mask, a.e_, b.e_)};
     }
     /// The result is unknown if the mask is undecided.
-    friend Running select(const Tris<Lanes>& mask, const Running& a, const Running& b) {
+    friend Running select(const TriMask<Lanes>& mask, const Running& a, const Running& b) {
         using lostbits::select;
         const Running x = select(mask.yes(), a, b);
         return {x.w_, select(mask.yes() || mask.no(), x.e_, P(HUGE_VAL))};
@@ -220,7 +220,7 @@ private:
         return abs(Words<W>::first(w));
     }
     [[nodiscard]] P magnitude() const { return magnitude_of(w_); }
-    static Running rounded(const W& w, const P& propagated_error) {
+    static Running with_rounding_error(const W& w, const P& propagated_error) {
         return {w, plus(propagated_error, P(error) * magnitude_of(w))};
     }
 

@@ -48,7 +48,8 @@ T narrow(const W& x) {
     else return Wider<T>::narrow(x.hi);
 }
 
-/// Removes the record of a number's operations: the filter's own decisions are not part of the answer.
+/// Returns the plain value of a number that records operations. A filter decides with plain values, so that its own
+/// comparisons are not recorded.
 template <class T>
 auto value_of(const T& x) {
     if constexpr (traces_operations<T>) return x.value();
@@ -72,11 +73,11 @@ inline constexpr std::string_view name_of(CallAnswer answer) {
     return names[static_cast<std::size_t>(answer)];
 }
 
-/// Records a step that none of T's own operations performed; `value` is its result.
+/// Records a step that was computed without T's own operations; `value` is its result.
 template <class T, std::size_t n>
 T record_call(const Call& callee, const std::array<T, n>& arguments,
               const decltype(value_of(std::declval<T>()))& value) {
-    return named(name_of(callee.answer), called(callee, std::span<const T>(arguments), value));
+    return named(name_of(callee.answer), call_result(callee, std::span<const T>(arguments), value));
 }
 
 /// Smallest normal number of T. The error of a product below it is up to u times this number, however small the product
@@ -97,16 +98,16 @@ T root_of_least_normal() {
     else return sqrt(least_normal<T>());
 }
 
-/// True if numbers of T are computed in doubles whose products may overflow or underflow, so that `masked_lanes` is
+/// True if numbers of T are computed in doubles whose products may overflow or underflow, so that `apply_to_lanes` is
 /// needed. Products of four floats do neither in double.
 template <class T>
-inline constexpr bool has_whole_range =
+inline constexpr bool products_may_overflow =
     !std::same_as<T, float> && (std::same_as<OneWord<T>, double> || (InRegisters<T> && !has_wider_word<T>));
 
 /// True if the smallest normal number of the wider word is below that of T. Some formats with fewer bits than double
 /// have the same smallest normal number.
 template <class T>
-mask_t<T> goes_deeper() {
+mask_t<T> has_smaller_normals() {
     if constexpr (std::same_as<OneWord<T>, double> && has_wider_word<T>)
         return widen<double>(least_normal<T>()) > std::numeric_limits<double>::min();
     else return widens<T>() ? T(0) < T(1) : T(1) < T(0);
@@ -114,30 +115,31 @@ mask_t<T> goes_deeper() {
 
 /// Calls `f(in, out)` for each lane with `request` > 0. `in` holds the lane's numbers as doubles. `out` holds the lane
 /// of the argument `out` before the call, and the lane of the result after it.
-template <class T, std::size_t ins, std::size_t outs, class F>
-std::array<T, outs> masked_lanes(const T& request, const std::array<T, ins>& in, std::array<T, outs> out, const F& f) {
+template <class T, std::size_t input_count, std::size_t output_count, class F>
+std::array<T, output_count> apply_to_lanes(const T& request, const std::array<T, input_count>& in,
+                                           std::array<T, output_count> out, const F& f) {
     if constexpr (InRegisters<T>) {
-        double requests[T::lanes], input_lanes[ins][T::lanes], output_lanes[outs][T::lanes];
+        double requests[T::lanes], input_lanes[input_count][T::lanes], output_lanes[output_count][T::lanes];
         request.store(requests);
-        for (std::size_t k = 0; k < ins; ++k) in[k].store(input_lanes[k]);
-        for (std::size_t k = 0; k < outs; ++k) out[k].store(output_lanes[k]);
+        for (std::size_t k = 0; k < input_count; ++k) in[k].store(input_lanes[k]);
+        for (std::size_t k = 0; k < output_count; ++k) out[k].store(output_lanes[k]);
         for (std::size_t lane = 0; lane < T::lanes; ++lane) {
             if (!(requests[lane] > 0)) continue;
-            std::array<double, ins> lane_inputs;
-            std::array<double, outs> lane_results;
-            for (std::size_t k = 0; k < ins; ++k) lane_inputs[k] = input_lanes[k][lane];
-            for (std::size_t k = 0; k < outs; ++k) lane_results[k] = output_lanes[k][lane];
+            std::array<double, input_count> lane_inputs;
+            std::array<double, output_count> lane_results;
+            for (std::size_t k = 0; k < input_count; ++k) lane_inputs[k] = input_lanes[k][lane];
+            for (std::size_t k = 0; k < output_count; ++k) lane_results[k] = output_lanes[k][lane];
             f(lane_inputs, lane_results);
-            for (std::size_t k = 0; k < outs; ++k) output_lanes[k][lane] = lane_results[k];
+            for (std::size_t k = 0; k < output_count; ++k) output_lanes[k][lane] = lane_results[k];
         }
-        for (std::size_t k = 0; k < outs; ++k) out[k] = T::load(output_lanes[k]);
+        for (std::size_t k = 0; k < output_count; ++k) out[k] = T::load(output_lanes[k]);
     } else if (request > T(0)) {
-        std::array<double, ins> lane_inputs;
-        std::array<double, outs> lane_results;
-        for (std::size_t k = 0; k < ins; ++k) lane_inputs[k] = widen<double>(in[k]);
-        for (std::size_t k = 0; k < outs; ++k) lane_results[k] = widen<double>(out[k]);
+        std::array<double, input_count> lane_inputs;
+        std::array<double, output_count> lane_results;
+        for (std::size_t k = 0; k < input_count; ++k) lane_inputs[k] = widen<double>(in[k]);
+        for (std::size_t k = 0; k < output_count; ++k) lane_results[k] = widen<double>(out[k]);
         f(lane_inputs, lane_results);
-        for (std::size_t k = 0; k < outs; ++k) out[k] = narrow<T>(lane_results[k]);
+        for (std::size_t k = 0; k < output_count; ++k) out[k] = narrow<T>(lane_results[k]);
     }
     return out;
 }

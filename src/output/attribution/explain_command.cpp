@@ -22,7 +22,7 @@ std::string explain_ray_arguments(const scene::rays::RayGroup* group) {
     std::string text;
     for (const Primitive<double>& primitive : group->primitives) {
         text += fmt::format("--{}={}", lostbits::name_of(primitive.shape),
-                            file::number_list(primitive.used(), file::hex, ","));
+                            file::number_list(primitive.shape_numbers(), file::hex, ","));
         if (const auto& placed = primitive.placed)
             text +=
                 fmt::format("@{}{}", placed->is_inverse ? "/" : "", file::number_list(placed->matrix, file::hex, ","));

@@ -150,7 +150,7 @@ OperationRow table_row(const Explanation& explanation, const OperationView& view
 
 /// The first node that the table shows. Without `show_all`, the table of a march begins with the last samples.
 NodeId first_shown_node(const Explanation& explanation, bool show_all) {
-    const auto& samples = explanation.tape.samples;
+    const auto& samples = explanation.tape.sample_ends;
     return show_all || samples.size() < 3 ? 0 : static_cast<NodeId>(samples[samples.size() - 3]);
 }
 

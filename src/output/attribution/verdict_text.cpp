@@ -324,7 +324,8 @@ bool is_wrong_root(const Explanation& explanation) {
         return false;
     const Primitive<double> primitive(explanation.shape);
     const std::size_t range_input_count = explanation.range.is_whole() ? 1 : 2;
-    if (explanation.inputs.size() != 6 + primitive.used().size() + range_input_count) return false;  // under a matrix
+    if (explanation.inputs.size() != 6 + primitive.shape_numbers().size() + range_input_count)
+        return false;  // under a matrix
     return measure::stability::is_wrong_root(measure::tape::ray_of(explanation.inputs),
                                              measure::tape::primitive_of(explanation.inputs, primitive),
                                              measure::truth::exactly(*explanation.true_t), explanation.result.t);

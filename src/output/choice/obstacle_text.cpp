@@ -44,7 +44,7 @@ std::string required_inputs_text(const ChoiceResult& chosen, const Candidate& ne
     const Obstacle& obstacle = *chosen.obstacle;
     const Requirement& requirement = chosen.request.requirement;
     const Shape shape = nearest.row.form->shape;
-    const std::string_view position_names = is_primitive(shape) ? row_of(shape).texts.places : "centres";
+    const std::string_view position_names = is_primitive(shape) ? row_of(shape).texts.anchor_points : "centres";
     const auto form_in_f64 = [&nearest, &requirement](const InputTrial& trial) {
         return trial.form ? fmt::format("; {} in f64 keeps {}", nearest.row.form->info->name,
                                         kept_and_wrong(*trial.form, requirement))

@@ -20,7 +20,7 @@ std::string witness_text(const ClaimResult& r) {
     std::string text = fmt::format("origin {} {} {} direction {} {} {}", file::hex(w.ray.origin.x),
                                    file::hex(w.ray.origin.y), file::hex(w.ray.origin.z), file::hex(w.ray.direction.x),
                                    file::hex(w.ray.direction.y), file::hex(w.ray.direction.z));
-    for (std::size_t i = 0; i < w.primitive.used().size(); ++i)
+    for (std::size_t i = 0; i < w.primitive.shape_numbers().size(); ++i)
         text += fmt::format(" {} {}", number_names(w.primitive.shape)[i], file::hex(w.primitive.numbers[i]));
     return text + " t " + file::hex(w.t);
 }

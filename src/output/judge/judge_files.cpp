@@ -86,8 +86,9 @@ Table<JudgedRay> given_columns(const Dump& dump) {
                [](const Chunk& c, std::size_t i) { return c.rays.tmin[i]; });
     add_number(slot::tmax, "end of the ray's range", [](const Chunk& c, std::size_t i) { return c.rays.tmax[i]; });
     for (std::size_t s = slot::primitive; s < slot::t; ++s)
-        add_number(s, "number of the ray's primitive, as it was judged",
-                   [k = s - slot::primitive](const Chunk& c, std::size_t i) { return c.primitives[i].used()[k]; });
+        add_number(
+            s, "number of the ray's primitive, as it was judged",
+            [k = s - slot::primitive](const Chunk& c, std::size_t i) { return c.primitives[i].shape_numbers()[k]; });
     for (std::size_t s = slot::matrix; s < slot::count; ++s)
         add_number(s, "number of the primitive's matrix, as it was judged",
                    [k = s - slot::matrix](const Chunk& c, std::size_t i) { return c.primitives[i].placed->matrix[k]; });

@@ -20,7 +20,7 @@ bool is_too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format,
     const auto groups = sweep.rays({value});
     if (groups.empty() || groups.front().primitives.size() != 1 || groups.front().rays.size() == 0) return false;
     const Primitive<double>& primitive = groups.front().primitives.front();
-    if (!row_of(primitive.shape).round) return false;
+    if (!row_of(primitive.shape).is_ball) return false;
     const auto [centre, radius] = ball_around(primitive);
     const Vec<double> to_centre = centre - groups.front().rays[0].origin;
     // The nearest point is |distance to the centre − r| away, also for an eye inside the sphere.

@@ -32,7 +32,7 @@ std::string primitive_text(const Primitive<double>& primitive) {
     std::string keys;
     for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
         keys += fmt::format("{} {} = ", keys.empty() ? "" : ",", key.name);
-        keys += key.count() == 3 ? hex_array(primitive.used().subspan(k, 3))
+        keys += key.count() == 3 ? hex_array(primitive.shape_numbers().subspan(k, 3))
                                  : fmt::format("\"{}\"", file::hex(primitive.numbers[k]));
     });
     if (primitive.placed)

@@ -30,7 +30,7 @@ Table<Primitive<double>> primitive_columns(Shape shape, const std::string& meani
     std::size_t index = 0;
     for (const auto& name : number_names(shape))
         table.add({std::string(name) + "_hex", meaning,
-                   [k = index++](const S& primitive) { return file::hex(primitive.used()[k]); }});
+                   [k = index++](const S& primitive) { return file::hex(primitive.shape_numbers()[k]); }});
     return table;
 }
 

@@ -86,12 +86,12 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
                     s, fmt::format("{} has {} finite numbers; leave this ray out", with_article(*shape_), count));
         }
         if (const auto broken = broken_limit(primitive())) {
-            const std::size_t s = slot::primitive + broken->number;
+            const std::size_t s = slot::primitive + broken->number_index;
             const std::string name = with_article(*shape_);
             if (broken->key->limit == Key::Limit::positive)
                 return fault_at(
                     s, fmt::format("{} of {} must be greater than 0; leave this ray out", broken->key->name, name));
-            if (broken->key->limit != Key::Limit::at_least_before)
+            if (broken->key->limit != Key::Limit::at_least_previous)
                 return fault_at(s, fmt::format("{} {}; or leave this ray out", broken->key->name,
                                                limit_phrase(*shape_, *broken->key)));
             const std::size_t lower_slot = s - broken->key->count();
@@ -104,7 +104,7 @@ std::optional<ChunkWriter::Fault> ChunkWriter::find_fault() {
             return fault_at(s, "a matrix has twelve finite numbers; leave this ray out");
     }
     if (layout_.has_matrix() && !primitive().placed->is_proper())
-        return Fault{slot::matrix, fmt::format("the matrix {}, or leave this ray out", singular_words)};
+        return Fault{slot::matrix, fmt::format("the matrix {}, or leave this ray out", singular_reason)};
     const double object = numbers[slot::object];
     if (is_present(slot::object) && !(object >= -1 && object < 0x1p31 && object == std::floor(object)))
         return fault_at(slot::object,
@@ -212,7 +212,7 @@ Range<double> ChunkWriter::range() const {
 
 Primitive<double> ChunkWriter::primitive() const {
     Primitive<double> primitive = settings_.under_matrix.value_or(Primitive<double>(*shape_));
-    for (std::size_t k = 0; !settings_.under_matrix && k < primitive.used().size(); ++k)
+    for (std::size_t k = 0; !settings_.under_matrix && k < primitive.shape_numbers().size(); ++k)
         primitive.numbers[k] = numbers_[slot::primitive + k];
     if (!layout_.has_matrix()) return primitive;
     std::array<double, Affine<double>::numbers> matrix;

@@ -43,7 +43,7 @@ struct ShadowRule {
 };
 
 /// The shape that pictures can show.
-inline constexpr Shape rendered_shape = std::ranges::find(shape_rows, true, &ShapeRow::shaded)->shape;
+inline constexpr Shape rendered_shape = std::ranges::find(shape_rows, true, &ShapeRow::has_shading_normal)->shape;
 
 /// The colours, the light and the shadows of a scene.
 struct Appearance {

@@ -38,14 +38,14 @@ Primitive<Real> read_primitive(Shape shape, TableReader& table, const StoredNumb
     if (const auto broken = broken_limit(primitive))
         table.fail_at(broken->key->name, limit_phrase(shape, *broken->key));
     const auto rounded = broken_limit(transformed(primitive, [&](const Real& x) { return numbers.stored(x); }));
-    const bool equals_previous = rounded && (rounded->key->limit == Key::Limit::apart_from_before ||
+    const bool equals_previous = rounded && (rounded->key->limit == Key::Limit::differs_from_previous ||
                                              rounded->key->limit == Key::Limit::non_negative_below_previous ||
                                              rounded->key->limit == Key::Limit::positive_below_previous);
     if (equals_previous)
         table.fail_at(rounded->key->name, "equals " + std::string((rounded->key - 1)->name) +
                                               " in binary32, to which inputs = \"shared\" rounds; move one of the two, "
                                               "or write inputs = \"own\"");
-    if (rounded && rounded->key->limit == Key::Limit::off_line_before)
+    if (rounded && rounded->key->limit == Key::Limit::not_collinear_with_previous)
         table.fail_at(rounded->key->name, "lies on one line with " + std::string((rounded->key - 2)->name) + " and " +
                                               std::string((rounded->key - 1)->name) +
                                               " in binary32, to which inputs = \"shared\" rounds, so that no ray meets "
@@ -208,7 +208,7 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
     }
     if (auto flake = file.optional_table("sphereflake")) scene.flake = sphere::read_sphereflake(*flake);
     if (scene.flake) scene.flake->stop = options.stop;
-    const triangle::MeshTerms terms{options.stop, scene.inputs == Inputs::shared ? binary32 : binary64};
+    const triangle::MeshSettings terms{options.stop, scene.inputs == Inputs::shared ? binary32 : binary64};
     std::vector<triangle::Mesh> meshes;
     for (TableReader& table : file.tables("mesh")) {
         if (const auto placed = read_transform(table, numbers))
@@ -220,7 +220,7 @@ Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) c
                 "applies to all triangles of the scene, but there are several meshes; write them into one, or leave it "
                 "out");
     }
-    if (!meshes.empty()) scene.mesh = std::make_shared<const triangle::Mesh>(triangle::joined(std::move(meshes)));
+    if (!meshes.empty()) scene.mesh = std::make_shared<const triangle::Mesh>(triangle::join_meshes(std::move(meshes)));
     if (auto march = file.optional_table("march")) scene.march = read_march(*march, scene.inputs);
     if (auto rays = file.optional_table("rays")) scene.range = read_rays(*rays, scene.inputs, numbers);
     file.reject_unknown_keys();
@@ -251,7 +251,7 @@ std::vector<Primitive<Real>> Scene::primitives() const {
 
 std::vector<std::string> Scene::remarks() const {
     if (!mesh) return {};
-    return triangle::remarks_on(*mesh, inputs == Inputs::shared ? std::optional(binary32) : std::nullopt);
+    return triangle::mesh_remarks(*mesh, inputs == Inputs::shared ? std::optional(binary32) : std::nullopt);
 }
 
 std::vector<Shape> Scene::shapes() const {

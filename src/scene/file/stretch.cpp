@@ -36,7 +36,8 @@ Vec<Real> middle_of(const Primitive<Real>& primitive) {
     if (!primitive.placed) return middle;
     // The point that the stored inverse M⁻¹ transforms to the middle.
     if (primitive.placed->is_inverse)
-        return point_in_object(middle, Placement<Real>{primitive.placed->matrix, false, primitive.placed->orientation});
+        return point_to_object_space(middle,
+                                     Placement<Real>{primitive.placed->matrix, false, primitive.placed->orientation});
     return primitive.placed->map().point(middle);
 }
 
@@ -53,7 +54,7 @@ namespace {
 /// a vertex.
 Primitive<Real> at_vertex(const Scene& scene, const Vec<double>& v) {
     Primitive<double> triangle(scene.mesh->triangle(0));
-    for (std::size_t k = 0; k < triangle.used().size(); k += 3) triangle.set_point(k, v);
+    for (std::size_t k = 0; k < triangle.shape_numbers().size(); k += 3) triangle.set_point(k, v);
     triangle.placed = scene.mesh_placed;
     return transformed(triangle, [](double x) { return Real(x); });
 }
@@ -124,9 +125,10 @@ Primitive<Real> translate(const Primitive<Real>& primitive, const Vec<Real>& off
 }
 
 std::optional<Primitive<Real>> grow(const Primitive<Real>& primitive, const Vec<Real>& viewpoint, const Real& k) {
-    const Vec<Real> object_viewpoint = primitive.placed ? point_in_object(viewpoint, *primitive.placed) : viewpoint;
+    const Vec<Real> object_viewpoint =
+        primitive.placed ? point_to_object_space(viewpoint, *primitive.placed) : viewpoint;
     auto result = visit(primitive, [&](const auto& shape) -> std::optional<Primitive<Real>> {
-        return shape.grown(object_viewpoint, k);
+        return shape.scaled_about(object_viewpoint, k);
     });
     if (result) result->placed = primitive.placed;
     return result;

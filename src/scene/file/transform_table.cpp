@@ -166,7 +166,7 @@ std::optional<Placement<Real>> read_transform(TableReader& primitive, const Stor
     const MapSteps steps = read_steps(*table);
     table->reject_unknown_keys();
     const auto is_singular = [](const Map& map) { return !to_placement(map, false).is_proper(); };
-    steps.fail_if(is_singular, std::string(singular_words));
+    steps.fail_if(is_singular, std::string(singular_reason));
     const auto placement = [&](const Map& map) { return to_placement(is_inverse ? inverse(map) : map, is_inverse); };
     steps.fail_if(
         [&](const Map& map) {

@@ -78,7 +78,7 @@ Ray<double> ray_from_surface(Random& random, const F& distribution, const Primit
 
 /// Base of the ray distribution of a shape. The distribution is a struct F that derives from this one and has the name
 /// of a table and
-///     static Primitive<double> drawn(Random&, const Vec<double>& middle, double size)
+///     static Primitive<double> draw_primitive(Random&, const Vec<double>& middle, double size)
 /// It may also have targets:
 ///     static constexpr std::pair<std::string_view, int> aims[]    values of the key `aim` by name; else aim is 0
 ///     static AimedPlace aimed_at(Random&, const Primitive<double>&, int aim)
@@ -114,7 +114,7 @@ struct AimedDistribution {
     [[nodiscard]] std::vector<RayGroup> draw() const {
         return draw_views(*this, [](Random& random, const AimedDistribution& f) {
             const auto draw_primitive = [&](const Vec<double>& middle) {
-                return transformed(F::drawn(random, middle, f.size), [](double x) { return stored(x); });
+                return transformed(F::draw_primitive(random, middle, f.size), [](double x) { return stored(x); });
             };
             const Primitive<double> primitive = draw_primitive(offset_of(f));
             RayGroup group;

@@ -60,7 +60,7 @@ void LostLengths::add(const Primitive<double>& before, const Primitive<double>& 
                 add_loss(std::string(key.name), stored[i], "rounds to 0", where);
             if (std::isinf(rounded[i])) add_loss(std::string(key.name), stored[i], "rounds to infinity", where);
         }
-        for (std::size_t i = 0; key.limit == Key::Limit::at_least_before && i < key.count(); ++i) {
+        for (std::size_t i = 0; key.limit == Key::Limit::at_least_previous && i < key.count(); ++i) {
             const std::size_t count = key.count();
             const double thickness = stored[i] - (stored - count)[i];
             if (!(thickness > 0) || rounded[i] != (rounded - count)[i] || std::isinf(rounded[i])) continue;
@@ -69,7 +69,7 @@ void LostLengths::add(const Primitive<double>& before, const Primitive<double>& 
         }
     });
     for_each_key(before.shape, [&](const Key& key, std::size_t k) {
-        if (key.limit == Key::Limit::apart_from_before && after.point(k) == after.point(k - 3))
+        if (key.limit == Key::Limit::differs_from_previous && after.point(k) == after.point(k - 3))
             add_loss("the distance to " + std::string(key.name),
                      length(Vec<double>(before.point(k) - before.point(k - 3))), "rounds to 0", where);
         if (!key.is_length())

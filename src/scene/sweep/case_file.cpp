@@ -62,7 +62,7 @@ struct Symmetry {
             for (int i = 0; i < 3; ++i) {
                 double& x = result.numbers[k + static_cast<std::size_t>(i)] = point[i];
                 if (key.kind == Key::Kind::lengths) x = std::fabs(x);
-                if (key.limit != Key::Limit::at_least_before) continue;
+                if (key.limit != Key::Limit::at_least_previous) continue;
                 // A mirror swaps the corners. Coordinates are not sorted, because −0 and +0 are equal, and each of them
                 // stays where the file has it. Corners that a format's rounding puts in the wrong order (1 + ulp to
                 // 1.0001) are swapped.
@@ -141,7 +141,7 @@ CaseFile::Case CaseFile::read_case(TableReader& table) {
                 if (!spec.matrix.empty()) primitive.fail_at(key, "is given together with matrix; write one of the two");
                 spec.matrix = read_quantities(primitive, key, Affine<double>::numbers, false);
                 spec.is_inverse = is_inverse;
-                if (!spec.in(binary64, 0).placed->is_proper()) primitive.fail_at(key, std::string(singular_words));
+                if (!spec.in(binary64, 0).placed->is_proper()) primitive.fail_at(key, std::string(singular_reason));
             }
             primitive.reject_unknown_keys();
             const toml::Where where = primitive.where();

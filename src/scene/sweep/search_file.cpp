@@ -69,7 +69,7 @@ SearchFile::SearchFile(const std::filesystem::path& path, const std::vector<toml
         }
     }
     table.read("at_edge", at_edge);
-    if (at_edge && !row_of(shape).edges)
+    if (at_edge && !row_of(shape).has_edges)
         table.reject("at_edge", "needs a box, because rays are aimed at its edges; leave it out");
     if (table.has("aim")) read_aim(table);
     table.read("metric", metric);
@@ -109,7 +109,7 @@ bool SearchFile::holds(const Ray<double>& ray, const Primitive<double>& primitiv
             if (!ranges[i++].holds(v[k])) return false;
         }
     }
-    for (const double x : primitive.used()) {
+    for (const double x : primitive.shape_numbers()) {
         if (!ranges[i++].holds(x)) return false;
     }
     if (!is_round()) return !broken_limit(primitive) && ray.direction != Vec<double>(0, 0, 0);

@@ -36,7 +36,7 @@ public:
 
     Shape shape{};
     /// True if the primitives of the search are round, so that a ray has a distance and an impact in radii.
-    [[nodiscard]] bool is_round() const { return row_of(shape).round; }
+    [[nodiscard]] bool is_round() const { return row_of(shape).is_ball; }
     /// The ranges of origin x, y, z, direction x, y, z, and the primitive's numbers, in this order.
     std::vector<SearchedRange> ranges;
     /// Spheres only: distances from the eye to the centre and from the line to the centre, in radii. Losses of far rays

@@ -21,15 +21,15 @@ struct Capsule {
     T radius;
 
     static constexpr std::string_view name = "capsule", plural = "capsules";
-    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = false,
-                          edges = false;
-    static constexpr ShapeTexts texts{.plainest = "a capsule of radius 1 along the z axis, from -2 to 2",
-                                      .touching = "a ray that touches",
-                                      .point = "a radius of 0",
-                                      .places = "ends of axes"};
+    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_takes_unit_direction = true,
+                          is_ball = false, has_edges = false;
+    static constexpr ShapeTexts texts{.simplest = "a capsule of radius 1 along the z axis, from -2 to 2",
+                                      .touching_ray = "a ray that touches",
+                                      .degenerate = "a radius of 0",
+                                      .anchor_points = "ends of axes"};
     static constexpr std::array<Key, 3> keys{
         {{.name = "start", .letter = "s"},
-         {.name = "end", .letter = "e", .limit = Key::Limit::apart_from_before},
+         {.name = "end", .letter = "e", .limit = Key::Limit::differs_from_previous},
          {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
 
     /// Builds a capsule along z. The ball at each end is a quarter of its length.
@@ -50,17 +50,17 @@ struct Capsule {
     }
     /// Returns the capsule scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
     /// there is no single nearest point.
-    [[nodiscard]] std::optional<Capsule> grown(const Vec<T>& fixed, const T& k) const {
-        const Vec<T> w = fixed - on_axis(fixed);
+    [[nodiscard]] std::optional<Capsule> scaled_about(const Vec<T>& fixed, const T& k) const {
+        const Vec<T> w = fixed - nearest_on_axis(fixed);
         if (length(w) == 0) return std::nullopt;
-        const Vec<T> nearest_point = onto_surface(fixed);
+        const Vec<T> nearest_point = project_onto_surface(fixed);
         return Capsule{nearest_point + k * (start - nearest_point), nearest_point + k * (end - nearest_point),
                        k * radius};
     }
 
     /// The line crosses the planes at the two ends in some order, and enters the infinite cylinder of the side once. If
     /// it enters the cylinder before the first plane, it enters the capsule by the ball at the first end; between the
-    /// planes, by the side; and behind both, by the other ball. It leaves in the same way. A line parallel to the axis
+    /// planes, by the side; and beyond both, by the other ball. It leaves in the same way. A line parallel to the axis
     /// enters and leaves by the balls. A line parallel to the planes meets the side if it is between them, and the ball
     /// at an end if it is beyond that end. The side is that of the cylinder: with v = end − start, f = o − start, m = v
     /// × f and n = v × d, h = m·n, c = m² − r²v², a = n², q = v²(r²n² − (f·n)²).
@@ -68,57 +68,63 @@ struct Capsule {
         const T zero(0), one(1);
         const Vec<T>& d = ray.direction;
         const Vec<T> v = axis(), f = ray.origin - start, m = cross(v, f), n = cross(v, d);
-        const T v2 = square(v), r2 = square(radius), a = square(n), low = dot(v, f), rise = dot(v, d), d2 = square(d);
+        const T v2 = square(v), r2 = square(radius), a = square(n), v_dot_f = dot(v, f), v_dot_d = dot(v, d),
+                d2 = square(d);
         const QuadraticSpan<T> side{dot(m, n), square(m) - r2 * v2, a, v2 * (r2 * a - square(dot(f, n))), d2};
         const QuadraticSpan<T> at_start = Sphere<T>{start, radius}.span(ray), at_end = Sphere<T>{end, radius}.span(ray);
-        const auto up = rise > zero, is_parallel = !(up || rise < zero), below = low<zero, above = low> v2;
-        const T size = select(up, rise, -rise);
+        const auto is_upward = v_dot_d > zero, is_parallel = !(is_upward || v_dot_d < zero),
+                   is_below = v_dot_f<zero, is_above = v_dot_f> v2;
+        const T magnitude = select(is_upward, v_dot_d, -v_dot_d);
         const Fraction<T> minus_infinity{-one, zero}, plus_infinity{one, zero};
-        const Fraction<T> in_if_parallel = select(below, plus_infinity, minus_infinity),
-                          out_if_parallel = select(above, minus_infinity, plus_infinity);
-        const Fraction<T> t_in =
-            select(is_parallel, in_if_parallel, select(up, Fraction<T>{-low, size}, Fraction<T>{low - v2, size}));
-        const Fraction<T> t_out =
-            select(is_parallel, out_if_parallel, select(up, Fraction<T>{v2 - low, size}, Fraction<T>{low, size}));
-        const QuadraticSpan<T> first = select(up || (is_parallel && !above), at_start, at_end);
-        const QuadraticSpan<T> last = select(up || (is_parallel && !below), at_end, at_start);
-        const auto is_along_axis = a <= zero, in_before = quadratic_at(side, t_in).near_root().less;
-        const auto in_between = quadratic_at(side, t_out).near_root().at_most;
-        const auto out_before = quadratic_at(side, t_in).far_root().less;
-        const auto out_between = quadratic_at(side, t_out).far_root().at_most;
-        return {.enter = select(is_along_axis || in_before, first, select(in_between, side, last)),
-                .leave = select(is_along_axis || !out_between, last, select(out_before, first, side)),
+        const Fraction<T> first_if_parallel = select(is_below, plus_infinity, minus_infinity),
+                          last_if_parallel = select(is_above, minus_infinity, plus_infinity);
+        const Fraction<T> first_plane_t =
+            select(is_parallel, first_if_parallel,
+                   select(is_upward, Fraction<T>{-v_dot_f, magnitude}, Fraction<T>{v_dot_f - v2, magnitude}));
+        const Fraction<T> last_plane_t =
+            select(is_parallel, last_if_parallel,
+                   select(is_upward, Fraction<T>{v2 - v_dot_f, magnitude}, Fraction<T>{v_dot_f, magnitude}));
+        const QuadraticSpan<T> first_ball = select(is_upward || (is_parallel && !is_above), at_start, at_end);
+        const QuadraticSpan<T> last_ball = select(is_upward || (is_parallel && !is_below), at_end, at_start);
+        const auto is_along_axis = a <= zero, enters_before_first = quadratic_at(side, first_plane_t).near_root().less;
+        const auto enters_before_last = quadratic_at(side, last_plane_t).near_root().at_most;
+        const auto leaves_before_first = quadratic_at(side, first_plane_t).far_root().less;
+        const auto leaves_before_last = quadratic_at(side, last_plane_t).far_root().at_most;
+        return {.enter = select(is_along_axis || enters_before_first, first_ball,
+                                select(enters_before_last, side, last_ball)),
+                .leave = select(is_along_axis || !leaves_before_last, last_ball,
+                                select(leaves_before_first, first_ball, side)),
                 .d2 = d2};
     }
     /// Returns the signed distance of a point from the surface, in units of `unit()`, positive outside.
-    [[nodiscard]] T off_surface(const Vec<T>& p) const { return distance(p) / radius; }
+    [[nodiscard]] T relative_distance(const Vec<T>& p) const { return distance(p) / radius; }
     [[nodiscard]] T unit() const { return radius; }
     /// Returns the signed distance of a point from the surface, negative inside: |p − q| − r with q the point of the
     /// axis nearest to p.
-    [[nodiscard]] T distance(const Vec<T>& p) const { return length(Vec<T>(p - on_axis(p))) - radius; }
+    [[nodiscard]] T distance(const Vec<T>& p) const { return length(Vec<T>(p - nearest_on_axis(p))) - radius; }
     /// Returns the outward unit normal at the point p of a ray: away from the axis.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
-        const Vec<T> w = p - on_axis(p);
+        const Vec<T> w = p - nearest_on_axis(p);
         const T k = T(1) / length(w);
         return {k * w.x, k * w.y, k * w.z};
     }
-    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
+    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return project_onto_surface(p); }
     /// Returns the projected point with its error bound, which is that of the cylinder.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - start)) + radius;
-        BoundedPoint<T> bounded{onto_surface(p), p};
+        BoundedPoint<T> bounded{project_onto_surface(p), p};
         for (int i = 0; i < 3; ++i) bounded.delta[i] = gamma_bound<T>(16) * size + gamma_bound<T>(3) * abs(start[i]);
         return bounded;
     }
 
 private:
     [[nodiscard]] Vec<T> axis() const { return end - start; }
-    [[nodiscard]] Vec<T> on_axis(const Vec<T>& p) const {
+    [[nodiscard]] Vec<T> nearest_on_axis(const Vec<T>& p) const {
         const Vec<T> v = axis();
         return start + min(max(dot(v, Vec<T>(p - start)) / square(v), T(0)), T(1)) * v;
     }
-    [[nodiscard]] Vec<T> onto_surface(const Vec<T>& p) const {
-        const Vec<T> q = on_axis(p), w = p - q;
+    [[nodiscard]] Vec<T> project_onto_surface(const Vec<T>& p) const {
+        const Vec<T> q = nearest_on_axis(p), w = p - q;
         return q + (radius / length(w)) * w;
     }
 };

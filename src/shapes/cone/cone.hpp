@@ -24,15 +24,15 @@ struct Cone {
     T top_radius;
 
     static constexpr std::string_view name = "cone", plural = "cones";
-    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = false,
-                          edges = false;
-    static constexpr ShapeTexts texts{.plainest = "a cone along the z axis, from radius 2 at -2 to radius 1 at 2",
-                                      .touching = "a ray along its side",
-                                      .point = "a radius of 0 at the base",
-                                      .places = "ends of axes"};
+    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_takes_unit_direction = true,
+                          is_ball = false, has_edges = false;
+    static constexpr ShapeTexts texts{.simplest = "a cone along the z axis, from radius 2 at -2 to radius 1 at 2",
+                                      .touching_ray = "a ray along its side",
+                                      .degenerate = "a radius of 0 at the base",
+                                      .anchor_points = "ends of axes"};
     static constexpr std::array<Key, 4> keys{
         {{.name = "base", .letter = "b"},
-         {.name = "top", .letter = "t", .limit = Key::Limit::apart_from_before},
+         {.name = "top", .letter = "t", .limit = Key::Limit::differs_from_previous},
          {.name = "base_radius", .letter = "rb", .kind = Key::Kind::length, .limit = Key::Limit::positive},
          {.name = "top_radius", .letter = "rt", .kind = Key::Kind::length, .limit = Key::Limit::not_negative}}};
 
@@ -47,15 +47,15 @@ struct Cone {
     /// Returns the point of the cone at the fraction u.x of its height, and at the fractions u.y and u.z of its width
     /// there.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
-        const AcrossAxis<T> across(axis());
+        const PerpendicularAxes<T> axes(axis());
         const T r = base_radius + u.x * (top_radius - base_radius);
-        return base + u.x * axis() + ((2 * u.y - 1) * r) * across.side + ((2 * u.z - 1) * r) * across.other;
+        return base + u.x * axis() + ((2 * u.y - 1) * r) * axes.first + ((2 * u.z - 1) * r) * axes.second;
     }
     /// Returns the cone scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
     /// there is no single nearest point.
-    [[nodiscard]] std::optional<Cone> grown(const Vec<T>& fixed, const T& k) const {
+    [[nodiscard]] std::optional<Cone> scaled_about(const Vec<T>& fixed, const T& k) const {
         if (length(perpendicular_to_axis(fixed)) == 0) return std::nullopt;
-        const Vec<T> nearest_point = onto_surface(fixed);
+        const Vec<T> nearest_point = project_onto_surface(fixed);
         return Cone{nearest_point + k * (base - nearest_point), nearest_point + k * (top - nearest_point),
                     k * base_radius, k * top_radius};
     }
@@ -73,25 +73,25 @@ struct Cone {
     [[nodiscard]] CappedSpan<T> span(const Ray<T>& ray) const {
         const Vec<T>& d = ray.direction;
         const Vec<T> v = axis(), f = ray.origin - base, m = cross(v, f), n = cross(v, d), w = cross(d, f);
-        const T v2 = square(v), low = dot(v, f), along_axis = dot(v, d), s = top_radius - base_radius, vw = dot(v, w);
-        const T rho = base_radius * v2 + s * low, sigma = s * along_axis;
+        const T v2 = square(v), v_dot_f = dot(v, f), v_dot_d = dot(v, d), s = top_radius - base_radius, vw = dot(v, w);
+        const T rho = base_radius * v2 + s * v_dot_f, sigma = s * v_dot_d;
         const Vec<T> k = v2 * (base_radius * n - s * w) + (s * vw) * v;
         return capped<T>({v2 * dot(m, n) - rho * sigma, v2 * square(m) - square(rho), v2 * square(n) - square(sigma),
                           v2 * (square(k) - square(v2 * vw)), square(d)},
-                         low, along_axis, v2);
+                         v_dot_f, v_dot_d, v2);
     }
     /// Returns the signed distance of a point from the side or from the caps, whichever is larger, in units of
     /// `unit()`, positive outside.
-    [[nodiscard]] T off_surface(const Vec<T>& p) const {
+    [[nodiscard]] T relative_distance(const Vec<T>& p) const {
         const Profile profile(*this, p);
-        return max(profile.off_side(), profile.off_caps()) / unit();
+        return max(profile.side_distance(), profile.cap_distance()) / unit();
     }
     /// Returns the larger radius.
     [[nodiscard]] T unit() const { return max(base_radius, top_radius); }
     /// Returns the signed distance of a point from the surface, negative inside.
     [[nodiscard]] T distance(const Vec<T>& p) const {
         const Profile profile(*this, p);
-        const T signed_distance = max(profile.off_side(), profile.off_caps());
+        const T signed_distance = max(profile.side_distance(), profile.cap_distance());
         return select(signed_distance <= T(0), signed_distance, profile.distance_to_nearest());
     }
     /// Returns the outward unit normal at the point p of a ray: that of the side or of the cap, whichever is nearer to
@@ -99,19 +99,19 @@ struct Cone {
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
         const Profile profile(*this, p);
         const Vec<T> v = axis(), w = perpendicular_to_axis(p);
-        const auto is_cap = profile.off_caps() > profile.off_side();
+        const auto is_cap = profile.cap_distance() > profile.side_distance();
         const T end_sign = select(profile.y + profile.y < profile.height, T(-1), T(1));
         const T axis_factor = select(is_cap, end_sign, profile.fall / profile.slant) / profile.height;
         const T radial_factor = select(is_cap, T(0), profile.height / profile.slant / length(w));
         return {axis_factor * v.x + radial_factor * w.x, axis_factor * v.y + radial_factor * w.y,
                 axis_factor * v.z + radial_factor * w.z};
     }
-    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
+    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return project_onto_surface(p); }
     /// Returns the projected point with its error bound. The bound is that of the cylinder, with two more roundings of
     /// the position along the side. They move the point along the surface, except for the rounding of the radius there.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - base)) + unit();
-        BoundedPoint<T> bounded{onto_surface(p), p};
+        BoundedPoint<T> bounded{project_onto_surface(p), p};
         for (int i = 0; i < 3; ++i) bounded.delta[i] = gamma_bound<T>(18) * size + gamma_bound<T>(3) * abs(base[i]);
         return bounded;
     }
@@ -135,8 +135,8 @@ private:
               top_radius(cone.top_radius),
               fall(base_radius - top_radius),
               slant(sqrt(square(height) + square(fall))) {}
-        [[nodiscard]] T off_side() const { return ((x - base_radius) * height + y * fall) / slant; }
-        [[nodiscard]] T off_caps() const { return max(-y, y - height); }
+        [[nodiscard]] T side_distance() const { return ((x - base_radius) * height + y * fall) / slant; }
+        [[nodiscard]] T cap_distance() const { return max(-y, y - height); }
         /// Returns the nearest point of the side.
         [[nodiscard]] Point on_side() const {
             const T position = (y * height - (x - base_radius) * fall) / square(slant),
@@ -165,7 +165,7 @@ private:
         const Vec<T> v = axis(), f = p - base;
         return f - (dot(v, f) / square(v)) * v;
     }
-    [[nodiscard]] Vec<T> onto_surface(const Vec<T>& p) const {
+    [[nodiscard]] Vec<T> project_onto_surface(const Vec<T>& p) const {
         const Profile profile(*this, p);
         const auto nearest_point = profile.nearest();
         const Vec<T> w = perpendicular_to_axis(p);

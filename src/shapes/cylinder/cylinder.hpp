@@ -22,15 +22,15 @@ struct Cylinder {
     T radius;
 
     static constexpr std::string_view name = "cylinder", plural = "cylinders";
-    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = false,
-                          edges = false;
-    static constexpr ShapeTexts texts{.plainest = "a cylinder of radius 2 along the z axis, from -2 to 2",
-                                      .touching = "a ray along its side",
-                                      .point = "a radius of 0",
-                                      .places = "ends of axes"};
+    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_takes_unit_direction = true,
+                          is_ball = false, has_edges = false;
+    static constexpr ShapeTexts texts{.simplest = "a cylinder of radius 2 along the z axis, from -2 to 2",
+                                      .touching_ray = "a ray along its side",
+                                      .degenerate = "a radius of 0",
+                                      .anchor_points = "ends of axes"};
     static constexpr std::array<Key, 3> keys{
         {{.name = "base", .letter = "b"},
-         {.name = "top", .letter = "t", .limit = Key::Limit::apart_from_before},
+         {.name = "top", .letter = "t", .limit = Key::Limit::differs_from_previous},
          {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
 
     static Cylinder around(const Vec<T>& p, const T& half) {
@@ -44,14 +44,14 @@ struct Cylinder {
     /// Returns the point of the cylinder at the fraction u.x of its height, and at the fractions u.y and u.z of its
     /// width.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
-        const AcrossAxis<T> across(axis());
-        return base + u.x * axis() + ((2 * u.y - 1) * radius) * across.side + ((2 * u.z - 1) * radius) * across.other;
+        const PerpendicularAxes<T> axes(axis());
+        return base + u.x * axis() + ((2 * u.y - 1) * radius) * axes.first + ((2 * u.z - 1) * radius) * axes.second;
     }
     /// Returns the cylinder scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
     /// there is no single nearest point.
-    [[nodiscard]] std::optional<Cylinder> grown(const Vec<T>& fixed, const T& k) const {
-        if (length(across(fixed)) == 0) return std::nullopt;
-        const Vec<T> nearest_point = onto_surface(fixed);
+    [[nodiscard]] std::optional<Cylinder> scaled_about(const Vec<T>& fixed, const T& k) const {
+        if (length(perpendicular_to_axis(fixed)) == 0) return std::nullopt;
+        const Vec<T> nearest_point = project_onto_surface(fixed);
         return Cylinder{nearest_point + k * (base - nearest_point), nearest_point + k * (top - nearest_point),
                         k * radius};
     }
@@ -69,33 +69,33 @@ struct Cylinder {
     }
     /// Returns the signed distance of a point from the side or from the caps, whichever is larger, in units of
     /// `unit()`, positive outside.
-    [[nodiscard]] T off_surface(const Vec<T>& p) const { return max(off_side(p), off_caps(p)) / radius; }
+    [[nodiscard]] T relative_distance(const Vec<T>& p) const { return max(side_distance(p), cap_distance(p)) / radius; }
     [[nodiscard]] T unit() const { return radius; }
     /// Returns the signed distance of a point from the surface, negative inside: that of a rectangle in the plane of
     /// the axis and the point.
     [[nodiscard]] T distance(const Vec<T>& p) const {
-        const T zero(0), x = off_side(p), y = off_caps(p), out_x = max(x, zero), out_y = max(y, zero);
+        const T zero(0), x = side_distance(p), y = cap_distance(p), out_x = max(x, zero), out_y = max(y, zero);
         return sqrt(square(out_x) + square(out_y)) + min(max(x, y), zero);
     }
     /// Returns the outward unit normal at the point p of a ray: that of the side or of the cap, whichever is nearer to
     /// p.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
-        const Vec<T> v = axis(), w = across(p);
+        const Vec<T> v = axis(), w = perpendicular_to_axis(p);
         const T axis_position = dot(v, Vec<T>(p - middle())), w_factor = T(1) / length(w), size = T(1) / length(v);
-        const auto is_cap = off_caps(p) > off_side(p);
+        const auto is_cap = cap_distance(p) > side_distance(p);
         const T v_factor = select(axis_position < T(0), -size, size);
         const auto component = [&](const T& w_component, const T& v_component) {
             return select(is_cap, v_component * v_factor, w_component * w_factor);
         };
         return {component(w.x, v.x), component(w.y, v.y), component(w.z, v.z)};
     }
-    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
+    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return project_onto_surface(p); }
     /// Returns the projected point with its error bound. The position along the axis is off by γ(8)|p − base|/|v|,
     /// which only moves the point along the surface. The vector across the axis, the foot of the perpendicular and the
     /// sum add about ten more roundings of no more than |p − base| + r.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - base)) + radius;
-        BoundedPoint<T> bounded{onto_surface(p), p};
+        BoundedPoint<T> bounded{project_onto_surface(p), p};
         for (int i = 0; i < 3; ++i) bounded.delta[i] = gamma_bound<T>(16) * size + gamma_bound<T>(3) * abs(base[i]);
         return bounded;
     }
@@ -103,23 +103,23 @@ struct Cylinder {
 private:
     [[nodiscard]] Vec<T> axis() const { return top - base; }
     /// Returns the vector from the axis to p, perpendicular to the axis.
-    [[nodiscard]] Vec<T> across(const Vec<T>& p) const {
+    [[nodiscard]] Vec<T> perpendicular_to_axis(const Vec<T>& p) const {
         const Vec<T> v = axis(), f = p - base;
         return f - (dot(v, f) / square(v)) * v;
     }
-    [[nodiscard]] T off_side(const Vec<T>& p) const {
+    [[nodiscard]] T side_distance(const Vec<T>& p) const {
         return length(cross(axis(), Vec<T>(p - base))) / length(axis()) - radius;
     }
-    [[nodiscard]] T off_caps(const Vec<T>& p) const {
+    [[nodiscard]] T cap_distance(const Vec<T>& p) const {
         const Vec<T> v = axis();
         return max(-dot(v, Vec<T>(p - base)), dot(v, Vec<T>(p - top))) / length(v);
     }
     /// Moves a point to the surface. The coordinates are the distance from the axis and the position along it. Outside,
     /// each coordinate beyond its limit is moved to the limit. Inside, the coordinate nearer to its limit is moved to
     /// it.
-    [[nodiscard]] Vec<T> onto_surface(const Vec<T>& p) const {
-        const T zero(0), one(1), x = off_side(p), y = off_caps(p);
-        const Vec<T> v = axis(), w = across(p);
+    [[nodiscard]] Vec<T> project_onto_surface(const Vec<T>& p) const {
+        const T zero(0), one(1), x = side_distance(p), y = cap_distance(p);
+        const Vec<T> v = axis(), w = perpendicular_to_axis(p);
         const T axis_fraction = dot(v, Vec<T>(p - base)) / square(v), size = length(w);
         const auto moves_to_side = x > zero || (x >= y && y <= zero), moves_to_cap = y > zero || (y > x && x <= zero);
         const T k = select(moves_to_side, radius / size, one);

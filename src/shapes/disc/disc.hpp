@@ -24,12 +24,12 @@ struct Disc {
     T inner_radius;
 
     static constexpr std::string_view name = "disc", plural = "discs";
-    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = false,
-                          edges = false;
-    static constexpr ShapeTexts texts{.plainest = "a disc of radius 2 in the plane z = -2",
-                                      .touching = "a ray through its rim",
-                                      .point = "an outer radius of 0",
-                                      .places = "centres"};
+    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_takes_unit_direction = true,
+                          is_ball = false, has_edges = false;
+    static constexpr ShapeTexts texts{.simplest = "a disc of radius 2 in the plane z = -2",
+                                      .touching_ray = "a ray through its rim",
+                                      .degenerate = "an outer radius of 0",
+                                      .anchor_points = "centres"};
     static constexpr std::array<Key, 4> keys{
         {{.name = "centre", .letter = "c", .aliases = {"center"}},
          {.name = "normal", .letter = "n", .kind = Key::Kind::direction, .limit = Key::Limit::not_zero},
@@ -52,14 +52,14 @@ struct Disc {
     /// Returns the point at the fraction u.z of the distance from the inner rim to the outer, in the direction of u.x
     /// and u.y.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
-        const AcrossAxis<T> across(normal);
+        const PerpendicularAxes<T> axes(normal);
         const T x = 2 * u.x - 1, y = 2 * u.y - 1, size = sqrt(square(x) + square(y));
         const T r = inner_radius + u.z * (outer_radius - inner_radius);
-        if (size == 0) return centre + r * across.side;
-        return centre + (r * x / size) * across.side + (r * y / size) * across.other;
+        if (size == 0) return centre + r * axes.first;
+        return centre + (r * x / size) * axes.first + (r * y / size) * axes.second;
     }
-    [[nodiscard]] std::optional<Disc> grown(const Vec<T>& fixed, const T& k) const {
-        if (length(Vec<T>(onto_plane(fixed) - centre)) == 0) return std::nullopt;
+    [[nodiscard]] std::optional<Disc> scaled_about(const Vec<T>& fixed, const T& k) const {
+        if (length(Vec<T>(project_onto_plane(fixed) - centre)) == 0) return std::nullopt;
         const Vec<T> nearest_point = nearest(fixed);
         return Disc{nearest_point + k * (centre - nearest_point), normal, k * outer_radius, k * inner_radius};
     }
@@ -75,45 +75,47 @@ struct Disc {
         const T m = dot(d, normal), k = -dot(f, normal), m2 = square(m);
         const T p2 = square(cross(normal, cross(f, d))), outer = square(outer_radius) * m2;
         const T inner = square(inner_radius) * m2;
-        const auto back = m > zero, front = m < zero, crossed = back || front, whole = inner_radius <= zero;
-        return {.at = {select(back, k, -k), select(back, m, -m)},
-                .closed = crossed && p2 <= outer && (whole || p2 >= inner),
-                .open = crossed && p2 < outer && (whole || p2 > inner),
-                .front = front,
+        const auto is_back = m > zero, is_front = m < zero, is_crossed = is_back || is_front,
+                   is_full_disc = inner_radius <= zero;
+        return {.at = {select(is_back, k, -k), select(is_back, m, -m)},
+                .closed = is_crossed && p2 <= outer && (is_full_disc || p2 >= inner),
+                .open = is_crossed && p2 < outer && (is_full_disc || p2 > inner),
+                .is_front = is_front,
                 .d2 = square(d)};
     }
     /// Returns the signed distance of a point from the plane, in units of `unit()`, positive on the side that the
     /// normal points to.
-    [[nodiscard]] T off_surface(const Vec<T>& p) const {
+    [[nodiscard]] T relative_distance(const Vec<T>& p) const {
         return dot(p - centre, normal) / (length(normal) * outer_radius);
     }
     [[nodiscard]] T unit() const { return outer_radius; }
     /// Returns |p − q| with q the point of the disc nearest to p. A disc has no inside, so this is never negative.
     [[nodiscard]] T distance(const Vec<T>& p) const {
-        const T radius_of_p = length(Vec<T>(onto_plane(p) - centre)), up = dot(p - centre, normal) / length(normal);
-        return sqrt(square(max(max(inner_radius - radius_of_p, radius_of_p - outer_radius), T(0))) + square(up));
+        const T radius_of_p = length(Vec<T>(project_onto_plane(p) - centre)),
+                height = dot(p - centre, normal) / length(normal);
+        return sqrt(square(max(max(inner_radius - radius_of_p, radius_of_p - outer_radius), T(0))) + square(height));
     }
     /// Returns the unit normal on the side that the ray comes from.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>&) const {
         const T size = length(normal);
         return (T(1) / (dot(normal, ray.direction) > T(0) ? -size : size)) * normal;
     }
-    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_plane(p); }
+    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return project_onto_plane(p); }
     /// Returns the projected point p − (n·f/n²) n, f = p − centre, with its error bound: the subtracted term is off by
     /// γ(10)|f|, and f and the difference by one rounding each.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - centre));
-        BoundedPoint<T> bounded{onto_plane(p), p};
+        BoundedPoint<T> bounded{project_onto_plane(p), p};
         for (int i = 0; i < 3; ++i) bounded.delta[i] = gamma_bound<T>(12) * size + gamma_bound<T>(2) * abs(p[i]);
         return bounded;
     }
 
 private:
-    [[nodiscard]] Vec<T> onto_plane(const Vec<T>& p) const {
+    [[nodiscard]] Vec<T> project_onto_plane(const Vec<T>& p) const {
         return p - (dot(p - centre, normal) / square(normal)) * normal;
     }
     [[nodiscard]] Vec<T> nearest(const Vec<T>& p) const {
-        const Vec<T> w = onto_plane(p) - centre;
+        const Vec<T> w = project_onto_plane(p) - centre;
         const T distance_from_centre = length(w);
         return centre + (min(max(distance_from_centre, inner_radius), outer_radius) / distance_from_centre) * w;
     }

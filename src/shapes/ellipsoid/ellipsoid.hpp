@@ -20,12 +20,12 @@ struct Ellipsoid {
     Vec<T> radii;
 
     static constexpr std::string_view name = "ellipsoid", plural = "ellipsoids";
-    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = false,
-                          edges = false;
-    static constexpr ShapeTexts texts{.plainest = "an ellipsoid of radii 2 around the origin",
-                                      .touching = "a ray that touches",
-                                      .point = "radii of 0",
-                                      .places = "centres"};
+    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_takes_unit_direction = true,
+                          is_ball = false, has_edges = false;
+    static constexpr ShapeTexts texts{.simplest = "an ellipsoid of radii 2 around the origin",
+                                      .touching_ray = "a ray that touches",
+                                      .degenerate = "radii of 0",
+                                      .anchor_points = "centres"};
     static constexpr std::array<Key, 2> keys{{{.name = "centre", .letter = "c", .aliases = {"center"}},
                                               {.name = "radii",
                                                .letter = "r",
@@ -46,9 +46,9 @@ struct Ellipsoid {
     }
     /// Returns the ellipsoid scaled by k so that its surface point between the centre and `fixed` does not move.
     /// Returns nothing if `fixed` is the centre.
-    [[nodiscard]] std::optional<Ellipsoid> grown(const Vec<T>& fixed, const T& k) const {
+    [[nodiscard]] std::optional<Ellipsoid> scaled_about(const Vec<T>& fixed, const T& k) const {
         const Vec<T> towards = fixed - centre;
-        const T distance = length(in_radii(towards));
+        const T distance = length(divide_by_radii(towards));
         if (distance == 0) return std::nullopt;
         return Ellipsoid{centre - ((k - 1) / distance) * towards, k * radii};
     }
@@ -66,8 +66,8 @@ struct Ellipsoid {
     /// Returns a lower bound of the signed distance of a point from the surface, in units of `unit()`, positive
     /// outside: (|v/r|² − 1)/(|v/r| + 1) with v = p − G. Along the shortest radius this is the distance; elsewhere it
     /// is less.
-    [[nodiscard]] T off_surface(const Vec<T>& p) const {
-        const Vec<T> v = in_radii(p - centre);
+    [[nodiscard]] T relative_distance(const Vec<T>& p) const {
+        const Vec<T> v = divide_by_radii(p - centre);
         const T v2 = square(v);
         return (v2 - T(1)) / (sqrt(v2) + T(1));
     }
@@ -75,11 +75,11 @@ struct Ellipsoid {
     [[nodiscard]] T unit() const { return min(min(radii.x, radii.y), radii.z); }
     /// Returns a lower bound of the distance of a point from the surface, negative inside: (|v/r| − 1) min(r), because
     /// |v/r| grows by at most 1/min(r) per unit of length. The distance itself has no closed form.
-    [[nodiscard]] T distance(const Vec<T>& p) const { return (length(in_radii(p - centre)) - T(1)) * unit(); }
+    [[nodiscard]] T distance(const Vec<T>& p) const { return (length(divide_by_radii(p - centre)) - T(1)) * unit(); }
     /// Returns the outward unit normal at the point p of a ray, along v/r². Its components are multiplied by the
     /// shortest radius, so that none is larger than 1 on the surface.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
-        const Vec<T> v = in_radii(p - centre);
+        const Vec<T> v = divide_by_radii(p - centre);
         const T least = unit();
         const Vec<T> n(v.x * (least / radii.x), v.y * (least / radii.y), v.z * (least / radii.z));
         const T size = length(n);
@@ -88,7 +88,7 @@ struct Ellipsoid {
     /// Moves the point of a ray onto the surface, along the line to the centre: G + v/|v/r|.
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const {
         const Vec<T> v = p - centre;
-        const T k = T(1) / length(in_radii(v));
+        const T k = T(1) / length(divide_by_radii(v));
         return {centre.x + k * v.x, centre.y + k * v.y, centre.z + k * v.z};
     }
     /// Returns the projected point with its error bound. |v/r| is off by γ(4) of itself (a quotient, a square and two
@@ -96,7 +96,7 @@ struct Ellipsoid {
     /// In the world, the bound follows as for the sphere.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const Vec<T> v = p - centre;
-        const T scale = T(1) / length(in_radii(v));
+        const T scale = T(1) / length(divide_by_radii(v));
         BoundedPoint<T> bounded{p, p};
         for (int i = 0; i < 3; ++i) {
             const T coordinate = v[i] * scale, size = abs(coordinate);
@@ -108,7 +108,9 @@ struct Ellipsoid {
     }
 
 private:
-    [[nodiscard]] Vec<T> in_radii(const Vec<T>& v) const { return {v.x / radii.x, v.y / radii.y, v.z / radii.z}; }
+    [[nodiscard]] Vec<T> divide_by_radii(const Vec<T>& v) const {
+        return {v.x / radii.x, v.y / radii.y, v.z / radii.z};
+    }
 };
 
 }  // namespace lostbits

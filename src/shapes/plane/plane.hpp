@@ -21,12 +21,12 @@ struct Plane {
     Vec<T> normal;
 
     static constexpr std::string_view name = "plane", plural = "planes";
-    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = false,
-                          edges = false;
-    static constexpr ShapeTexts texts{.plainest = "a plane through (0, 0, -2), across the z axis",
-                                      .touching = "a ray along it",
-                                      .point = "a normal of 0",
-                                      .places = "points"};
+    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_takes_unit_direction = true,
+                          is_ball = false, has_edges = false;
+    static constexpr ShapeTexts texts{.simplest = "a plane through (0, 0, -2), across the z axis",
+                                      .touching_ray = "a ray along it",
+                                      .degenerate = "a normal of 0",
+                                      .anchor_points = "points"};
     static constexpr std::array<Key, 2> keys{
         {{.name = "through", .letter = "q"},
          {.name = "normal", .letter = "n", .kind = Key::Kind::direction, .limit = Key::Limit::not_zero}}};
@@ -40,40 +40,42 @@ struct Plane {
     [[nodiscard]] Sphere<T> ball_around() const { return {through, T(0x1p100)}; }
     /// Returns the projection onto the plane of a point of the cube of side four around `through`.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
-        return onto_plane(through + Vec<T>(4 * u.x - 2, 4 * u.y - 2, 4 * u.z - 2));
+        return project_onto_plane(through + Vec<T>(4 * u.x - 2, 4 * u.y - 2, 4 * u.z - 2));
     }
-    [[nodiscard]] std::optional<Plane> grown(const Vec<T>&, const T&) const { return *this; }
+    [[nodiscard]] std::optional<Plane> scaled_about(const Vec<T>&, const T&) const { return *this; }
 
     /// t = n·(through − o)/(n·d): dyadic polynomials of degree two, for doubles 2 (1024 + 1074) + 3 < 4200 bits.
     [[nodiscard]] FlatSpan<T> span(const Ray<T>& ray) const {
         const T zero(0), m = dot(normal, ray.direction), k = dot(normal, Vec<T>(through - ray.origin));
-        const auto back = m > zero, front = m < zero, crossed = back || front;
-        return {.at = {select(back, k, -k), select(back, m, -m)},
-                .closed = crossed,
-                .open = crossed,
-                .front = front,
+        const auto is_back = m > zero, is_front = m < zero, is_crossed = is_back || is_front;
+        return {.at = {select(is_back, k, -k), select(is_back, m, -m)},
+                .closed = is_crossed,
+                .open = is_crossed,
+                .is_front = is_front,
                 .d2 = square(ray.direction)};
     }
     /// Returns the signed distance of a point from the plane, positive on the side that the normal points to.
-    [[nodiscard]] T off_surface(const Vec<T>& p) const { return dot(normal, Vec<T>(p - through)) / length(normal); }
+    [[nodiscard]] T relative_distance(const Vec<T>& p) const {
+        return dot(normal, Vec<T>(p - through)) / length(normal);
+    }
     [[nodiscard]] T unit() const { return T(1); }
-    [[nodiscard]] T distance(const Vec<T>& p) const { return abs(off_surface(p)); }
+    [[nodiscard]] T distance(const Vec<T>& p) const { return abs(relative_distance(p)); }
     /// Returns the unit normal on the side that the ray comes from.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>&) const {
         const T size = length(normal);
         return (T(1) / (dot(normal, ray.direction) > T(0) ? -size : size)) * normal;
     }
-    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_plane(p); }
+    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return project_onto_plane(p); }
     /// Returns the projected point with its error bound, which is that of the disc with f = p − through.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - through));
-        BoundedPoint<T> bounded{onto_plane(p), p};
+        BoundedPoint<T> bounded{project_onto_plane(p), p};
         for (int i = 0; i < 3; ++i) bounded.delta[i] = gamma_bound<T>(12) * size + gamma_bound<T>(2) * abs(p[i]);
         return bounded;
     }
 
 private:
-    [[nodiscard]] Vec<T> onto_plane(const Vec<T>& p) const {
+    [[nodiscard]] Vec<T> project_onto_plane(const Vec<T>& p) const {
         return p - (dot(normal, Vec<T>(p - through)) / square(normal)) * normal;
     }
 };

@@ -19,12 +19,12 @@ struct Sphere {
     T radius;
 
     static constexpr std::string_view name = "sphere", plural = "spheres";
-    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = true,
-                          edges = false;
-    static constexpr ShapeTexts texts{.plainest = "a sphere of radius 2 around the origin",
-                                      .touching = "a ray that touches",
-                                      .point = "a radius of 0",
-                                      .places = "centres"};
+    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_takes_unit_direction = true,
+                          is_ball = true, has_edges = false;
+    static constexpr ShapeTexts texts{.simplest = "a sphere of radius 2 around the origin",
+                                      .touching_ray = "a ray that touches",
+                                      .degenerate = "a radius of 0",
+                                      .anchor_points = "centres"};
     static constexpr std::array<Key, 2> keys{
         {{.name = "centre", .letter = "c", .aliases = {"center"}},
          {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
@@ -44,7 +44,7 @@ struct Sphere {
     }
     /// Returns the sphere scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
     /// there is no single nearest point.
-    [[nodiscard]] std::optional<Sphere> grown(const Vec<T>& fixed, const T& k) const {
+    [[nodiscard]] std::optional<Sphere> scaled_about(const Vec<T>& fixed, const T& k) const {
         const Vec<T> towards = fixed - centre;
         const T distance = length(towards);
         if (distance == 0) return std::nullopt;
@@ -60,7 +60,7 @@ struct Sphere {
     }
     /// Returns the signed distance of a point from the surface, in units of `unit()`, positive outside: (|v| − r)/r =
     /// (v·v − r²)/(r(|v| + r)) with v = p − G.
-    [[nodiscard]] T off_surface(const Vec<T>& p) const {
+    [[nodiscard]] T relative_distance(const Vec<T>& p) const {
         const Vec<T> v = p - centre;
         const T v2 = square(v);
         return (v2 - square(radius)) / (radius * (sqrt(v2) + radius));

@@ -24,12 +24,12 @@ struct Torus {
     T minor_radius;
 
     static constexpr std::string_view name = "torus", plural = "tori";
-    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = false,
-                          edges = false;
-    static constexpr ShapeTexts texts{.plainest = "a torus in the plane y = 0, of the radii 1.25 and 0.75",
-                                      .touching = "a ray along its top",
-                                      .point = "a minor radius of 0",
-                                      .places = "centres"};
+    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_takes_unit_direction = true,
+                          is_ball = false, has_edges = false;
+    static constexpr ShapeTexts texts{.simplest = "a torus in the plane y = 0, of the radii 1.25 and 0.75",
+                                      .touching_ray = "a ray along its top",
+                                      .degenerate = "a minor radius of 0",
+                                      .anchor_points = "centres"};
     static constexpr std::array<Key, 4> keys{
         {{.name = "centre", .letter = "c", .aliases = {"center"}},
          {.name = "axis", .letter = "a", .kind = Key::Kind::direction, .limit = Key::Limit::not_zero},
@@ -52,18 +52,18 @@ struct Torus {
     /// Returns the point of the ring's plane in the direction of u.x and u.y, at the fraction u.z of the width of the
     /// ring.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
-        const AcrossAxis<T> across(axis);
+        const PerpendicularAxes<T> axes(axis);
         const T x = 2 * u.x - 1, y = 2 * u.y - 1, size = sqrt(square(x) + square(y));
         const T r = major_radius + (2 * u.z - 1) * minor_radius;
-        if (size == 0) return centre + r * across.side;
-        return centre + (r * x / size) * across.side + (r * y / size) * across.other;
+        if (size == 0) return centre + r * axes.first;
+        return centre + (r * x / size) * axes.first + (r * y / size) * axes.second;
     }
     /// Returns the torus scaled by k so that its surface point nearest to `fixed` does not move. Returns nothing if
     /// there is no single nearest point.
-    [[nodiscard]] std::optional<Torus> grown(const Vec<T>& fixed, const T& k) const {
+    [[nodiscard]] std::optional<Torus> scaled_about(const Vec<T>& fixed, const T& k) const {
         const RelativeToCircle relative(*this, fixed);
         if (length(relative.across_axis) == 0 || relative.circle_distance == 0) return std::nullopt;
-        const Vec<T> nearest_point = onto_surface(fixed);
+        const Vec<T> nearest_point = project_onto_surface(fixed);
         return Torus{nearest_point + k * (centre - nearest_point), axis, k * major_radius, k * minor_radius};
     }
 
@@ -76,14 +76,14 @@ struct Torus {
     [[nodiscard]] QuarticSpan<T> span(const Ray<T>& ray) const {
         const Vec<T>& d = ray.direction;
         const Vec<T> f = ray.origin - centre, w = cross(f, d), m = cross(axis, cross(d, w)), k = cross(axis, d);
-        const T a = square(d), n = square(axis), outer = major_radius + minor_radius,
+        const T a = square(d), n = square(axis), outer_radius = major_radius + minor_radius,
                 four_r2 = square(T(2) * major_radius);
-        const T e = a * (outer * (major_radius - minor_radius)) + square(w);
+        const T e = a * (outer_radius * (major_radius - minor_radius)) + square(w);
         const T p = T(2) * (n * e) - four_r2 * square(k), q = T(-2) * (four_r2 * dot(m, k));
         return {.f = {{n * square(e) - four_r2 * square(m), q, p, T(0), n}, 4},
                 .a = a,
                 .b = dot(f, d),
-                .bound = T(2) * (sqrt(a) * outer),
+                .bound = T(2) * (sqrt(a) * outer_radius),
                 .d2 = a};
     }
     /// Returns the polynomial of `span` in t: n² (p² + R² − r²)² − 4 R² |n × p|² with p = f + t d, since x = a t + d·f
@@ -102,7 +102,7 @@ struct Torus {
                 4};
     }
     /// Returns the signed distance of a point from the surface, in units of `unit()`, positive outside.
-    [[nodiscard]] T off_surface(const Vec<T>& p) const { return distance(p) / minor_radius; }
+    [[nodiscard]] T relative_distance(const Vec<T>& p) const { return distance(p) / minor_radius; }
     [[nodiscard]] T unit() const { return minor_radius; }
     /// Returns the signed distance of a point from the surface, negative inside.
     [[nodiscard]] T distance(const Vec<T>& p) const {
@@ -113,7 +113,7 @@ struct Torus {
         const T k = T(1) / relative.circle_distance;
         return {k * relative.from_circle.x, k * relative.from_circle.y, k * relative.from_circle.z};
     }
-    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
+    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return project_onto_surface(p); }
     /// Returns the projected point q + v (r/|v|) with its error bound. With c the centre, w is the part of f = p − c
     /// across the axis, off by γ(11)|f| at most, q = c + w (R/|w|) and v = p − q. The error of q is that of w times
     /// R/|w|, and γ(6)R more. An error of v only turns the point about q, except for the error γ(6)r of its length.
@@ -121,7 +121,7 @@ struct Torus {
         const RelativeToCircle relative(*this, p);
         const T position_error =
             gamma_bound<T>(12) * (major_radius * (length(Vec<T>(p - centre)) / length(relative.across_axis)));
-        BoundedPoint<T> bounded{onto_surface(p), p};
+        BoundedPoint<T> bounded{project_onto_surface(p), p};
         for (int i = 0; i < 3; ++i)
             bounded.delta[i] = position_error + gamma_bound<T>(8) * half_extent() + gamma_bound<T>(3) * abs(centre[i]);
         return bounded;
@@ -147,7 +147,7 @@ private:
         }
     };
 
-    [[nodiscard]] Vec<T> onto_surface(const Vec<T>& p) const {
+    [[nodiscard]] Vec<T> project_onto_surface(const Vec<T>& p) const {
         const RelativeToCircle relative(*this, p);
         return centre + (major_radius / length(relative.across_axis)) * relative.across_axis +
                (minor_radius / relative.circle_distance) * relative.from_circle;

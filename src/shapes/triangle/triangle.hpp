@@ -22,16 +22,16 @@ struct Triangle {
     Vec<T> c;
 
     static constexpr std::string_view name = "triangle", plural = "triangles";
-    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = false, round = false,
-                          edges = false;
-    static constexpr ShapeTexts texts{.plainest = "a triangle in the plane z = -2, from -2 to 2 in x and y",
-                                      .touching = "a ray through an edge",
-                                      .point = "a triangle without area",
-                                      .places = "vertices"};
+    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_takes_unit_direction = false,
+                          is_ball = false, has_edges = false;
+    static constexpr ShapeTexts texts{.simplest = "a triangle in the plane z = -2, from -2 to 2 in x and y",
+                                      .touching_ray = "a ray through an edge",
+                                      .degenerate = "a triangle without area",
+                                      .anchor_points = "vertices"};
     static constexpr std::array<Key, 3> keys{
         {{.name = "a", .letter = "v0", .aliases = {"v0", "p0"}},
          {.name = "b", .letter = "v1", .aliases = {"v1", "p1"}},
-         {.name = "c", .letter = "v2", .limit = Key::Limit::off_line_before, .aliases = {"v2", "p2"}}}};
+         {.name = "c", .letter = "v2", .limit = Key::Limit::not_collinear_with_previous, .aliases = {"v2", "p2"}}}};
 
     /// Builds a triangle in the plane z = p.z − half, from p − half to p + half in x and y. A triangle is flat, so it
     /// cannot extend that far on all sides.
@@ -54,7 +54,7 @@ struct Triangle {
         const bool is_outside = u.x + u.y > 1;
         return a + (is_outside ? 1 - u.x : u.x) * (b - a) + (is_outside ? 1 - u.y : u.y) * (c - a);
     }
-    [[nodiscard]] std::optional<Triangle> grown(const Vec<T>& fixed, const T& k) const {
+    [[nodiscard]] std::optional<Triangle> scaled_about(const Vec<T>& fixed, const T& k) const {
         const Vec<T> nearest_point = nearest(fixed);
         return Triangle{nearest_point + k * (a - nearest_point), nearest_point + k * (b - nearest_point),
                         nearest_point + k * (c - nearest_point)};
@@ -70,13 +70,13 @@ struct Triangle {
         const T zero(0);
         const Vec<T> e = volumes(ray), n = normal();
         const T m = dot(ray.direction, n), k = dot(Vec<T>(a - ray.origin), n);
-        const auto back = m > zero, front = m < zero;
-        return {.at = {select(back, k, -k), select(back, m, -m)},
-                .closed = (back && e.x >= zero && e.y >= zero && e.z >= zero) ||
-                          (front && e.x <= zero && e.y <= zero && e.z <= zero),
-                .open = (back && e.x > zero && e.y > zero && e.z > zero) ||
-                        (front && e.x < zero && e.y < zero && e.z < zero),
-                .front = front,
+        const auto is_back = m > zero, is_front = m < zero;
+        return {.at = {select(is_back, k, -k), select(is_back, m, -m)},
+                .closed = (is_back && e.x >= zero && e.y >= zero && e.z >= zero) ||
+                          (is_front && e.x <= zero && e.y <= zero && e.z <= zero),
+                .open = (is_back && e.x > zero && e.y > zero && e.z > zero) ||
+                        (is_front && e.x < zero && e.y < zero && e.z < zero),
+                .is_front = is_front,
                 .d2 = square(ray.direction)};
     }
     /// Returns the barycentric coordinates (x, y, z) of the point x a + y b + z c at which the line crosses the plane:
@@ -87,7 +87,7 @@ struct Triangle {
     }
     /// Returns the signed distance of a point from the plane, in units of `unit()`, positive on the side that n points
     /// to.
-    [[nodiscard]] T off_surface(const Vec<T>& p) const {
+    [[nodiscard]] T relative_distance(const Vec<T>& p) const {
         const Vec<T> n = normal();
         return dot(p - a, n) / (length(n) * unit());
     }
@@ -105,7 +105,7 @@ struct Triangle {
         const T size = length(n);
         return (T(1) / (dot(n, ray.direction) > T(0) ? -size : size)) * n;
     }
-    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_plane(p); }
+    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return project_onto_plane(p); }
     /// Returns the projected point u a + v b + w c, by the barycentric coordinates of p, with its error bound: each
     /// component is off by at most γ(7)(|u a| + |v b| + |w c|). Source: pbrt-v4, section 6.8.4.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
@@ -128,12 +128,12 @@ private:
         return Vec<T>(dot(ray.direction, cross(pb, pc)), dot(ray.direction, cross(pc, pa)),
                       dot(ray.direction, cross(pa, pb)));
     }
-    [[nodiscard]] Vec<T> onto_plane(const Vec<T>& p) const {
+    [[nodiscard]] Vec<T> project_onto_plane(const Vec<T>& p) const {
         const Vec<T> n = normal();
         return p - (dot(p - a, n) / square(n)) * n;
     }
     /// Returns the point of the segment from x to y that is nearest to p.
-    static Vec<T> on_edge(const Vec<T>& x, const Vec<T>& y, const Vec<T>& p) {
+    static Vec<T> nearest_on_edge(const Vec<T>& x, const Vec<T>& y, const Vec<T>& p) {
         const Vec<T> edge = y - x;
         return x + min(max(dot(p - x, edge) / square(edge), T(0)), T(1)) * edge;
     }
@@ -152,7 +152,8 @@ private:
         const auto nearer = [&](const Vec<T>& x, const Vec<T>& y) {
             return select_vec(square(Vec<T>(x - p)) < square(Vec<T>(y - p)), x, y);
         };
-        return select_vec(is_over, onto_plane(p), nearer(nearer(on_edge(a, b, p), on_edge(b, c, p)), on_edge(c, a, p)));
+        return select_vec(is_over, project_onto_plane(p),
+                          nearer(nearer(nearest_on_edge(a, b, p), nearest_on_edge(b, c, p)), nearest_on_edge(c, a, p)));
     }
 };
 

@@ -23,15 +23,15 @@ struct Tube {
     T radius;
 
     static constexpr std::string_view name = "tube", plural = "tubes";
-    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_unit = true, round = false,
-                          edges = false;
-    static constexpr ShapeTexts texts{.plainest = "a tube of radius 2 along the x axis, from -2 to 2",
-                                      .touching = "a ray through an open end's rim",
-                                      .point = "a radius of 0",
-                                      .places = "ends of axes"};
+    static constexpr bool takes_tmax = false, inside_returns_zero = false, usually_takes_unit_direction = true,
+                          is_ball = false, has_edges = false;
+    static constexpr ShapeTexts texts{.simplest = "a tube of radius 2 along the x axis, from -2 to 2",
+                                      .touching_ray = "a ray through an open end's rim",
+                                      .degenerate = "a radius of 0",
+                                      .anchor_points = "ends of axes"};
     static constexpr std::array<Key, 3> keys{
         {{.name = "bottom", .letter = "lo"},
-         {.name = "top", .letter = "t", .limit = Key::Limit::apart_from_before},
+         {.name = "top", .letter = "t", .limit = Key::Limit::differs_from_previous},
          {.name = "radius", .letter = "r", .kind = Key::Kind::length, .limit = Key::Limit::positive}}};
 
     /// Builds a tube along x. The rays at the plainest primitives run along z, and such a ray meets its wall.
@@ -45,14 +45,14 @@ struct Tube {
     /// Returns the point of the wall at the fraction u.x of its height, in the direction of u.y and u.z across the
     /// axis.
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
-        const AcrossAxis<T> across(axis());
+        const PerpendicularAxes<T> axes(axis());
         const T x = 2 * u.y - 1, y = 2 * u.z - 1, size = sqrt(square(x) + square(y));
-        if (size == 0) return bottom + u.x * axis() + radius * across.side;
-        return bottom + u.x * axis() + (radius * x / size) * across.side + (radius * y / size) * across.other;
+        if (size == 0) return bottom + u.x * axis() + radius * axes.first;
+        return bottom + u.x * axis() + (radius * x / size) * axes.first + (radius * y / size) * axes.second;
     }
-    [[nodiscard]] std::optional<Tube> grown(const Vec<T>& fixed, const T& k) const {
-        if (length(across(fixed)) == 0) return std::nullopt;
-        const Vec<T> nearest_point = onto_surface(fixed);
+    [[nodiscard]] std::optional<Tube> scaled_about(const Vec<T>& fixed, const T& k) const {
+        if (length(perpendicular_to_axis(fixed)) == 0) return std::nullopt;
+        const Vec<T> nearest_point = project_onto_surface(fixed);
         return Tube{nearest_point + k * (bottom - nearest_point), nearest_point + k * (top - nearest_point),
                     k * radius};
     }
@@ -63,21 +63,21 @@ struct Tube {
         return {span, span.d2};
     }
     /// Returns the distance of a point from the wall, in units of `unit()`; it is positive inside the tube too.
-    [[nodiscard]] T off_surface(const Vec<T>& p) const { return distance(p) / radius; }
+    [[nodiscard]] T relative_distance(const Vec<T>& p) const { return distance(p) / radius; }
     [[nodiscard]] T unit() const { return radius; }
     /// Returns |p − q| with q the point of the wall nearest to p. A tube has no inside, so this is never negative.
-    [[nodiscard]] T distance(const Vec<T>& p) const { return length(Vec<T>(p - onto_surface(p))); }
+    [[nodiscard]] T distance(const Vec<T>& p) const { return length(Vec<T>(p - project_onto_surface(p))); }
     /// Returns the unit normal on the side that the ray comes from.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>& ray, const Vec<T>& p) const {
-        const Vec<T> w = across(p);
+        const Vec<T> w = perpendicular_to_axis(p);
         const T k = T(1) / length(w), signed_k = select(dot(w, ray.direction) > T(0), -k, k);
         return {signed_k * w.x, signed_k * w.y, signed_k * w.z};
     }
-    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto_surface(p); }
+    [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return project_onto_surface(p); }
     /// Returns the projected point with its error bound, which is that of the cylinder.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const T size = length(Vec<T>(p - bottom)) + radius;
-        BoundedPoint<T> bounded{onto_surface(p), p};
+        BoundedPoint<T> bounded{project_onto_surface(p), p};
         for (int i = 0; i < 3; ++i) bounded.delta[i] = gamma_bound<T>(16) * size + gamma_bound<T>(3) * abs(bottom[i]);
         return bounded;
     }
@@ -86,11 +86,11 @@ private:
     [[nodiscard]] Cylinder<T> primitive() const { return {bottom, top, radius}; }
     [[nodiscard]] Vec<T> axis() const { return top - bottom; }
     /// Returns the position of a point along the axis, as a fraction of its length.
-    [[nodiscard]] T along(const Vec<T>& p) const { return dot(axis(), Vec<T>(p - bottom)) / square(axis()); }
-    [[nodiscard]] Vec<T> across(const Vec<T>& p) const { return p - bottom - along(p) * axis(); }
-    [[nodiscard]] Vec<T> onto_surface(const Vec<T>& p) const {
-        const Vec<T> w = across(p);
-        return bottom + min(max(along(p), T(0)), T(1)) * axis() + (radius / length(w)) * w;
+    [[nodiscard]] T axis_fraction(const Vec<T>& p) const { return dot(axis(), Vec<T>(p - bottom)) / square(axis()); }
+    [[nodiscard]] Vec<T> perpendicular_to_axis(const Vec<T>& p) const { return p - bottom - axis_fraction(p) * axis(); }
+    [[nodiscard]] Vec<T> project_onto_surface(const Vec<T>& p) const {
+        const Vec<T> w = perpendicular_to_axis(p);
+        return bottom + min(max(axis_fraction(p), T(0)), T(1)) * axis() + (radius / length(w)) * w;
     }
 };
 

@@ -126,7 +126,7 @@ Primitive<S> draw_primitive(Random& random, Shape shape) {
     const S x = at(), y = at(), z = at();
     const auto half = static_cast<S>(std::ldexp(1 + random.unit(), static_cast<int>(random.between(-4, 2))));
     Primitive<S> primitive = primitive_around<S>(shape, {x, y, z}, half);
-    for (S& number : primitive.used()) number *= static_cast<S>(1 + random.unit() / 64);
+    for (S& number : primitive.shape_numbers()) number *= static_cast<S>(1 + random.unit() / 64);
     if (shape == Shape::box && random.one_in(10)) primitive.numbers[3] = primitive.numbers[0];
     return primitive;
 }
@@ -142,7 +142,7 @@ std::array<S, 6> draw_ray(Random& random, const Primitive<S>& primitive, std::si
     for (std::size_t axis = 0; axis < 3; ++axis) {
         ray[axis] = static_cast<S>(12 * random.unit() - 6);
         const std::size_t number = axis + (random.one_in(2) ? 0 : 3);
-        if (random.one_in(4) && number < primitive.used().size()) ray[axis] = primitive.numbers[number];
+        if (random.one_in(4) && number < primitive.shape_numbers().size()) ray[axis] = primitive.numbers[number];
         const auto target = static_cast<S>(middle[static_cast<int>(axis)] + (1.6 * random.unit() - 0.8) * radius);
         ray[axis + 3] = target - ray[axis];
         if (random.one_in(6)) ray[axis + 3] = static_cast<S>(random.sign() * (random.one_in(4) ? 1e-30 : 0.0));
@@ -168,7 +168,7 @@ template <class S>
 Scene<S> draw_scene(Random& random, Shape shape, std::size_t n, bool wild = false) {
     const auto any = [&random] { return draw_any<S>(random); };
     Scene<S> scene{draw_primitive<S>(random, shape), {}, {}};
-    if (wild) std::ranges::generate(scene.primitive.used(), any);
+    if (wild) std::ranges::generate(scene.primitive.shape_numbers(), any);
     const bool ends = takes_tmax(shape) && !random.one_in(3);
     for (std::size_t k = 0; k < n; ++k) {
         std::array<S, 6> ray = draw_ray(random, scene.primitive, k);
@@ -191,7 +191,7 @@ void move(Scene<S>& scene, int lengths, int directions) {
         for (S& x : all) x = std::ldexp(x, power);
     };
     for_each_key(scene.primitive.shape, [&](const Key& key, std::size_t k) {
-        if (key.kind != Key::Kind::direction) all_by(scene.primitive.used().subspan(k, key.count()), lengths);
+        if (key.kind != Key::Kind::direction) all_by(scene.primitive.shape_numbers().subspan(k, key.count()), lengths);
     });
     for (std::size_t c = 0; c < 6; ++c) all_by(scene.column[c], c < 3 ? lengths : directions);
     all_by(scene.tmax, lengths - directions);

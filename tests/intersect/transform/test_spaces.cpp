@@ -162,7 +162,7 @@ TEST_CASE("batches with a transform answer as single rays, and the tape of a row
                     if (alone.hit) REQUIRE(tape[tape.outputs.t].value == alone.t);
                     const auto inputs =
                         static_cast<std::size_t>(std::ranges::count(tape.nodes, TapeOp::input, &TapeNode::op));
-                    REQUIRE(inputs == 6 + a.primitive.used().size() + 12 + 1);
+                    REQUIRE(inputs == 6 + a.primitive.shape_numbers().size() + 12 + 1);
                 }
             }
         }

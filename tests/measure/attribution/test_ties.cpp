@@ -56,7 +56,7 @@ Shuffled shuffle(const Tape& tape, Random& random) {
         }
     }
     for (TapeCall& call : s.tape.calls) call.node = s.at(call.node), call.arguments = s.at(call.arguments);
-    s.tape.samples.clear();
+    s.tape.sample_ends.clear();
     s.tape.outputs = {s.at(tape.outputs.hit), s.at(tape.outputs.t), s.at(tape.outputs.near), s.at(tape.outputs.far)};
     return s;
 }

@@ -173,7 +173,7 @@ std::vector<Primitive<double>> mixed_primitives(Draw& draw) {
     std::vector<Primitive<double>> all;
     for (int i = 0; i < 60; ++i) all.push_back(primitive_around(Shape::sphere, draw.point(8), draw.in(0.1, 1)));
     for (const ShapeRow& row : shape_rows)
-        for (int i = 0; i < (row.round ? 0 : 4); ++i)
+        for (int i = 0; i < (row.is_ball ? 0 : 4); ++i)
             all.push_back(primitive_around(row.shape, draw.point(8), draw.in(0.1, 1)));
     const auto as_float = [](double x) { return static_cast<double>(static_cast<float>(x)); };
     for (Primitive<double>& primitive : all) primitive = transformed(primitive, as_float);

@@ -84,7 +84,7 @@ exact::Problem problem_of(const Ray<double>& ray, const Primitive<double>& primi
         p.ray[static_cast<std::size_t>(i)] = ray.origin[i];
         p.ray[static_cast<std::size_t>(3 + i)] = ray.direction[i];
     }
-    std::ranges::copy(primitive.used(), p.primitive.begin());
+    std::ranges::copy(primitive.shape_numbers(), p.primitive.begin());
     if (primitive.placed)
         p.matrix = primitive.placed->matrix, p.is_placed = true, p.is_inverse = primitive.placed->is_inverse;
     return p;

@@ -86,7 +86,7 @@ scene::rays::RayGroup random_pairs(Shape shape, int count, std::uint64_t seed) {
         Primitive<double> primitive;
         primitive.shape = shape;
         for (int k = 0; k < 3; ++k) primitive.numbers[static_cast<std::size_t>(k)] = any(4);
-        for (std::size_t k = 3; k < primitive.used().size(); ++k) {
+        for (std::size_t k = 3; k < primitive.shape_numbers().size(); ++k) {
             const double size = std::fabs(any(2)) + 0x1p-10;
             primitive.numbers[k] = shape == Shape::sphere ? size : static_cast<float>(primitive.numbers[k - 3] + size);
         }
@@ -299,7 +299,7 @@ TEST_CASE("decisions without a t have outcomes and no errors") {
         const Ray<double> ray = group.rays[i];
         for (const Vec<double>& v : {ray.origin, ray.direction})
             for (int k = 0; k < 3; ++k) text += output::file::decimal(v[k]) + ",";
-        for (const double x : group.primitives[i].used()) text += output::file::decimal(x) + ",";
+        for (const double x : group.primitives[i].shape_numbers()) text += output::file::decimal(x) + ",";
         const bool lie = i % 10 == 3;
         wrong += lie;
         text += (band.truth(i, {}).is_hit() != lie) ? "1\n" : "0\n";

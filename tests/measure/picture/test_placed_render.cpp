@@ -67,7 +67,7 @@ TEST_CASE("the normal of a stretched sphere is that of its surface for every tra
     for (std::size_t i = 0; i < found.truth.size(); ++i) {
         if (!found.truth[i].has_normal) continue;
         const Ray<Real> world = lift_ray<Real>(rays[i]);
-        const auto in = in_object(world, *primitive.placed);
+        const auto in = to_object_space(world, *primitive.placed);
         const auto t = first(in.ray.origin, in.ray.direction, {zero, zero, zero}, in.scale);
         REQUIRE(t);
         const Vec<Real> q = (1 / in.scale) * (in.ray.origin + *t * in.ray.direction);

@@ -102,7 +102,7 @@ int longest_of(Shape shape, bool placed, bool ranged) {
         const auto vec = [](double x, double y, double z) { return Vec<E>(lifted(x), lifted(y), lifted(z)); };
         const Ray<E> ray{vec(0.75 + away, 0.5 - away / 2, away), vec(-0.25, 0.125, 1.5)};
         with_span(ray, primitive, [&](const auto& span) {
-            const RangeOfSpan<E> range{lifted(0.125), {lifted(64), lifted(1)}, {}};
+            const SpanRange<E> range{lifted(0.125), {lifted(64), lifted(1)}, {}};
             const auto met =
                 ranged ? measure::stages::first_span_hit(span, range) : measure::stages::first_span_hit(span);
             return (met.t * sqrt(span.d2)).radius().x;

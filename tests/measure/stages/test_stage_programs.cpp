@@ -47,7 +47,8 @@ std::vector<std::array<double, stage_inputs>> problems_at(Shape shape) {
             p[at] = away ? 3 * origin[k] : origin[k];
             p[at + 3] = away ? p[at] : i % 8 == 7 ? along : aim[k] - origin[k];
         }
-        for (std::size_t k = 0; k < primitive.used().size(); ++k) p[input_of_primitive + k] = primitive.numbers[k];
+        for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k)
+            p[input_of_primitive + k] = primitive.numbers[k];
         for (std::size_t k = 0; k < Affine<double>::numbers; ++k)
             p[input_of_primitive + most_numbers + k] = (k % 5 == 0 ? 1.0 : 0.0) + spread(0.2);
         for (std::size_t k = 0; k < 6; ++k) p[input_of_ray_low + k] = p[input_of_ray + k] * 0x1p-55;

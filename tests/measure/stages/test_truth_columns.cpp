@@ -201,7 +201,7 @@ TEST_CASE("truth columns: invalid rays and primitives get no answer") {
     };
     for (const Problem& p : {ball, box}) {
         CHECK((says(p, float{}) && says(p, double{})));
-        for (std::size_t k = 0; k < 6 + p.primitive.used().size(); ++k)
+        for (std::size_t k = 0; k < 6 + p.primitive.shape_numbers().size(); ++k)
             for (const double bad : {none, inf, -inf}) check_none(with(p, k, bad));
         check_none({{ray.origin, {0, 0, 0}}, p.primitive});
         for (const double bad : {none, -1.0, inf}) check_none({ray, p.primitive, {.tmin = bad}});

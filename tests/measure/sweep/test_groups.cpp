@@ -36,14 +36,14 @@ void check_same(const WorstRay& a, const WorstRay& b) {
     CHECK(same(a.truth, b.truth));
     CHECK(a.ray.origin == b.ray.origin);
     CHECK(a.ray.direction == b.ray.direction);
-    CHECK(std::ranges::equal(a.primitive.used(), b.primitive.used()));
+    CHECK(std::ranges::equal(a.primitive.shape_numbers(), b.primitive.shape_numbers()));
     REQUIRE((a.given == nullptr) == (b.given == nullptr));
     if (!a.given) return;
     CHECK(a.given->rays[0].origin == b.given->rays[0].origin);
     CHECK(a.given->rays.tmax == b.given->rays.tmax);
     REQUIRE(a.given->primitives.size() == b.given->primitives.size());
     for (std::size_t s = 0; s < a.given->primitives.size(); ++s)
-        CHECK(std::ranges::equal(a.given->primitives[s].used(), b.given->primitives[s].used()));
+        CHECK(std::ranges::equal(a.given->primitives[s].shape_numbers(), b.given->primitives[s].shape_numbers()));
 }
 
 /// Compares a summary of all views with the sum of one summary for each view.

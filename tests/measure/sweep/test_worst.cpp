@@ -83,7 +83,7 @@ TEST_CASE("a search keeps to its ranges and formats, ignores other rows, and dep
         const FloatFormat& f = request.rows[i].format.parameters;
         CHECK(search.holds(w.ray, w.primitive));
         for (int k = 0; k < 3; ++k) CHECK((is_of(w.ray.origin[k], f) && is_of(w.ray.direction[k], f)));
-        for (const double x : w.primitive.used()) CHECK(is_of(x, f));
+        for (const double x : w.primitive.shape_numbers()) CHECK(is_of(x, f));
         CHECK(w.evaluations <= 2 * 12 * 32);
         if (w.outcome == Outcome::agree_hit) CHECK(w.evaluations == 2 * 12 * 32);
     }

@@ -95,7 +95,7 @@ Hit<double> compiled(EvaluatePlain<F> ask, const Setting& s) {
     const auto &o = s.ray.origin, &d = s.ray.direction;
     std::vector<F> in;
     for (const double x : {o.x, o.y, o.z, d.x, d.y, d.z}) in.push_back(static_cast<F>(x));
-    for (const double x : s.primitives.front().used()) in.push_back(static_cast<F>(x));
+    for (const double x : s.primitives.front().shape_numbers()) in.push_back(static_cast<F>(x));
     F t, near, far;
     unsigned char hit = 0;
     ask(in.data(), &t, &near, &far, &hit);

@@ -66,7 +66,7 @@ Hit<double> node_by_node(const Tape& tape, const Setting& s) {
     namespace attribution = measure::attribution;
     std::vector<double> inputs{s.ray.origin.x,    s.ray.origin.y,    s.ray.origin.z,
                                s.ray.direction.x, s.ray.direction.y, s.ray.direction.z};
-    for (const double x : s.primitives.front().used()) inputs.push_back(x);
+    for (const double x : s.primitives.front().shape_numbers()) inputs.push_back(x);
     inputs.push_back(HUGE_VAL);
     std::vector<double> value(tape.nodes.size());
     const auto at = [&](NodeId i) -> double& { return value[static_cast<std::size_t>(i)]; };

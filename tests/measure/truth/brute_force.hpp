@@ -148,7 +148,7 @@ template <class N>
 class Problem {
 public:
     Problem(const Ray<double>& ray, const Primitive<double>& primitive)
-        : shape(primitive.shape), x(numbers_of<N>(ray, primitive)), count_(6 + primitive.used().size()) {
+        : shape(primitive.shape), x(numbers_of<N>(ray, primitive)), count_(6 + primitive.shape_numbers().size()) {
         for (std::size_t i = 0; i < count_; ++i) sizes_[i] = std::fabs(static_cast<double>(x[i]));
     }
 

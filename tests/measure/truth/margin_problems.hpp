@@ -30,12 +30,12 @@ struct MarginProblem {
         std::vector<double> x;
         for (const Vec<double>& v : {ray.origin, ray.direction})
             for (int i = 0; i < 3; ++i) x.push_back(v[i]);
-        x.insert(x.end(), primitive.used().begin(), primitive.used().end());
+        x.insert(x.end(), primitive.shape_numbers().begin(), primitive.shape_numbers().end());
         return x;
     }
     [[nodiscard]] MarginProblem with(const std::vector<double>& x) const {
         MarginProblem to{{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}}, primitive};
-        std::copy(x.begin() + 6, x.end(), to.primitive.used().begin());
+        std::copy(x.begin() + 6, x.end(), to.primitive.shape_numbers().begin());
         return to;
     }
 };
@@ -96,7 +96,7 @@ private:
                 else x += (key.kind == Key::Kind::direction ? 1 : half) * rng_.uniform(-1, 1);
             }
         });
-        for (double& x : made.used()) x = stored(x, binary32);
+        for (double& x : made.shape_numbers()) x = stored(x, binary32);
         return made;
     }
     Ray<double> whole_ray(const Vec<double>& centre) {

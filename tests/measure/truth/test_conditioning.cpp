@@ -32,7 +32,7 @@ double& number_of(Ray<double>& ray, Primitive<double>& primitive, std::size_t i)
 /// the primitive.
 std::vector<double> by_differences(const Ray<double>& ray, const Primitive<double>& primitive) {
     std::vector<double> slopes;
-    for (std::size_t i = 0; i < 6 + primitive.used().size(); ++i) {
+    for (std::size_t i = 0; i < 6 + primitive.shape_numbers().size(); ++i) {
         measure::truth::Truth aside[2];
         double at[2];
         for (const int side : {0, 1}) {

@@ -152,7 +152,7 @@ private:
         out << std::hexfloat << what << ' ' << said << ' ' << other << " of the ray";
         for (const Vec<double>& v : {ray_.origin, ray_.direction}) out << ' ' << v.x << ' ' << v.y << ' ' << v.z;
         out << " at the " << row_of(primitive_.shape).name;
-        for (const double number : primitive_.used()) out << ' ' << number;
+        for (const double number : primitive_.shape_numbers()) out << ' ' << number;
         found_.contradictions.push_back(out.str());
     }
 
@@ -235,7 +235,7 @@ TEST_CASE("no change within the margin changes a decision for any shape", "[marg
                         Primitive<double> s = primitive;
                         for (int i = 0; i < 3; ++i)
                             r.origin[i] *= 1 + by * rng.sign(), r.direction[i] *= 1 + by * rng.sign();
-                        for (double& number : s.used()) number *= 1 + by * rng.sign();
+                        for (double& number : s.shape_numbers()) number *= 1 + by * rng.sign();
                         if (measure::truth::is_proper(s)) CHECK(find_truth(r, s).is_hit() == truth.is_hit());
                     }
                 }
@@ -262,7 +262,8 @@ bool is_witness(const test::MarginProblem& problem, const Margin& margin, Pertur
         ray.origin[i] += margin.changes_by[static_cast<std::size_t>(i)];
         ray.direction[i] += margin.changes_by[static_cast<std::size_t>(i) + 3];
     }
-    for (std::size_t i = 0; i < primitive.used().size(); ++i) primitive.used()[i] += margin.changes_by[i + 6];
+    for (std::size_t i = 0; i < primitive.shape_numbers().size(); ++i)
+        primitive.shape_numbers()[i] += margin.changes_by[i + 6];
     const std::vector<double> x = problem.numbers();
     const double most = 2 * std::max(margin.proved, 0x1p-90);
     bool is_small = true;

@@ -32,7 +32,7 @@ struct Problem {
 template <class S>
 std::vector<S> numbers_of(const Ray<S>& ray, const Primitive<S>& primitive) {
     std::vector<S> all{ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z};
-    all.insert(all.end(), primitive.used().begin(), primitive.used().end());
+    all.insert(all.end(), primitive.shape_numbers().begin(), primitive.shape_numbers().end());
     return all;
 }
 

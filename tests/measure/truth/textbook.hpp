@@ -110,7 +110,7 @@ NumbersOf<N> numbers_of(const Ray<double>& ray, const Primitive<double>& primiti
     NumbersOf<N> x;
     for (std::size_t k = 0; k < 3; ++k)
         x[k] = ray.origin[static_cast<int>(k)], x[3 + k] = ray.direction[static_cast<int>(k)];
-    for (std::size_t k = 6; k < 6 + primitive.used().size(); ++k) x[k] = primitive.numbers[k - 6];
+    for (std::size_t k = 6; k < 6 + primitive.shape_numbers().size(); ++k) x[k] = primitive.numbers[k - 6];
     return x;
 }
 

@@ -12,12 +12,12 @@ struct HalfSpace {
     Vec<T> normal;
 
     static constexpr std::string_view name = "half_space", plural = "half spaces";
-    static constexpr bool takes_tmax = false, inside_returns_zero = true, usually_unit = false, round = false,
-                          edges = false;
-    static constexpr ShapeTexts texts{.plainest = "a half space below z = -2",
-                                      .touching = "a ray along its plane",
-                                      .point = "a normal of 0",
-                                      .places = "points and normals"};
+    static constexpr bool takes_tmax = false, inside_returns_zero = true, usually_takes_unit_direction = false,
+                          is_ball = false, has_edges = false;
+    static constexpr ShapeTexts texts{.simplest = "a half space below z = -2",
+                                      .touching_ray = "a ray along its plane",
+                                      .degenerate = "a normal of 0",
+                                      .anchor_points = "points and normals"};
     static constexpr std::array<Key, 2> keys{
         {{.name = "point", .letter = "a"}, {.name = "normal", .letter = "v", .kind = Key::Kind::direction}}};
 
@@ -28,7 +28,7 @@ struct HalfSpace {
     [[nodiscard]] T unit() const { return T(1); }
     [[nodiscard]] Sphere<T> ball_around() const { return {point, T(0x1p100)}; }
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const { return onto(point + T(2) * u); }
-    [[nodiscard]] std::optional<HalfSpace> grown(const Vec<T>&, const T&) const { return *this; }
+    [[nodiscard]] std::optional<HalfSpace> scaled_about(const Vec<T>&, const T&) const { return *this; }
 
     /// From t = n·(P − o)/(n·d) on if n·d < 0, up to it if n·d > 0. A parallel line lies in it entirely or not at all.
     [[nodiscard]] SlabSpan<T> span(const Ray<T>& ray) const {
@@ -42,8 +42,8 @@ struct HalfSpace {
                 .open = in || out || n > zero,
                 .d2 = square(ray.direction)};
     }
-    [[nodiscard]] T off_surface(const Vec<T>& p) const { return dot(normal, p - point) / length(normal); }
-    [[nodiscard]] T distance(const Vec<T>& p) const { return off_surface(p); }
+    [[nodiscard]] T relative_distance(const Vec<T>& p) const { return dot(normal, p - point) / length(normal); }
+    [[nodiscard]] T distance(const Vec<T>& p) const { return relative_distance(p); }
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>&) const { return (T(1) / length(normal)) * normal; }
     [[nodiscard]] Vec<T> projected(const Ray<T>&, const Vec<T>& p) const { return onto(p); }
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>& ray, const T& t, const Vec<T>& p) const {

@@ -182,8 +182,8 @@ TEST_CASE("equal vertices are merged, and faces without area are named", "[mesh]
     mesh = tidied(std::move(mesh));
     CHECK(mesh.vertices.size() == 5);
     CHECK(mesh.faces.size() == 2);
-    CHECK(mesh.left_out == 2);
-    CHECK(mesh.first_left_out == "face 2");
+    CHECK(mesh.removed_face_count == 2);
+    CHECK(mesh.first_removed_face == "face 2");
     CHECK(Edges(mesh).open == 4);
     CHECK(Edges(mesh).are_consistent);
     CHECK(mesh.share_a_vertex(0, 1));
@@ -191,9 +191,9 @@ TEST_CASE("equal vertices are merged, and faces without area are named", "[mesh]
 
 TEST_CASE("rounding to a format can flatten a face", "[mesh]") {
     const Mesh mesh = tidied(scene::triangle::make_grid(4, 4, {1, 1, 0}, {0x1p-20, 0x1p-20, 0}, 0));
-    CHECK(flat_faces(mesh, binary64) == 0);
-    CHECK(flat_faces(mesh, binary32) == 0);
-    CHECK(flat_faces(mesh, binary16) == mesh.faces.size());
+    CHECK(count_flat_faces(mesh, binary64) == 0);
+    CHECK(count_flat_faces(mesh, binary32) == 0);
+    CHECK(count_flat_faces(mesh, binary16) == mesh.faces.size());
 }
 
 TEST_CASE("faces without area are reported, those caused by rounding only where the format rounds", "[mesh]") {
@@ -224,8 +224,8 @@ TEST_CASE("meshes come after the other primitives, and their numbers are stored 
     REQUIRE(list.size() == all.size());
     for (std::size_t i = 0; i < all.size(); ++i) {
         const Primitive<double> stored = list[i], ideal = round_primitive(all[i], binary32);
-        CHECK(std::ranges::equal(stored.used(), ideal.used()));
-        CHECK(std::ranges::equal(shared_primitives(scene)[i].used(), ideal.used()));
+        CHECK(std::ranges::equal(stored.shape_numbers(), ideal.shape_numbers()));
+        CHECK(std::ranges::equal(shared_primitives(scene)[i].shape_numbers(), ideal.shape_numbers()));
     }
     CHECK_FALSE(scene.mesh->share_a_vertex(0, 80));
 }

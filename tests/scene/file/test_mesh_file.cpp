@@ -52,8 +52,8 @@ TEST_CASE("a polygon becomes a fan around its first corner, and a degenerate fac
         read_mesh_file(folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nf 1 2 5\nf 1 2 3 4\n"));
     REQUIRE(mesh.faces.size() == 2);
     CHECK(mesh.triangle(1).c == Vec<double>(0, 1, 0));
-    CHECK(mesh.left_out == 1);
-    CHECK(mesh.first_left_out.ends_with("a.obj:6"));
+    CHECK(mesh.removed_face_count == 1);
+    CHECK(mesh.first_removed_face.ends_with("a.obj:6"));
 }
 
 TEST_CASE("a line of an OBJ file continues after a backslash at its end", "[mesh]") {
@@ -83,7 +83,7 @@ TEST_CASE("a line of an OBJ file continues after a backslash at its end", "[mesh
         CHECK(error_of_file("a.obj", corners + above + "\nv 7 7 7\nf 1 2 3\n")
                   .starts_with("a.obj:6:1: \"v\" begins a line that continues the one above"));
     CHECK(read_mesh_file(folder.write("line.obj", corners + "f 1 \\\n2 1\nf 1 2 3\n"))
-              .first_left_out.ends_with("line.obj:5"));
+              .first_removed_face.ends_with("line.obj:5"));
     CHECK(has(error_of_file("a.stl", "solid a \\\nfacet"), "a.stl:2"));  // no other kind of file continues lines
 }
 
@@ -153,8 +153,10 @@ TEST_CASE("a PLY may have lists that are not corners, in text and in bytes", "[m
 
 TEST_CASE("text that would hide a line or a face is refused", "[mesh]") {
     const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n", face = three + "f 1 2 3\n";
-    CHECK(error_of_file("a.obj", face + std::string("\0f 1 3 2\n", 10)) == "a.obj:5:1: has a byte 0; is it text?");
-    CHECK(error_of_file("a.obj", face + std::string("f 1 3\0 2\n", 9)) == "a.obj:5:6: has a byte 0; is it text?");
+    CHECK(error_of_file("a.obj", face + std::string("\0f 1 3 2\n", 10)) ==
+          "a.obj:5:1: has a zero byte; is it a text file?");
+    CHECK(error_of_file("a.obj", face + std::string("f 1 3\0 2\n", 9)) ==
+          "a.obj:5:6: has a zero byte; is it a text file?");
     CHECK(error_of_file("a.obj", face + "# a\rf 1 3 2\n") ==
           "a.obj:5:4: has a carriage return inside the line; end lines with line feeds");
     CHECK(error_of_file("a.obj", face + "\xEF\xBB\xBF"
@@ -190,7 +192,8 @@ TEST_CASE("text that would hide a line or a face is refused", "[mesh]") {
               .starts_with("a.ply:13:5: names vertex 1.0000000150474662e+30 of 3"));
     CHECK(ply(vertices + replaced(faces, "uchar", "float"), all + "2.5 0 1 2\n") ==
           "a.ply:13:1: the length of vertex_indices is 2.5; it must be a whole number up to a million");
-    CHECK(ply(vertices + faces, all + "3 0 1 2 1\n") == "a.ply:13:9: follows the last property of its element");
+    CHECK(ply(vertices + faces, all + "3 0 1 2 1\n") ==
+          "a.ply:13:9: is one value too many: the header lists no more properties of this element");
     CHECK(ply(vertices + faces, all + "3 0 1 2\n\n3 0 2 1\n") ==
           "a.ply:15:1: follows the last element that the header names");
     CHECK(ply(vertices + "elemnt face 1\n", all).starts_with("a.ply:7:1: \"elemnt\" is not a keyword of a PLY header"));

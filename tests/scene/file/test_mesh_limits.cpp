@@ -106,7 +106,7 @@ TEST_CASE("a glTF file that transforms its mesh or refers to a remote buffer is 
     CHECK(error_with("{", bytes).starts_with("a.gltf:1:1: is not JSON: "));
     CHECK(error_with("{\n  \"asset\": ?}", bytes).starts_with("a.gltf:2:12: is not JSON: "));
     CHECK(error_with(as_gltf(ball, buffer) + '\0' + "x", bytes)
-              .ends_with("has a byte 0 with more text after it; is it text?"));
+              .ends_with("has a zero byte with more text after it; is it a text file?"));
     CHECK(error_with(as_gltf(ball, buffer) + std::string(3, '\0'), bytes) == "no error");
     CHECK(error_with(as_gltf(ball, buffer) + "x", bytes).find("is not JSON: ") != std::string::npos);
     CHECK(error_with(replaced(as_gltf(ball, buffer), "\"asset\"",
@@ -205,7 +205,7 @@ TEST_CASE("every mesh reader stops when it is asked to", "[mesh]") {
     const Mesh ball = scene::triangle::make_icosphere(5, {0, 0, 0}, 1);
     const std::string data = R"(, "uri": "ball.bin")";
     folder.write("ball.bin", buffer_of_gltf(ball));
-    using Read = triangle::MeshInFile (*)(MeshBytes&, const triangle::MeshTerms&);
+    using Read = triangle::ParsedMesh (*)(MeshBytes&, const triangle::MeshSettings&);
     const std::tuple<const char*, std::string, Read> files[] = {
         {"a.obj", as_obj(ball), triangle::read_obj},
         {"a.ply", as_ply_text<double>(ball), triangle::read_ply},

@@ -28,14 +28,14 @@ Box<double> draw_box(Random& random, const BoxDistribution& settings, const Vec<
 }
 
 /// Returns the eight boxes into which the planes through a point inside a box cut it.
-std::vector<Primitive<double>> cut(const Box<double>& box, const Vec<double>& point) {
-    std::vector<Primitive<double>> parts;
+std::vector<Primitive<double>> cut_into_octants(const Box<double>& box, const Vec<double>& point) {
+    std::vector<Primitive<double>> octants;
     for (int octant = 0; octant < 8; ++octant) {
-        Box<double> part = box;
-        for (int i = 0; i < 3; ++i) ((octant >> i & 1) != 0 ? part.lo : part.hi)[i] = point[i];
-        parts.emplace_back(part);
+        Box<double> octant_box = box;
+        for (int i = 0; i < 3; ++i) ((octant >> i & 1) != 0 ? octant_box.lo : octant_box.hi)[i] = point[i];
+        octants.emplace_back(octant_box);
     }
-    return parts;
+    return octants;
 }
 
 /// A point of a face, edge or corner, and for each axis the direction in which the box ends there: ±1, or 0 if it does
@@ -55,8 +55,8 @@ TouchPoint draw_touch_point(Random& random, const BoxDistribution& settings, con
     TouchPoint touch{{0, 0, 0}, {0, 0, 0}};
     for (int k = 0; k < 3; ++k) {
         const int axis = (first + k) % 3;
-        const double share = random.between(0.05, 0.95);
-        touch.point[axis] = box.lo[axis] + share * (box.hi[axis] - box.lo[axis]);
+        const double fraction = random.between(0.05, 0.95);
+        touch.point[axis] = box.lo[axis] + fraction * (box.hi[axis] - box.lo[axis]);
         if (k >= fixed_axes) continue;
         touch.outward[axis] = random.sign();
         touch.point[axis] = touch.outward[axis] > 0 ? box.hi[axis] : box.lo[axis];
@@ -90,10 +90,10 @@ RayGroup box_rays(Random& random, const BoxDistribution& settings) {
     Vec<double> middle(0, 0, 0);
     for (int i = 0; i < 3; ++i) middle[i] = stored(box.lo[i] + random.between(0.3, 0.7) * (box.hi[i] - box.lo[i]));
     RayGroup group;
-    if (settings.adjoining) group.primitives = cut(box, middle);
+    if (settings.adjoining) group.primitives = cut_into_octants(box, middle);
     else group.primitives.emplace_back(box);
-    const bool on_other = settings.begin == rays::Begin::on_other;
-    if (on_other)
+    const bool begins_on_other_box = settings.begin == rays::Begin::on_other;
+    if (begins_on_other_box)
         group.primitives.emplace_back(
             draw_box(random, settings,
                      offset_of(settings) + (settings.distance * settings.size) * rays::draw_direction(random)));
@@ -107,12 +107,12 @@ RayGroup box_rays(Random& random, const BoxDistribution& settings) {
                 if (touch.outward[k] != 0) touch.point[k] = middle[k];
             }
         }
-        const Vec<double> moved = touch.point + (settings.gap * settings.size) * touch.outward;
-        if (on_other) {
-            group.rays.push(rays::ray_from_surface(random, settings, group.primitives.back(), moved, d));
+        const Vec<double> moved_point = touch.point + (settings.gap * settings.size) * touch.outward;
+        if (begins_on_other_box) {
+            group.rays.push(rays::ray_from_surface(random, settings, group.primitives.back(), moved_point, d));
             continue;
         }
-        group.rays.push({stored(moved - (settings.distance * settings.size) * d), stored(magnitude * d)});
+        group.rays.push({stored(moved_point - (settings.distance * settings.size) * d), stored(magnitude * d)});
     }
     return group;
 }
@@ -120,10 +120,10 @@ RayGroup box_rays(Random& random, const BoxDistribution& settings) {
 }  // namespace
 
 rays::AimedPlace BoxDistribution::aimed_at(Random& random, const Primitive<double>& primitive, int target) {
-    Vec<double> share(0, 0, 0);
+    Vec<double> fraction(0, 0, 0);
     const int free_axis = random.below(3);
-    for (int k = 0; k < 3; ++k) share[k] = target == edge && k == free_axis ? random.unit() : random.below(2);
-    return primitive.box().point_at(share);
+    for (int k = 0; k < 3; ++k) fraction[k] = target == edge && k == free_axis ? random.unit() : random.below(2);
+    return primitive.box().point_at(fraction);
 }
 
 BoxDistribution BoxDistribution::read(toml::TableReader table) {

@@ -26,7 +26,7 @@ struct Baseline {
             tmin = named("tmin", max(tmin, min(t1, t2)));
             tmax = named("tmax", min(tmax, max(t1, t2)));
         }
-        return entered<T>(tmin < tmax, {tmin, tmax});
+        return hit_from_segment<T>(tmin < tmax, {tmin, tmax});
     }
 };
 

@@ -14,21 +14,21 @@ struct BvhRobust {
         .source = "madmann91/bvh v2, src/bvh/v2/node.h:68 intersect_robust, ray.h:46 pad_inv_dir, utils.h:47",
     };
 
-    template <Number T, BoxOf<T> B>
+    template <Number T, BoxLike<T> B>
     static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit) {
         T tmin(0), tmax = limit;
         for (int axis = 0; axis < 3; ++axis) {
             const T inv = named("inv", T(1) / ray.direction[axis]);
             const Planes<T> planes = planes_by_sign<T>(box, axis, inv);
             tmin = named("tmin", max((planes.bmin - ray.origin[axis]) * inv, tmin));
-            tmax = named("tmax", min((planes.bmax - ray.origin[axis]) * padded<T>(inv), tmax));
+            tmax = named("tmax", min((planes.bmax - ray.origin[axis]) * pad<T>(inv), tmax));
         }
-        return entered<T>(tmin <= tmax, {tmin, tmax});
+        return hit_from_segment<T>(tmin <= tmax, {tmin, tmax});
     }
 
 private:
     template <Number T>
-    static T padded(const T& inv) {
+    static T pad(const T& inv) {
         return named("inv_pad", copysign(next_up(next_up(abs(inv))), inv));
     }
 };

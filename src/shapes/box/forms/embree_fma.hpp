@@ -28,7 +28,7 @@ struct EmbreeFma {
             tmin = named("tmin", max(fma(planes.bmin, inv, -o_inv), tmin));
             tmax = named("tmax", min(fma(planes.bmax, inv, -o_inv), tmax));
         }
-        return entered<T>(tmin <= tmax, {tmin, tmax});
+        return hit_from_segment<T>(tmin <= tmax, {tmin, tmax});
     }
 };
 

@@ -29,7 +29,7 @@ struct EmbreePadded {
             tmin = named("tmin", max((planes.bmin - ray.origin[axis]) * inv_near, tmin));
             tmax = named("tmax", min((planes.bmax - ray.origin[axis]) * inv_far, tmax));
         }
-        return entered<T>(tmin <= tmax, {tmin, tmax});
+        return hit_from_segment<T>(tmin <= tmax, {tmin, tmax});
     }
 };
 

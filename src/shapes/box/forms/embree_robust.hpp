@@ -14,13 +14,13 @@ struct EmbreeRobust {
         .source = "Embree 2, kernels/bvh/node_intersector1.h, robust mode, until a7a3bde31 of 2017",
     };
 
-    template <Number T, BoxOf<T> B>
+    template <Number T, BoxLike<T> B>
     static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit) {
         T tmin(0), tmax = limit;
         clip_by_signs(ray, box, tmin, tmax);
         const T three_eps = T(3) * (T(2) * unit_roundoff<T>());
         const T down = T(1) - three_eps, up = T(1) + three_eps;
-        return entered<T>(down * tmin <= up * tmax, {tmin, tmax});
+        return hit_from_segment<T>(down * tmin <= up * tmax, {tmin, tmax});
     }
 };
 

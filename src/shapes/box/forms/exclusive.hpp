@@ -24,7 +24,7 @@ struct Exclusive {
             tmin = named("tmin", max(tmin, min(min(t1, t2), tmax)));
             tmax = named("tmax", min(tmax, max(max(t1, t2), tmin)));
         }
-        return entered<T>(tmin < tmax, {tmin, tmax});
+        return hit_from_segment<T>(tmin < tmax, {tmin, tmax});
     }
 };
 

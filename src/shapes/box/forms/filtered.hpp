@@ -16,27 +16,27 @@ struct FilteredSlabs {
         .source = "a static filter after Shewchuk 1997; signs of determinants",
     };
 
-    template <Number T, BoxOf<T> B>
+    template <Number T, BoxLike<T> B>
     static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit) {
         NoWatch watch;
         return intersect(ray, box, limit, watch);
     }
 
     /// Calls `watch(arithmetic)` for every arithmetic beyond the first that is used.
-    template <Number T, BoxOf<T> B, class Watch>
+    template <Number T, BoxLike<T> B, class Watch>
     static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit, Watch& watch) {
         T tmin(0), tmax = limit;
         if constexpr (is_exact<T>) {
             clip_by_signs(ray, box, tmin, tmax);
-            return entered<T>(tmin <= tmax, {tmin, tmax});
+            return hit_from_segment<T>(tmin <= tmax, {tmin, tmax});
         } else {
             T overflow_sum(0);
             clip_by_signs(ray, box, tmin, tmax,
                           [&](int /*axis*/, const T& /*inv*/, const T& dmax) { overflow_sum = overflow_sum + dmax; });
-            const filtered::BoundDecision<T> bound_decision = filtered::by_bound<T>(tmin, tmax, overflow_sum);
-            if (!any_of(!bound_decision.proved)) return entered<T>(bound_decision.hit, {tmin, tmax});
-            return filtered::by_planes<T>(ray, filtered::planes_of<T>(ray, box), {{tmin, tmax}, limit}, bound_decision,
-                                          watch);
+            const filtered::BoundDecision<T> bound_decision = filtered::decide_by_bound<T>(tmin, tmax, overflow_sum);
+            if (!any_of(!bound_decision.is_proved)) return hit_from_segment<T>(bound_decision.hit, {tmin, tmax});
+            return filtered::decide_by_planes<T>(ray, filtered::planes_of<T>(ray, box), {{tmin, tmax}, limit},
+                                                 bound_decision, watch);
         }
     }
 };

@@ -44,13 +44,13 @@ struct BoundDecision : SlabDecision<T> {
 /// A slab that is parallel to the ray has two infinite t: of one sign if the ray is outside the slab, and −∞ and ∞ if
 /// it is inside. For a ray in one of the planes, 0·∞ is NaN, which leaves tmin and tmax as they were. For a direction
 /// of zeros, tmin and tmax may both be ∞; then neither test holds, and the ray is left undecided. The errors of tmin
-/// and tmax are at most 6.1u of themselves, or the distance between subnormal numbers.
+/// and tmax are at most 6.1u |tmin| and 6.1u |tmax|, or the distance between subnormal numbers.
 template <Number T>
-BoundDecision<T> by_bound(const T& tmin, const T& tmax, const T& overflow_sum) {
+BoundDecision<T> decide_by_bound(const T& tmin, const T& tmax, const T& overflow_sum) {
     if constexpr (traces_operations<T>) {
         using number::wide::value_of, number::wide::constant_mask;
-        const auto by_values = by_bound(value_of(tmin), value_of(tmax), value_of(overflow_sum));
-        return {{constant_mask<T>(by_values.proved), tmin <= tmax}, constant_mask<T>(by_values.in_range)};
+        const auto plain_decision = decide_by_bound(value_of(tmin), value_of(tmax), value_of(overflow_sum));
+        return {{constant_mask<T>(plain_decision.is_proved), tmin <= tmax}, constant_mask<T>(plain_decision.in_range)};
     } else {
         const T margin = T(16) * unit_roundoff<T>(), least = number::wide::least_normal<T>();
         const mask_t<T> in_range = overflow_sum < T(1) / T(0);
@@ -73,7 +73,8 @@ struct SlabResult {
     T limit;
 };
 
-/// Returns the largest of these two values over the axes. If nothing overflows, each is right to 7u of itself:
+/// Returns the largest of these two values over the axes. If nothing overflows, each has a relative error of at
+/// most 7u:
 ///
 ///     dmax |d|    is plane − o, or its negative
 ///     (1/d) d     is 1
@@ -101,7 +102,7 @@ mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) 
             {value_of(ray.origin), value_of(ray.direction)}, value_of(slabs), value_of(limit)));
     }
     mask_t<T> all_fit = T(0) <= T(0);
-    if constexpr (number::wide::has_whole_range<T>) {
+    if constexpr (number::wide::products_may_overflow<T>) {
         using B = number::wide::OneWord<T>;
         const B least = number::wide::power_of_two<B>(-450), largest = B(1) / number::wide::power_of_two<B>(-500);
         const auto check_size = [&](const T& x) {
@@ -114,19 +115,19 @@ mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) 
             check_size(slabs.planes[static_cast<std::size_t>(axis)].bmin);
             check_size(slabs.planes[static_cast<std::size_t>(axis)].bmax);
         }
-        const mask_t<B> endless = number::wide::widen<B>(limit) >= far_away<B>();
-        check_size(select(endless, T(0), limit));
+        const mask_t<B> is_endless = number::wide::widen<B>(limit) >= beyond_every_t<B>();
+        check_size(select(is_endless, T(0), limit));
     }
     return all_fit;
 }
 
-/// Decides in W, rounded to nearest, by the comparisons n m ≤ f g of `every_pair`. With v the unit roundoff of W, n and
-/// f round once and the products once more, so n m and f g are right to 2.1v of themselves. Then n m ≤ f g is proved if
-/// n m + 3v(|n m| + |f g|) ≤ f g, also if both are zero. Infinite planes make NaN, which decides nothing.
+/// Decides in W, rounded to nearest, by the comparisons n m ≤ f g of `join_all_pairs`. With v the unit roundoff of W, n
+/// and f round once and the products once more, so n m and f g have relative errors of at most 2.1v. Then n m ≤ f g is
+/// proved if n m + 3v(|n m| + |f g|) ≤ f g, also if both are zero. Infinite planes make NaN, which decides nothing.
 ///
 /// The function is `static`, so that the linker does not use a copy that another file compiled for wide registers.
 template <class W, Number T>
-static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
+static SlabDecision<T> decide_in_wider(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) {
     using number::wide::narrow, number::wide::widen;
     const auto widen_number = [](const T& x) { return widen<W>(x); };
     std::array<W, 3> m{W(0), W(0), W(0)}, n = m, f = m;
@@ -139,10 +140,10 @@ static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, c
         f[static_cast<std::size_t>(axis)] =
             sign * (widen_number(slabs.planes[static_cast<std::size_t>(axis)].bmax) - o);
     }
-    const W v = unit_roundoff<W>(), end = min(widen_number(limit), far_away<W>());
+    const W v = unit_roundoff<W>(), end = min(widen_number(limit), beyond_every_t<W>());
     // 1 if the comparison is proved to hold, −1 if it is proved to fail, else 0. The least over all comparisons
     // decides.
-    const auto certain_sign = [&](const W& lesser, const W& greater) {
+    const auto proved_sign = [&](const W& lesser, const W& greater) {
         const W difference = greater - lesser, margin = W(3) * v * (abs(lesser) + abs(greater));
         return select(difference >= margin, W(1), select(difference <= -margin, W(-1), W(0)));
     };
@@ -151,12 +152,12 @@ static SlabDecision<T> widely(const Ray<T>& ray, const OrderedSlabs<T>& slabs, c
     for (int i = 0; i < 3; ++i) {
         const auto from = static_cast<std::size_t>(i);
         least_sign = min(least_sign, sign_of(f[from]));
-        least_sign = min(least_sign, certain_sign(n[from], end * m[from]));
+        least_sign = min(least_sign, proved_sign(n[from], end * m[from]));
     }
-    least_sign = every_pair<W>(
+    least_sign = join_all_pairs<W>(
         [&](int i, int j) {
             const auto from = static_cast<std::size_t>(i), to = static_cast<std::size_t>(j);
-            return certain_sign(n[from] * m[to], f[to] * m[from]);
+            return proved_sign(n[from] * m[to], f[to] * m[from]);
         },
         [](const W& a, const W& b) { return min(a, b); }, least_sign);
     const T narrowed_sign = narrow<T>(least_sign);
@@ -171,29 +172,30 @@ static Segment<T> segment_in(const Ray<T>& ray, const OrderedSlabs<T>& slabs, co
     for (int axis = 0; axis < 3; ++axis) {
         const Planes<T>& planes = slabs.planes[static_cast<std::size_t>(axis)];
         const W d = widen<W>(ray.direction[axis]), o = widen<W>(ray.origin[axis]);
-        const mask_t<W> moves = abs(d) > W(0);
-        tmin = select(moves, max((widen<W>(planes.bmin) - o) / d, tmin), tmin);
-        tmax = select(moves, min((widen<W>(planes.bmax) - o) / d, tmax), tmax);
+        const mask_t<W> is_moving = abs(d) > W(0);
+        tmin = select(is_moving, max((widen<W>(planes.bmin) - o) / d, tmin), tmin);
+        tmax = select(is_moving, min((widen<W>(planes.bmax) - o) / d, tmax), tmax);
     }
     return {narrow<T>(tmin), narrow<T>(tmax)};
 }
 
-/// Decides the rays that `known` does not prove by `meet_slabs`, which takes doubles of any magnitude. A ray that
-/// `known` proves keeps its decision. `meet_slabs` also computes tmin and tmax of a ray that is neither proved nor
-/// `is_accurate`. All other rays keep tmin and tmax of `result`.
+/// Decides the rays that `known_decision` does not prove by `meet_slabs`, which takes doubles of any magnitude. A ray
+/// that `known_decision` proves keeps its decision. `meet_slabs` also computes tmin and tmax of a ray that is neither
+/// proved nor `is_accurate`. All other rays keep tmin and tmax of `result`.
 template <Number T>
 Hit<T> decide_in_every_range(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const SlabResult<T>& result,
-                             const SlabDecision<T>& known, const mask_t<T>& is_accurate) {
+                             const SlabDecision<T>& known_decision, const mask_t<T>& is_accurate) {
     const Vec<T>&o = ray.origin, &d = ray.direction;
     const auto& [x, y, z] = slabs.planes;
     const std::array<T, 13> inputs{o.x,    o.y,    o.z,    d.x,    d.y,    d.z,         x.bmin,
                                    y.bmin, z.bmin, x.bmax, y.bmax, z.bmax, result.limit};
-    const std::array<T, 3> answers = number::wide::masked_lanes<T, 13, 3>(
-        select(known.proved, T(0), T(1)), inputs,
-        {select(known.hit, T(1), -T(1)), result.segment.tmin, result.segment.tmax}, number::wide::meet_slabs<T>);
+    const std::array<T, 3> answers = number::wide::apply_to_lanes<T, 13, 3>(
+        select(known_decision.is_proved, T(0), T(1)), inputs,
+        {select(known_decision.hit, T(1), -T(1)), result.segment.tmin, result.segment.tmax},
+        number::wide::meet_slabs<T>);
     const Segment<T>& segment = result.segment;
-    return entered<T>(answers[0] > T(0),
-                      {select(is_accurate, segment.tmin, answers[1]), select(is_accurate, segment.tmax, answers[2])});
+    return hit_from_segment<T>(answers[0] > T(0), {select(is_accurate, segment.tmin, answers[1]),
+                                                   select(is_accurate, segment.tmax, answers[2])});
 }
 
 /// Decides the rays that `first_decision` does not prove, without rounding: numbers that fit by products and sums of
@@ -203,18 +205,20 @@ template <Number T>
 Hit<T> decide_exactly(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const SlabResult<T>& result,
                       const BoundDecision<T>& first_decision) {
     using B = number::wide::OneWord<T>;
-    SlabDecision<T> known = first_decision;
+    SlabDecision<T> known_decision = first_decision;
     const mask_t<T> fit = fits(ray, slabs, result.limit);
-    if (any_of(!known.proved && fit)) {
+    if (any_of(!known_decision.is_proved && fit)) {
         const PlaneDistances<B> distances = plane_distances<T>(ray, slabs, result.limit);
-        SlabDecision<T> products = by_products<T>(distances);
-        products.proved = products.proved && fit;
-        known = joined(known, products);
-        if (any_of(!known.proved && fit)) known = joined(known, decide_by_exact_sums<T>(distances, fit));
+        SlabDecision<T> products = decide_by_products<T>(distances);
+        products.is_proved = products.is_proved && fit;
+        known_decision = first_proved(known_decision, products);
+        if (any_of(!known_decision.is_proved && fit))
+            known_decision = first_proved(known_decision, decide_by_exact_sums<T>(distances, fit));
     }
-    if constexpr (number::wide::has_whole_range<T>)
-        if (any_of(!known.proved)) return decide_in_every_range<T>(ray, slabs, result, known, first_decision.in_range);
-    return entered<T>(known.hit, result.segment);
+    if constexpr (number::wide::products_may_overflow<T>)
+        if (any_of(!known_decision.is_proved))
+            return decide_in_every_range<T>(ray, slabs, result, known_decision, first_decision.in_range);
+    return hit_from_segment<T>(known_decision.hit, result.segment);
 }
 
 /// Does what `decide_exactly` does, for number types that record operations. They have no operation for exact sums, so
@@ -243,8 +247,8 @@ Hit<T> decide_in_a_call(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const S
     const mask_t<T> hit = recorded_answer(CallAnswer::decision, select(decision.hit, P(1), P(-1))) > T(0);
     const auto is_identical = [](const P& a, const P& b) { return a == b && copysign(P(1), a) == copysign(P(1), b); };
     if (any_of(in_range.value() || (is_identical(decision.near, tmin) && is_identical(decision.far, tmax))))
-        return entered<T>(hit, result.segment);
-    return entered<T>(
+        return hit_from_segment<T>(hit, result.segment);
+    return hit_from_segment<T>(
         hit, {recorded_answer(CallAnswer::near, decision.near), recorded_answer(CallAnswer::far, decision.far)});
 }
 
@@ -254,44 +258,45 @@ template <Number T, class Watch>
 Hit<T> decide_further(const Ray<T>& ray, const OrderedSlabs<T>& slabs, SlabResult<T> result,
                       const BoundDecision<T>& bound_decision, Watch& watch) {
     const Part<T> part("by planes");
-    BoundDecision<T> known = bound_decision;
+    BoundDecision<T> known_decision = bound_decision;
     if (any_of(!bound_decision.in_range)) {
         const BoundDecision<T> second_decision =
-            by_bound<T>(result.segment.tmin, result.segment.tmax, largest_intermediate(ray, slabs));
-        known = {joined(bound_decision, second_decision), bound_decision.in_range || second_decision.in_range};
-        if (!any_of(!known.proved)) return entered<T>(known.hit, result.segment);
+            decide_by_bound<T>(result.segment.tmin, result.segment.tmax, largest_intermediate(ray, slabs));
+        known_decision = {first_proved(bound_decision, second_decision),
+                          bound_decision.in_range || second_decision.in_range};
+        if (!any_of(!known_decision.is_proved)) return hit_from_segment<T>(known_decision.hit, result.segment);
     }
     if constexpr (number::wide::has_wider_word<T>) {
         if (number::wide::widens<T>()) {
             using B = number::wide::OneWord<T>;
             watch(FilterArithmetic::wider);
-            SlabDecision<T> wide_decision = widely<B, T>(ray, slabs, result.limit);
-            wide_decision.proved = wide_decision.proved && fits(ray, slabs, result.limit);
-            known = {joined(known, wide_decision), known.in_range};
-            if (any_of(!known.in_range)) {
+            SlabDecision<T> wide_decision = decide_in_wider<B, T>(ray, slabs, result.limit);
+            wide_decision.is_proved = wide_decision.is_proved && fits(ray, slabs, result.limit);
+            known_decision = {first_proved(known_decision, wide_decision), known_decision.in_range};
+            if (any_of(!known_decision.in_range)) {
                 const Segment<T> wide_segment = segment_in<B, T>(ray, slabs, result.limit);
-                result.segment = {select(known.in_range, result.segment.tmin, wide_segment.tmin),
-                                  select(known.in_range, result.segment.tmax, wide_segment.tmax)};
+                result.segment = {select(known_decision.in_range, result.segment.tmin, wide_segment.tmin),
+                                  select(known_decision.in_range, result.segment.tmax, wide_segment.tmax)};
             }
-            if (!any_of(!known.proved)) return entered<T>(known.hit, result.segment);
+            if (!any_of(!known_decision.is_proved)) return hit_from_segment<T>(known_decision.hit, result.segment);
         }
     }
     watch(FilterArithmetic::exact);
-    if constexpr (traces_operations<T>) return decide_in_a_call<T>(ray, slabs, result, known.in_range);
-    else return decide_exactly<T>(ray, slabs, result, known);
+    if constexpr (traces_operations<T>) return decide_in_a_call<T>(ray, slabs, result, known_decision.in_range);
+    else return decide_exactly<T>(ray, slabs, result, known_decision);
 }
 
 /// Does what `decide_further` does, as a function of its own that takes its arguments by value, so that the loops over
 /// packs keep their registers.
 template <Number T, class Watch>
-[[gnu::noinline]] Hit<T> by_planes(Ray<T> ray, OrderedSlabs<T> slabs, SlabResult<T> result,
-                                   BoundDecision<T> bound_decision, Watch& watch) {
+[[gnu::noinline]] Hit<T> decide_by_planes(Ray<T> ray, OrderedSlabs<T> slabs, SlabResult<T> result,
+                                          BoundDecision<T> bound_decision, Watch& watch) {
     return decide_further<T>(ray, slabs, result, bound_decision, watch);
 }
 template <Number T, class Watch>
 requires number::wide::InRegisters<T>
-[[gnu::noinline, gnu::flatten]] Hit<T> by_planes(Ray<T> ray, OrderedSlabs<T> slabs, SlabResult<T> result,
-                                                 BoundDecision<T> bound_decision, Watch& watch) {
+[[gnu::noinline, gnu::flatten]] Hit<T> decide_by_planes(Ray<T> ray, OrderedSlabs<T> slabs, SlabResult<T> result,
+                                                        BoundDecision<T> bound_decision, Watch& watch) {
     return decide_further<T>(ray, slabs, result, bound_decision, watch);
 }
 

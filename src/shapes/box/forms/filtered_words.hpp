@@ -12,13 +12,15 @@ namespace filtered {
 /// Result of a step for a ray: the decision, which is valid only if it is proved.
 template <Number T>
 struct SlabDecision {
-    mask_t<T> proved, hit;
+    mask_t<T> is_proved, hit;
 
     /// Returns `first` where it is proved, else `second`. A type that records operations computes one ray, for which
     /// the second step was taken because the first proved nothing, so it returns `second`.
-    friend SlabDecision joined(const SlabDecision& first, const SlabDecision& second) {
+    friend SlabDecision first_proved(const SlabDecision& first, const SlabDecision& second) {
         if constexpr (traces_operations<T>) return second;
-        else return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit)};
+        else
+            return {first.is_proved || second.is_proved,
+                    (first.is_proved && first.hit) || (!first.is_proved && second.hit)};
     }
 };
 
@@ -40,7 +42,7 @@ auto value_of(const OrderedSlabs<T>& slabs) {
 
 /// Returns a number larger than every t of floats, or of numbers in the range of `fits`.
 template <Number W>
-W far_away() {
+W beyond_every_t() {
     return W(1) / number::wide::power_of_two<W>(-960);
 }
 
@@ -58,7 +60,7 @@ W without_infinity(const W& x) {
 ///
 /// `test(i, j)` answers the test for axes i and j, and `join` combines the answers.
 template <class V, class Test, class Join>
-V every_pair(const Test& test, const Join& join, V answer) {
+V join_all_pairs(const Test& test, const Join& join, V answer) {
     for (int i = 0; i < 3; ++i) {
         answer = join(answer, test(i, (i + 1) % 3));
         answer = join(answer, test(i, (i + 2) % 3));
@@ -66,18 +68,18 @@ V every_pair(const Test& test, const Join& join, V answer) {
     return answer;
 }
 
-/// n, f and m of `every_pair`. The distances n and f are exact sums of two words; an infinite plane is replaced as in
-/// `without_infinity`. `end` is the ray's end, or 0 if the ray is `endless`.
+/// n, f and m of `join_all_pairs`. The distances n and f are exact sums of two words; an infinite plane is replaced as
+/// in `without_infinity`. `end` is the ray's end, or 0 if the ray is `is_endless`.
 template <class B>
 struct PlaneDistances {
     std::array<B, 3> m;
     std::array<number::wide::TwoWords<B>, 3> n, f;
     B end;
-    mask_t<B> endless;
+    mask_t<B> is_endless;
 
     /// Returns n_i, or 0 if an endless ray moves along the axis.
     [[nodiscard]] number::wide::TwoWords<B> before_end(std::size_t i) const {
-        return select(endless && m[i] > B(0), number::wide::TwoWords<B>(0), n[i]);
+        return select(is_endless && m[i] > B(0), number::wide::TwoWords<B>(0), n[i]);
     }
 };
 
@@ -88,9 +90,9 @@ auto plane_distances(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& l
     const auto widen = [](const T& x) { return number::wide::widen<B>(x); };
     const TwoWords<B> zero(0);
     const B end = widen(limit);
-    const mask_t<B> endless = end >= far_away<B>();
+    const mask_t<B> is_endless = end >= beyond_every_t<B>();
     PlaneDistances<B> distances{
-        {B(0), B(0), B(0)}, {zero, zero, zero}, {zero, zero, zero}, select(endless, B(0), end), endless};
+        {B(0), B(0), B(0)}, {zero, zero, zero}, {zero, zero, zero}, select(is_endless, B(0), end), is_endless};
     for (int axis = 0; axis < 3; ++axis) {
         const auto k = static_cast<std::size_t>(axis);
         const B d = widen(ray.direction[axis]), o = widen(ray.origin[axis]), sign = copysign(B(1), d);
@@ -112,31 +114,31 @@ auto plane_distances(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& l
 ///                   small terms is at most v(1 + v) of p or q, e is at most v of both, and their sum takes five
 ///                   roundings: off by less than 9 v² (|p| + |q|), so that 20 v² prove a sign
 template <Number T>
-static SlabDecision<T> by_products(const PlaneDistances<number::wide::OneWord<T>>& distances) {
+static SlabDecision<T> decide_by_products(const PlaneDistances<number::wide::OneWord<T>>& distances) {
     using B = number::wide::OneWord<T>;
     using number::wide::product_of, number::wide::sum_of, number::wide::TwoWords;
     const B v = unit_roundoff<B>(), margin = B(20) * v * v;
     B low_words(0);
     for (std::size_t i = 0; i < 3; ++i) low_words = low_words + abs(distances.n[i].lo) + abs(distances.f[i].lo);
     const mask_t<B> are_exact = low_words <= B(0);
-    mask_t<B> hit = B(0) <= distances.end, missed = !hit;
+    mask_t<B> hit = B(0) <= distances.end, is_miss = !hit;
     const auto compare = [&](const TwoWords<B>& lesser, const B& m, const TwoWords<B>& greater, const B& g) {
         const TwoWords<B> p = product_of(lesser.hi, m), q = product_of(greater.hi, g), s = sum_of<B>(q.hi, -p.hi);
         const B difference = s.hi + (s.lo + ((q.lo - p.lo) + (greater.lo * g - lesser.lo * m)));
         const B bound = margin * (abs(p.hi) + abs(q.hi));
         hit = hit && ((are_exact && p <= q) || (!are_exact && difference >= bound));
-        missed = missed || (are_exact && p > q) || (!are_exact && difference < -bound);
+        is_miss = is_miss || (are_exact && p > q) || (!are_exact && difference < -bound);
     };
     for (std::size_t i = 0; i < 3; ++i) {
         hit = hit && distances.f[i].hi >= B(0);
-        missed = missed || distances.f[i].hi < B(0);
+        is_miss = is_miss || distances.f[i].hi < B(0);
         compare(distances.before_end(i), B(1), TwoWords<B>(distances.end), distances.m[i]);
         for (std::size_t j = 1; j < 3; ++j) {
             const std::size_t k = (i + j) % 3;
             compare(distances.n[i], distances.m[k], distances.f[k], distances.m[i]);
         }
     }
-    const T narrowed_sign = number::wide::narrow<T>(select(hit, B(1), select(missed, B(-1), B(0))));
+    const T narrowed_sign = number::wide::narrow<T>(select(hit, B(1), select(is_miss, B(-1), B(0))));
     return {narrowed_sign > T(0) || narrowed_sign<T(0), narrowed_sign> T(0)};
 }
 
@@ -156,7 +158,7 @@ template <Number T>
         before_end.add(-distances.before_end(i));
         least_sign = min(least_sign, sign_of(before_end.value()));
     }
-    least_sign = every_pair<B>(
+    least_sign = join_all_pairs<B>(
         [&](int i, int j) {
             const auto from = static_cast<std::size_t>(i), to = static_cast<std::size_t>(j);
             ExactSum<B, 8> difference;

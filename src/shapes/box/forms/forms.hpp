@@ -20,7 +20,7 @@
 namespace lostbits::intersect::box {
 
 using BoxForms = FormList<  //
-    box::Baseline,          // from the seeds
+    box::Baseline,          // from Barnes' articles
     box::Exclusive,         //
     box::Inclusive,         //
     box::Signs,             //

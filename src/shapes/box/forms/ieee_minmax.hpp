@@ -25,7 +25,7 @@ struct IeeeMinmax {
             tmin = named("tmin", max_num<T>(tmin, min_num<T>(t1, t2)));
             tmax = named("tmax", min_num<T>(tmax, max_num<T>(t1, t2)));
         }
-        return entered<T>(tmin <= tmax, {tmin, tmax});
+        return hit_from_segment<T>(tmin <= tmax, {tmin, tmax});
     }
 };
 

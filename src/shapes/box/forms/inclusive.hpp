@@ -23,7 +23,7 @@ struct Inclusive {
             tmin = named("tmin", min(max(t1, tmin), max(t2, tmin)));
             tmax = named("tmax", max(min(t1, tmax), min(t2, tmax)));
         }
-        return entered<T>(tmin <= tmax, {tmin, tmax});
+        return hit_from_segment<T>(tmin <= tmax, {tmin, tmax});
     }
 };
 

@@ -15,12 +15,12 @@ struct MaxMult {
         .source = "Ize, Robust BVH Ray Traversal, JCGT 2(2), 2013",
     };
 
-    template <Number T, BoxOf<T> B>
+    template <Number T, BoxLike<T> B>
     static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit) {
         T tmin(0), tmax = limit;
         clip_by_signs(ray, box, tmin, tmax);
         tmax = named("tmax", tmax * (T(1) + T(1) / T(4194304)));  // 4194304 = 2²²
-        return entered<T>(tmin <= tmax, {tmin, tmax});
+        return hit_from_segment<T>(tmin <= tmax, {tmin, tmax});
     }
 };
 

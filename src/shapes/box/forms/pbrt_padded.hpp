@@ -13,7 +13,7 @@ struct PbrtPadded {
         .source = "Pharr, Jakob, Humphreys, pbrt-v4, sections 6.1.2 and 6.8.2; Ize 2013",
     };
 
-    template <Number T, BoxOf<T> B>
+    template <Number T, BoxLike<T> B>
     static Hit<T> intersect(const Ray<T>& ray, const B& box, const T& limit) {
         const T padding = T(1) + T(2) * gamma_bound<T>(3);
         T tmin(0), tmax = limit;
@@ -25,7 +25,7 @@ struct PbrtPadded {
             tmin = named("tmin", max(dmin, tmin));
             tmax = named("tmax", min(dmax, tmax));
         }
-        return entered<T>(tmin <= tmax, {tmin, tmax});
+        return hit_from_segment<T>(tmin <= tmax, {tmin, tmax});
     }
 };
 

@@ -14,11 +14,11 @@ struct Segment {
     T tmax;
 };
 
-/// Returns the hit with near = t = tmin ≥ 0, clipped at the origin, and far = tmax. `is_left` is the result of the
+/// Returns the hit with near = t = tmin ≥ 0, clipped at the origin, and far = tmax. `is_hit` is the result of the
 /// form's own last test: true if a part of the ray is inside the box.
 template <Number T>
-Hit<T> entered(const mask_t<T>& is_left, const Segment<T>& segment) {
-    return Hit<T>{is_left, segment.tmin, segment.tmin, segment.tmax};
+Hit<T> hit_from_segment(const mask_t<T>& is_hit, const Segment<T>& segment) {
+    return Hit<T>{is_hit, segment.tmin, segment.tmin, segment.tmax};
 }
 
 /// The coordinates of a slab's two planes in the order in which the line meets them.
@@ -38,14 +38,14 @@ struct OrderedBox {
 
 /// Boxes that a form can take if it orders planes only by the sign of 1/d.
 template <class B, class T>
-concept BoxOf = std::same_as<B, Box<T>> || std::same_as<B, OrderedBox<T>>;
+concept BoxLike = std::same_as<B, Box<T>> || std::same_as<B, OrderedBox<T>>;
 
 /// Orders the planes: lo before hi if the sign bit of inv = 1/d is clear, hi before lo if it is set. A direction of −0
 /// has inv = −∞ and its planes are swapped, so a ray between them still runs from −∞ to +∞.
 template <Number T>
 Planes<T> planes_by_sign(const Box<T>& box, int axis, const T& inv) {
-    const mask_t<T> sign = copysign(T(1), inv) < T(0);
-    return {select(sign, box.hi[axis], box.lo[axis]), select(sign, box.lo[axis], box.hi[axis])};
+    const mask_t<T> is_reversed = copysign(T(1), inv) < T(0);
+    return {select(is_reversed, box.hi[axis], box.lo[axis]), select(is_reversed, box.lo[axis], box.hi[axis])};
 }
 
 /// Returns the planes in the order that the kernel found.
@@ -60,7 +60,7 @@ Planes<T> planes_by_sign(const OrderedBox<T>& box, int axis, const T& /*inv*/) {
 /// struct of packs to the stack in every iteration.)
 ///
 /// Calls `visit_axis(axis, inv, dmax)` for every axis.
-template <Number T, BoxOf<T> B, class VisitAxis>
+template <Number T, BoxLike<T> B, class VisitAxis>
 void clip_by_signs(const Ray<T>& ray, const B& box, T& tmin, T& tmax, const VisitAxis& visit_axis) {
     for (int axis = 0; axis < 3; ++axis) {
         const T inv = named("inv", T(1) / ray.direction[axis]);
@@ -72,7 +72,7 @@ void clip_by_signs(const Ray<T>& ray, const B& box, T& tmin, T& tmax, const Visi
         visit_axis(axis, inv, dmax);
     }
 }
-template <Number T, BoxOf<T> B>
+template <Number T, BoxLike<T> B>
 void clip_by_signs(const Ray<T>& ray, const B& box, T& tmin, T& tmax) {
     clip_by_signs(ray, box, tmin, tmax, [](int, const T&, const T&) {});
 }

@@ -28,7 +28,7 @@ struct TinyBvh {
             tmin = named("tmin", max(tmin, min(t1, t2)));
             tmax = named("tmax", min(tmax, max(t1, t2)));
         }
-        return entered<T>(tmax >= tmin && tmin < limit && tmax >= T(0), {max(tmin, T(0)), min(tmax, limit)});
+        return hit_from_segment<T>(tmax >= tmin && tmin < limit && tmax >= T(0), {max(tmin, T(0)), min(tmax, limit)});
     }
 };
 

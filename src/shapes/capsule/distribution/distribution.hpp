@@ -12,7 +12,7 @@ struct CapsuleDistribution : rays::AimedDistribution<CapsuleDistribution> {
     static constexpr std::pair<std::string_view, int> aims[] = {
         {"inside", inside}, {"seam", seam}, {"generator", generator}, {"axis", axis}};
 
-    static Primitive<double> drawn(rays::Random& random, const Vec<double>& middle, double size) {
+    static Primitive<double> draw_primitive(rays::Random& random, const Vec<double>& middle, double size) {
         const Vec<double> half = size * rays::draw_direction(random);
         return Capsule<double>{middle - half, middle + half, size * random.between(0.0625, 1)};
     }
@@ -21,10 +21,11 @@ struct CapsuleDistribution : rays::AimedDistribution<CapsuleDistribution> {
     static rays::AimedPlace aimed_at(rays::Random& random, const Primitive<double>& primitive, int aim) {
         const Capsule<double> c = primitive.capsule();
         if (aim != inside) {
-            const Vec<double> along = random.sign() * (c.end - c.start), end = random.below(2) == 0 ? c.start : c.end;
-            if (aim == axis) return {end, along};
-            const Vec<double> rim_point = end + c.radius * rays::draw_across(random, along);
-            return aim == seam ? rays::AimedPlace(rim_point) : rays::AimedPlace(rim_point, along);
+            const Vec<double> axis_direction = random.sign() * (c.end - c.start),
+                              end = random.below(2) == 0 ? c.start : c.end;
+            if (aim == axis) return {end, axis_direction};
+            const Vec<double> rim_point = end + c.radius * rays::draw_across(random, axis_direction);
+            return aim == seam ? rays::AimedPlace(rim_point) : rays::AimedPlace(rim_point, axis_direction);
         }
         const double u = random.unit();
         return c.start + u * (c.end - c.start) + 0.5 * c.radius * rays::draw_direction(random);

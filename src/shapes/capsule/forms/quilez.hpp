@@ -25,11 +25,12 @@ struct QuilezCapsule {
         const T c = named("c", baba * square(oa) - square(baoa) - r2 * baba);
         const T h = named("h", square(b) - a * c), t_side = named("t_side", (-b - sqrt(h)) / a);
         const T y = named("y", baoa + t_side * bard);
-        const mask_t<T> on_side = y > T(0) && y < baba, is_low = y <= T(0);
-        const Vec<T> oc(select(is_low, oa.x, ob.x), select(is_low, oa.y, ob.y), select(is_low, oa.z, ob.z));
+        const mask_t<T> is_on_side = y > T(0) && y < baba, is_below_start = y <= T(0);
+        const Vec<T> oc(select(is_below_start, oa.x, ob.x), select(is_below_start, oa.y, ob.y),
+                        select(is_below_start, oa.z, ob.z));
         const T b2 = named("b_ball", dot(rd, oc)), c2 = named("c_ball", square(oc) - r2);
-        const T h2 = named("h_ball", square(b2) - c2), t = named("t", select(on_side, t_side, -b2 - sqrt(h2)));
-        return {h >= T(0) && (on_side || h2 > T(0)) && t >= T(0), t, t, t};
+        const T h2 = named("h_ball", square(b2) - c2), t = named("t", select(is_on_side, t_side, -b2 - sqrt(h2)));
+        return {h >= T(0) && (is_on_side || h2 > T(0)) && t >= T(0), t, t, t};
     }
 };
 

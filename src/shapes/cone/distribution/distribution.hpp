@@ -13,10 +13,10 @@ struct ConeDistribution : rays::AimedDistribution<ConeDistribution> {
     static constexpr std::pair<std::string_view, int> aims[] = {
         {"inside", inside}, {"rim", rim}, {"apex", apex}, {"generator", generator}, {"axis", axis}};
 
-    static Primitive<double> drawn(rays::Random& random, const Vec<double>& middle, double size) {
+    static Primitive<double> draw_primitive(rays::Random& random, const Vec<double>& middle, double size) {
         const Vec<double> half = size * rays::draw_direction(random);
-        const double radius = size * random.between(0.0625, 1), share = random.between(-1.0 / 3, 1);
-        return Cone<double>{middle - half, middle + half, radius, share > 0 ? share * radius : 0};
+        const double radius = size * random.between(0.0625, 1), fraction = random.between(-1.0 / 3, 1);
+        return Cone<double>{middle - half, middle + half, radius, fraction > 0 ? fraction * radius : 0};
     }
     /// Draws a target: a point of the largest square frustum inside, a point of the circle in which a cap and the side
     /// meet, the apex (or the middle of the top of a cone without apex), a line of the side, or the axis.

@@ -13,11 +13,11 @@
 namespace lostbits::intersect::cone {
 
 using ConeForms = FormList<  //
-    cone::FromAxisProducts,  //
+    cone::DotProductsCone,   //
     cone::QuilezCone,        //
-    cone::CrossedConeAxis,   //
-    cone::InConeFrame,       //
-    cone::ByMoment,          //
+    cone::CrossedCone,       //
+    cone::FramedCone,        //
+    cone::MomentCone,        //
     cone::EmbreeCone,        //
     cone::FilteredCone       //
     >;

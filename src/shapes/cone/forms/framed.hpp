@@ -7,7 +7,7 @@
 
 namespace lostbits::intersect::cone {
 
-struct InConeFrame {
+struct FramedCone {
     static constexpr Info info{
         .name = "cone.framed",
         .title = "transformed into a frame along the axis",
@@ -27,7 +27,8 @@ struct InConeFrame {
         const auto is_within = [&](const T& t, const T& radius) {
             return square(o.x + t * d.x) + square(o.y + t * d.y) <= square(radius);
         };
-        const CapsPassed<T> caps{t_base, t_top, is_within(t_base, cone.base_radius), is_within(t_top, cone.top_radius)};
+        const CapCrossings<T> caps{t_base, t_top, is_within(t_base, cone.base_radius),
+                                   is_within(t_top, cone.top_radius)};
         return first_of_side_and_caps<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)), caps);
     }
 };

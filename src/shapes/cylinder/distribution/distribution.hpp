@@ -12,7 +12,7 @@ struct CylinderDistribution : rays::AimedDistribution<CylinderDistribution> {
     static constexpr std::pair<std::string_view, int> aims[] = {
         {"inside", inside}, {"rim", rim}, {"generator", generator}, {"axis", axis}};
 
-    static Primitive<double> drawn(rays::Random& random, const Vec<double>& middle, double size) {
+    static Primitive<double> draw_primitive(rays::Random& random, const Vec<double>& middle, double size) {
         const Vec<double> half = size * rays::draw_direction(random);
         return Cylinder<double>{middle - half, middle + half, size * random.between(0.0625, 1)};
     }

@@ -6,7 +6,7 @@
 
 namespace lostbits::intersect::cylinder {
 
-struct CrossedAxis {
+struct CrossedCylinder {
     static constexpr Info info{
         .name = "cylinder.crossed",
         .title = "quadratic from cross products with the axis",
@@ -20,8 +20,8 @@ struct CrossedAxis {
         const T a = named("a", square(n)), h = named("h", dot(m, n)), v2 = square(v);
         const T c = named("c", square(m) - square(cylinder.radius) * v2);
         const T disc = named("disc", square(h) - a * c);
-        const T low = named("v.f", dot(v, f)), axis_rate = named("v.d", dot(v, ray.direction));
-        const RootPair<T> caps = caps_in_order<T>(-low / axis_rate, (v2 - low) / axis_rate);
+        const T v_dot_f = named("v.f", dot(v, f)), axis_rate = named("v.d", dot(v, ray.direction));
+        const RootPair<T> caps = caps_in_order<T>(-v_dot_f / axis_rate, (v2 - v_dot_f) / axis_rate);
         return first_in_side_and_caps<T>(a, c, disc, plain_half_roots<T>(a, h, sqrt(disc)), caps);
     }
 };

@@ -6,7 +6,7 @@
 
 namespace lostbits::intersect::cylinder {
 
-struct FromDotProducts {
+struct DotProductsCylinder {
     static constexpr Info info{
         .name = "cylinder.dot_products",
         .title = "quadratic from dot products with the axis",

@@ -11,13 +11,13 @@
 
 namespace lostbits::intersect::cylinder {
 
-using CylinderForms = FormList<  //
-    cylinder::FromDotProducts,   //
-    cylinder::QuilezCapped,      //
-    cylinder::CrossedAxis,       //
-    cylinder::InOwnFrame,        //
-    cylinder::ByTripleProduct,   //
-    cylinder::FilteredCylinder   //
+using CylinderForms = FormList<       //
+    cylinder::DotProductsCylinder,    //
+    cylinder::QuilezCylinder,         //
+    cylinder::CrossedCylinder,        //
+    cylinder::FramedCylinder,         //
+    cylinder::TripleProductCylinder,  //
+    cylinder::FilteredCylinder        //
     >;
 
 }  // namespace lostbits::intersect::cylinder

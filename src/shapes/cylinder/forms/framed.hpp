@@ -7,7 +7,7 @@
 
 namespace lostbits::intersect::cylinder {
 
-struct InOwnFrame {
+struct FramedCylinder {
     static constexpr Info info{
         .name = "cylinder.framed",
         .title = "transformed into a frame along the axis",

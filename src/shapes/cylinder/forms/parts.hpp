@@ -15,10 +15,10 @@ RootPair<T> caps_in_order(const T& base, const T& top) {
 /// Returns the first t ≥ 0 of near and far, the ends of the interval in which the line is inside the side and between
 /// the caps. A NaN fails every test, as in `hit_unless`.
 template <Number T>
-Hit<T> first_in_side_and_caps(const mask_t<T>& missed, const RootPair<T>& side, const RootPair<T>& caps) {
+Hit<T> first_in_side_and_caps(const mask_t<T>& is_miss, const RootPair<T>& side, const RootPair<T>& caps) {
     const T near = named("near", select(side.near < caps.near, caps.near, side.near));
     const T far = named("far", select(caps.far < side.far, caps.far, side.far));
-    return hit_unless<T>(missed || far < near, {near, far});
+    return hit_unless<T>(is_miss || far < near, {near, far});
 }
 
 /// Does the same, but handles lines parallel to the axis (a = 0) separately: they are inside the side if c ≤ 0, and

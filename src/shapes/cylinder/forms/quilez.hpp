@@ -6,7 +6,7 @@
 
 namespace lostbits::intersect::cylinder {
 
-struct QuilezCapped {
+struct QuilezCylinder {
     static constexpr Info info{
         .name = "cylinder.quilez",
         .title = "dot products, unit direction, the cap by y",
@@ -26,9 +26,9 @@ struct QuilezCapped {
         const T h = named("h", square(k1) - k2 * k0), root = sqrt(h);
         const T t_side = named("t_side", (-k1 - root) / k2), y = named("y", baoc + t_side * bard);
         const T t_cap = named("t_cap", (select(y < T(0), T(0), baba) - baoc) / bard);
-        const mask_t<T> on_side = y > T(0) && y < baba, on_cap = abs(k1 + k2 * t_cap) < root;
-        const T t = select(on_side, t_side, t_cap);
-        return {!(h < T(0)) && (on_side || on_cap) && t >= T(0), t, t, t};
+        const mask_t<T> is_on_side = y > T(0) && y < baba, is_on_cap = abs(k1 + k2 * t_cap) < root;
+        const T t = select(is_on_side, t_side, t_cap);
+        return {!(h < T(0)) && (is_on_side || is_on_cap) && t >= T(0), t, t, t};
     }
 };
 

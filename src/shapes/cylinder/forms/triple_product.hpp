@@ -7,7 +7,7 @@
 
 namespace lostbits::intersect::cylinder {
 
-struct ByTripleProduct {
+struct TripleProductCylinder {
     static constexpr Info info{
         .name = "cylinder.triple_product",
         .title = "distance between line and axis, stable roots",
@@ -23,8 +23,8 @@ struct ByTripleProduct {
         const T r2 = square(cylinder.radius), w = named("w", dot(f, n));
         const T disc = named("disc", v2 * (r2 * a - square(w)));
         const T c = named("c", square(m) - r2 * v2);
-        const T low = named("v.f", dot(v, f)), axis_rate = named("v.d", dot(v, ray.direction));
-        const RootPair<T> caps = caps_in_order<T>(-low / axis_rate, (v2 - low) / axis_rate);
+        const T v_dot_f = named("v.f", dot(v, f)), axis_rate = named("v.d", dot(v, ray.direction));
+        const RootPair<T> caps = caps_in_order<T>(-v_dot_f / axis_rate, (v2 - v_dot_f) / axis_rate);
         return first_in_side_and_caps<T>(a, c, disc, unified_roots<T>(a, minus_h, c, sqrt(disc)), caps);
     }
 };

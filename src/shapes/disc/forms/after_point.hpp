@@ -5,7 +5,7 @@
 
 namespace lostbits::intersect::disc {
 
-struct AfterPoint {
+struct AfterPointDisc {
     static constexpr Info info{
         .name = "disc.after_point",
         .title = "the point in world space, then minus the centre",

@@ -11,10 +11,10 @@
 namespace lostbits::intersect::disc {
 
 using DiscForms = FormList<  //
-    disc::AfterPoint,        //
-    disc::FromCentre,        //
-    disc::InPlaneFrame,      //
-    disc::ByMomentOfDisc,    //
+    disc::AfterPointDisc,    //
+    disc::QuilezDisc,        //
+    disc::FramedDisc,        //
+    disc::MomentDisc,        //
     disc::FilteredDisc       //
     >;
 

@@ -7,7 +7,7 @@
 
 namespace lostbits::intersect::disc {
 
-struct InPlaneFrame {
+struct FramedDisc {
     static constexpr Info info{
         .name = "disc.framed",
         .title = "transformed into a frame along the normal",

@@ -6,7 +6,7 @@
 
 namespace lostbits::intersect::disc {
 
-struct ByMomentOfDisc {
+struct MomentDisc {
     static constexpr Info info{
         .name = "disc.moment",
         .title = "n x (f x d) against the radius times n.d",
@@ -19,8 +19,8 @@ struct ByMomentOfDisc {
         const Vec<T> f = ray.origin - disc.centre, w = cross(f, ray.direction);
         const T m = named("n.d", dot(ray.direction, disc.normal)), m2 = square(m);
         const T p2 = named("p^2", square(cross(disc.normal, w))), t = named("t", -dot(f, disc.normal) / m);
-        const auto inside = p2 <= square(disc.outer_radius) * m2 && p2 >= square(disc.inner_radius) * m2;
-        return {inside && t >= T(0), t, t, t};
+        const auto is_inside = p2 <= square(disc.outer_radius) * m2 && p2 >= square(disc.inner_radius) * m2;
+        return {is_inside && t >= T(0), t, t, t};
     }
 };
 

@@ -5,7 +5,7 @@
 
 namespace lostbits::intersect::disc {
 
-struct FromCentre {
+struct QuilezDisc {
     static constexpr Info info{
         .name = "disc.quilez",
         .title = "the origin from the centre, then the point",

@@ -9,7 +9,7 @@ namespace lostbits::scene::ellipsoid {
 struct EllipsoidDistribution : rays::AimedDistribution<EllipsoidDistribution> {
     static constexpr std::string_view table = "ellipsoid_rays";
 
-    static Primitive<double> drawn(rays::Random& random, const Vec<double>& middle, double size) {
+    static Primitive<double> draw_primitive(rays::Random& random, const Vec<double>& middle, double size) {
         const double x = random.between(0.25, 1), y = random.between(0.25, 1), z = random.between(0.25, 1);
         return Ellipsoid<double>{middle, {size * x, size * y, size * z}};
     }

@@ -17,18 +17,18 @@ struct CesiumInterval {
     /// q is the origin and w the direction in radii; q² − 1, qw and w² are named as in the source.
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
-        const Vec<T> inverse = divided<T>(Vec<T>(T(1), T(1), T(1)), e.radii);
+        const Vec<T> inverse = divide_components<T>(Vec<T>(T(1), T(1), T(1)), e.radii);
         const Vec<T> q = inverse * (ray.origin - e.centre), w = inverse * ray.direction;
         const T qw = named("qw", dot(q, w));
         const T difference = named("difference", square(q) - T(1));
         const T w2 = named("w2", square(w)), product = w2 * difference;
         const T disc = named("disc", square(qw) - product);
-        const mask_t<T> outside = difference > T(0);
+        const mask_t<T> is_outside = difference > T(0);
         const T temp = named("temp", -qw + sqrt(disc));
-        const T far = temp / w2, near = select(outside, difference / temp, T(0));
-        const mask_t<T> missed =
-            (outside && (qw >= T(0) || square(qw) < product)) || (!outside && difference >= T(0) && qw >= T(0));
-        return Hit<T>{!missed, named("t", select(outside, min(near, far), far)), min(near, far), max(near, far)};
+        const T far = temp / w2, near = select(is_outside, difference / temp, T(0));
+        const mask_t<T> is_miss =
+            (is_outside && (qw >= T(0) || square(qw) < product)) || (!is_outside && difference >= T(0) && qw >= T(0));
+        return Hit<T>{!is_miss, named("t", select(is_outside, min(near, far), far)), min(near, far), max(near, far)};
     }
 };
 

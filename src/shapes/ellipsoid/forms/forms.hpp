@@ -26,7 +26,7 @@ using EllipsoidForms = FormList<     //
     ellipsoid::ScaledPerpendicular,  //
     ellipsoid::LineOfSight,          //
     ellipsoid::MomentDiscriminant,   // own forms of lostbits
-    ellipsoid::InTwoWords,           //
+    ellipsoid::TwoWordsEllipsoid,    //
     ellipsoid::FilteredEllipsoid     //
     >;
 

@@ -8,18 +8,18 @@ namespace lostbits::intersect::ellipsoid {
 
 /// Returns a/b, component by component.
 template <Number T>
-Vec<T> divided(const Vec<T>& a, const Vec<T>& b) {
+Vec<T> divide_components(const Vec<T>& a, const Vec<T>& b) {
     return {a.x / b.x, a.y / b.y, a.z / b.z};
 }
 
 /// A ray o + t d in units of the radii r, relative to the centre G of the ellipsoid. The members are f = (o − G)/r and
 /// d/r.
 template <Number T>
-struct RayInRadii {
+struct ScaledRay {
     Vec<T> f, d;
 
-    RayInRadii(const Ray<T>& ray, const Ellipsoid<T>& e)
-        : f(divided<T>(ray.origin - e.centre, e.radii)), d(divided<T>(ray.direction, e.radii)) {}
+    ScaledRay(const Ray<T>& ray, const Ellipsoid<T>& e)
+        : f(divide_components<T>(ray.origin - e.centre, e.radii)), d(divide_components<T>(ray.direction, e.radii)) {}
 };
 
 /// Coefficients a, h = b/2 and c of the quadratic, from the squares of the radii r. With f = o − G, over the
@@ -30,7 +30,7 @@ struct WeightedQuadratic {
 
     WeightedQuadratic(const Ray<T>& ray, const Ellipsoid<T>& e) : a(0), h(0), c(0) {
         const Vec<T> f = ray.origin - e.centre, &d = ray.direction;
-        const Vec<T> w = divided<T>(Vec<T>(T(1), T(1), T(1)), e.radii * e.radii);
+        const Vec<T> w = divide_components<T>(Vec<T>(T(1), T(1), T(1)), e.radii * e.radii);
         a = named("a", dot(d * d, w));
         h = named("h", dot(f * d, w));
         c = named("c", dot(f * f, w) - T(1));

@@ -16,14 +16,14 @@ struct MomentDiscriminant {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
-        const RayInRadii<T> in(ray, e);
+        const ScaledRay<T> scaled_ray(ray, e);
         const Vec<T> m = cross(Vec<T>(ray.origin - e.centre), ray.direction);
         const Vec<T> scaled_moment(m.x / e.radii.y / e.radii.z, m.y / e.radii.z / e.radii.x,
                                    m.z / e.radii.x / e.radii.y);
-        const T a = named("a", square(in.d));
-        const T minus_b = named("b'", -dot(in.f, in.d));
+        const T a = named("a", square(scaled_ray.d));
+        const T minus_b = named("b'", -dot(scaled_ray.f, scaled_ray.d));
         const T disc = named("disc", a - square(scaled_moment));
-        const T c = named("c", square(in.f) - T(1));
+        const T c = named("c", square(scaled_ray.f) - T(1));
         return hit_unless<T>(disc < T(0), unified_roots<T>(a, minus_b, c, sqrt(disc)));
     }
 };

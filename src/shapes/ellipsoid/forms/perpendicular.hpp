@@ -14,13 +14,13 @@ struct ScaledPerpendicular {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
-        const RayInRadii<T> in(ray, e);
-        const T a = named("a", square(in.d));
+        const ScaledRay<T> scaled_ray(ray, e);
+        const T a = named("a", square(scaled_ray.d));
         // The quadratic is a t² + 2 b t + c with b = f·d. As for spheres, b' is −b.
-        const T minus_b = named("b'", -dot(in.f, in.d));
-        const Vec<T> perpendicular = in.f + (minus_b / a) * in.d;
+        const T minus_b = named("b'", -dot(scaled_ray.f, scaled_ray.d));
+        const Vec<T> perpendicular = scaled_ray.f + (minus_b / a) * scaled_ray.d;
         const T delta = named("delta", T(1) - square(perpendicular));
-        const T c = named("c", square(in.f) - T(1));
+        const T c = named("c", square(scaled_ray.f) - T(1));
         return hit_unless<T>(delta < T(0), unified_roots<T>(a, minus_b, c, sqrt(a * delta)));
     }
 };

@@ -14,10 +14,10 @@ struct ScaledHalfB {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
-        const RayInRadii<T> in(ray, e);
-        const T a = named("a", square(in.d));
-        const T h = named("h", dot(in.f, in.d));
-        const T c = named("c", square(in.f) - T(1));
+        const ScaledRay<T> scaled_ray(ray, e);
+        const T a = named("a", square(scaled_ray.d));
+        const T h = named("h", dot(scaled_ray.f, scaled_ray.d));
+        const T c = named("c", square(scaled_ray.f) - T(1));
         const T disc = named("disc", square(h) - a * c);
         return hit_unless<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)));
     }

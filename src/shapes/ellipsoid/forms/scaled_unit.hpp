@@ -15,11 +15,11 @@ struct ScaledUnit {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
-        const RayInRadii<T> in(ray, e);
-        const T size = named("size", length(in.d));
-        const Vec<T> d(in.d.x / size, in.d.y / size, in.d.z / size);
-        const T h = named("h", dot(in.f, d));
-        const T c = named("c", square(in.f) - T(1));
+        const ScaledRay<T> scaled_ray(ray, e);
+        const T size = named("size", length(scaled_ray.d));
+        const Vec<T> d(scaled_ray.d.x / size, scaled_ray.d.y / size, scaled_ray.d.z / size);
+        const T h = named("h", dot(scaled_ray.f, d));
+        const T c = named("c", square(scaled_ray.f) - T(1));
         const T disc = named("disc", square(h) - c);
         const T root = sqrt(disc);
         return hit_unless<T>(disc < T(0), RootPair<T>{(-h - root) / size, (-h + root) / size});

@@ -8,7 +8,7 @@
 
 namespace lostbits::intersect::ellipsoid {
 
-struct InTwoWords {
+struct TwoWordsEllipsoid {
     static constexpr Info info{
         .name = "ellipsoid.two_words",
         .title = "quadratic in two words of the format, stable roots",
@@ -19,12 +19,12 @@ struct InTwoWords {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
-        if constexpr (is_exact<T>) return hit_from_scaled_ray<T>(RayInRadii<T>(ray, e), [](const T& x) { return x; });
+        if constexpr (is_exact<T>) return hit_from_scaled_ray<T>(ScaledRay<T>(ray, e), [](const T& x) { return x; });
         else {
             using W = number::wide::TwoWords<T>;
             const auto wide = [](const Vec<T>& v) { return Vec<W>(W(v.x), W(v.y), W(v.z)); };
             const Ray<W> wide_ray{wide(ray.origin), wide(ray.direction)};
-            return hit_from_scaled_ray<T>(RayInRadii<W>(wide_ray, {wide(e.centre), wide(e.radii)}),
+            return hit_from_scaled_ray<T>(ScaledRay<W>(wide_ray, {wide(e.centre), wide(e.radii)}),
                                           [](const W& x) { return x.hi; });
         }
     }
@@ -32,8 +32,8 @@ struct InTwoWords {
 private:
     /// Solves the quadratic of a ray in units of the radii. `high_word` rounds a W to T.
     template <Number T, class W, class HighWord>
-    static Hit<T> hit_from_scaled_ray(const RayInRadii<W>& in, const HighWord& high_word) {
-        const W a = square(in.d), h = dot(in.f, in.d), c = square(in.f) - W(1);
+    static Hit<T> hit_from_scaled_ray(const ScaledRay<W>& scaled_ray, const HighWord& high_word) {
+        const W a = square(scaled_ray.d), h = dot(scaled_ray.f, scaled_ray.d), c = square(scaled_ray.f) - W(1);
         const T disc = named("disc", high_word(square(h) - a * c));
         return hit_unless<T>(disc < T(0), unified_roots<T>(named("a", high_word(a)), named("b'", -high_word(h)),
                                                            named("c", high_word(c)), sqrt(disc)));

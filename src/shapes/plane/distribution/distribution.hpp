@@ -9,7 +9,7 @@ struct PlaneDistribution : rays::AimedDistribution<PlaneDistribution> {
     static constexpr std::string_view table = "plane_rays";
 
     /// Draws a plane, which has no size of its own.
-    static Primitive<double> drawn(rays::Random& random, const Vec<double>& middle, double /*size*/) {
+    static Primitive<double> draw_primitive(rays::Random& random, const Vec<double>& middle, double /*size*/) {
         return Plane<double>{middle, rays::draw_direction(random)};
     }
 };

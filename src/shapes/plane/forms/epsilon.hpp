@@ -8,7 +8,7 @@
 
 namespace lostbits::intersect::plane {
 
-struct WithEpsilon {
+struct EpsilonPlane {
     static constexpr Info info{
         .name = "plane.epsilon",
         .title = "misses if |n.d| or t is 2^-23 or less",

@@ -13,8 +13,8 @@ namespace lostbits::intersect::plane {
 using PlaneForms = FormList<  //
     plane::Quotient,          //
     plane::StoredDistance,    //
-    plane::WithEpsilon,       //
-    plane::DotsInTwoWords,    //
+    plane::EpsilonPlane,      //
+    plane::TwoWordsPlane,     //
     plane::FilteredPlane      //
     >;
 

@@ -9,7 +9,7 @@
 
 namespace lostbits::intersect::plane {
 
-struct DotsInTwoWords {
+struct TwoWordsPlane {
     static constexpr Info info{
         .name = "plane.two_words",
         .title = "both dot products in two words of the format",

@@ -47,7 +47,7 @@ struct View {
 };
 
 /// Returns one of the 48 images of a vector under permutations and reflections of the axes.
-Vec<double> shuffled(Random& random, std::array<double, 3> parts) {
+Vec<double> permute_and_reflect(Random& random, std::array<double, 3> parts) {
     std::swap(parts[0], parts[static_cast<std::size_t>(random.below(3))]);
     std::swap(parts[1], parts[1 + static_cast<std::size_t>(random.below(2))]);
     for (double& p : parts) p = random.below(2) == 0 ? p : -p;
@@ -70,17 +70,18 @@ View draw_view(Random& random, const SphereDistribution& settings) {
     }
     if (settings.directions == SphereDistribution::Views::tilted) {
         const auto [y, z] = draw_on_circle(random);
-        const Vec<double> w = shuffled(random, {1, to_12_bits(settings.tilt * y), to_12_bits(settings.tilt * z)});
+        const Vec<double> w =
+            permute_and_reflect(random, {1, to_12_bits(settings.tilt * y), to_12_bits(settings.tilt * z)});
         return {w, length(w)};
     }
     static const std::vector<Quadruple> quadruples = pythagorean_quadruples();
     const Quadruple& q = quadruples[static_cast<std::size_t>(random.below(static_cast<int>(quadruples.size())))];
-    return {shuffled(random, {double(q.a), double(q.b), double(q.c)}), static_cast<double>(q.n)};
+    return {permute_and_reflect(random, {double(q.a), double(q.b), double(q.c)}), static_cast<double>(q.n)};
 }
 
 /// Returns a factor near 1 for views along an axis or near one. Such views have few centres, and without the factor all
 /// of them would share the rounding of c.
-double jitter(Random& random, const SphereDistribution& settings) {
+double view_jitter(Random& random, const SphereDistribution& settings) {
     return settings.directions == SphereDistribution::Views::oblique ? 1 : 1 + 0x1p-5 * (random.unit() - 0.5);
 }
 
@@ -115,7 +116,7 @@ Impact draw_impact(Random& random, const SphereDistribution& settings, const Vie
 
 /// Returns the unit direction of a line from a point at `distance` from the centre, where w leads to the centre. The
 /// line passes the centre at s radii, so its angle to w is asin(s r/distance).
-Vec<double> line_past(const Impact& impact, const Vec<double>& w, double radius, double distance) {
+Vec<double> line_past_centre(const Impact& impact, const Vec<double>& w, double radius, double distance) {
     const double sine = std::clamp(impact.s * radius / distance, -1.0, 1.0);
     return sine * impact.across + std::sqrt((1 - sine) * (1 + sine)) * w;
 }
@@ -131,7 +132,8 @@ void add_rays_from_other(Random& random, const SphereDistribution& settings, Ray
         const double distance = length(to_centre);
         const Vec<double> w = distance > 0 ? to_centre / distance : rays::draw_direction(random);
         const Impact impact = draw_impact(random, settings, {w, 1});
-        group.rays.push({origin, stored(direction_length(settings) * line_past(impact, w, sphere.radius, distance))});
+        group.rays.push(
+            {origin, stored(direction_length(settings) * line_past_centre(impact, w, sphere.radius, distance))});
     }
 }
 
@@ -143,7 +145,7 @@ RayGroup view_rays(Random& random, const SphereDistribution& settings) {
     const bool is_parallel = settings.projection == SphereDistribution::Projection::parallel;
     // Whole multiples of (a, b, c): |centre| = multiple·n exactly.
     const double multiple = to_12_bits((is_parallel ? settings.distance * settings.radius : settings.radius) / view.n *
-                                       jitter(random, settings));
+                                       view_jitter(random, settings));
     const double radius = is_parallel ? settings.radius : multiple * view.n;
     const Vec<double> centre = (is_parallel ? multiple : -multiple) * view.w + shift;
 
@@ -160,7 +162,8 @@ RayGroup view_rays(Random& random, const SphereDistribution& settings) {
             const double scale = magnitude * std::ldexp(1.0, -std::ilogb(view.n));
             group.rays.push({stored(shift + (impact.s * radius) * impact.across), stored(scale * view.w)});
         } else {
-            const Vec<double> towards = line_past(impact, settings.away ? w : -w, radius, radius + settings.height);
+            const Vec<double> towards =
+                line_past_centre(impact, settings.away ? w : -w, radius, radius + settings.height);
             group.rays.push({stored(shift + settings.height * w), stored(magnitude * towards)});
         }
     }

@@ -29,16 +29,16 @@ const std::array<Vec<double>, 9>& child_directions() {
     return directions;
 }
 
-void grow(const Sphere<double>& sphere, const Vec<double>& w, int levels,
-          const std::function<void(const Sphere<double>&)>& take) {
-    take(sphere);
+void visit_generations(const Sphere<double>& sphere, const Vec<double>& w, int levels,
+                       const std::function<void(const Sphere<double>&)>& visit) {
+    visit(sphere);
     if (levels == 0) return;
     const Vec<double> e = std::fabs(w.x) > 0.8 ? Vec<double>(0, 1, 0) : Vec<double>(1, 0, 0);
     const Vec<double> u = unit_of(cross(e, w)), v = cross(w, u);
     const double distance = sphere.radius + sphere.radius / 3;
     for (const Vec<double>& child : child_directions()) {
         const Vec<double> child_axis = unit_of(child.x * u + child.y * v + child.z * w);
-        grow({sphere.centre + distance * child_axis, sphere.radius / 3}, child_axis, levels - 1, take);
+        visit_generations({sphere.centre + distance * child_axis, sphere.radius / 3}, child_axis, levels - 1, visit);
     }
 }
 
@@ -81,23 +81,23 @@ Sphereflake read_sphereflake(toml::TableReader table) {
 }
 
 void require_memory_for(const Sphereflake& flake) {
-    constexpr double bytes_a_sphere = 40, gigabyte = 1e9;
+    constexpr double bytes_per_sphere = 40, gigabyte = 1e9;
     const double available =
         0.75 * static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-    const double needed = bytes_a_sphere * static_cast<double>(flake.size());
+    const double needed = bytes_per_sphere * static_cast<double>(flake.size());
     if (needed <= available) return;
     Sphereflake smaller = flake;
-    while (smaller.levels > 0 && bytes_a_sphere * static_cast<double>(smaller.size()) > available) --smaller.levels;
+    while (smaller.levels > 0 && bytes_per_sphere * static_cast<double>(smaller.size()) > available) --smaller.levels;
     throw EnvironmentError(
         "sphereflake.levels = " + std::to_string(flake.levels) + ": a map of its " + std::to_string(flake.size()) +
         " spheres needs about " + std::to_string(static_cast<long>(needed / gigabyte)) +
         " GB, more than three quarters of this machine's memory; levels = " + std::to_string(smaller.levels) + " fits");
 }
 
-void for_each_primitive(const Sphereflake& flake, const std::function<void(const Primitive<double>&)>& take) {
-    grow({flake.centre, flake.radius}, unit_of(flake.axis), flake.levels, [&](const Sphere<double>& s) {
+void for_each_primitive(const Sphereflake& flake, const std::function<void(const Primitive<double>&)>& visit) {
+    visit_generations({flake.centre, flake.radius}, unit_of(flake.axis), flake.levels, [&](const Sphere<double>& s) {
         flake.stop.check();
-        take(s);
+        visit(s);
     });
 }
 

@@ -36,8 +36,8 @@ Sphereflake read_sphereflake(toml::TableReader table);
 /// bytes for each sphere, enough for own inputs and several formats (a map in binary32 takes 18 to 20).
 void require_memory_for(const Sphereflake& flake);
 
-/// Calls `take` with every sphere, parents before their children, always in the same order. The numbers are computed in
-/// binary64 by + − × ÷ √ alone, so they are the same on every machine. They are the ideal numbers of the scene.
-void for_each_primitive(const Sphereflake& flake, const std::function<void(const Primitive<double>&)>& take);
+/// Calls `visit` with every sphere, parents before their children, always in the same order. The numbers are computed
+/// in binary64 by + − × ÷ √ alone, so they are the same on every machine. They are the ideal numbers of the scene.
+void for_each_primitive(const Sphereflake& flake, const std::function<void(const Primitive<double>&)>& visit);
 
 }  // namespace lostbits::scene::sphere

@@ -24,13 +24,13 @@ struct EarlyExit {
         const T delta = named("delta", square(sphere.radius) - square(l));
 
         const T c = named("c", square(f) - square(sphere.radius));
-        const mask_t<T> outside = c > T(0);
-        const mask_t<T> behind = minus_b < T(0);
+        const mask_t<T> is_outside = c > T(0);
+        const mask_t<T> is_behind = minus_b < T(0);
         const T root = sqrt(a * delta);
-        const T q = named("q", minus_b + select(behind, -root, root));
+        const T q = named("q", minus_b + select(is_behind, -root, root));
         // Inside, the far root is q/a if the centre is ahead, c/q if it is behind. Otherwise near = c/q.
-        const T t = named("t", select(c < T(0) && !behind, q / a, c / q));
-        return Hit<T>{!(delta < T(0) || (behind && outside)), t, t, t};
+        const T t = named("t", select(c < T(0) && !is_behind, q / a, c / q));
+        return Hit<T>{!(delta < T(0) || (is_behind && is_outside)), t, t, t};
     }
 };
 

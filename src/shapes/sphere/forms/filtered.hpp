@@ -29,15 +29,15 @@ struct Filtered {
         if constexpr (is_exact<T>) {
             return to_hit(filtered::decide_unrounded<T>(ray, sphere));
         } else {
-            const filtered::SphereDecision<T> cheap_decision = filtered::cheaply<T>(ray, sphere);
-            if (!any_of(!cheap_decision.proved)) return to_hit(cheap_decision);
+            const filtered::SphereDecision<T> cheap_decision = filtered::decide_cheaply<T>(ray, sphere);
+            if (!any_of(!cheap_decision.is_proved)) return to_hit(cheap_decision);
             if constexpr (number::wide::has_wider_word<T>) {
                 if (number::wide::widens<T>()) {
                     watch(FilterArithmetic::wider);
                     using W = number::wide::OneWord<T>;
                     const filtered::SphereDecision<T> wide_decision =
-                        joined(cheap_decision, filtered::widely<W, T>(ray, sphere));
-                    if (!any_of(!wide_decision.proved)) return to_hit(wide_decision);
+                        first_proved(cheap_decision, filtered::decide_in_wider<W, T>(ray, sphere));
+                    if (!any_of(!wide_decision.is_proved)) return to_hit(wide_decision);
                     return to_hit(filtered::finish<T>(ray, sphere, wide_decision, watch));
                 }
             }

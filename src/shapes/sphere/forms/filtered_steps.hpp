@@ -14,29 +14,30 @@ namespace filtered {
 /// Result of a step for a ray: the decision and t, which are valid only if they are proved.
 template <Number T>
 struct SphereDecision {
-    mask_t<T> proved, hit;
+    mask_t<T> is_proved, hit;
     T t;
 
     /// Returns `first` where it is proved, else `second`. A type that records operations computes one ray, for which
     /// the second step was taken because the first proved nothing, so it returns `second`.
-    friend SphereDecision joined(const SphereDecision& first, const SphereDecision& second) {
+    friend SphereDecision first_proved(const SphereDecision& first, const SphereDecision& second) {
         if constexpr (traces_operations<T>) return second;
         else
-            return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit),
-                    select(first.proved, first.t, second.t)};
+            return {first.is_proved || second.is_proved,
+                    (first.is_proved && first.hit) || (!first.is_proved && second.hit),
+                    select(first.is_proved, first.t, second.t)};
     }
 };
 
-/// Values that `cheaply` computes.
+/// Values that `decide_cheaply` computes.
 template <Number T>
 struct CheapValues {
     Vec<T> f;
     T r, inv, s, delta, root;
 };
 
-/// Proves the decision of `cheaply` from bounds on its values; `cheaply` derives them.
+/// Proves the decision of `decide_cheaply` from bounds on its values; `decide_cheaply` derives them.
 template <Number T>
-SphereDecision<T> proved_cheaply(const CheapValues<T>& values, const T& t) {
+SphereDecision<T> prove_cheap_decision(const CheapValues<T>& values, const T& t) {
     using number::wide::value_of;
     using P = decltype(value_of(t));
     const P u = unit_roundoff<P>(), infinity = P(1) / P(0), r = value_of(values.r), s = value_of(values.s),
@@ -85,11 +86,11 @@ SphereDecision<T> proved_cheaply(const CheapValues<T>& values, const T& t) {
 ///
 /// Range, with L the least normal number: a product that underflows is off by uL more. Where f·f and 1/a are both
 /// between √L/(23u) and 1/(64L), nothing overflows, and |f||d| and F are at least 64L. Then f·d, s, f + s d and w lose
-/// a 64th of their bounds. |l|², r² and e lose 5uL ≤ 1.25φ², and the 141φ² in E have that to spare over the 134φ² that
-/// it needs. Where Δ̂ > 4E, Δ̂/a ≥ 4·141u²F² > L is normal. The test of a hit is strict, because both of its sides may
+/// a 64th of their bounds. |l|², r² and e lose 5uL ≤ 1.25φ². E contains 141φ² and needs only 134φ², so it covers this
+/// loss. Where Δ̂ > 4E, Δ̂/a ≥ 4·141u²F² > L is normal. The test of a hit is strict, because both of its sides may
 /// overflow.
 template <Number T>
-SphereDecision<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
+SphereDecision<T> decide_cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
     const T r2 = square(sphere.radius);
     const Vec<T> f = sphere.centre - ray.origin;  // −f of the derivation, so that s and l need no minus
     const T inv = named("inv", T(1) / square(ray.direction));
@@ -97,18 +98,19 @@ SphereDecision<T> cheaply(const Ray<T>& ray, const Sphere<T>& sphere) {
     const Vec<T> l = f - s * ray.direction;
     const T delta = named("delta", r2 - square(l));
     const T root = named("root", sqrt(delta * inv));
-    return proved_cheaply<T>({f, sphere.radius, inv, s, delta, root}, named("t", s - root));
+    return prove_cheap_decision<T>({f, sphere.radius, inv, s, delta, root}, named("t", s - root));
 }
 
-/// Values that `widely` computes.
+/// Values that `decide_in_wider` computes.
 template <Number T>
 struct WideValues {
     T r, a, h, c, disc, root, q;
 };
 
-/// Proves the decision of `widely` from bounds on its values; `widely` derives them. W is the wider number type.
+/// Proves the decision of `decide_in_wider` from bounds on its values; `decide_in_wider` derives them. W is the wider
+/// number type.
 template <class W, Number T>
-SphereDecision<T> proved_widely(const WideValues<T>& values, const T& t) {
+SphereDecision<T> prove_wide_decision(const WideValues<T>& values, const T& t) {
     using number::wide::value_of;
     using P = decltype(value_of(t));
     const P u = unit_roundoff<P>(), least = number::wide::least_normal<P>(), infinity = P(1) / P(0);
@@ -117,7 +119,7 @@ SphereDecision<T> proved_widely(const WideValues<T>& values, const T& t) {
     const P r2 = square(value_of(values.r)), sum = (c + r2) + r2;
     const P v = max(value_of(number::wide::narrow<T>(unit_roundoff<W>())), P(2) * u * least);
     const P e = (P(6) * v) * (P(4) * sum * a) + P(64) * least;
-    const P least_value = select(number::wide::goes_deeper<P>(), P(64) * least, least / v);
+    const P least_value = select(number::wide::has_smaller_normals<P>(), P(64) * least, least / v);
     const mask_t<P> is_accurate = P(32) * u <= P(1) && P(2) * v <= u && min(abs(c), a) >= least_value && e < infinity &&
                                   abs(h) < infinity && !(q >= infinity) && abs(c) >= sum * (v / u);
     const mask_t<P> is_miss = c > P(0) && (h > P(0) || disc < -e);
@@ -133,11 +135,12 @@ SphereDecision<T> proved_widely(const WideValues<T>& values, const T& t) {
 ///
 /// v is W's unit roundoff; u is T's, at most 1/32. In W, with A = f·f + r² and to first order in v,
 ///     |δh| ≤ 4v|f||d|,  |δc| ≤ 5v A + v|c|,  |δa| ≤ 3v a,  |δD| ≤ v a (19 f·f + 6r²) + v|D|,
-/// so the sign of D is right where |D| > e = 24 v A a. A quarter of e is to spare, and covers e's own rounding in T.
+/// so the sign of D is right where |D| > e = 24 v A a. A quarter of e is not needed for this, and covers the rounding
+/// of e itself in T.
 ///
-/// c is right to 6u of itself, with its sign, where |c| ≥ (v/u) A, which is part of `is_accurate`. If D ≥ 0 there, h² ≥
-/// a|c| from outside, so |h| ≥ √(v/u) |f||d|, which is more than |δh|: the sign of h is right wherever it matters. q² ≥
-/// a|c| everywhere, so h is right to 4√(uv) of q. (f·f is at most A.)
+/// c has a relative error of at most 6u, and the right sign, where |c| ≥ (v/u) A, which is part of `is_accurate`. If D
+/// ≥ 0 there, h² ≥ a|c| from outside, so |h| ≥ √(v/u) |f||d|, which is more than |δh|: the sign of h is right wherever
+/// it matters. q² ≥ a|c| everywhere, so the error of h is at most 4√(uv) q. (f·f is at most A.)
 ///
 /// t: D contributes |√D̂ − √D|/q ≤ e/(√D̂ q), which is required to be at most 16u. The rest is 6u of c, and the
 /// roundings of h, c, D, √, +, ÷ in T: 27u together, within the 32u of 18 correct bits of 24.
@@ -148,7 +151,7 @@ SphereDecision<T> proved_widely(const WideValues<T>& values, const T& t) {
 /// each, is uv of A, of a and of √(Aa). Overflow: e < ∞ implies |c| < ∞, a < ∞ and h², ac ≤ A a < ∞/4, and |h| and q
 /// are tested. Comparisons with a number that overflowed on the way are false.
 template <class W, Number T>
-SphereDecision<T> widely(const Ray<T>& ray, const Sphere<T>& sphere) {
+SphereDecision<T> decide_in_wider(const Ray<T>& ray, const Sphere<T>& sphere) {
     using number::wide::narrow, number::wide::widen;
     const auto widen_vec = [](const Vec<T>& x) { return Vec<W>(widen<W>(x.x), widen<W>(x.y), widen<W>(x.z)); };
     const Vec<W> d = widen_vec(ray.direction), f = widen_vec(ray.origin) - widen_vec(sphere.centre);
@@ -158,9 +161,9 @@ SphereDecision<T> widely(const Ray<T>& ray, const Sphere<T>& sphere) {
     const T a = named("a", narrow<T>(aw)), h = named("h", narrow<T>(hw)), c = named("c", narrow<T>(cw));
     const T disc = named("D", narrow<T>(dw));
     const T root = named("root", sqrt(disc)), q = named("q", abs(h) + root);
-    const mask_t<T> outside = c > T(0), behind = h > T(0), is_inside = !(outside || behind);
+    const mask_t<T> is_outside = c > T(0), is_behind = h > T(0), is_inside = !(is_outside || is_behind);
     const T t = named("t", select(is_inside, q, abs(c)) / select(is_inside, a, q));
-    return proved_widely<W, T>({sphere.radius, a, h, c, disc, root, q}, t);
+    return prove_wide_decision<W, T>({sphere.radius, a, h, c, disc, root, q}, t);
 }
 
 /// The terms h, c, a and D = a r² − |f × d|², each an exact sum of products of the words of f = o − G and of d,
@@ -238,21 +241,21 @@ SphereDecision<T> decide_unrounded(const Ray<T>& ray, const Sphere<T>& sphere) {
 template <Number T>
 mask_t<T> fits(const Ray<T>& ray, const Sphere<T>& sphere) {
     mask_t<T> all_fit = T(0) <= T(0);
-    if constexpr (number::wide::has_whole_range<T>) {
+    if constexpr (number::wide::products_may_overflow<T>) {
         using B = number::wide::OneWord<T>;
         const B least = number::wide::power_of_two<B>(-160), largest = B(1) / least;
         B zero_if_finite(0);
-        const auto add = [&](const T& x) {
+        const auto check_size = [&](const T& x) {
             const B size = abs(number::wide::widen<B>(x));
             all_fit = all_fit && size <= largest && (size >= least || size <= B(0));
             zero_if_finite = zero_if_finite + B(0) * size;
         };
         for (int axis = 0; axis < 3; ++axis) {
-            add(ray.origin[axis]);
-            add(ray.direction[axis]);
-            add(sphere.centre[axis]);
+            check_size(ray.origin[axis]);
+            check_size(ray.direction[axis]);
+            check_size(sphere.centre[axis]);
         }
-        add(sphere.radius);
+        check_size(sphere.radius);
         all_fit = all_fit || !(zero_if_finite <= B(0));
     }
     return all_fit;
@@ -273,24 +276,27 @@ template <Number T>
     return {fit, t >= T(0), t};
 }
 
-/// Returns `known`. Where it is not proved, the decision and t are computed again, over the whole range of numbers.
+/// Returns `known_decision`. Where it is not proved, the decision and t are computed again, over the whole range of
+/// numbers.
 template <Number T>
-SphereDecision<T> decide_in_every_range(const Ray<T>& ray, const Sphere<T>& sphere, const SphereDecision<T>& known) {
+SphereDecision<T> decide_in_every_range(const Ray<T>& ray, const Sphere<T>& sphere,
+                                        const SphereDecision<T>& known_decision) {
     const Vec<T>&o = ray.origin, &d = ray.direction, &c = sphere.centre;
-    const std::array<T, 2> answers = number::wide::masked_lanes<T, 10, 2>(
-        select(known.proved, T(0), T(1)), {o.x, o.y, o.z, d.x, d.y, d.z, c.x, c.y, c.z, sphere.radius},
-        {select(known.hit, T(1), -T(1)), known.t}, number::wide::meet_sphere<T>);
+    const std::array<T, 2> answers = number::wide::apply_to_lanes<T, 10, 2>(
+        select(known_decision.is_proved, T(0), T(1)), {o.x, o.y, o.z, d.x, d.y, d.z, c.x, c.y, c.z, sphere.radius},
+        {select(known_decision.hit, T(1), -T(1)), known_decision.t}, number::wide::meet_sphere<T>);
     return {T(0) <= T(0), answers[0] > T(0), answers[1]};
 }
 
-/// Decides without rounding where `known` is not proved.
+/// Decides without rounding where `known_decision` is not proved.
 template <Number T>
-SphereDecision<T> decide_exactly(const Ray<T>& ray, const Sphere<T>& sphere, SphereDecision<T> known) {
+SphereDecision<T> decide_exactly(const Ray<T>& ray, const Sphere<T>& sphere, SphereDecision<T> known_decision) {
     const mask_t<T> fit = fits(ray, sphere);
-    if (any_of(!known.proved && fit)) known = joined(known, decide_by_exact_sums<T>(ray, sphere, fit));
-    if constexpr (number::wide::has_whole_range<T>)
-        if (any_of(!known.proved)) return decide_in_every_range<T>(ray, sphere, known);
-    return known;
+    if (any_of(!known_decision.is_proved && fit))
+        known_decision = first_proved(known_decision, decide_by_exact_sums<T>(ray, sphere, fit));
+    if constexpr (number::wide::products_may_overflow<T>)
+        if (any_of(!known_decision.is_proved)) return decide_in_every_range<T>(ray, sphere, known_decision);
+    return known_decision;
 }
 
 /// Does what `decide_exactly` does, for number types that record operations. They have no operation for exact sums, so
@@ -307,7 +313,7 @@ SphereDecision<T> decide_in_a_call(const Ray<T>& ray, const Sphere<T>& sphere) {
     const std::array<T, 10> inputs{o.x, o.y, o.z, d.x, d.y, d.z, c.x, c.y, c.z, sphere.radius};
     const T decision_call =
         record_call<T>({"sphere.filtered", CallAnswer::decision}, inputs, select(decision.hit, P(1), P(-1)));
-    return {number::wide::constant_mask<T>(decision.proved), decision_call > T(0),
+    return {number::wide::constant_mask<T>(decision.is_proved), decision_call > T(0),
             record_call<T>({"sphere.filtered", CallAnswer::t}, inputs, decision.t)};
 }
 
@@ -319,10 +325,10 @@ SphereDecision<T> decide_further(const Ray<T>& ray, const Sphere<T>& sphere, con
     watch(FilterArithmetic::two_words);
     const auto in_two_words = [&] {
         const Part<T> part("in two words");
-        return joined(first_decision, widely<W, T>(ray, sphere));
+        return first_proved(first_decision, decide_in_wider<W, T>(ray, sphere));
     };
     const SphereDecision<T> two_word_decision = in_two_words();
-    if (!any_of(!two_word_decision.proved)) return two_word_decision;
+    if (!any_of(!two_word_decision.is_proved)) return two_word_decision;
     watch(FilterArithmetic::exact);
     if constexpr (traces_operations<T>) return decide_in_a_call<T>(ray, sphere);
     else return decide_exactly<T>(ray, sphere, two_word_decision);

@@ -28,7 +28,7 @@
 namespace lostbits::intersect::sphere {
 
 using SphereForms = FormList<   //
-    sphere::Schoolbook,         // from the seeds
+    sphere::Schoolbook,         // from Ray Tracing Gems, course notes and a shader
     sphere::SchoolbookStrict,   //
     sphere::Expanded,           //
     sphere::UnitHalfB,          //

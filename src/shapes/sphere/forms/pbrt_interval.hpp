@@ -33,14 +33,14 @@ struct PbrtInterval {
         const I disc = four * a * (r + l) * (r - l);
 
         const I root = sqrt(disc);
-        const mask_t<T> ahead = named("b", b.middle()) < T(0);
+        const mask_t<T> is_ahead = named("b", b.middle()) < T(0);
         const I minus_half(-half<T>());
         const I minus = minus_half * (b - root), plus = minus_half * (b + root);
-        const I q(select(ahead, minus.lo, plus.lo), select(ahead, minus.hi, plus.hi));
+        const I q(select(is_ahead, minus.lo, plus.lo), select(is_ahead, minus.hi, plus.hi));
         const I over_a = q / a, under_c = c / q;
-        const mask_t<T> swap = over_a.lo > under_c.lo;
-        const I near(select(swap, under_c.lo, over_a.lo), select(swap, under_c.hi, over_a.hi));
-        const I far(select(swap, over_a.lo, under_c.lo), select(swap, over_a.hi, under_c.hi));
+        const mask_t<T> is_swapped = over_a.lo > under_c.lo;
+        const I near(select(is_swapped, under_c.lo, over_a.lo), select(is_swapped, under_c.hi, over_a.hi));
+        const I far(select(is_swapped, over_a.lo, under_c.lo), select(is_swapped, over_a.hi, under_c.hi));
 
         const mask_t<T> use_far = near.lo <= T(0);
         const T t = named("t", select(use_far, far.middle(), near.middle()));

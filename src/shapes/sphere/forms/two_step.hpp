@@ -23,16 +23,16 @@ struct TwoStep {
         const T c = named("c", square(f) - square(sphere.radius));
         const T disc = named("disc", square(h) - a * c);
         const T root = sqrt(disc);
-        const T first = named("t1", (-h - root) / a);
-        const mask_t<T> again = abs(first) > T(10) * sphere.radius;
-        const Vec<T> g = f + first * ray.direction;
+        const T first_t = named("t1", (-h - root) / a);
+        const mask_t<T> is_far_away = abs(first_t) > T(10) * sphere.radius;
+        const Vec<T> g = f + first_t * ray.direction;
         const T h2 = named("h2", dot(g, ray.direction));
         const T c2 = named("c2", square(g) - square(sphere.radius));
         const T disc2 = named("disc2", square(h2) - a * c2);
         const T root2 = sqrt(disc2);
-        const mask_t<T> refined = again && disc2 > T(0);
-        const T near = select(refined, first + (-h2 - root2) / a, first);
-        const T far = select(refined, first + (-h2 + root2) / a, (-h + root) / a);
+        const mask_t<T> is_refined = is_far_away && disc2 > T(0);
+        const T near = select(is_refined, first_t + (-h2 - root2) / a, first_t);
+        const T far = select(is_refined, first_t + (-h2 + root2) / a, (-h + root) / a);
         return hit_unless<T>(disc <= T(0), RootPair<T>{near, far});
     }
 };

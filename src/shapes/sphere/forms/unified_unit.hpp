@@ -20,11 +20,11 @@ struct UnifiedUnit {
         const Vec<T> l = f + minus_b * ray.direction;
         const T delta = named("delta", square(sphere.radius) - square(l));
         const T c = named("c", square(f) - square(sphere.radius));
-        const mask_t<T> behind = minus_b < T(0);
+        const mask_t<T> is_behind = minus_b < T(0);
         const T root = sqrt(delta);
-        const T q = named("q", minus_b + select(behind, -root, root));
+        const T q = named("q", minus_b + select(is_behind, -root, root));
         const T under_c = c / q;
-        return hit_unless<T>(delta < T(0), RootPair<T>{select(behind, q, under_c), select(behind, under_c, q)});
+        return hit_unless<T>(delta < T(0), RootPair<T>{select(is_behind, q, under_c), select(is_behind, under_c, q)});
     }
 };
 

@@ -23,9 +23,9 @@ struct UnitHalfB {
         const T disc = named("disc", square(b) - c);
         const T t = -b - sqrt(abs(disc));
         // step(0, x) is 1 unless x < 0; mix(-1, t, step) keeps t there and the sentinel elsewhere.
-        const mask_t<T> hit = !(min(t, disc) < T(0));
-        const T answer = named("t", select(hit, t, T(-1)));
-        return Hit<T>{hit, answer, answer, answer};
+        const mask_t<T> is_hit = !(min(t, disc) < T(0));
+        const T answer = named("t", select(is_hit, t, T(-1)));
+        return Hit<T>{is_hit, answer, answer, answer};
     }
 };
 

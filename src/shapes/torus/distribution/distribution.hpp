@@ -15,7 +15,7 @@ struct TorusDistribution : rays::AimedDistribution<TorusDistribution> {
     static constexpr std::pair<std::string_view, int> aims[] = {
         {"ring", ring}, {"hole", hole}, {"axis", axis}, {"flat", flat}, {"bitangent", bitangent}};
 
-    static Primitive<double> drawn(rays::Random& random, const Vec<double>& middle, double size) {
+    static Primitive<double> draw_primitive(rays::Random& random, const Vec<double>& middle, double size) {
         const Vec<double> up = rays::draw_direction(random);
         const double major = size / (1 + random.between(0.0625, 0.9375));
         return Torus<double>{middle, up, major, size - major};

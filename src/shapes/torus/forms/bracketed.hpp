@@ -19,7 +19,7 @@ struct Bracketed {
     static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
         const QuarticSpan<T> s = torus.span(ray);
         const QuarticChain<T> chain(s.f);
-        const T t = named("t", s.time(near_first_root<T>(chain, s.b, s.bound, 6)));
+        const T t = named("t", s.t_at(approximate_first_root<T>(chain, s.b, s.bound, 6)));
         return {sign_changes(chain.at(s.b)) > sign_changes(chain.at_infinity()), t, t, t};
     }
 };

@@ -17,7 +17,7 @@ struct BracketedInDouble {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
-        return narrowed<T>(Bracketed::intersect(widened(ray), widened(torus)));
+        return from_wider<T>(Bracketed::intersect(to_wider(ray), to_wider(torus)));
     }
 };
 

@@ -34,7 +34,7 @@ struct TorusFromClosest {
                 const T residual = n * square(inner) - four_r2 * square(Vec<T>(m + x * k));
                 x = select(abs(slope) > T(0), x - residual / slope, x);
             }
-            first_hit.take(is_root, (x - b) / a);
+            first_hit.add_root(is_root, (x - b) / a);
         });
         return first_hit.answer();
     }

@@ -20,10 +20,10 @@ struct GraphicsGems {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
-        const AlongAxis<T> in(ray, torus);
+        const TorusRay<T> relative(ray, torus);
         FirstHit<T> first_hit;
-        quartic_roots<T>(quartic_in_t<T>(in.p, in.d, in.pz, in.dz, torus),
-                         [&](const auto& is_root, const T& t) { first_hit.take(is_root, t); });
+        quartic_roots<T>(quartic_in_t<T>(relative.p, relative.d, relative.pz, relative.dz, torus),
+                         [&](const auto& is_root, const T& t) { first_hit.add_root(is_root, t); });
         return first_hit.answer();
     }
 };

@@ -6,17 +6,18 @@
 
 namespace lostbits::intersect::torus {
 
-/// The origin p relative to the centre, the direction d, and their components along the unit axis.
+/// A ray relative to a torus: the origin p relative to the centre, the direction d, and their components along the unit
+/// axis.
 template <Number T>
-struct AlongAxis {
+struct TorusRay {
     Vec<T> p, d;
     T pz, dz;
 
-    AlongAxis(const Ray<T>& ray, const Torus<T>& torus)
-        : AlongAxis(ray.origin - torus.centre, ray.direction, (T(1) / length(torus.axis)) * torus.axis) {}
+    TorusRay(const Ray<T>& ray, const Torus<T>& torus)
+        : TorusRay(ray.origin - torus.centre, ray.direction, (T(1) / length(torus.axis)) * torus.axis) {}
 
 private:
-    AlongAxis(const Vec<T>& f, const Vec<T>& direction, const Vec<T>& n)
+    TorusRay(const Vec<T>& f, const Vec<T>& direction, const Vec<T>& n)
         : p(f), d(direction), pz(named("pz", dot(n, f))), dz(named("dz", dot(n, direction))) {}
 };
 
@@ -35,22 +36,22 @@ Quartic<T> quartic_in_t(const Vec<T>& p, const Vec<T>& d, const T& pz, const T& 
             square(k1) + T(4) * R2 * (square(pz) - r2)};
 }
 
-/// Widens a ray or a torus to the wider arithmetic. `narrowed` converts the answer back.
+/// Widens a ray or a torus to the wider arithmetic. `from_wider` converts the answer back.
 template <Number T>
-auto widened(const Vec<T>& v) {
+auto to_wider(const Vec<T>& v) {
     return Vec<typename Wider<T>::type>(Wider<T>::widen(v.x), Wider<T>::widen(v.y), Wider<T>::widen(v.z));
 }
 template <Number T>
-auto widened(const Ray<T>& ray) {
-    return Ray<typename Wider<T>::type>{widened(ray.origin), widened(ray.direction)};
+auto to_wider(const Ray<T>& ray) {
+    return Ray<typename Wider<T>::type>{to_wider(ray.origin), to_wider(ray.direction)};
 }
 template <Number T>
-auto widened(const Torus<T>& torus) {
-    return Torus<typename Wider<T>::type>{widened(torus.centre), widened(torus.axis),
+auto to_wider(const Torus<T>& torus) {
+    return Torus<typename Wider<T>::type>{to_wider(torus.centre), to_wider(torus.axis),
                                           Wider<T>::widen(torus.major_radius), Wider<T>::widen(torus.minor_radius)};
 }
 template <Number T>
-Hit<T> narrowed(const Hit<typename Wider<T>::type>& wide) {
+Hit<T> from_wider(const Hit<typename Wider<T>::type>& wide) {
     return {wide.hit, Wider<T>::narrow(wide.t), Wider<T>::narrow(wide.near), Wider<T>::narrow(wide.far)};
 }
 
@@ -58,7 +59,7 @@ Hit<T> narrowed(const Hit<typename Wider<T>::type>& wide) {
 template <Number T>
 class FirstHit {
 public:
-    void take(const mask_t<T>& is_root, const T& t) {
+    void add_root(const mask_t<T>& is_root, const T& t) {
         const auto is_first = is_root && t >= T(0) && (!hit_ || t < t_);
         t_ = select(is_first, t, t_);
         hit_ = hit_ || is_first;

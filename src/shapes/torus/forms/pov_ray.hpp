@@ -19,13 +19,13 @@ struct PovRay {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
-        const AlongAxis<T> in(ray, torus);
-        const T distance = length(in.p), bound = torus.major_radius + torus.minor_radius + torus.minor_radius;
+        const TorusRay<T> relative(ray, torus);
+        const T distance = length(relative.p), bound = torus.major_radius + torus.minor_radius + torus.minor_radius;
         const T shift = named("closer", select(distance > bound, distance - bound, T(0)));
-        const Vec<T> p = in.p + shift * in.d;
+        const Vec<T> p = relative.p + shift * relative.d;
         FirstHit<T> first_hit;
-        quartic_roots<T>(quartic_in_t<T>(p, in.d, in.pz + shift * in.dz, in.dz, torus),
-                         [&](const auto& is_root, const T& t) { first_hit.take(is_root, t + shift); });
+        quartic_roots<T>(quartic_in_t<T>(p, relative.d, relative.pz + shift * relative.dz, relative.dz, torus),
+                         [&](const auto& is_root, const T& t) { first_hit.add_root(is_root, t + shift); });
         return first_hit.answer();
     }
 };

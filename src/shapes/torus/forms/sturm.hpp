@@ -18,14 +18,15 @@ struct SturmTorus {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
-        const AlongAxis<T> in(ray, torus);
-        const T distance = length(in.p), bound = torus.major_radius + torus.minor_radius + torus.minor_radius;
+        const TorusRay<T> relative(ray, torus);
+        const T distance = length(relative.p), bound = torus.major_radius + torus.minor_radius + torus.minor_radius;
         const T shift = named("closer", select(distance > bound, distance - bound, T(0)));
-        const Quartic<T> f = quartic_in_t<T>(in.p + shift * in.d, in.d, in.pz + shift * in.dz, in.dz, torus);
+        const Quartic<T> f = quartic_in_t<T>(relative.p + shift * relative.d, relative.d,
+                                             relative.pz + shift * relative.dz, relative.dz, torus);
         const T a2 = square(f.a), quarter = f.a / T(4);
         const QuarticChain<T> chain(T(1), T(-3) * a2 / T(8) + f.b, a2 * f.a / T(8) - f.a * f.b / T(2) + f.c,
                                     T(-3) * square(a2) / T(256) + a2 * f.b / T(16) - f.a * f.c / T(4) + f.d);
-        const T begin = quarter - shift, t = named("t", near_first_root<T>(chain, begin, bound, 6) - begin);
+        const T begin = quarter - shift, t = named("t", approximate_first_root<T>(chain, begin, bound, 6) - begin);
         return {sign_changes(chain.at(begin)) > sign_changes(chain.at_infinity()), t, t, t};
     }
 };

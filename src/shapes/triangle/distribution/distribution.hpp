@@ -12,7 +12,7 @@ struct TriangleDistribution : rays::AimedDistribution<TriangleDistribution> {
     enum Aim { inside, edge, vertex };
     static constexpr std::pair<std::string_view, int> aims[] = {{"inside", inside}, {"edge", edge}, {"vertex", vertex}};
 
-    static Primitive<double> drawn(rays::Random& random, const Vec<double>& middle, double size) {
+    static Primitive<double> draw_primitive(rays::Random& random, const Vec<double>& middle, double size) {
         for (;;) {
             const Vec<double> a = rays::draw_direction(random), b = rays::draw_direction(random);
             const Vec<double> c = rays::draw_direction(random), normal = cross(b - a, c - a);

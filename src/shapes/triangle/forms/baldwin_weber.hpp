@@ -21,9 +21,10 @@ struct BaldwinWeber {
     static Hit<T> intersect(const Ray<T>& ray, const Triangle<T>& triangle) {
         const Vec<T> normal = cross(triangle.b - triangle.a, triangle.c - triangle.a);
         const LargestComponent<T> axis(absolute_values(normal));
-        const Vec<T> a = axis.first(triangle.a), b = axis.first(triangle.b), c = axis.first(triangle.c);
-        const Vec<T> n = axis.first(normal), e1 = b - a, e2 = c - a;
-        const Vec<T> o = axis.first(ray.origin), d = axis.first(ray.direction);
+        const Vec<T> a = axis.rotate_to_first(triangle.a), b = axis.rotate_to_first(triangle.b),
+                     c = axis.rotate_to_first(triangle.c);
+        const Vec<T> n = axis.rotate_to_first(normal), e1 = b - a, e2 = c - a;
+        const Vec<T> o = axis.rotate_to_first(ray.origin), d = axis.rotate_to_first(ray.direction);
         const T x1 = b.y * a.z - b.z * a.y, x2 = c.y * a.z - c.z * a.y, num = dot(triangle.a, normal);
 
         const T my = n.y / n.x, mz = n.z / n.x, plane_offset = named("-num/n", -num / n.x);

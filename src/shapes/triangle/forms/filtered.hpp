@@ -28,15 +28,16 @@ struct FilteredTriangle {
     static Hit<T> intersect(const Ray<T>& ray, const Triangle<T>& triangle, Watch& watch) {
         if constexpr (is_exact<T>) {
             const filtered::Determinants<T> determinants = filtered::determinants_of(ray, triangle);
-            return single_hit<T>(filtered::meets<T>(determinants), named("t", determinants.k / determinants.m));
+            return single_hit<T>(filtered::is_hit_by_signs<T>(determinants),
+                                 named("t", determinants.k / determinants.m));
         } else {
             filtered::TriangleDecision<T> decision = filtered::decide_in<T>(ray, triangle);
-            if (!any_of(!decision.proved)) return single_hit<T>(decision.hit, decision.t);
+            if (!any_of(!decision.is_proved)) return single_hit<T>(decision.hit, decision.t);
             if constexpr (number::wide::has_wider_word<T>) {
                 if (number::wide::widens<T>()) {
                     watch(FilterArithmetic::wider);
-                    decision = joined(decision, filtered::decide_in<number::wide::OneWord<T>>(ray, triangle));
-                    if (!any_of(!decision.proved)) return single_hit<T>(decision.hit, decision.t);
+                    decision = first_proved(decision, filtered::decide_in<number::wide::OneWord<T>>(ray, triangle));
+                    if (!any_of(!decision.is_proved)) return single_hit<T>(decision.hit, decision.t);
                 }
             }
             decision = filtered::finish<T>(ray, triangle, decision, watch);

@@ -14,16 +14,17 @@ namespace filtered {
 /// Result of a step for a ray: the decision and t, which are valid only if they are proved.
 template <Number T>
 struct TriangleDecision {
-    mask_t<T> proved, hit;
+    mask_t<T> is_proved, hit;
     T t;
 
     /// Returns `first` where it is proved, else `second`. A type that records operations computes one ray, for which
     /// the second step was taken because the first proved nothing, so it returns `second`.
-    friend TriangleDecision joined(const TriangleDecision& first, const TriangleDecision& second) {
+    friend TriangleDecision first_proved(const TriangleDecision& first, const TriangleDecision& second) {
         if constexpr (traces_operations<T>) return second;
         else
-            return {first.proved || second.proved, (first.proved && first.hit) || (!first.proved && second.hit),
-                    select(first.proved, first.t, second.t)};
+            return {first.is_proved || second.is_proved,
+                    (first.is_proved && first.hit) || (!first.is_proved && second.hit),
+                    select(first.is_proved, first.t, second.t)};
     }
 };
 
@@ -57,7 +58,7 @@ Determinants<N> determinants_of(const Ray<N>& ray, const Triangle<N>& triangle) 
 
 /// Returns the decision by the signs of the determinants, right if these are.
 template <Number N>
-mask_t<N> meets(const Determinants<N>& det) {
+mask_t<N> is_hit_by_signs(const Determinants<N>& det) {
     const N zero(0), least = min(min(det.ea, det.eb), det.ec), greatest = max(max(det.ea, det.eb), det.ec);
     return (least >= zero && det.m > zero && det.k >= zero) || (greatest <= zero && det.m < zero && det.k <= zero);
 }
@@ -72,21 +73,22 @@ struct DecisionProof {
 /// and t is needed in a format of roundoff u. To first order in v (Higham 2002, lemma 3.1), with M the largest of the
 /// vertices' sizes:
 ///
-///     b, c              off by v of themselves
+///     b, c              relative error of at most v
 ///     d·(b × c)         each of the six products d_i b_j c_k by 7v: off by at most 7v Σ|d_i| 2M² = 14v |d| M², |d| the
 ///                       sum of sizes; 16v cover the terms of second order where v ≤ 2^-9
 ///     n_i = x − y       by 3v of x and of y, and by v of n_i
 ///     m, k              by v Σ|d_i| g_i and v Σ|a_i| g_i, g_i = 3(|x| + |y|) + 5|n_i|
 ///
-/// m and k are required to be right to s = min(14u, 2^-9) of themselves. t is then right to 2s and three roundings,
-/// within the 32u of 18 correct bits of 24. The edges add up to m, so if all have one sign, m has the same.
+/// m and k are required to have relative errors of at most s = min(14u, 2^-9). The relative error of t is then at most
+/// 2s plus three roundings, within the 32u of 18 correct bits of 24. The edges add up to m, so if all have one sign, m
+/// has the same.
 ///
 /// Range, with L the least normal number of P: a number that underflows is off by wL, or by 5wL in two words. f = 64L
 /// w/v covers that by v of itself. M² and |d| M² must reach f, and it is part of g_i and of the bounds of m and k. All
 /// products and sums are below 64 M², 64 |d| M² or the bounds of m and k, which must be finite; comparisons with NaN
 /// are false.
 template <class P>
-DecisionProof<P> proved_by(const Determinants<P>& det, const P& v, const P& u) {
+DecisionProof<P> prove_decision(const Determinants<P>& det, const P& v, const P& u) {
     const P infinity = P(1) / P(0), zero(0);
     const P f = P(64) * number::wide::least_normal<P>() * (unit_roundoff<P>() / v);
     const P ratio = v / min(P(14) * u, P(1) / P(512));
@@ -102,10 +104,10 @@ DecisionProof<P> proved_by(const Determinants<P>& det, const P& v, const P& u) {
     const mask_t<P> in_range = P(512) * v <= P(1) && area >= f && volume >= f && P(64) * area < infinity &&
                                P(64) * volume < infinity && bound_m < infinity && bound_k < infinity;
     const mask_t<P> is_accurate = in_range && ratio * bound_m <= abs(det.m) && ratio * bound_k <= abs(det.k);
-    const mask_t<P> ahead = (det.m > zero && det.k > zero) || (det.m < zero && det.k < zero);
+    const mask_t<P> is_ahead = (det.m > zero && det.k > zero) || (det.m < zero && det.k < zero);
     const P least = min(min(det.ea, det.eb), det.ec), greatest = max(max(det.ea, det.eb), det.ec);
-    return {is_accurate && ahead && (least > e || greatest < -e),
-            (in_range && least < -e && greatest > e) || (is_accurate && !ahead)};
+    return {is_accurate && is_ahead && (least > e || greatest < -e),
+            (in_range && least < -e && greatest > e) || (is_accurate && !is_ahead)};
 }
 
 /// Returns the first word of a number: the number itself, or the high word of two.
@@ -120,16 +122,16 @@ B word_of(const number::wide::TwoWords<B>& x) {
 
 /// Applies `f` to every number.
 template <class N, class F>
-auto map_numbers(const Determinants<N>& det, const F& f) {
+auto map_determinants(const Determinants<N>& det, const F& f) {
     using P = decltype(f(det.m));
-    const auto mapped = [&](const Vec<N>& x) { return Vec<P>(f(x.x), f(x.y), f(x.z)); };
-    return Determinants<P>{.d = mapped(det.d),
-                           .a = mapped(det.a),
-                           .b = mapped(det.b),
-                           .c = mapped(det.c),
-                           .p = mapped(det.p),
-                           .q = mapped(det.q),
-                           .n = mapped(det.n),
+    const auto map_vec = [&](const Vec<N>& x) { return Vec<P>(f(x.x), f(x.y), f(x.z)); };
+    return Determinants<P>{.d = map_vec(det.d),
+                           .a = map_vec(det.a),
+                           .b = map_vec(det.b),
+                           .c = map_vec(det.c),
+                           .p = map_vec(det.p),
+                           .q = map_vec(det.q),
+                           .n = map_vec(det.n),
                            .ea = f(det.ea),
                            .eb = f(det.eb),
                            .ec = f(det.ec),
@@ -140,9 +142,9 @@ auto map_numbers(const Determinants<N>& det, const F& f) {
 /// Returns the determinants of the ray and the triangle, with `f` applied to each of their numbers first.
 template <class W, Number T, class F>
 Determinants<W> determinants_of_mapped(const Ray<T>& ray, const Triangle<T>& triangle, const F& f) {
-    const auto mapped = [&](const Vec<T>& x) { return Vec<W>(f(x.x), f(x.y), f(x.z)); };
-    return determinants_of<W>({mapped(ray.origin), mapped(ray.direction)},
-                              {mapped(triangle.a), mapped(triangle.b), mapped(triangle.c)});
+    const auto map_vec = [&](const Vec<T>& x) { return Vec<W>(f(x.x), f(x.y), f(x.z)); };
+    return determinants_of<W>({map_vec(ray.origin), map_vec(ray.direction)},
+                              {map_vec(triangle.a), map_vec(triangle.b), map_vec(triangle.c)});
 }
 
 /// Returns the roundoff u of the format that `T` computes in, as a number of type P.
@@ -162,17 +164,17 @@ TriangleDecision<T> decide_in(const Ray<T>& ray, const Triangle<T>& triangle) {
         if constexpr (std::same_as<W, T>) return x;
         else return number::wide::widen<W>(x);
     });
-    const auto det = map_numbers(wide_determinants, [](const W& x) { return word_of(x); });
+    const auto det = map_determinants(wide_determinants, [](const W& x) { return word_of(x); });
     using B = std::decay_t<decltype(det.m)>;
     using P = decltype(value_of(det.m));
     P v = unit_roundoff<P>();
     if constexpr (!std::same_as<W, B>) v = unit_roundoff<number::wide::TwoWords<P>>().hi;
     const DecisionProof<P> proof =
-        proved_by<P>(map_numbers(det, [](const B& x) { return value_of(x); }), v, roundoff_in<T, P>());
+        prove_decision<P>(map_determinants(det, [](const B& x) { return value_of(x); }), v, roundoff_in<T, P>());
     const mask_t<B> is_proved = constant_mask<B>(proof.hit || proof.miss);
     const B t = named("t", det.k / det.m);
     const auto hit = [&]() -> mask_t<B> {
-        if constexpr (traces_operations<T>) return meets<B>(det);
+        if constexpr (traces_operations<T>) return is_hit_by_signs<B>(det);
         else return proof.hit;
     };
     if constexpr (std::same_as<W, T>) {
@@ -220,7 +222,7 @@ B triple_product(const ThreeSums<B>& x, const ThreeSums<B>& y, const ThreeSums<B
 template <Number T>
 mask_t<T> fits(const Ray<T>& ray, const Triangle<T>& triangle) {
     mask_t<T> all_fit = T(0) <= T(0);
-    if constexpr (number::wide::has_whole_range<T>) {
+    if constexpr (number::wide::products_may_overflow<T>) {
         using B = number::wide::OneWord<T>;
         const B least = number::wide::power_of_two<B>(-160), largest = B(1) / least;
         B zero_if_finite(0);
@@ -258,25 +260,28 @@ template <Number T>
     return {fit, t >= T(0), t};
 }
 
-/// Returns `known`. Where it is not proved, the decision and t are computed again, over the whole range of numbers.
+/// Returns `known_decision`. Where it is not proved, the decision and t are computed again, over the whole range of
+/// numbers.
 template <Number T>
 TriangleDecision<T> decide_in_every_range(const Ray<T>& ray, const Triangle<T>& triangle,
-                                          const TriangleDecision<T>& known) {
+                                          const TriangleDecision<T>& known_decision) {
     const Vec<T>&o = ray.origin, &d = ray.direction, &a = triangle.a, &b = triangle.b, &c = triangle.c;
-    const std::array<T, 2> answers = number::wide::masked_lanes<T, 15, 2>(
-        select(known.proved, T(0), T(1)), {o.x, o.y, o.z, d.x, d.y, d.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z},
-        {select(known.hit, T(1), -T(1)), known.t}, number::wide::meet_triangle<T>);
+    const std::array<T, 2> answers = number::wide::apply_to_lanes<T, 15, 2>(
+        select(known_decision.is_proved, T(0), T(1)),
+        {o.x, o.y, o.z, d.x, d.y, d.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z},
+        {select(known_decision.hit, T(1), -T(1)), known_decision.t}, number::wide::meet_triangle<T>);
     return {T(0) <= T(0), answers[0] > T(0), answers[1]};
 }
 
-/// Decides without rounding where `known` is not proved.
+/// Decides without rounding where `known_decision` is not proved.
 template <Number T>
-TriangleDecision<T> decide_exactly(const Ray<T>& ray, const Triangle<T>& triangle, TriangleDecision<T> known) {
+TriangleDecision<T> decide_exactly(const Ray<T>& ray, const Triangle<T>& triangle, TriangleDecision<T> known_decision) {
     const mask_t<T> fit = fits(ray, triangle);
-    if (any_of(!known.proved && fit)) known = joined(known, decide_by_exact_sums<T>(ray, triangle, fit));
-    if constexpr (number::wide::has_whole_range<T>)
-        if (any_of(!known.proved)) return decide_in_every_range<T>(ray, triangle, known);
-    return known;
+    if (any_of(!known_decision.is_proved && fit))
+        known_decision = first_proved(known_decision, decide_by_exact_sums<T>(ray, triangle, fit));
+    if constexpr (number::wide::products_may_overflow<T>)
+        if (any_of(!known_decision.is_proved)) return decide_in_every_range<T>(ray, triangle, known_decision);
+    return known_decision;
 }
 
 /// Does what `decide_exactly` does, for number types that record operations. They have no operation for exact sums, so
@@ -293,7 +298,7 @@ TriangleDecision<T> decide_in_a_call(const Ray<T>& ray, const Triangle<T>& trian
     const std::array<T, 15> inputs{o.x, o.y, o.z, d.x, d.y, d.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z};
     const T decision_call =
         record_call<T>({"triangle.filtered", CallAnswer::decision}, inputs, select(decision.hit, P(1), P(-1)));
-    return {number::wide::constant_mask<T>(decision.proved), decision_call > T(0),
+    return {number::wide::constant_mask<T>(decision.is_proved), decision_call > T(0),
             record_call<T>({"triangle.filtered", CallAnswer::t}, inputs, decision.t)};
 }
 
@@ -304,10 +309,10 @@ TriangleDecision<T> decide_further(const Ray<T>& ray, const Triangle<T>& triangl
     watch(FilterArithmetic::two_words);
     const auto in_two_words = [&] {
         const Part<T> part("in two words");
-        return joined(first_decision, decide_in<number::wide::TwoWords<number::wide::OneWord<T>>>(ray, triangle));
+        return first_proved(first_decision, decide_in<number::wide::TwoWords<number::wide::OneWord<T>>>(ray, triangle));
     };
     const TriangleDecision<T> two_word_decision = in_two_words();
-    if (!any_of(!two_word_decision.proved)) return two_word_decision;
+    if (!any_of(!two_word_decision.is_proved)) return two_word_decision;
     watch(FilterArithmetic::exact);
     if constexpr (traces_operations<T>) return decide_in_a_call<T>(ray, triangle);
     else return decide_exactly<T>(ray, triangle, two_word_decision);

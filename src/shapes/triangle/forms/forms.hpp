@@ -29,13 +29,13 @@ using TriangleForms = FormList<       //
     triangle::Undivided,              //
     triangle::PrecomputedNormal,      //
     triangle::SignedVolumes,          //
-    triangle::Plucker,                // edges, each by itself
+    triangle::Plucker,                // each edge separately
     triangle::PluckerBand,            //
     triangle::Woop,                   //
     triangle::WoopDouble,             //
     triangle::WoopOnce,               //
     triangle::Pbrt,                   //
-    triangle::BaldwinWeber,           // the plane, then coordinates in it
+    triangle::BaldwinWeber,           // first the plane, then coordinates in it
     triangle::HavelHerout,            //
     triangle::Projection,             //
     triangle::PlaneBarycentric,       //

@@ -22,24 +22,24 @@ mask_t<T> is_not_zero(const T& x) {
 /// The axis of the largest component of a vector, as masks for x and y; neither is set for z.
 template <Number T>
 struct LargestComponent {
-    mask_t<T> x, y;
+    mask_t<T> is_x, is_y;
 
     /// Takes the absolute values of the components. If several are the largest, the last of them counts.
     explicit LargestComponent(const Vec<T>& size)
-        : x(size.x > size.y && size.x > size.z), y(!(size.x > size.y) && size.y > size.z) {}
+        : is_x(size.x > size.y && size.x > size.z), is_y(!(size.x > size.y) && size.y > size.z) {}
 
     /// Rotates the components, x to y to z to x, until the component of this axis is the last.
-    [[nodiscard]] Vec<T> last(const Vec<T>& v) const {
-        return Vec<T>(pick(v.y, v.z, v.x), pick(v.z, v.x, v.y), pick(v.x, v.y, v.z));
+    [[nodiscard]] Vec<T> rotate_to_last(const Vec<T>& v) const {
+        return Vec<T>(select_by_axis(v.y, v.z, v.x), select_by_axis(v.z, v.x, v.y), select_by_axis(v.x, v.y, v.z));
     }
     /// Rotates the components until the component of this axis is the first.
-    [[nodiscard]] Vec<T> first(const Vec<T>& v) const {
-        return Vec<T>(pick(v.x, v.y, v.z), pick(v.y, v.z, v.x), pick(v.z, v.x, v.y));
+    [[nodiscard]] Vec<T> rotate_to_first(const Vec<T>& v) const {
+        return Vec<T>(select_by_axis(v.x, v.y, v.z), select_by_axis(v.y, v.z, v.x), select_by_axis(v.z, v.x, v.y));
     }
 
 private:
-    [[nodiscard]] T pick(const T& if_x, const T& if_y, const T& if_z) const {
-        return select(x, if_x, select(y, if_y, if_z));
+    [[nodiscard]] T select_by_axis(const T& if_x, const T& if_y, const T& if_z) const {
+        return select(is_x, if_x, select(is_y, if_y, if_z));
     }
 };
 

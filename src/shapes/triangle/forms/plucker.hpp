@@ -21,8 +21,8 @@ struct Plucker {
         const T den = named("den", dot(n, ray.direction)), tn = named("T", dot(edges.v0, n));
         const T inverse = named("1/den", T(1) / den), t = named("t", tn * inverse);
         named("u", -edges.u * inverse), named("v", -edges.v * inverse);  // the source has (y + x) × (y − x)
-        const mask_t<T> inside = !(edges.least < T(0) && edges.most > T(0));
-        return single_hit<T>(inside && is_not_zero(den) && !(select(den < T(0), -tn, tn) < T(0)), t);
+        const mask_t<T> is_inside = !(edges.least < T(0) && edges.greatest > T(0));
+        return single_hit<T>(is_inside && is_not_zero(den) && !(select(den < T(0), -tn, tn) < T(0)), t);
     }
 };
 

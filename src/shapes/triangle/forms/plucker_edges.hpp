@@ -11,8 +11,8 @@ template <Number T>
 struct PluckerEdges {
     Vec<T> v0, v1, v2;  ///< the vertices relative to the origin
     Vec<T> e0, e1, e2;
-    T u, v;              ///< the tests of the edges opposite p1 and p2
-    T least, most, sum;  ///< taken over all three tests
+    T u, v;                  ///< the tests of the edges opposite p1 and p2
+    T least, greatest, sum;  ///< taken over all three tests
 
     PluckerEdges(const Ray<T>& ray, const Vec<T>& p0, const Vec<T>& p1, const Vec<T>& p2)
         : v0(p0 - ray.origin),
@@ -24,7 +24,7 @@ struct PluckerEdges {
           u(0),
           v(0),
           least(0),
-          most(0),
+          greatest(0),
           sum(0) {
         const auto test = [&](const Vec<T>& edge, const Vec<T>& x, const Vec<T>& y) {
             return dot_from_z(cross(edge, Vec<T>(x + y)), ray.direction);
@@ -32,7 +32,7 @@ struct PluckerEdges {
         u = named("U", test(e0, v2, v0)), v = named("V", test(e1, v0, v1));
         const T w = named("W", test(e2, v1, v2));
         least = min(min(u, v), w);
-        most = max(max(u, v), w);
+        greatest = max(max(u, v), w);
         sum = named("UVW", u + v + w);
     }
 };

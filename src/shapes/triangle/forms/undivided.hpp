@@ -21,7 +21,7 @@ struct Undivided {
         const Vec<T> e1 = triangle.a - triangle.b, e2 = triangle.c - triangle.a;
         const Vec<T> ng = cross(e2, e1), c = triangle.a - ray.origin, r = cross(c, ray.direction);
         const T den = named("den", dot_from_z(ng, ray.direction));
-        const auto flip_if_back = [back = den < T(0)](const T& x) { return select(back, -x, x); };
+        const auto flip_if_back = [is_back = den < T(0)](const T& x) { return select(is_back, -x, x); };
         const T size = abs(den);
         const T u = named("U", flip_if_back(dot_from_z(r, e2))), v = named("V", flip_if_back(dot_from_z(r, e1)));
         const T tn = named("T", flip_if_back(dot_from_z(ng, c)));

@@ -26,12 +26,13 @@ struct WoopOnce {
             p2(wide(v.p2.x), wide(v.p2.y));
         const OrientedEdge<W> a(p1, p2), b(p2, p0), c(p0, p1);
         const W det = a.value + b.value + c.value;
-        const W scaled = a.value * wide(v.p0.z) + b.value * wide(v.p1.z) + c.value * wide(v.p2.z);
-        const T t = named("t", narrow(scaled / det));
+        const W scaled_t = a.value * wide(v.p0.z) + b.value * wide(v.p1.z) + c.value * wide(v.p2.z);
+        const T t = named("t", narrow(scaled_t / det));
         named("b0", narrow(a.value / det)), named("b1", narrow(b.value / det)), named("b2", narrow(c.value / det));
-        const mask_t<W> has_one_sign = (a.left && b.left && c.left) || (a.right && b.right && c.right);
-        const mask_t<T> inside = has_one_sign;
-        return single_hit<T>(inside && T(0) < t, t);
+        const mask_t<W> has_one_sign =
+            (a.is_left && b.is_left && c.is_left) || (a.is_right && b.is_right && c.is_right);
+        const mask_t<T> is_inside = has_one_sign;
+        return single_hit<T>(is_inside && T(0) < t, t);
     }
 
 private:
@@ -49,12 +50,12 @@ private:
     template <Number W>
     struct OrientedEdge {
         W value;
-        mask_t<W> left, right;
+        mask_t<W> is_left, is_right;
 
         OrientedEdge(const PlanePoint<W>& p, const PlanePoint<W>& q)
             : value(cross_of(p, q)),
-              left(value > W(0) || (!(value < W(0)) && (p.y > q.y || (!(p.y < q.y) && q.x > p.x)))),
-              right(value < W(0) || (!(value > W(0)) && (p.y < q.y || (!(p.y > q.y) && q.x < p.x)))) {}
+              is_left(value > W(0) || (!(value < W(0)) && (p.y > q.y || (!(p.y < q.y) && q.x > p.x)))),
+              is_right(value < W(0) || (!(value > W(0)) && (p.y < q.y || (!(p.y > q.y) && q.x < p.x)))) {}
 
     private:
         static W cross_of(const PlanePoint<W>& p, const PlanePoint<W>& q) {

@@ -20,15 +20,15 @@ using nlohmann::json;
 
 static_assert(std::endian::native == std::endian::little, "glTF is little endian, and its numbers are copied");
 
-constexpr std::uint64_t most_text = std::uint64_t{1} << 29;  // a larger mesh has its buffers beside it, or is a .glb
+constexpr std::uint64_t max_json_bytes = std::uint64_t{1} << 29;  // larger meshes use .bin or .glb
 
 /// The meshes of one file. A buffer is read once, when a primitive first needs it. The same holds for an accessor of
 /// vertices: primitives that share an accessor share its vertices.
 class GltfModel {
 public:
-    GltfModel(MeshBytes& bytes, const MeshTerms& settings) : file_(bytes.name()), settings_(settings) {
-        const bool is_binary = bytes.look(4) == "glTF";
-        const auto [text, begin] = is_binary ? json_of_glb(bytes) : std::pair(read_text(bytes), std::uint64_t{0});
+    GltfModel(MeshBytes& bytes, const MeshSettings& settings) : file_(bytes.name()), settings_(settings) {
+        const bool is_binary = bytes.peek(4) == "glTF";
+        const auto [text, begin] = is_binary ? read_glb_json(bytes) : std::pair(read_text(bytes), std::uint64_t{0});
         json_ = parse_gltf_json(file_, text, begin, settings.stop);
         root_ = {&json_, "", &file_};
         if (!json_.is_object()) root_.fail("is not a JSON object; a glTF file is one");
@@ -41,18 +41,18 @@ public:
         buffers_.resize(sections_["buffers"].size());
     }
 
-    MeshInFile read() {
+    ParsedMesh read() {
         const auto scenes = root_.elements("scenes");
         if (scenes.empty()) {
             if (root_.has("scene")) root_.fail("names a scene, but the file has none");
-            for (const GltfValue& mesh : sections_["meshes"]) add(mesh);
-            return std::move(mesh_in_file_);
+            for (const GltfValue& mesh : sections_["meshes"]) add_mesh(mesh);
+            return std::move(parsed_mesh_);
         }
-        const std::uint64_t scene = root_.whole("scene", 0);
+        const std::uint64_t scene = root_.unsigned_number("scene", 0);
         if (scene >= scenes.size())
             root_.fail(fmt::format("names scene {}, but the file has {}", scene, scenes.size()));
-        visit(scenes[scene].elements("nodes"));
-        return std::move(mesh_in_file_);
+        visit_nodes(scenes[scene].elements("nodes"));
+        return std::move(parsed_mesh_);
     }
 
 private:
@@ -66,22 +66,22 @@ private:
                 .fail("names " + names + ", which are not supported; export the mesh without them");
     }
     std::string read_text(MeshBytes& bytes) const {
-        if (bytes.size() > most_text)
+        if (bytes.size() > max_json_bytes)
             throw InputError(
                 file_ + ": is larger than 512 MiB; write its buffers to a .bin file beside it, or write a .glb file");
         return std::string(bytes.take(bytes.size()));
     }
     /// Returns the JSON of a binary file, and its position. Stores the bytes of the chunk after it.
-    std::pair<std::string, std::uint64_t> json_of_glb(MeshBytes& bytes) {
+    std::pair<std::string, std::uint64_t> read_glb_json(MeshBytes& bytes) {
         const auto fail = [&](std::uint64_t byte, const std::string& message) {
             throw InputError(fmt::format("{}: byte {}: {}; was it cut short?", file_, byte, message));
         };
         const auto next_word = [&] {
             const std::uint64_t position = bytes.position();
-            const std::string_view raw = bytes.take(4);
-            if (raw.size() < 4) fail(position, "ends inside a header");
+            const std::string_view word_bytes = bytes.take(4);
+            if (word_bytes.size() < 4) fail(position, "ends inside a header");
             std::uint32_t word;
-            std::memcpy(&word, raw.data(), 4);
+            std::memcpy(&word, word_bytes.data(), 4);
             return word;
         };
         const auto next_chunk = [&](std::uint32_t kind, const char* expected) {
@@ -89,7 +89,8 @@ private:
             const std::uint32_t size = next_word();
             if (next_word() != kind)
                 throw InputError(fmt::format("{}: byte {}: is not {}", file_, position + 4, expected));
-            if (size > bytes.left()) fail(position, fmt::format("states {} bytes, but {} follow", size, bytes.left()));
+            if (size > bytes.remaining())
+                fail(position, fmt::format("states {} bytes, but {} follow", size, bytes.remaining()));
             return size;
         };
         next_word();
@@ -98,17 +99,17 @@ private:
         if (const std::uint32_t size = next_word(); size != bytes.size())
             fail(8, fmt::format("states {} bytes, but the file has {}", size, bytes.size()));
         const std::uint32_t size = next_chunk(0x4e4f534a, "a chunk of JSON");
-        if (size > most_text) throw InputError(file_ + ": byte 12: its JSON is larger than 512 MiB");
+        if (size > max_json_bytes) throw InputError(file_ + ": byte 12: its JSON is larger than 512 MiB");
         const std::uint64_t begin = bytes.position();
         std::string text(bytes.take(size));
-        if (bytes.left() > 0) chunk_bytes_.emplace(bytes.take(next_chunk(0x004e4942, "a chunk of bytes")));
+        if (bytes.remaining() > 0) chunk_bytes_.emplace(bytes.take(next_chunk(0x004e4942, "a chunk of bytes")));
         return {std::move(text), begin};
     }
 
     /// Returns the element of a section with a given index.
     [[nodiscard]] const GltfValue& element(const GltfValue& index_value, const char* section,
                                            const char* element_name) {
-        const std::uint64_t index = index_value.whole();
+        const std::uint64_t index = index_value.unsigned_number();
         const std::vector<GltfValue>& all = sections_[section];
         if (index >= all.size())
             index_value.fail(fmt::format("names {} {}, but the file has {}", element_name, index, all.size()));
@@ -117,7 +118,7 @@ private:
 
     /// Visits the nodes with these indices and their children. Nodes must form trees, so each node is visited at most
     /// once.
-    void visit(std::vector<GltfValue> node_indices) {
+    void visit_nodes(std::vector<GltfValue> node_indices) {
         std::vector<bool> visited(sections_["nodes"].size());
         std::ranges::reverse(node_indices);
         while (!node_indices.empty()) {
@@ -125,19 +126,19 @@ private:
             const GltfValue index_value = std::move(node_indices.back());
             node_indices.pop_back();
             const GltfValue& node = element(index_value, "nodes", "node");
-            if (visited[index_value.whole()])
+            if (visited[index_value.unsigned_number()])
                 index_value.fail(fmt::format("names node {} again; nodes form trees, and each node has one parent",
-                                             index_value.whole()));
-            visited[index_value.whole()] = true;
-            require_unmoved(node);
-            if (node.has("mesh")) add(element(node.at("mesh"), "meshes", "mesh"));
+                                             index_value.unsigned_number()));
+            visited[index_value.unsigned_number()] = true;
+            require_identity_transform(node);
+            if (node.has("mesh")) add_mesh(element(node.at("mesh"), "meshes", "mesh"));
             auto children = node.elements("children");
             node_indices.insert(node_indices.end(), std::move_iterator(children.rbegin()),
                                 std::move_iterator(children.rend()));
         }
     }
 
-    static void require_unmoved(const GltfValue& node) {
+    static void require_identity_transform(const GltfValue& node) {
         static const std::pair<const char*, json> identities[] = {
             {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}},
             {"translation", {0, 0, 0}},
@@ -150,114 +151,116 @@ private:
                     ", which would round its vertices; apply transforms before you export");
     }
 
-    void add(const GltfValue& mesh) {
+    void add_mesh(const GltfValue& mesh) {
         constexpr std::uint64_t triangles = 4;
-        for (const GltfValue& part : mesh.elements("primitives")) {
-            if (const std::uint64_t mode = part.whole("mode", triangles); mode != triangles)
-                part.at("mode").fail(fmt::format("is {}; only 4, triangles, is supported", mode));
-            if (part.has("extensions") && !part.at("extensions").json_value->empty())
-                part.at("extensions")
-                    .fail("are not supported: " + toml::excerpt(part.at("extensions").json_value->begin().key()));
-            if (!part.has("attributes") || !part.at("attributes").has("POSITION")) continue;
-            const Vertices vertices = vertices_of(part.at("attributes").at("POSITION"));
-            add_faces(part, vertices);
+        for (const GltfValue& primitive : mesh.elements("primitives")) {
+            if (const std::uint64_t mode = primitive.unsigned_number("mode", triangles); mode != triangles)
+                primitive.at("mode").fail(fmt::format("is {}; only 4, triangles, is supported", mode));
+            if (primitive.has("extensions") && !primitive.at("extensions").json_value->empty())
+                primitive.at("extensions")
+                    .fail("are not supported: " + toml::excerpt(primitive.at("extensions").json_value->begin().key()));
+            if (!primitive.has("attributes") || !primitive.at("attributes").has("POSITION")) continue;
+            const Vertices vertices = read_vertices(primitive.at("attributes").at("POSITION"));
+            add_faces(primitive, vertices);
         }
     }
 
     /// The elements of an accessor. Element i begins i·step bytes after the first, and all are inside the buffer.
     struct Elements {
         const char* first;
-        std::size_t step, count;
+        std::size_t stride, count;
         std::uint64_t offset;  ///< offset of the first element in the buffer
 
         template <class T, std::size_t n>
         [[nodiscard]] std::array<T, n> at(std::size_t i) const {
             std::array<T, n> numbers;
-            std::memcpy(numbers.data(), first + i * step, sizeof numbers);
+            std::memcpy(numbers.data(), first + i * stride, sizeof numbers);
             return numbers;
         }
     };
-    [[nodiscard]] Elements elements_of(const GltfValue& accessor, std::size_t size) {
+    [[nodiscard]] Elements read_elements(const GltfValue& accessor, std::size_t size) {
         if (accessor.has("sparse")) accessor.at("sparse").fail("is not supported");
         const GltfValue& view = element(accessor.at("bufferView"), "bufferViews", "buffer view");
         const std::string& bytes = buffer(view.at("buffer"));
-        const std::uint64_t begin = view.whole("byteOffset", 0), length = view.at("byteLength").whole(),
-                            offset = accessor.whole("byteOffset", 0), count = accessor.at("count").whole(),
-                            step = view.whole("byteStride", size);
+        const std::uint64_t begin = view.unsigned_number("byteOffset", 0),
+                            length = view.at("byteLength").unsigned_number(),
+                            offset = accessor.unsigned_number("byteOffset", 0),
+                            count = accessor.at("count").unsigned_number(),
+                            stride = view.unsigned_number("byteStride", size);
         if (begin > bytes.size() || length > bytes.size() - begin)
             view.fail(fmt::format("ends beyond its buffer, which has {} bytes; was it cut short?", bytes.size()));
-        if (step < size) view.at("byteStride").fail(fmt::format("is {}, but an element has {} bytes", step, size));
-        if (offset > length || (count > 0 && (size > length - offset || count - 1 > (length - offset - size) / step)))
+        if (stride < size) view.at("byteStride").fail(fmt::format("is {}, but an element has {} bytes", stride, size));
+        if (offset > length || (count > 0 && (size > length - offset || count - 1 > (length - offset - size) / stride)))
             accessor.fail(fmt::format(
                 "has {} elements, which end beyond its buffer view of {} bytes; was it cut short?", count, length));
-        return {bytes.data() + begin + offset, step, count, begin + offset};
+        return {bytes.data() + begin + offset, stride, count, begin + offset};
     }
 
     /// The vertices of an accessor, as a range of the vertices of the mesh.
     struct Vertices {
         std::size_t first, count;
     };
-    Vertices vertices_of(const GltfValue& index_value) {
+    Vertices read_vertices(const GltfValue& index_value) {
         const GltfValue& accessor = element(index_value, "accessors", "accessor");
-        const auto [known, is_new] = vertices_.try_emplace(index_value.whole());
-        if (!is_new) return known->second;
+        const auto [entry, is_new] = vertices_.try_emplace(index_value.unsigned_number());
+        if (!is_new) return entry->second;
         constexpr std::uint64_t floats = 5126;
-        if (accessor.at("type").text() != "VEC3" || accessor.at("componentType").whole() != floats)
+        if (accessor.at("type").text() != "VEC3" || accessor.at("componentType").unsigned_number() != floats)
             accessor.fail("does not hold three floats for each vertex");
-        const Elements elements = elements_of(accessor, 12);
-        std::vector<Vec<double>>& vertices = mesh_in_file_.mesh.vertices;
+        const Elements elements = read_elements(accessor, 12);
+        std::vector<Vec<double>>& vertices = parsed_mesh_.mesh.vertices;
         require_within_limit(accessor, vertices.size(), elements.count, "vertices");
-        known->second = {vertices.size(), elements.count};
+        entry->second = {vertices.size(), elements.count};
         for (std::size_t i = 0; i < elements.count; ++i) {
             settings_.stop.check();
             const auto p = elements.at<float, 3>(i);
             for (const float x : p)
-                if (const auto fault = fault_of_coordinate(x, settings_.stored); !fault.empty())
+                if (const auto fault = coordinate_error(x, settings_.vertex_format); !fault.empty())
                     accessor.fail(fmt::format("vertex {}, at byte {} of its buffer, {}", i,
-                                              elements.offset + i * elements.step, fault));
+                                              elements.offset + i * elements.stride, fault));
             vertices.emplace_back(p[0], p[1], p[2]);
         }
-        return known->second;
+        return entry->second;
     }
 
     /// Limits the memory to a multiple of the size of the files. A vertex takes twelve bytes of a buffer and a triangle
     /// at least three, unless accessors overlap or are named more than once. So the limit is one vertex, and one
     /// triangle, for each byte.
-    void require_within_limit(const GltfValue& value, std::size_t present, std::size_t added,
+    void require_within_limit(const GltfValue& value, std::size_t present_count, std::size_t added_count,
                               const char* element_names) const {
-        if (added > most_faces || present > most_faces - added)
+        if (added_count > most_faces || present_count > most_faces - added_count)
             value.fail(fmt::format("makes more than 2^31 - 1 {}", element_names));
-        if (present + added > bytes_read_)
+        if (present_count + added_count > bytes_read_)
             value.fail(
                 fmt::format("makes more {} than the buffers of the file have bytes; its primitives use the same "
                             "numbers again and again",
                             element_names));
     }
 
-    void add_faces(const GltfValue& part, const Vertices& vertices) {
-        if (!part.has("indices")) {
-            add_faces(part, vertices, vertices.count, [](std::size_t i) { return i; });
+    void add_faces(const GltfValue& primitive, const Vertices& vertices) {
+        if (!primitive.has("indices")) {
+            add_faces(primitive, vertices, vertices.count, [](std::size_t i) { return i; });
             return;
         }
-        const GltfValue& accessor = element(part.at("indices"), "accessors", "accessor");
+        const GltfValue& accessor = element(primitive.at("indices"), "accessors", "accessor");
         if (accessor.at("type").text() != "SCALAR") accessor.fail("does not hold one number for each corner");
-        switch (accessor.at("componentType").whole()) {
-            case 5121: return add_indexed<std::uint8_t>(accessor, vertices);
-            case 5123: return add_indexed<std::uint16_t>(accessor, vertices);
-            case 5125: return add_indexed<std::uint32_t>(accessor, vertices);
+        switch (accessor.at("componentType").unsigned_number()) {
+            case 5121: return add_indexed_faces<std::uint8_t>(accessor, vertices);
+            case 5123: return add_indexed_faces<std::uint16_t>(accessor, vertices);
+            case 5125: return add_indexed_faces<std::uint32_t>(accessor, vertices);
             default: accessor.at("componentType").fail("is not a type of unsigned numbers; write 5121, 5123 or 5125");
         }
     }
     template <class T>
-    void add_indexed(const GltfValue& accessor, const Vertices& vertices) {
-        const Elements elements = elements_of(accessor, sizeof(T));
+    void add_indexed_faces(const GltfValue& accessor, const Vertices& vertices) {
+        const Elements elements = read_elements(accessor, sizeof(T));
         add_faces(accessor, vertices, elements.count,
                   [&](std::size_t i) { return std::size_t{elements.at<T, 1>(i)[0]}; });
     }
     template <class IndexAt>
     void add_faces(const GltfValue& value, const Vertices& vertices, std::size_t corners, const IndexAt& index_at) {
         if (corners % 3 != 0) value.fail("has " + toml::count_with_noun(corners, "corner") + "; three make a triangle");
-        require_within_limit(value, mesh_in_file_.mesh.faces.size(), corners / 3, "triangles");
+        require_within_limit(value, parsed_mesh_.mesh.faces.size(), corners / 3, "triangles");
         for (std::size_t i = 0; i < corners; i += 3) {
             settings_.stop.check();
             std::array<std::uint32_t, 3> face;
@@ -268,39 +271,39 @@ private:
                                            vertices.count));
                 face[k] = static_cast<std::uint32_t>(vertices.first + corner);
             }
-            mesh_in_file_.add(face, mesh_in_file_.mesh.faces.size());
+            parsed_mesh_.add(face, parsed_mesh_.mesh.faces.size());
         }
     }
 
     /// Returns the bytes of a buffer, read when they are first needed.
     const std::string& buffer(const GltfValue& index_value) {
         const GltfValue& value = element(index_value, "buffers", "buffer");
-        std::optional<std::string>& bytes = buffers_[index_value.whole()];
+        std::optional<std::string>& bytes = buffers_[index_value.unsigned_number()];
         if (bytes) return *bytes;
-        const std::uint64_t length = value.at("byteLength").whole();
-        bytes = value.has("uri") ? bytes_of(value.at("uri"), length) : bytes_of_chunk(value, index_value.whole());
+        const std::uint64_t length = value.at("byteLength").unsigned_number();
+        bytes = value.has("uri") ? read_uri(value.at("uri"), length) : read_chunk(value, index_value.unsigned_number());
         if (bytes->size() < length)
             value.fail(fmt::format("has {} of its {} bytes; was it cut short?", bytes->size(), length));
         bytes->resize(length);
         bytes_read_ += length;
         return *bytes;
     }
-    std::string bytes_of_chunk(const GltfValue& value, std::uint64_t index) {
+    std::string read_chunk(const GltfValue& value, std::uint64_t index) {
         if (index != 0 || !chunk_bytes_) value.fail("has no uri, and no bytes follow the JSON");
         return std::move(*chunk_bytes_);
     }
-    std::string bytes_of(const GltfValue& uri, std::uint64_t length) {
+    std::string read_uri(const GltfValue& uri, std::uint64_t length) {
         const std::string& text = uri.text();
         if (text.starts_with("data:")) {
             constexpr std::string_view separator = ";base64,";
             const std::size_t begin = text.find(separator);
             auto bytes = begin < text.size()
-                             ? bytes_of_base64(std::string_view(text).substr(begin + separator.size()), settings_.stop)
+                             ? decode_base64(std::string_view(text).substr(begin + separator.size()), settings_.stop)
                              : std::nullopt;
             if (!bytes) uri.fail("is not base64; write data:application/octet-stream;base64, followed by the letters");
             return std::move(*bytes);
         }
-        const std::filesystem::path file = path_of(uri);
+        const std::filesystem::path file = resolve_path(uri);
         if (!opened_files_.insert(file).second)
             uri.fail("names the file of another buffer; write one buffer, and views of it");
         try {
@@ -312,15 +315,15 @@ private:
     }
     /// Returns the path of a file, which must be in the folder of the glTF or below it, so that a downloaded mesh
     /// cannot open other files.
-    [[nodiscard]] std::filesystem::path path_of(const GltfValue& uri) const {
+    [[nodiscard]] std::filesystem::path resolve_path(const GltfValue& uri) const {
         const std::string& text = uri.text();
-        const auto name = name_of_uri(text);
+        const auto name = decode_uri(text);
         if (!name || name->empty() || name->find('\0') != std::string::npos)
             uri.fail("is " + toml::quoted_excerpt(text) + ", which is not the name of a file");
         const std::filesystem::path path(*name);
-        const bool leads_out =
+        const bool leaves_folder =
             path.is_absolute() || text.find(':') != std::string::npos || std::ranges::find(path, "..") != path.end();
-        if (leads_out)
+        if (leaves_folder)
             uri.fail(
                 "is " + toml::quoted_excerpt(text) +
                 ", which is outside the folder of the glTF and is not opened; copy it there, and write its name alone");
@@ -328,7 +331,7 @@ private:
     }
 
     const std::string file_;
-    const MeshTerms settings_;
+    const MeshSettings settings_;
     json json_;
     GltfValue root_;
     std::map<std::string, std::vector<GltfValue>, std::less<>> sections_;
@@ -337,11 +340,11 @@ private:
     std::set<std::filesystem::path> opened_files_;
     std::uint64_t bytes_read_ = 0;  ///< total of all buffers so far
     std::map<std::uint64_t, Vertices> vertices_;
-    MeshInFile mesh_in_file_;
+    ParsedMesh parsed_mesh_;
 };
 
 }  // namespace
 
-MeshInFile read_gltf(MeshBytes& bytes, const MeshTerms& settings) { return GltfModel(bytes, settings).read(); }
+ParsedMesh read_gltf(MeshBytes& bytes, const MeshSettings& settings) { return GltfModel(bytes, settings).read(); }
 
 }  // namespace lostbits::scene::triangle

@@ -13,12 +13,12 @@ namespace {
 using intersect::process::StopToken;
 using nlohmann::json;
 
-constexpr int most_depth = 64;                   // a mesh needs nine
-constexpr std::size_t most_values = 10'000'000;  // about 100 bytes of memory each
+constexpr int max_depth = 64;                   // a mesh needs nine
+constexpr std::size_t max_values = 10'000'000;  // about 100 bytes of memory each
 
 /// An iterator over the characters of a JSON. It records the furthest position that it has reached, and checks the stop
 /// token.
-class Letters {
+class CharacterIterator {
 public:
     using iterator_category = std::input_iterator_tag;
     using value_type = char;
@@ -26,32 +26,34 @@ public:
     using pointer = const char*;
     using reference = const char&;
 
-    Letters(const char* position, StopToken stop, const char** furthest = nullptr)
-        : position_(position), stop_(stop), furthest_(furthest) {}
+    CharacterIterator(const char* position, StopToken stop, const char** furthest_position = nullptr)
+        : position_(position), stop_(stop), furthest_position_(furthest_position) {}
     reference operator*() const { return *position_; }
-    Letters& operator++() {
+    CharacterIterator& operator++() {
         constexpr std::uintptr_t stop_check_mask = 0xffff;
         if ((reinterpret_cast<std::uintptr_t>(++position_) & stop_check_mask) == 0) stop_.check();
-        if (furthest_ != nullptr) *furthest_ = position_;
+        if (furthest_position_ != nullptr) *furthest_position_ = position_;
         return *this;
     }
-    Letters operator++(int) {
-        const Letters previous = *this;
+    CharacterIterator operator++(int) {
+        const CharacterIterator previous = *this;
         ++*this;
         return previous;
     }
-    friend bool operator==(const Letters& a, const Letters& b) { return a.position_ == b.position_; }
+    friend bool operator==(const CharacterIterator& a, const CharacterIterator& b) {
+        return a.position_ == b.position_;
+    }
 
 private:
     const char* position_;
     StopToken stop_;
-    const char** furthest_;
+    const char** furthest_position_;
 };
 
-/// Returns `file:line:col` for a byte of a text, or `file: byte n` for a text that begins at byte `begin` of a binary
-/// file.
-std::string position_in(const std::string& file, std::string_view text, std::size_t byte, std::uint64_t begin) {
-    if (begin > 0) return fmt::format("{}: byte {}", file, begin + byte);
+/// Returns `file:line:col` for a byte of a text, or `file: byte n` for a text that begins at byte `json_begin` of a
+/// binary file.
+std::string position_in(const std::string& file, std::string_view text, std::size_t byte, std::uint64_t json_begin) {
+    if (json_begin > 0) return fmt::format("{}: byte {}", file, json_begin + byte);
     const std::string_view preceding = text.substr(0, byte);
     const std::size_t line_begin = preceding.rfind('\n') + 1;  // npos + 1 is 0
     const auto starts_character = [](char c) { return (c & 0xc0) != 0x80; };
@@ -61,10 +63,10 @@ std::string position_in(const std::string& file, std::string_view text, std::siz
 
 /// Checks the limits of a JSON, the depth and the number of its values, before memory is allocated for it. (The
 /// library's own callback would look at all elements of an array again after each element.)
-class Limits final : public nlohmann::json_sax<json> {
+class LimitChecker final : public nlohmann::json_sax<json> {
 public:
     using Fail = std::function<void(const std::string&)>;
-    explicit Limits(Fail fail) : fail_(std::move(fail)) {}
+    explicit LimitChecker(Fail fail) : fail_(std::move(fail)) {}
 
     bool null() override { return count(); }
     bool boolean(bool) override { return count(); }
@@ -89,11 +91,11 @@ public:
 
 private:
     bool count() {
-        if (++values_ > most_values) fail_(fmt::format("has more than {} values; is it a mesh?", most_values));
+        if (++values_ > max_values) fail_(fmt::format("has more than {} values; is it a mesh?", max_values));
         return true;
     }
     bool enter() {
-        if (++depth_ > most_depth) fail_(fmt::format("is nested in more than {} values; is it a glTF?", most_depth));
+        if (++depth_ > max_depth) fail_(fmt::format("is nested in more than {} values; is it a glTF?", max_depth));
         return count();
     }
     bool leave() {
@@ -108,23 +110,23 @@ private:
 
 }  // namespace
 
-json parse_gltf_json(const std::string& file, std::string_view text, std::uint64_t begin, StopToken stop) {
-    const char* furthest = text.data();
-    Limits limits([&](const std::string& message) {
-        const auto bytes_read = static_cast<std::size_t>(furthest - text.data());
-        throw InputError(position_in(file, text, bytes_read - (bytes_read > 0 ? 1 : 0), begin) + ": " + message);
+json parse_gltf_json(const std::string& file, std::string_view text, std::uint64_t json_begin, StopToken stop) {
+    const char* furthest_position = text.data();
+    LimitChecker limit_checker([&](const std::string& message) {
+        const auto bytes_read = static_cast<std::size_t>(furthest_position - text.data());
+        throw InputError(position_in(file, text, bytes_read - (bytes_read > 0 ? 1 : 0), json_begin) + ": " + message);
     });
     // The parser takes a byte 0 for the end of the text. Zero bytes at the end are the padding of a binary file.
     if (const auto zero_position = text.find('\0');
         text.find_first_not_of('\0', std::min(zero_position, text.size())) < text.size())
-        throw InputError(position_in(file, text, zero_position, begin) +
-                         ": has a byte 0 with more text after it; is it text?");
-    const Letters first(text.data(), stop), last(text.data() + text.size(), stop);
-    json::sax_parse(Letters(text.data(), stop, &furthest), last, &limits);
+        throw InputError(position_in(file, text, zero_position, json_begin) +
+                         ": has a zero byte with more text after it; is it a text file?");
+    const CharacterIterator first(text.data(), stop), last(text.data() + text.size(), stop);
+    json::sax_parse(CharacterIterator(text.data(), stop, &furthest_position), last, &limit_checker);
     return json::parse(first, last);
 }
 
-std::optional<std::string> bytes_of_base64(std::string_view letters, StopToken stop) {
+std::optional<std::string> decode_base64(std::string_view letters, StopToken stop) {
     constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::array<std::int8_t, 256> values;
     values.fill(-1);
@@ -145,7 +147,7 @@ std::optional<std::string> bytes_of_base64(std::string_view letters, StopToken s
     return bytes;
 }
 
-std::optional<std::string> name_of_uri(std::string_view uri) {
+std::optional<std::string> decode_uri(std::string_view uri) {
     std::string name;
     for (std::size_t i = 0; i < uri.size(); ++i) {
         if (uri[i] != '%') {

@@ -15,19 +15,19 @@
 
 namespace lostbits::scene::triangle {
 
-/// Parses the JSON of a file. `begin` is the byte of a binary file at which the JSON begins, or 0 for a file of text.
-/// Throws InputError, with the position in the file, if the text is not JSON, if its values are nested deeper than
-/// those of any mesh, or if it has more values than any mesh. Because of these two limits, no text can exhaust the
+/// Parses the JSON of a file. `json_begin` is the byte of a binary file at which the JSON begins, or 0 for a file of
+/// text. Throws InputError, with the position in the file, if the text is not JSON, if its values are nested deeper
+/// than those of any mesh, or if it has more values than any mesh. Because of these two limits, no text can exhaust the
 /// stack or the memory.
-nlohmann::json parse_gltf_json(const std::string& file, std::string_view text, std::uint64_t begin,
+nlohmann::json parse_gltf_json(const std::string& file, std::string_view text, std::uint64_t json_begin,
                                intersect::process::StopToken stop);
 
 /// Decodes base64, in which four letters stand for three bytes. Returns nothing if the text is not base64.
-std::optional<std::string> bytes_of_base64(std::string_view letters, intersect::process::StopToken stop);
+std::optional<std::string> decode_base64(std::string_view letters, intersect::process::StopToken stop);
 
 /// Decodes an address (URI) to the name of a file: `%20` becomes a blank. Returns nothing if the two characters after a
 /// `%` are not a hexadecimal number.
-std::optional<std::string> name_of_uri(std::string_view uri);
+std::optional<std::string> decode_uri(std::string_view uri);
 
 /// A value, and its path from the root: `meshes[0].primitives[2]`.
 struct GltfValue {
@@ -35,8 +35,8 @@ struct GltfValue {
     std::string path = {};
     const std::string* file = nullptr;
 
-    [[noreturn]] void fail(const std::string& what) const {
-        throw InputError(*file + ": " + (path.empty() ? "" : path + ": ") + what);
+    [[noreturn]] void fail(const std::string& problem) const {
+        throw InputError(*file + ": " + (path.empty() ? "" : path + ": ") + problem);
     }
     [[nodiscard]] bool has(const char* key) const { return json_value->contains(key); }
     /// Returns a member of an object; fails if it is missing.
@@ -56,12 +56,12 @@ struct GltfValue {
             values.push_back({&element, fmt::format("{}[{}]", array.path, values.size()), file});
         return values;
     }
-    [[nodiscard]] std::uint64_t whole() const {
+    [[nodiscard]] std::uint64_t unsigned_number() const {
         if (!json_value->is_number_unsigned()) fail("is not a whole number of at least 0");
         return json_value->get<std::uint64_t>();
     }
-    [[nodiscard]] std::uint64_t whole(const char* key, std::uint64_t default_value) const {
-        return has(key) ? at(key).whole() : default_value;
+    [[nodiscard]] std::uint64_t unsigned_number(const char* key, std::uint64_t default_value) const {
+        return has(key) ? at(key).unsigned_number() : default_value;
     }
     [[nodiscard]] const std::string& text() const {
         if (!json_value->is_string()) fail("is not a string");

@@ -8,15 +8,16 @@ namespace lostbits::scene::triangle {
 
 namespace {
 
-Vec<double> divided_by_length(const Vec<double>& v) { return v / length(v); }
+Vec<double> normalise(const Vec<double>& v) { return v / length(v); }
 
 /// Returns point i of n on the unit circle, counted from x. n is a multiple of four. In each quarter, t = tan(a/2) of
 /// the angle a goes from 0 to 1 in equal steps, and the point is ((1 − t²)/(1 + t²), 2t/(1 + t²)), so no sine is
 /// needed. The steps of the angle at the start of a quarter are up to twice as long as at its end.
-Vec<double> on_circle(std::uint32_t i, std::uint32_t n) {
-    const std::uint32_t quarter = n / 4, turn = i / quarter % 4;
-    const double t = static_cast<double>(i % quarter) / quarter, x = (1 - t * t) / (1 + t * t), y = 2 * t / (1 + t * t);
-    switch (turn) {
+Vec<double> point_on_circle(std::uint32_t i, std::uint32_t n) {
+    const std::uint32_t quarter_size = n / 4, quarter_index = i / quarter_size % 4;
+    const double t = static_cast<double>(i % quarter_size) / quarter_size, x = (1 - t * t) / (1 + t * t),
+                 y = 2 * t / (1 + t * t);
+    switch (quarter_index) {
         case 0: return {x, y, 0};
         case 1: return {-y, x, 0};
         case 2: return {-x, -y, 0};
@@ -35,29 +36,31 @@ void add_square(Mesh& mesh, const IndexAt& index_at, std::uint32_t i, std::uint3
 
 Mesh make_icosphere(int levels, const Vec<double>& centre, double radius) {
     Mesh mesh;
-    const double g = (1 + std::sqrt(5.0)) / 2;
-    mesh.vertices = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
-                     {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
-    for (Vec<double>& v : mesh.vertices) v = divided_by_length(v);
+    const double golden_ratio = (1 + std::sqrt(5.0)) / 2;
+    mesh.vertices = {{-1, golden_ratio, 0}, {1, golden_ratio, 0}, {-1, -golden_ratio, 0}, {1, -golden_ratio, 0},
+                     {0, -1, golden_ratio}, {0, 1, golden_ratio}, {0, -1, -golden_ratio}, {0, 1, -golden_ratio},
+                     {golden_ratio, 0, -1}, {golden_ratio, 0, 1}, {-golden_ratio, 0, -1}, {-golden_ratio, 0, 1}};
+    for (Vec<double>& v : mesh.vertices) v = normalise(v);
     mesh.faces = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
                   {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
                   {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
     for (int level = 0; level < levels; ++level) {
-        std::unordered_map<std::uint64_t, std::uint32_t> middles;
-        middles.reserve(mesh.faces.size() * 3 / 2);
-        const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+        std::unordered_map<std::uint64_t, std::uint32_t> middle_indices;
+        middle_indices.reserve(mesh.faces.size() * 3 / 2);
+        const auto middle_index = [&](std::uint32_t a, std::uint32_t b) {
             const std::uint64_t edge = (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
-            const auto [entry, is_new] = middles.try_emplace(edge, static_cast<std::uint32_t>(mesh.vertices.size()));
-            if (is_new) mesh.vertices.push_back(divided_by_length(mesh.vertices[a] + mesh.vertices[b]));
+            const auto [entry, is_new] =
+                middle_indices.try_emplace(edge, static_cast<std::uint32_t>(mesh.vertices.size()));
+            if (is_new) mesh.vertices.push_back(normalise(mesh.vertices[a] + mesh.vertices[b]));
             return entry->second;
         };
-        std::vector<Face> finer;
-        finer.reserve(4 * mesh.faces.size());
+        std::vector<Face> finer_faces;
+        finer_faces.reserve(4 * mesh.faces.size());
         for (const auto& [a, b, c] : mesh.faces) {
-            const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-            finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+            const std::uint32_t ab = middle_index(a, b), bc = middle_index(b, c), ca = middle_index(c, a);
+            finer_faces.insert(finer_faces.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
         }
-        mesh.faces = std::move(finer);
+        mesh.faces = std::move(finer_faces);
     }
     for (Vec<double>& v : mesh.vertices) v = centre + radius * v;
     return mesh;
@@ -83,9 +86,9 @@ Mesh make_tube(std::uint32_t around, std::uint32_t along, const Vec<double>& cen
                double radius) {
     Mesh mesh;
     for (std::uint32_t j = 0; j < along; ++j) {
-        const Vec<double> outward = on_circle(j, along);
+        const Vec<double> outward = point_on_circle(j, along);
         for (std::uint32_t i = 0; i < around; ++i) {
-            const Vec<double> p = on_circle(i, around);
+            const Vec<double> p = point_on_circle(i, around);
             mesh.vertices.push_back(centre + (ring_radius + radius * p.x) * outward + Vec<double>(0, 0, radius * p.y));
         }
     }
@@ -100,7 +103,7 @@ Mesh make_tube(std::uint32_t around, std::uint32_t along, const Vec<double>& cen
 Mesh make_fan(std::uint32_t count, const Vec<double>& centre, double radius) {
     Mesh mesh;
     mesh.vertices.push_back(centre);
-    for (std::uint32_t i = 0; i < count; ++i) mesh.vertices.push_back(centre + radius * on_circle(i, count));
+    for (std::uint32_t i = 0; i < count; ++i) mesh.vertices.push_back(centre + radius * point_on_circle(i, count));
     for (std::uint32_t i = 0; i < count; ++i) mesh.faces.push_back({0, 1 + i, 1 + (i + 1) % count});
     return mesh;
 }

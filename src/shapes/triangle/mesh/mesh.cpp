@@ -13,27 +13,27 @@ namespace lostbits::scene::triangle {
 
 namespace {
 
-/// An edge with its lower end first, and one of the faces that have it.
+/// An edge with its lower end first, and a face that has this edge.
 struct EdgeOfFace {
     std::uint32_t low, high, face;
 };
 
 using intersect::process::StopToken;
 
-/// Returns a comparison by a key. It checks the stop token each time, because sorting millions of elements takes
-/// seconds.
+/// Returns a function that compares elements by a key. It checks the stop token at each call, because sorting millions
+/// of elements takes seconds.
 template <class Key>
-auto compare_by(const Key& key, StopToken stop) {
+auto comparison_by(const Key& key, StopToken stop) {
     return [key, stop](const auto& a, const auto& b) {
         stop.check();
         return key(a) < key(b);
     };
 }
 
-/// Returns the edges of all faces, ordered by their ends. They are distributed to one bucket for each lower end and
-/// sorted there, since a vertex has few edges.
+/// Returns the edges of all faces, ordered by their ends. One bucket for each lower end holds the
+/// edges, and each bucket is sorted, since a vertex has few edges.
 std::vector<EdgeOfFace> sorted_edges(const Mesh& mesh, StopToken stop) {
-    std::vector<std::size_t> ends(mesh.vertices.size() + 1);  // of each bucket; while filling, its next index
+    std::vector<std::size_t> ends(mesh.vertices.size() + 1);  // end of each bucket; while filling, its next index
     const auto for_each_edge_of_face = [&mesh](const auto& visit) {
         for (std::size_t f = 0; f < mesh.faces.size(); ++f)
             for (std::size_t k = 0; k < 3; ++k) {
@@ -41,14 +41,14 @@ std::vector<EdgeOfFace> sorted_edges(const Mesh& mesh, StopToken stop) {
                 visit(EdgeOfFace{std::min(start, end), std::max(start, end), static_cast<std::uint32_t>(f)});
             }
     };
-    for_each_edge_of_face([&](const EdgeOfFace& e) { ++ends[e.low + 1]; });
+    for_each_edge_of_face([&](const EdgeOfFace& edge) { ++ends[edge.low + 1]; });
     std::partial_sum(ends.begin(), ends.end(), ends.begin());
     std::vector<EdgeOfFace> edges(3 * mesh.faces.size());
-    for_each_edge_of_face([&](const EdgeOfFace& e) { edges[ends[e.low]++] = e; });
+    for_each_edge_of_face([&](const EdgeOfFace& edge) { edges[ends[edge.low]++] = edge; });
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
         std::sort(edges.begin() + static_cast<std::ptrdiff_t>(v == 0 ? 0 : ends[v - 1]),
                   edges.begin() + static_cast<std::ptrdiff_t>(ends[v]),
-                  compare_by([](const EdgeOfFace& e) { return std::pair(e.high, e.face); }, stop));
+                  comparison_by([](const EdgeOfFace& edge) { return std::pair(edge.high, edge.face); }, stop));
     return edges;
 }
 
@@ -57,121 +57,125 @@ template <class Visit>
 void for_each_edge(const Mesh& mesh, const Visit& visit, StopToken stop = {}) {
     const std::vector<EdgeOfFace> edges = sorted_edges(mesh, stop);
     for (auto first = edges.begin(), last = first; first != edges.end(); first = last) {
-        const auto is_same_edge = [&](const EdgeOfFace& e) { return e.low == first->low && e.high == first->high; };
+        const auto is_same_edge = [&](const EdgeOfFace& edge) {
+            return edge.low == first->low && edge.high == first->high;
+        };
         last = std::find_if_not(first, edges.end(), is_same_edge);
         visit(std::span(first, last));
     }
 }
 
 void merge_vertices(Mesh& mesh, StopToken stop) {
-    std::vector<std::uint32_t> order(mesh.vertices.size()), merged(mesh.vertices.size());
+    std::vector<std::uint32_t> order(mesh.vertices.size()), representative(mesh.vertices.size());
     std::iota(order.begin(), order.end(), 0U);
     const auto key = [&](std::uint32_t v) {
         const Vec<double>& p = mesh.vertices[v];
         return std::array{p.x, p.y, p.z};  // −0 and 0 compare equal
     };
-    std::ranges::stable_sort(order, compare_by(key, stop));
+    std::ranges::stable_sort(order, comparison_by(key, stop));
     for (std::size_t i = 0; i < order.size(); ++i)
-        merged[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? merged[order[i - 1]] : order[i];
+        representative[order[i]] =
+            i > 0 && key(order[i]) == key(order[i - 1]) ? representative[order[i - 1]] : order[i];
     std::vector<std::uint32_t> new_index(mesh.vertices.size());
-    std::uint32_t kept = 0;
+    std::uint32_t kept_count = 0;
     for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
-        if (merged[v] != v) continue;
-        new_index[v] = kept;
-        mesh.vertices[kept++] = mesh.vertices[v];
+        if (representative[v] != v) continue;
+        new_index[v] = kept_count;
+        mesh.vertices[kept_count++] = mesh.vertices[v];
     }
-    mesh.vertices.resize(kept);
+    mesh.vertices.resize(kept_count);
     for (Face& face : mesh.faces)
-        for (std::uint32_t& v : face) v = new_index[merged[v]];
+        for (std::uint32_t& v : face) v = new_index[representative[v]];
 }
 
-bool is_flat(const Vec<double>& a, const Vec<double>& b, const Vec<double>& c) { return on_one_line(a, b, c); }
+bool has_no_area(const Vec<double>& a, const Vec<double>& b, const Vec<double>& c) { return on_one_line(a, b, c); }
 
 /// Returns the smallest number that a format rounds to infinity: half an ulp above its largest number.
-double overflow_of(const FloatFormat& format) {
+double overflow_threshold(const FloatFormat& format) {
     return std::ldexp(2 - std::ldexp(1.0, -format.precision), format.emax);
 }
 
 /// Returns the index, 0, 1 or 2, of the corner of a face that is not an end of the edge.
 std::size_t opposite_corner(const Face& face, const EdgeOfFace& edge) {
-    const auto is_end = [&edge](std::uint32_t v) { return v == edge.low || v == edge.high; };
-    return static_cast<std::size_t>(std::ranges::find_if_not(face, is_end) - face.begin());
+    const auto is_end_of_edge = [&edge](std::uint32_t v) { return v == edge.low || v == edge.high; };
+    return static_cast<std::size_t>(std::ranges::find_if_not(face, is_end_of_edge) - face.begin());
 }
 
 /// Returns the number of faces at an edge that have the same third vertex as an earlier face. It considers only faces
 /// whose third vertex has the highest index, so that a face counts at only one of its edges.
-std::size_t duplicates_at(const Mesh& mesh, std::span<const EdgeOfFace> edge_faces,
-                          std::vector<std::uint32_t>& thirds) {
-    thirds.clear();
+std::size_t count_duplicates_at(const Mesh& mesh, std::span<const EdgeOfFace> edge_faces,
+                                std::vector<std::uint32_t>& third_vertices) {
+    third_vertices.clear();
     for (const EdgeOfFace& edge : edge_faces) {
         const Face& face = mesh.faces[edge.face];
-        const std::uint32_t third = face[opposite_corner(face, edge)];
-        if (third > edge.high) thirds.push_back(third);
+        const std::uint32_t third_vertex = face[opposite_corner(face, edge)];
+        if (third_vertex > edge.high) third_vertices.push_back(third_vertex);
     }
-    std::ranges::sort(thirds);
-    return thirds.size() - static_cast<std::size_t>(std::unique(thirds.begin(), thirds.end()) - thirds.begin());
+    std::ranges::sort(third_vertices);
+    return third_vertices.size() -
+           static_cast<std::size_t>(std::unique(third_vertices.begin(), third_vertices.end()) - third_vertices.begin());
 }
 
 /// Fills `edges` and `borders` of the mesh.
 void count_edges(Mesh& mesh, StopToken stop) {
     mesh.edges = {};
     mesh.borders.assign(mesh.faces.size(), 0);
-    std::vector<std::uint32_t> thirds;
+    std::vector<std::uint32_t> third_vertices;
     const auto count_edge = [&](std::span<const EdgeOfFace> edge_faces) {
         stop.check();
-        std::ptrdiff_t balance = 0;
+        std::ptrdiff_t direction_balance = 0;
         for (const EdgeOfFace& edge : edge_faces) {
             const Face& face = mesh.faces[edge.face];
-            const std::size_t opposite = opposite_corner(face, edge);
-            balance += face[(opposite + 1) % 3] == edge.low ? 1 : -1;
-            if (edge_faces.size() == 1) mesh.borders[edge.face] |= static_cast<std::uint8_t>(1U << opposite);
+            const std::size_t corner = opposite_corner(face, edge);
+            direction_balance += face[(corner + 1) % 3] == edge.low ? 1 : -1;
+            if (edge_faces.size() == 1) mesh.borders[edge.face] |= static_cast<std::uint8_t>(1U << corner);
         }
         MeshEdges& counts = mesh.edges;
         ++counts.edges;
         counts.border += edge_faces.size() == 1, counts.non_manifold += edge_faces.size() > 2;
-        counts.unbalanced += balance != 0, counts.odd += edge_faces.size() % 2;
-        if (edge_faces.size() > 1) counts.duplicates += duplicates_at(mesh, edge_faces, thirds);
+        counts.unbalanced += direction_balance != 0, counts.odd += edge_faces.size() % 2;
+        if (edge_faces.size() > 1) counts.duplicates += count_duplicates_at(mesh, edge_faces, third_vertices);
     };
     for_each_edge(mesh, count_edge, stop);
 }
 
 }  // namespace
 
-std::string_view fault_of_coordinate(double x, const FloatFormat& stored) {
-    if (std::fabs(x) <= std::numeric_limits<float>::max()) return {};  // stored is binary32 or wider
+std::string_view coordinate_error(double x, const FloatFormat& vertex_format) {
+    if (std::fabs(x) <= std::numeric_limits<float>::max()) return {};  // vertex_format is binary32 or wider
     if (!std::isfinite(x)) return "is not finite; a vertex has finite numbers";
-    if (std::fabs(x) < overflow_of(stored)) return {};
+    if (std::fabs(x) < overflow_threshold(vertex_format)) return {};
     return "overflows binary32, to which inputs = \"shared\" rounds; scale the mesh, or write inputs = \"own\"";
 }
 
 void tidy(Mesh& mesh, const std::function<std::string(std::size_t)>& describe_face, StopToken stop) {
     merge_vertices(mesh, stop);
-    std::size_t kept = 0;
+    std::size_t kept_count = 0;
     for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
         stop.check();
         const auto& [a, b, c] = mesh.faces[f];
-        if (is_flat(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c])) {
-            if (mesh.left_out++ == 0) mesh.first_left_out = describe_face(f);
+        if (has_no_area(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c])) {
+            if (mesh.removed_face_count++ == 0) mesh.first_removed_face = describe_face(f);
             continue;
         }
-        mesh.faces[kept++] = mesh.faces[f];
+        mesh.faces[kept_count++] = mesh.faces[f];
     }
-    mesh.faces.resize(kept);
+    mesh.faces.resize(kept_count);
     count_edges(mesh, stop);
 }
 
 std::vector<SharedEdge> shared_edges(const Mesh& mesh) {
-    std::vector<SharedEdge> found;
+    std::vector<SharedEdge> edges_of_two_faces;
     for_each_edge(mesh, [&](std::span<const EdgeOfFace> edge_faces) {
         if (edge_faces.size() == 2)
-            found.push_back(
+            edges_of_two_faces.push_back(
                 {{edge_faces[0].low, edge_faces[0].high},
                  {std::min(edge_faces[0].face, edge_faces[1].face), std::max(edge_faces[0].face, edge_faces[1].face)}});
     });
-    return found;
+    return edges_of_two_faces;
 }
 
-Mesh joined(std::vector<Mesh> meshes) {
+Mesh join_meshes(std::vector<Mesh> meshes) {
     Mesh result = std::move(meshes.front());
     for (std::size_t i = 1; i < meshes.size(); ++i) {
         const Mesh& next = meshes[i];
@@ -182,33 +186,35 @@ Mesh joined(std::vector<Mesh> meshes) {
         for (const auto member : {&MeshEdges::edges, &MeshEdges::border, &MeshEdges::non_manifold,
                                   &MeshEdges::unbalanced, &MeshEdges::odd, &MeshEdges::duplicates})
             result.edges.*member += next.edges.*member;
-        if (result.left_out == 0) result.first_left_out = next.first_left_out;
-        result.left_out += next.left_out;
+        if (result.removed_face_count == 0) result.first_removed_face = next.first_removed_face;
+        result.removed_face_count += next.removed_face_count;
     }
     return result;
 }
 
-std::size_t flat_faces(const Mesh& mesh, const FloatFormat& format) {
+std::size_t count_flat_faces(const Mesh& mesh, const FloatFormat& format) {
     const auto rounded_vertex = [&](std::uint32_t v) {
         Vec<double> p = mesh.vertices[v];
         for (int k = 0; k < 3; ++k) p[k] = rounding::to_format(p[k], 0, format);
         return p;
     };
     return static_cast<std::size_t>(std::ranges::count_if(mesh.faces, [&](const Face& f) {
-        return is_flat(rounded_vertex(f[0]), rounded_vertex(f[1]), rounded_vertex(f[2]));
+        return has_no_area(rounded_vertex(f[0]), rounded_vertex(f[1]), rounded_vertex(f[2]));
     }));
 }
 
-std::vector<std::string> remarks_on(const Mesh& mesh, const std::optional<FloatFormat>& stored) {
+std::vector<std::string> mesh_remarks(const Mesh& mesh, const std::optional<FloatFormat>& vertex_format) {
     std::vector<std::string> remarks;
-    if (mesh.left_out > 0)
-        remarks.push_back(std::to_string(mesh.left_out) + " of " + std::to_string(mesh.left_out + mesh.faces.size()) +
-                          " faces of its meshes have no area and are left out; the first is " + mesh.first_left_out);
-    const std::size_t flat = stored ? flat_faces(mesh, *stored) : 0;
+    if (mesh.removed_face_count > 0)
+        remarks.push_back(std::to_string(mesh.removed_face_count) + " of " +
+                          std::to_string(mesh.removed_face_count + mesh.faces.size()) +
+                          " faces of its meshes have no area and are left out; the first is " +
+                          mesh.first_removed_face);
+    const std::size_t flat = vertex_format ? count_flat_faces(mesh, *vertex_format) : 0;
     if (flat > 0)
         remarks.push_back(std::to_string(flat) + " of " + std::to_string(mesh.faces.size()) +
                           " faces of its meshes have no area once their vertices are rounded to " +
-                          std::to_string(stored->precision) +
+                          std::to_string(vertex_format->precision) +
                           " bits, and no ray meets them; inputs = \"own\" keeps "
                           "them as they are");
     return remarks;

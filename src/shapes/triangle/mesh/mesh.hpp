@@ -42,9 +42,9 @@ struct Mesh {
 
     std::vector<Vec<double>> vertices;
     std::vector<Face> faces;
-    std::size_t left_out = 0;    ///< faces without area
-    std::string first_left_out;  ///< describes the first of them; empty if there is none
-    MeshEdges edges;             ///< counts over all faces; filled by `tidy`
+    std::size_t removed_face_count = 0;  ///< faces without area
+    std::string first_removed_face;      ///< describes the first face without area; empty if every face has one
+    MeshEdges edges;                     ///< counts over all faces; filled by `tidy`
     /// For each face, bit k is 1 if the edge opposite to its corner k has no other face; filled by `tidy`.
     std::vector<std::uint8_t> borders;
 
@@ -75,27 +75,26 @@ struct SharedEdge {
 std::vector<SharedEdge> shared_edges(const Mesh& mesh);
 
 /// Joins the meshes into one, in their order.
-Mesh joined(std::vector<Mesh> meshes);
+Mesh join_meshes(std::vector<Mesh> meshes);
 
 /// Counts the faces that lie on one line once the vertices are rounded to a format. No ray meets such a face.
-std::size_t flat_faces(const Mesh& mesh, const FloatFormat& format);
+std::size_t count_flat_faces(const Mesh& mesh, const FloatFormat& format);
 
-/// Remarks about faces without area for the author of the mesh, as sentences. If `stored` is absent, the vertices are
-/// not rounded.
-std::vector<std::string> remarks_on(const Mesh& mesh, const std::optional<FloatFormat>& stored);
+/// Returns remarks for the author of the mesh about faces without area, as sentences. If `vertex_format` is absent, the
+/// vertices are not rounded.
+std::vector<std::string> mesh_remarks(const Mesh& mesh, const std::optional<FloatFormat>& vertex_format);
 
-/// Settings for reading a mesh.
-struct MeshTerms {
+/// Settings with which a mesh is read.
+struct MeshSettings {
     intersect::process::StopToken stop = {};
-    FloatFormat stored = binary64;  ///< the format to which the scene rounds its vertices before any form sees them
+    FloatFormat vertex_format = binary64;  ///< the format to which the scene rounds its vertices, before any form runs
 };
 
-/// Returns the reason why a scene cannot hold a coordinate of a vertex, as the rest of a sentence after "which"; empty
-/// if it can.
-std::string_view fault_of_coordinate(double x, const FloatFormat& stored);
+/// Returns why a scene cannot hold a coordinate of a vertex, as the rest of a sentence after "which"; empty if it can.
+std::string_view coordinate_error(double x, const FloatFormat& vertex_format);
 
 /// Reads a `[[mesh]]`: `make` with the keys of that mesh, or `file`, relative to `folder`. Throws InputError with a
 /// position.
-Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshTerms& terms = {});
+Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshSettings& settings = {});
 
 }  // namespace lostbits::scene::triangle

@@ -23,9 +23,9 @@ public:
     [[nodiscard]] const std::string& name() const { return source_.name(); }
     [[nodiscard]] std::uint64_t size() const { return *source_.size(); }
     /// Returns the position of the next byte, from 0.
-    [[nodiscard]] std::uint64_t position() const { return dropped_ + begin_; }
+    [[nodiscard]] std::uint64_t position() const { return dropped_count_ + begin_; }
     /// Returns the number of bytes that are not consumed yet.
-    [[nodiscard]] std::uint64_t left() const { return size() - std::min(size(), position()); }
+    [[nodiscard]] std::uint64_t remaining() const { return size() - std::min(size(), position()); }
 
     /// Returns the next `count` bytes; fewer only at the end.
     std::string_view take(std::size_t count) {
@@ -35,7 +35,7 @@ public:
         return result;
     }
     /// Returns the next bytes without consuming them.
-    std::string_view look(std::size_t count) {
+    std::string_view peek(std::size_t count) {
         const std::string_view result = take(count);
         begin_ -= result.size();
         return result;
@@ -65,17 +65,17 @@ public:
 private:
     /// Returns false at the end of the file.
     bool read_more() {
-        constexpr std::size_t block = std::size_t{1} << 20;
+        constexpr std::size_t block_size = std::size_t{1} << 20;
         buffer_.erase(0, begin_);
-        dropped_ += begin_;
+        dropped_count_ += begin_;
         begin_ = 0;
-        return source_.read(buffer_, block) > 0;
+        return source_.read(buffer_, block_size) > 0;
     }
 
     toml::ByteSource source_;
     std::string buffer_;
-    std::size_t begin_ = 0;      ///< start of the bytes that are not consumed yet
-    std::uint64_t dropped_ = 0;  ///< number of bytes of the file before the buffer
+    std::size_t begin_ = 0;            ///< start of the bytes that are not consumed yet
+    std::uint64_t dropped_count_ = 0;  ///< number of bytes of the file before the buffer
 };
 
 }  // namespace lostbits::scene::triangle

@@ -9,17 +9,17 @@ namespace {
 
 struct MeshFormat {
     std::string_view extension;
-    MeshInFile (*read)(MeshBytes&, const MeshTerms&);
+    ParsedMesh (*read)(MeshBytes&, const MeshSettings&);
     bool has_lines;
 };
-constexpr MeshFormat formats[] = {{".obj", read_obj, true},
-                                  {".ply", read_ply, false},
-                                  {".stl", read_stl, false},
-                                  {".gltf", read_gltf, false},
-                                  {".glb", read_gltf, false}};
+constexpr MeshFormat mesh_formats[] = {{".obj", read_obj, true},
+                                       {".ply", read_ply, false},
+                                       {".stl", read_stl, false},
+                                       {".gltf", read_gltf, false},
+                                       {".glb", read_gltf, false}};
 
 const MeshFormat& format_of(const std::filesystem::path& path) {
-    for (const MeshFormat& format : formats)
+    for (const MeshFormat& format : mesh_formats)
         if (path.extension() == format.extension) return format;
     throw InputError(path.string() +
                      ": is not a known kind of mesh; its name must end in .obj, .ply, .stl, .gltf or .glb");
@@ -27,21 +27,21 @@ const MeshFormat& format_of(const std::filesystem::path& path) {
 
 }  // namespace
 
-Mesh read_mesh_file(const std::filesystem::path& path, const MeshTerms& settings) {
+Mesh read_mesh_file(const std::filesystem::path& path, const MeshSettings& settings) {
     const MeshFormat& format = format_of(path);
     MeshBytes bytes(path, settings.stop);
-    MeshInFile mesh_in_file = format.read(bytes, settings);
+    ParsedMesh parsed_mesh = format.read(bytes, settings);
     const auto describe_face = [&](std::size_t face) {
-        return format.has_lines ? path.string() + ":" + std::to_string(mesh_in_file.lines[face])
-                                : "face " + std::to_string(mesh_in_file.lines[face]) + " of " + path.string();
+        return format.has_lines ? path.string() + ":" + std::to_string(parsed_mesh.lines[face])
+                                : "face " + std::to_string(parsed_mesh.lines[face]) + " of " + path.string();
     };
-    if (mesh_in_file.mesh.faces.empty())
+    if (parsed_mesh.mesh.faces.empty())
         throw InputError(path.string() + ": has no faces; a mesh has at least one triangle");
-    tidy(mesh_in_file.mesh, describe_face, settings.stop);
-    if (mesh_in_file.mesh.faces.empty())
-        throw InputError(path.string() + ": none of its faces has an area; " + mesh_in_file.mesh.first_left_out +
+    tidy(parsed_mesh.mesh, describe_face, settings.stop);
+    if (parsed_mesh.mesh.faces.empty())
+        throw InputError(path.string() + ": none of its faces has an area; " + parsed_mesh.mesh.first_removed_face +
                          " is the first");
-    return std::move(mesh_in_file.mesh);
+    return std::move(parsed_mesh.mesh);
 }
 
 }  // namespace lostbits::scene::triangle

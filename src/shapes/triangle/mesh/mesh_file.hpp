@@ -10,6 +10,6 @@ namespace lostbits::scene::triangle {
 /// corners becomes a fan around its first corner. Throws InputError with `line:column`, the byte, or the path inside a
 /// glTF if the file is not a mesh. Memory is at most a small multiple of the file's bytes. Only regular files are
 /// opened.
-Mesh read_mesh_file(const std::filesystem::path& path, const MeshTerms& settings = {});
+Mesh read_mesh_file(const std::filesystem::path& path, const MeshSettings& settings = {});
 
 }  // namespace lostbits::scene::triangle

@@ -9,7 +9,7 @@
 namespace lostbits::scene::triangle {
 
 /// A mesh as a file gives it, with the position of each face: its line, or its index if the file has no lines.
-struct MeshInFile {
+struct ParsedMesh {
     Mesh mesh;
     std::vector<std::uint32_t> lines = {};
 
@@ -27,14 +27,14 @@ inline constexpr std::size_t most_faces = 0x7fffffff;     ///< indices of faces 
 
 /// Reads `v` and `f` of a Wavefront OBJ. Ignores the texture and normal of a corner, and all other lines that OBJ
 /// allows.
-MeshInFile read_obj(MeshBytes& bytes, const MeshTerms& settings);
+ParsedMesh read_obj(MeshBytes& bytes, const MeshSettings& settings);
 /// Reads PLY 1.0: the element `vertex` with `x`, `y`, `z`, and `face` with a list `vertex_indices` or `vertex_index`.
-MeshInFile read_ply(MeshBytes& bytes, const MeshTerms& settings);
+ParsedMesh read_ply(MeshBytes& bytes, const MeshSettings& settings);
 /// Reads STL in ASCII or binary. The size distinguishes them: a binary file of n facets has 84 + 50 n bytes.
-MeshInFile read_stl(MeshBytes& bytes, const MeshTerms& settings);
+ParsedMesh read_stl(MeshBytes& bytes, const MeshSettings& settings);
 /// Reads glTF 2.0, as JSON or as one binary file: the triangles of the default scene, or of all meshes if there is no
 /// scene. A node that moves its mesh is an error, because its vertices would be rounded. Buffers are read from the
 /// folder of the file or below it, and nothing else is opened.
-MeshInFile read_gltf(MeshBytes& bytes, const MeshTerms& settings);
+ParsedMesh read_gltf(MeshBytes& bytes, const MeshSettings& settings);
 
 }  // namespace lostbits::scene::triangle

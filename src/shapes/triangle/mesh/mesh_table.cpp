@@ -14,8 +14,8 @@ enum class MadeMesh { icosphere, grid, tube, fan };
 constexpr std::pair<std::string_view, MadeMesh> made_mesh_names[] = {
     {"icosphere", MadeMesh::icosphere}, {"grid", MadeMesh::grid}, {"tube", MadeMesh::tube}, {"fan", MadeMesh::fan}};
 
-constexpr int most_levels = 9;  // 5.2 million faces
-constexpr long long most_parts = 4096;
+constexpr int max_levels = 9;  // 5.2 million faces
+constexpr long long max_parts = 4096;
 constexpr double largest = 0x1p100, smallest = 0x1p-100;  // so that no product of three overflows or vanishes
 
 class MeshTable {
@@ -24,45 +24,46 @@ public:
 
     Mesh make() {
         const MadeMesh kind = table_.one_of<MadeMesh>("make", made_mesh_names);
-        const Vec<double> centre = point("centre");
+        const Vec<double> centre = read_point("centre");
         switch (kind) {
             case MadeMesh::icosphere:
-                return make_icosphere(static_cast<int>(table_.integer("levels", 0, most_levels)), centre,
-                                      size("radius", 1));
+                return make_icosphere(static_cast<int>(table_.integer("levels", 0, max_levels)), centre,
+                                      read_size("radius", 1));
             case MadeMesh::grid: {
-                const auto parts = table_.optional_integers("parts", 2, 1, most_parts).value_or(std::vector{8LL, 8LL});
+                const auto parts = table_.optional_integers("parts", 2, 1, max_parts).value_or(std::vector{8LL, 8LL});
                 double bump = 0;
                 table_.read_number("bump", bump, 0, largest);
                 if (bump != 0 && bump < smallest) table_.fail_at("bump", "must be 0, or at least 2^-100");
                 return make_grid(static_cast<std::uint32_t>(parts[0]), static_cast<std::uint32_t>(parts[1]), centre,
-                                 {size("width", 2), size("height", 2), 0}, bump);
+                                 {read_size("width", 2), read_size("height", 2), 0}, bump);
             }
             case MadeMesh::tube: {
-                const double ring = size("ring_radius", 2), radius = size("radius", 0.5);
+                const double ring = read_size("ring_radius", 2), radius = read_size("radius", 0.5);
                 if (!(radius < ring)) table_.fail_at("radius", "must be less than ring_radius; the tube has a hole");
-                return make_tube(quarters("around", 16), quarters("along", 64), centre, ring, radius);
+                return make_tube(read_multiple_of_four("around", 16), read_multiple_of_four("along", 64), centre, ring,
+                                 radius);
             }
             case MadeMesh::fan: break;
         }
-        return make_fan(quarters("count", 64), centre, size("radius", 1));
+        return make_fan(read_multiple_of_four("count", 64), centre, read_size("radius", 1));
     }
 
 private:
-    Vec<double> point(std::string_view key) {
+    Vec<double> read_point(std::string_view key) {
         Vec<double> p(0, 0, 0);
-        if (const auto given = table_.optional_vec3(key))
-            for (int k = 0; k < 3; ++k) p[k] = toml::round_to_format((*given)[k], binary64);
+        if (const auto stored_point = table_.optional_vec3(key))
+            for (int k = 0; k < 3; ++k) p[k] = toml::round_to_format((*stored_point)[k], binary64);
         for (int k = 0; k < 3; ++k)
             if (!(std::fabs(p[k]) <= largest)) table_.fail_at(key, "must lie within 2^100 of the origin");
         return p;
     }
-    double size(std::string_view key, double default_value) {
+    double read_size(std::string_view key, double default_value) {
         table_.read_number(key, default_value, smallest, largest);
         return default_value;
     }
     /// Reads a count that is a multiple of four, because a circle is divided by its quarters.
-    std::uint32_t quarters(std::string_view key, long long default_value) {
-        const long long n = table_.optional_integer(key, 4, most_parts * 256).value_or(default_value);
+    std::uint32_t read_multiple_of_four(std::string_view key, long long default_value) {
+        const long long n = table_.optional_integer(key, 4, max_parts * 256).value_or(default_value);
         if (n % 4 != 0) table_.fail_at(key, "must be a multiple of 4; write " + std::to_string(n / 4 * 4 + 4));
         return static_cast<std::uint32_t>(n);
     }
@@ -70,7 +71,7 @@ private:
     toml::TableReader& table_;
 };
 
-Mesh read_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshTerms& settings) {
+Mesh read_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshSettings& settings) {
     Mesh mesh;
     if (table.has("file")) {
         if (table.has("make")) table.reject("make", "is given together with file; a mesh is made or read, not both");
@@ -97,7 +98,7 @@ Mesh read_table(toml::TableReader& table, const std::filesystem::path& folder, c
 
 }  // namespace
 
-Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshTerms& settings) {
+Mesh read_mesh_table(toml::TableReader& table, const std::filesystem::path& folder, const MeshSettings& settings) {
     try {
         return read_table(table, folder, settings);
     } catch (const std::bad_alloc&) {

@@ -18,7 +18,7 @@ bool is_ignored(std::string_view keyword) {
 }
 
 /// Returns the index of a vertex, from 0, for `7`, `7/1`, `7/1/2`, `7//2` or `-1`.
-std::uint32_t to_vertex_index(const TextLines& lines, std::string_view word, std::size_t vertices) {
+std::uint32_t parse_vertex_index(const TextLines& lines, std::string_view word, std::size_t vertices) {
     const std::string_view text = word.substr(0, word.find('/'));
     long long number = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -63,26 +63,28 @@ void skip_more_numbers(TextLines& lines) {
 
 }  // namespace
 
-MeshInFile read_obj(MeshBytes& bytes, const MeshTerms& settings) {
-    MeshInFile mesh_in_file;
+ParsedMesh read_obj(MeshBytes& bytes, const MeshSettings& settings) {
+    ParsedMesh parsed_mesh;
     TextLines lines(bytes, Statement::continued_by_backslash);
     std::vector<std::uint32_t> corners;
     while (lines.next()) {
         const std::string_view keyword = lines.word();
         if (keyword == "v") {
-            if (mesh_in_file.mesh.vertices.size() == most_vertices)
+            if (parsed_mesh.mesh.vertices.size() == most_vertices)
                 lines.fail("is one vertex too many; the limit is 2^32 - 1");
-            const auto number = [&](const char* name) { return lines.coordinate<double>(name, settings.stored); };
+            const auto number = [&](const char* name) {
+                return lines.coordinate<double>(name, settings.vertex_format);
+            };
             const double x = number("x"), y = number("y"), z = number("z");
-            mesh_in_file.mesh.vertices.emplace_back(x, y, z);
+            parsed_mesh.mesh.vertices.emplace_back(x, y, z);
             skip_more_numbers(lines);
         } else if (keyword == "f") {
             corners.clear();
             for (std::string_view word = lines.word(); !word.empty(); word = lines.word())
-                corners.push_back(to_vertex_index(lines, word, mesh_in_file.mesh.vertices.size()));
+                corners.push_back(parse_vertex_index(lines, word, parsed_mesh.mesh.vertices.size()));
             if (corners.size() < 3) lines.fail_line("is a face of fewer than 3 corners");
-            mesh_in_file.add(corners, lines.line());
-            if (mesh_in_file.mesh.faces.size() > most_faces)
+            parsed_mesh.add(corners, lines.line());
+            if (parsed_mesh.mesh.faces.size() > most_faces)
                 lines.fail_line("is one face too many; the limit is 2^31 - 1 triangles");
         } else if (!is_ignored(keyword)) {
             lines.fail(toml::quoted_excerpt(keyword) +
@@ -91,7 +93,7 @@ MeshInFile read_obj(MeshBytes& bytes, const MeshTerms& settings) {
         }
         skip_rest(lines);
     }
-    return mesh_in_file;
+    return parsed_mesh;
 }
 
 }  // namespace lostbits::scene::triangle

@@ -32,7 +32,7 @@ struct PlyProperty {
     PlyType type{};
     std::optional<PlyType> count = {};  ///< for a list: the type of its length
 
-    [[nodiscard]] bool is_corners() const { return name == "vertex_indices" || name == "vertex_index"; }
+    [[nodiscard]] bool is_corner_list() const { return name == "vertex_indices" || name == "vertex_index"; }
     [[nodiscard]] bool is_coordinate() const { return name == "x" || name == "y" || name == "z"; }
 };
 struct PlyElement {
@@ -61,7 +61,7 @@ public:
         if (!lines_.next() || lines_.word() != "ply") lines_.fail_line("is not a PLY: its first line is not ply");
         while (lines_.next()) {
             const std::string_view keyword = lines_.word();
-            if (keyword == "end_header") return checked_header();
+            if (keyword == "end_header") return check_header();
             if (keyword == "format") read_format();
             else if (keyword == "element") read_element();
             else if (keyword == "property") read_property();
@@ -75,14 +75,15 @@ public:
 
 private:
     void read_format() {
-        static constexpr std::pair<std::string_view, PlyEncoding> known[] = {
+        static constexpr std::pair<std::string_view, PlyEncoding> encodings[] = {
             {"ascii", PlyEncoding::text},
             {"binary_little_endian", PlyEncoding::little},
             {"binary_big_endian", PlyEncoding::big}};
-        const auto found = std::ranges::find(known, lines_.word(), &std::pair<std::string_view, PlyEncoding>::first);
-        if (found == std::end(known))
+        const auto entry =
+            std::ranges::find(encodings, lines_.word(), &std::pair<std::string_view, PlyEncoding>::first);
+        if (entry == std::end(encodings))
             lines_.fail("the format must be ascii, binary_little_endian or binary_big_endian");
-        header_.encoding = found->second;
+        header_.encoding = entry->second;
         has_format_ = true;
     }
     void read_element() {
@@ -102,12 +103,12 @@ private:
         if (property.name.empty()) lines_.fail("ends before the name of the property");
         if (element.has(property.name))
             lines_.fail("a second property " + toml::quoted_excerpt(property.name) + " of one element");
-        if (element.is_face() && property.is_corners() &&
-            std::ranges::any_of(element.properties, &PlyProperty::is_corners))
+        if (element.is_face() && property.is_corner_list() &&
+            std::ranges::any_of(element.properties, &PlyProperty::is_corner_list))
             lines_.fail("a second list of the corners of a face");
         if (element.is_vertex() && property.is_coordinate() && property.count)
             lines_.fail(property.name + " of a vertex is a list; it must be one number");
-        if (element.is_face() && property.is_corners() && !property.count)
+        if (element.is_face() && property.is_corner_list() && !property.count)
             lines_.fail(property.name + " of a face is one number; it must be a list");
         element.properties.push_back(property);
     }
@@ -116,12 +117,12 @@ private:
             if (name == ply_types[k].old_name || name == ply_types[k].name) return static_cast<PlyType>(k);
         lines_.fail(toml::quoted_excerpt(name) + " is not a type of PLY; write float, double, uchar, int, …");
     }
-    PlyHeader checked_header() {
+    PlyHeader check_header() {
         if (!has_format_) lines_.fail("the header has no format line; write format ascii 1.0 if the numbers are text");
         for (const PlyElement& element : header_.elements) {
             if (element.is_vertex() && !(element.has("x") && element.has("y") && element.has("z")))
                 lines_.fail("vertex has no x, y and z");
-            if (element.is_face() && std::ranges::none_of(element.properties, &PlyProperty::is_corners))
+            if (element.is_face() && std::ranges::none_of(element.properties, &PlyProperty::is_corner_list))
                 lines_.fail("face has no list vertex_indices");
             if (element.count > 0 && element.properties.empty())
                 lines_.fail("element " + toml::excerpt(element.name) +
@@ -139,8 +140,8 @@ private:
 /// Reads the numbers after the header, one after the other, in text or binary.
 class PlyNumbers {
 public:
-    PlyNumbers(TextLines& lines, MeshBytes& bytes, PlyEncoding encoding, const FloatFormat& stored)
-        : lines_(lines), bytes_(bytes), encoding_(encoding), stored_(stored) {}
+    PlyNumbers(TextLines& lines, MeshBytes& bytes, PlyEncoding encoding, const FloatFormat& vertex_format)
+        : lines_(lines), bytes_(bytes), encoding_(encoding), vertex_format_(vertex_format) {}
 
     /// Refuses an element count for which the file is too short, before any element is read.
     void begin(const PlyElement& element) {
@@ -150,7 +151,7 @@ public:
         for (const PlyProperty& property : element.properties)
             least_bytes += is_text() ? 2 : bytes_of(property.count.value_or(property.type));
         // The last line of a text may lack its line break.
-        if (element.count * least_bytes > bytes_.left() + 1)
+        if (element.count * least_bytes > bytes_.remaining() + 1)
             throw InputError(
                 fmt::format("{}: ends before the {} of {}, which take at least {} bytes; was it cut short?",
                             position_text(), toml::count_with_noun(element.count, "element"),
@@ -161,12 +162,13 @@ public:
         if (is_text() && !lines_.next()) lines_.fail("ends before all elements are there; was it cut short?");
     }
     void end_element() {
-        if (is_text() && !lines_.word().empty()) lines_.fail("follows the last property of its element");
+        if (is_text() && !lines_.word().empty())
+            lines_.fail("is one value too many: the header lists no more properties of this element");
     }
     /// Refuses data that the header does not name, because it may be faces.
     void end() {
-        if (!is_text() && bytes_.left() > 0)
-            fail(toml::count_with_noun(bytes_.left(), "byte follows", "bytes follow") +
+        if (!is_text() && bytes_.remaining() > 0)
+            fail(toml::count_with_noun(bytes_.remaining(), "byte follows", "bytes follow") +
                  " the last element that the header names");
         while (is_text() && lines_.next())
             if (!lines_.word().empty()) lines_.fail("follows the last element that the header names");
@@ -183,15 +185,15 @@ public:
     }
     double coordinate(const PlyProperty& property) {
         const double x = next(property, property.type);
-        if (const auto fault = fault_of_coordinate(x, stored_); !fault.empty())
+        if (const auto fault = coordinate_error(x, vertex_format_); !fault.empty())
             fail(fmt::format("{} of a vertex is {}, which {}", property.name, x, fault));
         return x;
     }
     /// Reads the length of a list.
     std::size_t length(const PlyProperty& list) {
-        constexpr double most = 1e6;
+        constexpr double max_length = 1e6;
         const double x = next(list, *list.count, "the length of ");
-        if (!is_whole(x) || x > most)
+        if (!is_whole(x) || x > max_length)
             fail(fmt::format("the length of {} is {}; it must be a whole number up to a million", list.name, x));
         return static_cast<std::size_t>(x);
     }
@@ -201,14 +203,14 @@ public:
         for (std::size_t k = 0; k < count; ++k) static_cast<void>(next(property, property.type));
     }
     /// Reads the index of a vertex.
-    std::uint32_t corner(const PlyProperty& property, std::size_t vertices) {
+    std::uint32_t read_corner(const PlyProperty& property, std::size_t vertices) {
         const double x = next(property, property.type);
         if (!is_whole(x) || x >= static_cast<double>(vertices))
             fail(fmt::format("names vertex {} of {}; vertices are whole numbers, and count from 0", x, vertices));
         return static_cast<std::uint32_t>(x);
     }
-    [[noreturn]] void fail(const std::string& what) const {
-        throw InputError(position_text() + ": " + what +
+    [[noreturn]] void fail(const std::string& problem) const {
+        throw InputError(position_text() + ": " + problem +
                          (is_text() ? "" : "; is the byte order the one that the format line says?"));
     }
 
@@ -220,7 +222,7 @@ private:
     }
     static bool is_whole(double x) { return x >= 0 && x == std::floor(x); }
     template <class T>
-    static double number_as(const std::array<char, 8>& bytes) {
+    static double copy_number(const std::array<char, 8>& bytes) {
         T x;
         std::memcpy(&x, bytes.data(), sizeof x);
         return static_cast<double>(x);
@@ -236,22 +238,22 @@ private:
         if ((encoding_ == PlyEncoding::little) != (std::endian::native == std::endian::little))
             std::reverse(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(byte_count));
         switch (type) {
-            case PlyType::i8: return number_as<std::int8_t>(bytes);
-            case PlyType::u8: return number_as<std::uint8_t>(bytes);
-            case PlyType::i16: return number_as<std::int16_t>(bytes);
-            case PlyType::u16: return number_as<std::uint16_t>(bytes);
-            case PlyType::i32: return number_as<std::int32_t>(bytes);
-            case PlyType::u32: return number_as<std::uint32_t>(bytes);
-            case PlyType::f32: return number_as<float>(bytes);
+            case PlyType::i8: return copy_number<std::int8_t>(bytes);
+            case PlyType::u8: return copy_number<std::uint8_t>(bytes);
+            case PlyType::i16: return copy_number<std::int16_t>(bytes);
+            case PlyType::u16: return copy_number<std::uint16_t>(bytes);
+            case PlyType::i32: return copy_number<std::int32_t>(bytes);
+            case PlyType::u32: return copy_number<std::uint32_t>(bytes);
+            case PlyType::f32: return copy_number<float>(bytes);
             case PlyType::f64: break;
         }
-        return number_as<double>(bytes);
+        return copy_number<double>(bytes);
     }
 
     TextLines& lines_;
     MeshBytes& bytes_;
     PlyEncoding encoding_;
-    FloatFormat stored_;
+    FloatFormat vertex_format_;
     std::uint64_t number_start_ = 0;  ///< in a binary file, the byte at which the last number begins
 };
 
@@ -265,42 +267,42 @@ void read_vertex(PlyNumbers& numbers, const PlyElement& element, Mesh& mesh) {
 }
 
 /// Reads the corners of a face, or skips an element of another kind.
-void read_lists(PlyNumbers& numbers, const PlyElement& element, std::size_t vertices,
-                std::vector<std::uint32_t>& corners) {
+void read_corners(PlyNumbers& numbers, const PlyElement& element, std::size_t vertices,
+                  std::vector<std::uint32_t>& corners) {
     corners.clear();
     for (const PlyProperty& property : element.properties) {
-        if (!element.is_face() || !property.is_corners()) {
+        if (!element.is_face() || !property.is_corner_list()) {
             numbers.skip(property);
             continue;
         }
         const std::size_t count = numbers.length(property);
-        for (std::size_t k = 0; k < count; ++k) corners.push_back(numbers.corner(property, vertices));
+        for (std::size_t k = 0; k < count; ++k) corners.push_back(numbers.read_corner(property, vertices));
     }
 }
 
 }  // namespace
 
-MeshInFile read_ply(MeshBytes& bytes, const MeshTerms& settings) {
-    MeshInFile mesh_in_file;
+ParsedMesh read_ply(MeshBytes& bytes, const MeshSettings& settings) {
+    ParsedMesh parsed_mesh;
     TextLines lines(bytes);
     const PlyHeader header = PlyHeaderLines(lines).read();
-    PlyNumbers numbers(lines, bytes, header.encoding, settings.stored);
+    PlyNumbers numbers(lines, bytes, header.encoding, settings.vertex_format);
     std::vector<std::uint32_t> corners;
     for (const PlyElement& element : header.elements) {
         numbers.begin(element);
-        if (element.is_vertex()) mesh_in_file.mesh.vertices.reserve(element.count);
+        if (element.is_vertex()) parsed_mesh.mesh.vertices.reserve(element.count);
         for (std::size_t i = 0; i < element.count; ++i) {
             numbers.begin_element();
-            if (element.is_vertex()) read_vertex(numbers, element, mesh_in_file.mesh);
-            else read_lists(numbers, element, mesh_in_file.mesh.vertices.size(), corners);
+            if (element.is_vertex()) read_vertex(numbers, element, parsed_mesh.mesh);
+            else read_corners(numbers, element, parsed_mesh.mesh.vertices.size(), corners);
             if (element.is_face() && corners.size() < 3) numbers.fail("a face has fewer than 3 corners");
-            if (element.is_face()) mesh_in_file.add(corners, i);
-            if (mesh_in_file.mesh.faces.size() > most_faces) numbers.fail("has more than 2^31 - 1 triangles");
+            if (element.is_face()) parsed_mesh.add(corners, i);
+            if (parsed_mesh.mesh.faces.size() > most_faces) numbers.fail("has more than 2^31 - 1 triangles");
             numbers.end_element();
         }
     }
     numbers.end();
-    return mesh_in_file;
+    return parsed_mesh;
 }
 
 }  // namespace lostbits::scene::triangle

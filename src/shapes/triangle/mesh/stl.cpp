@@ -15,45 +15,45 @@ constexpr std::size_t header_size = 84, facet_size = 50;
 /// Reads an STL in ASCII: solid, then facets, then endsolid.
 class StlText {
 public:
-    StlText(MeshBytes& bytes, const FloatFormat& stored) : lines_(bytes), stored_(stored) {}
+    StlText(MeshBytes& bytes, const FloatFormat& vertex_format) : lines_(bytes), vertex_format_(vertex_format) {}
 
-    MeshInFile read() {
+    ParsedMesh read() {
         while (lines_.next())
-            if (const std::string_view keyword = lines_.word(); !keyword.empty()) take_keyword(keyword);
+            if (const std::string_view keyword = lines_.word(); !keyword.empty()) read_keyword(keyword);
         if (position_ != Position::outside)
             lines_.fail_line(position_ == Position::in_facet ? "ends inside of a facet; was it cut short?"
                                                              : "ends before endsolid; was it cut short?");
-        return std::move(mesh_in_file_);
+        return std::move(parsed_mesh_);
     }
 
 private:
     enum class Position { outside, in_solid, in_facet };
 
-    void take_keyword(std::string_view keyword) {
-        if (keyword == "solid") move_position(Position::outside, Position::in_solid);
-        else if (keyword == "facet") move_position(Position::in_solid, Position::in_facet), corners_ = 0;
-        else if (keyword == "vertex") take_vertex();
+    void read_keyword(std::string_view keyword) {
+        if (keyword == "solid") require_and_move(Position::outside, Position::in_solid);
+        else if (keyword == "facet") require_and_move(Position::in_solid, Position::in_facet), corners_ = 0;
+        else if (keyword == "vertex") read_vertex_line();
         else if (keyword == "endfacet") end_facet();
-        else if (keyword == "endsolid") move_position(Position::in_solid, Position::outside);
+        else if (keyword == "endsolid") require_and_move(Position::in_solid, Position::outside);
         else if (keyword != "outer" && keyword != "endloop")
             lines_.fail(toml::quoted_excerpt(keyword) + " is not a keyword of STL; is it an STL?");
     }
-    void move_position(Position expected, Position next) {
+    void require_and_move(Position expected, Position next) {
         if (position_ != expected)
             lines_.fail("is not allowed " + std::string(position_texts[static_cast<std::size_t>(position_)]));
         position_ = next;
     }
-    void take_vertex() {
-        move_position(Position::in_facet, Position::in_facet);
-        const auto number = [&](const char* name) { return lines_.coordinate<double>(name, stored_); };
+    void read_vertex_line() {
+        require_and_move(Position::in_facet, Position::in_facet);
+        const auto number = [&](const char* name) { return lines_.coordinate<double>(name, vertex_format_); };
         const double x = number("x"), y = number("y"), z = number("z");
-        const auto index = static_cast<std::uint32_t>(mesh_in_file_.mesh.vertices.size());
-        mesh_in_file_.mesh.vertices.emplace_back(x, y, z);
-        if (++corners_ == 3) mesh_in_file_.add(std::array{index - 2, index - 1, index}, lines_.line());
-        if (mesh_in_file_.mesh.faces.size() > most_vertices / 3) lines_.fail_line("has more than 2^32 - 1 vertices");
+        const auto index = static_cast<std::uint32_t>(parsed_mesh_.mesh.vertices.size());
+        parsed_mesh_.mesh.vertices.emplace_back(x, y, z);
+        if (++corners_ == 3) parsed_mesh_.add(std::array{index - 2, index - 1, index}, lines_.line());
+        if (parsed_mesh_.mesh.faces.size() > most_vertices / 3) lines_.fail_line("has more than 2^32 - 1 vertices");
     }
     void end_facet() {
-        move_position(Position::in_facet, Position::in_solid);
+        require_and_move(Position::in_facet, Position::in_solid);
         if (corners_ != 3)
             lines_.fail_line("ends a facet of " + scene::toml::count_with_noun(corners_, "vertex", "vertices") +
                              "; an STL facet has 3");
@@ -62,31 +62,31 @@ private:
     static constexpr std::string_view position_texts[] = {"outside of a solid", "in a solid, outside of its facets",
                                                           "inside of a facet, which endfacet ends"};
     TextLines lines_;
-    FloatFormat stored_;
-    MeshInFile mesh_in_file_;
+    FloatFormat vertex_format_;
+    ParsedMesh parsed_mesh_;
     Position position_ = Position::outside;
     std::size_t corners_ = 0;  ///< number of vertices of the facet so far
 };
 
 }  // namespace
 
-MeshInFile read_stl(MeshBytes& bytes, const MeshTerms& settings) {
+ParsedMesh read_stl(MeshBytes& bytes, const MeshSettings& settings) {
     static_assert(std::endian::native == std::endian::little, "STL is little endian, and its numbers are copied");
-    const std::string start(bytes.look(header_size));
+    const std::string first_bytes(bytes.peek(header_size));
     std::uint32_t count = 0;
-    if (start.size() == header_size) std::memcpy(&count, start.data() + 80, 4);
+    if (first_bytes.size() == header_size) std::memcpy(&count, first_bytes.data() + 80, 4);
     const std::uint64_t size = header_size + facet_size * std::uint64_t{count};
-    if (start.size() < header_size || bytes.size() != size) {
+    if (first_bytes.size() < header_size || bytes.size() != size) {
         const bool is_text =
-            std::string_view(start).substr(start.starts_with("\xEF\xBB\xBF") ? 3 : 0).starts_with("solid");
-        if (is_text) return StlText(bytes, settings.stored).read();
+            std::string_view(first_bytes).substr(first_bytes.starts_with("\xEF\xBB\xBF") ? 3 : 0).starts_with("solid");
+        if (is_text) return StlText(bytes, settings.vertex_format).read();
         throw InputError(
             fmt::format("{}: byte {}: is not an STL: it does not begin with the word solid, and with {} it "
                         "would have {} bytes and not {}; was it cut short?",
-                        bytes.name(), start.size() < header_size ? 0 : 80, toml::count_with_noun(count, "facet"), size,
-                        bytes.size()));
+                        bytes.name(), first_bytes.size() < header_size ? 0 : 80, toml::count_with_noun(count, "facet"),
+                        size, bytes.size()));
     }
-    MeshInFile mesh_in_file;
+    ParsedMesh parsed_mesh;
     bytes.take(header_size);
     for (std::uint32_t f = 0; f < count; ++f) {
         const std::uint64_t begin = bytes.position();
@@ -96,15 +96,15 @@ MeshInFile read_stl(MeshBytes& bytes, const MeshTerms& settings) {
         float numbers[9];
         std::memcpy(numbers, facet.data() + 12, sizeof numbers);
         for (std::size_t k = 0; k < 9; ++k)
-            if (const auto fault = fault_of_coordinate(numbers[k], settings.stored); !fault.empty())
+            if (const auto fault = coordinate_error(numbers[k], settings.vertex_format); !fault.empty())
                 throw InputError(fmt::format("{}: byte {}: facet {} has a vertex that {}", bytes.name(),
                                              begin + 12 + 4 * k, f, fault));
-        const auto first_index = static_cast<std::uint32_t>(mesh_in_file.mesh.vertices.size());
+        const auto first_index = static_cast<std::uint32_t>(parsed_mesh.mesh.vertices.size());
         for (int k = 0; k < 3; ++k)
-            mesh_in_file.mesh.vertices.emplace_back(numbers[3 * k], numbers[3 * k + 1], numbers[3 * k + 2]);
-        mesh_in_file.add(std::array{first_index, first_index + 1, first_index + 2}, f);
+            parsed_mesh.mesh.vertices.emplace_back(numbers[3 * k], numbers[3 * k + 1], numbers[3 * k + 2]);
+        parsed_mesh.add(std::array{first_index, first_index + 1, first_index + 2}, f);
     }
-    return mesh_in_file;
+    return parsed_mesh;
 }
 
 }  // namespace lostbits::scene::triangle

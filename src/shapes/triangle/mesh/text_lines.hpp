@@ -24,7 +24,7 @@ enum class Statement : std::uint8_t { line, continued_by_backslash };
 
 class TextLines {
 public:
-    static constexpr std::size_t longest = std::size_t{1} << 20;
+    static constexpr std::size_t max_line_bytes = std::size_t{1} << 20;
 
     explicit TextLines(MeshBytes& bytes, Statement statement = Statement::line)
         : bytes_(bytes), statement_(statement) {}
@@ -50,18 +50,18 @@ public:
                 throw InputError(word_position + ": continues on the next line, and there is none; was it cut short?");
         }
     }
-    /// Reads the next word as a number of type T, rounded once. Errors call it `what`.
+    /// Reads the next word as a number of type T, rounded once. Errors call it `number_name`.
     template <class T>
-    T number(std::string_view what) {
+    T number(std::string_view number_name) {
         const std::string_view text = word();
-        if (text.empty()) fail("ends before " + std::string(what));
+        if (text.empty()) fail("ends before " + std::string(number_name));
         const std::string_view digits = text.starts_with('+') ? text.substr(1) : text;
         T x{};
         const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), x);
         const bool is_whole_word = end == digits.data() + digits.size();
-        if (error == std::errc::result_out_of_range && is_whole_word) return extreme_number<T>(text, what);
+        if (error == std::errc::result_out_of_range && is_whole_word) return extreme_number<T>(text, number_name);
         if (error != std::errc() || !is_whole_word || text.starts_with("+-"))
-            fail(std::string(what) + " is " + toml::quoted_excerpt(text) + ", which is not " +
+            fail(std::string(number_name) + " is " + toml::quoted_excerpt(text) + ", which is not " +
                  (std::is_unsigned_v<T>   ? "a whole number of at least 0"
                   : std::is_integral_v<T> ? "a whole number"
                                           : "a number; write a decimal with a point, such as 0.5 or 1e-3"));
@@ -69,11 +69,12 @@ public:
     }
     /// Reads the next word as a coordinate of a vertex that the scene can hold.
     template <class T>
-    T coordinate(std::string_view what, const FloatFormat& stored) {
-        const T x = number<T>(what);
-        if (const auto fault = fault_of_coordinate(static_cast<double>(x), stored); !fault.empty())
-            fail(std::string(what) + " is " + toml::quoted_excerpt(line_.substr(word_start_, word_end_ - word_start_)) +
-                 ", which " + std::string(fault));
+    T coordinate(std::string_view number_name, const FloatFormat& vertex_format) {
+        const T x = number<T>(number_name);
+        if (const auto fault = coordinate_error(static_cast<double>(x), vertex_format); !fault.empty())
+            fail(std::string(number_name) + " is " +
+                 toml::quoted_excerpt(line_.substr(word_start_, word_end_ - word_start_)) + ", which " +
+                 std::string(fault));
         return x;
     }
 
@@ -81,22 +82,22 @@ public:
     [[nodiscard]] std::size_t line() const { return statement_line_; }
     /// Returns the position of the word that was read last. Columns count characters.
     [[nodiscard]] std::string position() const { return position_of_byte(word_start_); }
-    [[noreturn]] void fail(const std::string& what) const { throw InputError(position() + ": " + what); }
+    [[noreturn]] void fail(const std::string& problem) const { throw InputError(position() + ": " + problem); }
     /// Throws InputError with the position of the statement.
-    [[noreturn]] void fail_line(const std::string& what) const {
-        throw InputError(position_at(statement_line_, indent_ + 1) + ": " + what);
+    [[noreturn]] void fail_line(const std::string& problem) const {
+        throw InputError(position_at(statement_line_, indent_ + 1) + ": " + problem);
     }
 
 private:
     /// Reads the next line, without its line break and without a backslash that continues it.
     bool read_line() {
-        if (!bytes_.take_line(line_, longest)) return false;
+        if (!bytes_.take_line(line_, max_line_bytes)) return false;
         word_end_ = 0, word_start_ = 0;
         if (++line_number_ == 1 && line_.starts_with("\xEF\xBB\xBF")) line_.remove_prefix(3);
-        if (line_.size() > longest) fail("is longer than 1 MB; write one vertex or face on each line");
+        if (line_.size() > max_line_bytes) fail("is longer than 1 MB; write one vertex or face on each line");
         if (line_.ends_with('\r')) line_.remove_suffix(1);
         // Some programs treat these bytes as the end of a line, and hide the rest of it.
-        refuse_byte('\0', "has a byte 0; is it text?");
+        refuse_byte('\0', "has a zero byte; is it a text file?");
         refuse_byte('\r', "has a carriage return inside the line; end lines with line feeds");
         const std::size_t last_character = line_.find_last_not_of(" \t");
         continues_ = statement_ == Statement::continued_by_backslash && last_character < line_.size() &&
@@ -107,7 +108,7 @@ private:
     /// Rounds the exact number. A number that is too small for T rounds like any other; a number that is too large is
     /// an error.
     template <class T>
-    T extreme_number(std::string_view text, std::string_view what) const {
+    T extreme_number(std::string_view text, std::string_view number_name) const {
         if constexpr (std::is_floating_point_v<T>) {
             const auto parsed = toml::parse_number(text);
             if (const Real* const exact = std::get_if<Real>(&parsed))
@@ -115,7 +116,7 @@ private:
                     std::isfinite(x))
                     return static_cast<T>(x);
         }
-        fail(std::string(what) + " is " + toml::quoted_excerpt(text) + ", which overflows");
+        fail(std::string(number_name) + " is " + toml::quoted_excerpt(text) + ", which overflows");
     }
     void refuse_byte(char byte, const char* message) {
         const void* const found = std::memchr(line_.data(), byte, line_.size());

@@ -12,7 +12,7 @@ struct TubeDistribution : rays::AimedDistribution<TubeDistribution> {
     static constexpr std::pair<std::string_view, int> aims[] = {
         {"wall", wall}, {"rim", rim}, {"generator", generator}, {"axis", axis}};
 
-    static Primitive<double> drawn(rays::Random& random, const Vec<double>& middle, double size) {
+    static Primitive<double> draw_primitive(rays::Random& random, const Vec<double>& middle, double size) {
         const Vec<double> half = size * rays::draw_direction(random);
         return Tube<double>{middle - half, middle + half, size * random.between(0.0625, 1)};
     }

@@ -15,12 +15,12 @@
 namespace lostbits::intersect::tube {
 
 using TubeForms = FormList<   //
-    tube::AlongUnitAxis,      //
-    tube::InFrameOfTube,      //
+    tube::UnitAxisTube,       //
+    tube::FramedTube,         //
     tube::CeleritasTube,      //
     tube::PbrtTube,           //
     tube::MitsubaTube,        //
-    tube::ByDistanceOfLines,  //
+    tube::TripleProductTube,  //
     tube::DetrayTube,         //
     tube::FramedMoment,       //
     tube::FilteredTube        //

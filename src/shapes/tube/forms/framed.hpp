@@ -7,7 +7,7 @@
 
 namespace lostbits::intersect::tube {
 
-struct InFrameOfTube {
+struct FramedTube {
     static constexpr Info info{
         .name = "tube.framed",
         .title = "transformed into a frame along the axis",

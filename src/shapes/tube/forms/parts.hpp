@@ -6,18 +6,18 @@
 
 namespace lostbits::intersect::tube {
 
-/// Finds the first root t ≥ 0 whose position along the axis, `low` + t `across`, is between 0 and `height`. If the near
-/// root is behind the origin or beyond an end, the far root may count. A NaN is not a root.
+/// Finds the first root t ≥ 0 whose position along the axis, `axis_start` + t `axis_rate`, is between 0 and `height`.
+/// If the near root is behind the origin or beyond an end, the far root may count. A NaN is not a root.
 template <Number T>
-Hit<T> first_between_ends(const mask_t<T>& missed, const RootPair<T>& roots, const T& low, const T& across,
+Hit<T> first_between_ends(const mask_t<T>& is_miss, const RootPair<T>& roots, const T& axis_start, const T& axis_rate,
                           const T& height) {
-    const auto counts = [&](const T& t) {
-        const T y = low + t * across;
+    const auto is_between_ends = [&](const T& t) {
+        const T y = axis_start + t * axis_rate;
         return t >= T(0) && y >= T(0) && y <= height;
     };
-    const auto near_counts = counts(roots.near);
-    const T t = named("t", select(near_counts, roots.near, roots.far));
-    return {!missed && (near_counts || counts(roots.far)), t, t, t};
+    const auto is_near_hit = is_between_ends(roots.near);
+    const T t = named("t", select(is_near_hit, roots.near, roots.far));
+    return {!is_miss && (is_near_hit || is_between_ends(roots.far)), t, t, t};
 }
 
 }  // namespace lostbits::intersect::tube

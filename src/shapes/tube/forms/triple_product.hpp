@@ -5,7 +5,7 @@
 
 namespace lostbits::intersect::tube {
 
-struct ByDistanceOfLines {
+struct TripleProductTube {
     static constexpr Info info{
         .name = "tube.triple_product",
         .title = "distance between line and axis, stable roots",

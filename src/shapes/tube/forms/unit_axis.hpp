@@ -7,7 +7,7 @@
 
 namespace lostbits::intersect::tube {
 
-struct AlongUnitAxis {
+struct UnitAxisTube {
     static constexpr Info info{
         .name = "tube.unit_axis",
         .title = "dot products with the normalised axis",
