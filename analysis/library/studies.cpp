@@ -144,13 +144,13 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
     request.limit.stop = running.stop();
     request.progress = running.advance_callback(0);
     const auto repair = measure::repair::repair_form(request);
-    const output::repair::RepairSummary found = output::repair::result_of(request, repair);
-    result.add_table("mend", output::repair::form_table(), output::repair::rows_of(found));
+    const output::repair::RepairSummary found = output::repair::summarize_repair(request, repair);
+    result.add_table("mend", output::repair::form_table(), output::repair::form_rows(found));
     result.add_table("minimal", output::repair::minimal_table(), output::repair::minimal_rows(found));
     result.add_table("probes", output::repair::probe_table(), output::repair::probe_rows(found));
-    result.texts.push_back(output::repair::in_words(found));
-    const bool is_better = output::repair::best_of(output::repair::proposals_of(found), found) != nullptr;
-    if (is_better) result.texts.push_back(output::repair::emitted(found, "mended.hpp", "lostbits_mend"));
+    result.texts.push_back(output::repair::repair_text(found));
+    const bool is_better = output::repair::best_proposal(output::repair::list_proposals(found), found) != nullptr;
+    if (is_better) result.texts.push_back(output::repair::emitted_file_text(found, "mended.hpp", "lostbits_mend"));
     return repair.set || is_better;
 }
 

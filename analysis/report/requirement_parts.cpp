@@ -108,14 +108,14 @@ page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
             .requirement = output::choice::in_words(work.requirement),
             .words = output::choice::in_words(chosen),
             .table = page::choice_table(chosen),
-            .front = {fmt::format("Time against kept bits on {}", work.scene.id), svg_text(front_plot(chosen))}};
+            .front = {fmt::format("Time against kept bits on {}", work.scene.id), svg_text(pareto_plot(chosen))}};
 }
 
 page::MendPart mend_part(const MendWork& work, StopToken stop) {
     measure::repair::RepairRequest request{.scene = &work.scene, .row = work.row, .requirement = work.requirement};
     request.limit.stop = stop;
     const auto repair = measure::repair::repair_form(request);
-    return mend_part(output::repair::result_of(request, repair));
+    return mend_part(output::repair::summarize_repair(request, repair));
 }
 
 page::MendPart mend_part(const output::repair::RepairSummary& result) {
@@ -124,11 +124,11 @@ page::MendPart mend_part(const output::repair::RepairSummary& result) {
                         .scene = result.request.id(),
                         .requirement = output::choice::in_words(result.request.requirement),
                         .changes = {},
-                        .words = in_words(result),
+                        .words = repair_text(result),
                         .table = page::mend_table(result),
-                        .front = {fmt::format("Kept bits on {}", result.request.id()), svg_text(front_plot(result))},
+                        .front = {fmt::format("Kept bits on {}", result.request.id()), svg_text(pareto_plot(result))},
                         .timed = !result.prices.empty()};
-    for (const output::repair::FormRow& form_row : rows_of(result))
+    for (const output::repair::FormRow& form_row : form_rows(result))
         if (form_row.is_proposal()) part.changes.push_back(change_text(result, form_row));
     return part;
 }

@@ -133,7 +133,7 @@ Table<InputRow> input_table() {
 
 }  // namespace
 
-image::Canvas front_plot(const ChoiceResult& chosen) {
+image::Canvas pareto_plot(const ChoiceResult& chosen) {
     const auto& requirement = chosen.request.requirement;
     plot::ScatterPlotSpec spec;
     spec.title = fmt::format("Time against kept bits on {}", chosen.request.id());
@@ -212,7 +212,7 @@ void ChoiceFiles::finish(const ChoiceResult& chosen) {
     if (chosen.offsets) offsets_.add_all(offset_rows(*chosen.offsets));
     if (chosen.obstacle)
         for (const auto& trial : chosen.obstacle->trials) inputs_.add({&*chosen.obstacle, &trial});
-    image::save_figure(folder_ / "front.png", front_plot(chosen));
+    image::save_figure(folder_ / "front.png", pareto_plot(chosen));
     file::write_file(folder_ / "choose.txt", in_words(chosen));
     table::close_tables(
         folder_,

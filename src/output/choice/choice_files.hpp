@@ -84,7 +84,7 @@ std::string margin_end_text(const GrowthMargin& margin, const measure::choice::F
 std::string name_of_inputs(const FloatFormat& format);
 
 /// Plots every form and format by time and bits kept, with the Pareto front and the chosen one.
-image::Canvas front_plot(const ChoiceResult& chosen);
+image::Canvas pareto_plot(const ChoiceResult& chosen);
 
 /// A row of choose.csv: a candidate, or the answers of the files.
 struct CandidateRow {

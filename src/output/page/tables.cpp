@@ -108,22 +108,22 @@ std::string choice_table(const choice::ChoiceResult& chosen) {
 
 std::string mend_table(const repair::RepairSummary& r) {
     const auto& requirement = r.request.requirement;
-    const auto proposals = proposals_of(r);
-    const repair::Proposal* const best = best_of(proposals, r);
+    const auto proposals = list_proposals(r);
+    const repair::Proposal* const best = best_proposal(proposals, r);
     std::vector<std::string> names{
-        "form",       "rounding operations",  "of them in " + repair::name_of_wider(r.repair.wider),
+        "form",       "rounding operations",  "of them in " + repair::wider_format_name(r.repair.wider),
         "bits kept",  "rays wrong",           "on other rays: bits kept",
         "rays wrong", "meets the requirement"};
     if (!r.prices.empty()) names.insert(names.end(), {"ns per ray and primitive in packs", "ns alone", "front"});
     std::string text = begin_table(names);
     const auto add_cell = [&text](double value) { text += fmt::format("<td class=\"n\">{}</td>", shown(value)); };
-    for (const repair::FormRow& row : rows_of(r)) {
+    for (const repair::FormRow& row : form_rows(r)) {
         if (!row.is_shown) continue;
         const bool is_best = best && best->quality == row.quality, is_known = row.operations > 0;
         text += fmt::format("<tr{}><th scope=\"row\">{}</th>", is_best ? " class=\"chosen\"" : "", html(row.name));
         add_cell(is_known ? static_cast<double>(row.operations) : NAN);
-        add_cell(is_known ? static_cast<double>(row.wide) : NAN);
-        for (const auto* const quality : {row.quality, row.held_out}) {
+        add_cell(is_known ? static_cast<double>(row.wider_operations) : NAN);
+        for (const auto* const quality : {row.quality, row.held_out_quality}) {
             add_cell(quality ? quality->kept_bits : NAN);
             add_cell(quality ? static_cast<double>(quality->wrong) : NAN);
         }
@@ -133,7 +133,7 @@ std::string mend_table(const repair::RepairSummary& r) {
         if (!r.prices.empty()) {
             add_cell(row.price ? row.price->packed.median * 1e9 : NAN);
             add_cell(row.price ? row.price->single.median * 1e9 : NAN);
-            text += fmt::format("<td>{}</td>", row.front ? "yes" : row.price ? "no" : "");
+            text += fmt::format("<td>{}</td>", row.is_on_front ? "yes" : row.price ? "no" : "");
         }
         text += "</tr>\n";
     }
