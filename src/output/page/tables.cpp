@@ -91,8 +91,8 @@ std::string summary_table(const MapStudy& request, const std::vector<FormSummary
 std::string choice_table(const choice::ChoiceResult& chosen) {
     std::string text = begin_table({"form", "format", "registers", "ns per ray and primitive", "bits kept",
                                     "rays wrong", "meets the requirement"});
-    for (const std::size_t k : measure::choice::by_price(chosen.all)) {
-        const measure::choice::Candidate& c = chosen.all[k];
+    for (const std::size_t k : measure::choice::by_price(chosen.candidates)) {
+        const measure::choice::Candidate& c = chosen.candidates[k];
         text += fmt::format("<tr{}><th scope=\"row\">{}</th><td>{}</td><td>{}</td>",
                             chosen.cheapest_index == k ? " class=\"chosen\"" : "", html(c.row.form->info->name),
                             c.row.format.name, c.isa == "scalar" ? "one ray" : fmt::format("{} bits", c.isa));

@@ -72,8 +72,7 @@ PixelValue certified_pixel(const measure::picture::TrueColour& c) {
 
 constexpr const char* sheet_note =
     "wrong colour: a byte differs from the certified picture; wrong sphere: another sphere is seen, none where there "
-    "is "
-    "one, or one where there is none";
+    "is one, or one where there is none";
 
 image::SheetSpec sheet_spec(const RenderStudy& study, const map::RowGrid& grid) {
     const scene::file::Scene& scene = study.scene;

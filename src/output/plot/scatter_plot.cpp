@@ -26,20 +26,20 @@ constexpr std::array<Rgb8, ink_colour + 1> point_colours{
 constexpr Rgb8 faint_colour{186, 186, 188}, front_colour{120, 120, 126};
 constexpr std::array<double, 2> dashes{5, 4};
 
-Rgb8 colour_of(std::size_t colour, bool faint) {
-    return faint ? faint_colour : point_colours[colour % point_colours.size()];
+Rgb8 colour_of(std::size_t colour, bool is_faint) {
+    return is_faint ? faint_colour : point_colours[colour % point_colours.size()];
 }
 
 struct Marker {
     int kind;
     Rgb8 colour;
-    bool hollow;
+    bool is_hollow;
 };
 
 void paint_marker(Canvas& canvas, Stroke& stroke, Point centre, const Marker& marker) {
     draw_marker(stroke, centre, marker.kind);
     stroke.paint(canvas, marker.colour);
-    if (!marker.hollow) return;
+    if (!marker.is_hollow) return;
     stroke.disc(centre, hole_radius);
     stroke.paint(canvas, image::style::page);
 }
@@ -74,7 +74,7 @@ public:
         for (const auto& entry : entries_) {
             const Point centre{x + entry.x + marker_width / 2.0, y + entry.y + line / 2.0};
             paint_marker(canvas, stroke, centre,
-                         {entry.key->marker, colour_of(entry.key->colour, entry.key->faint), entry.key->hollow});
+                         {entry.key->marker, colour_of(entry.key->colour, entry.key->is_faint), entry.key->is_hollow});
             canvas.text(x + entry.x + marker_width, y + entry.y + (line - entry.text.height) / 2, entry.text,
                         image::style::ink);
         }
@@ -103,10 +103,10 @@ public:
 
     void draw_front(Canvas& canvas) {
         for (const bool is_solid : {true, false}) {
-            for (std::size_t i = 0; i + 1 < spec_.front.size(); ++i) {
-                if (spec_.front[i].is_solid != is_solid) continue;
-                const Point a = point_at(spec_.front[i].x, spec_.front[i].y),
-                            b = point_at(spec_.front[i + 1].x, spec_.front[i + 1].y);
+            for (std::size_t i = 0; i + 1 < spec_.pareto_front.size(); ++i) {
+                if (spec_.pareto_front[i].is_solid != is_solid) continue;
+                const Point a = point_at(spec_.pareto_front[i].x, spec_.pareto_front[i].y),
+                            b = point_at(spec_.pareto_front[i + 1].x, spec_.pareto_front[i + 1].y);
                 const std::array<Point, 3> corners{a, {b.x, a.y}, b};
                 stroke_.polyline(corners, front_thickness, is_solid ? std::span<const double>() : dashes);
             }
@@ -114,18 +114,18 @@ public:
         }
     }
 
-    void draw_points(Canvas& canvas, bool faint) {
+    void draw_points(Canvas& canvas, bool is_faint) {
         for (const auto& p : spec_.points) {
-            if (p.faint != faint || !is_on_axes(p, x_, y_)) continue;
-            const Rgb8 colour = colour_of(p.colour, p.faint);
+            if (p.is_faint != is_faint || !is_on_axes(p, x_, y_)) continue;
+            const Rgb8 colour = colour_of(p.colour, p.is_faint);
             const Point centre = point_at(p.x, p.y);
             if (!p.key.empty()) canvas.set_mark_data({p.key, {centre.x}, {centre.y}});
-            if (!faint) {
+            if (!is_faint) {
                 const std::array<Point, 2> spread{point_at(p.x_low, p.y), point_at(p.x_high, p.y)};
                 stroke_.polyline(spread, 1);
                 stroke_.paint(canvas, colour);
             }
-            paint_marker(canvas, stroke_, centre, {p.marker, colour, p.hollow});
+            paint_marker(canvas, stroke_, centre, {p.marker, colour, p.is_hollow});
             canvas.clear_mark_data();
         }
     }
@@ -137,17 +137,17 @@ public:
         std::vector<Rgb8> colours;
         for (const auto& p : spec_.points) {
             if (!is_on_axes(p, x_, y_)) continue;
-            (p.faint ? avoided : taken).push_back(box_around(point_at(p.x, p.y), marker_half));
-            if (!p.faint) avoided.push_back(box_around(point_at(p.x_low, p.y), point_at(p.x_high, p.y)));
-            if (p.faint || p.label.empty()) continue;
+            (p.is_faint ? avoided : taken).push_back(box_around(point_at(p.x, p.y), marker_half));
+            if (!p.is_faint) avoided.push_back(box_around(point_at(p.x_low, p.y), point_at(p.x_high, p.y)));
+            if (p.is_faint || p.label.empty()) continue;
             texts.push_back(image::image_backend().render_text(p.label, image::style::text_size));
             requests.push_back({point_at(p.x, p.y), static_cast<double>(texts.back().width),
                                 static_cast<double>(texts.back().height)});
             colours.push_back(colour_of(p.colour, false));
         }
-        for (std::size_t i = 0; i + 1 < spec_.front.size(); ++i) {
-            const Point a = point_at(spec_.front[i].x, spec_.front[i].y),
-                        b = point_at(spec_.front[i + 1].x, spec_.front[i + 1].y);
+        for (std::size_t i = 0; i + 1 < spec_.pareto_front.size(); ++i) {
+            const Point a = point_at(spec_.pareto_front[i].x, spec_.pareto_front[i].y),
+                        b = point_at(spec_.pareto_front[i + 1].x, spec_.pareto_front[i + 1].y);
             avoided.push_back(box_around(a, {b.x, a.y}));
             avoided.push_back(box_around({b.x, a.y}, b));
         }

@@ -30,7 +30,7 @@ ParetoPoint point_of(const FormRow& row) {
 }
 
 std::string kept_bits_text(const RowQuality& quality, const measure::choice::Requirement& requirement) {
-    return std::isnan(quality.kept_bits) ? "no" : choice::bits_text_near(quality.kept_bits, requirement);
+    return std::isnan(quality.kept_bits) ? "no" : choice::kept_bits_text(quality.kept_bits, requirement);
 }
 
 int marker_of(const FormRow& row) {
@@ -122,7 +122,7 @@ image::Canvas pareto_plot(const RepairSummary& summary) {
     else spec.x = {"operations in " + wider_format_name(summary.repair.wider), plot::AxisSpec::Scale::linear, 0.0, {}};
     spec.y = {"bits kept", plot::AxisSpec::Scale::linear, {}, {}};
     const std::vector<FormRow> rows = form_rows(summary);
-    std::vector<speed::FrontPoint> points;
+    std::vector<speed::KernelPoint> points;
     for (const FormRow& row : rows) {
         const bool is_of_repair = row.kind != "catalogue";
         // Forms of the catalogue that compute in a wider format have no count of wider operations.
@@ -134,11 +134,11 @@ image::Canvas pareto_plot(const RepairSummary& summary) {
                           .quality = point_of(row),
                           .time = row.price ? std::optional(row.price->packed) : std::nullopt,
                           .marker = marker_of(row),
-                          .named = is_of_repair,
-                          .hollow = !row.quality->decides(requirement),
+                          .is_named = is_of_repair,
+                          .is_hollow = !row.quality->decides(requirement),
                           .label = is_of_repair ? row.name : map::short_name(*row.form_row.form->info)});
     }
-    speed::add_front(spec, points);
+    speed::add_kernel_points(spec, points);
     spec.keys = {{"the form", 3, plot::ink_colour},
                  {"operations in " + wider_format_name(summary.repair.wider), 1, plot::ink_colour},
                  {"written another way", 2, plot::ink_colour},

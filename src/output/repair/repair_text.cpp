@@ -28,7 +28,7 @@ TapeText text_of(const RepairSummary& summary) {
 std::string quality_text(const RowQuality& quality, const measure::choice::Requirement& requirement) {
     const std::string bits = std::isnan(quality.kept_bits)
                                  ? "no bits, because form and truth agree on no hit"
-                                 : choice::bits_text_near(quality.kept_bits, requirement) + " bits";
+                                 : choice::kept_bits_text(quality.kept_bits, requirement) + " bits";
     if (quality.wrong == 0) return bits + ", no wrong decision";
     return fmt::format("{}, {} of {} decided wrongly", bits, quality.wrong,
                        scene::toml::count_with_noun(quality.rays, "ray"));
@@ -39,7 +39,7 @@ std::string quality_clause(const RowQuality& quality, const measure::choice::Req
     const std::string predicate =
         std::isnan(quality.kept_bits)
             ? "agree with the truth on no hit"
-            : fmt::format("keep {} bits", choice::bits_text_near(quality.kept_bits, requirement));
+            : fmt::format("keep {} bits", choice::kept_bits_text(quality.kept_bits, requirement));
     if (quality.wrong == 0) return predicate + " and decide no ray wrongly";
     return fmt::format("{} and decide {} of {} wrongly", predicate, quality.wrong,
                        scene::toml::count_with_noun(quality.rays, "ray"));
@@ -173,8 +173,7 @@ std::string wider_set_text(const RepairSummary& summary) {
     const auto best = std::ranges::min_element(repair.set->without, measure::repair::is_more_accurate);
     text += fmt::format(
         "  No operation can be spared: if any one of the {} is not widened, the requirement fails; the best of these "
-        "{} "
-        "variants keeps {}.\n",
+        "{} variants keeps {}.\n",
         size, size, quality_text(*best, requirement));
     if (repair.set->none_of > 0) {
         const std::string smaller_sets =
@@ -252,8 +251,7 @@ std::string prices_text(const RepairSummary& summary) {
     const Price& form_price = summary.prices.front();
     std::string text =
         "These forms were compiled, compared bit by bit with their recorded operations on all rays, and timed (*: no "
-        "other "
-        "is both as accurate and as fast):\n";
+        "other is both as accurate and as fast):\n";
     std::string other_lines;
     for (const FormRow& row : form_rows(summary)) {
         if (!row.price || !row.is_shown) continue;
