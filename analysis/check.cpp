@@ -88,23 +88,24 @@ void print(const Claim& claim, const ClaimResult& r, const CheckOptions& o, bool
                                                                                                           : "FAILED";
     const std::string problem = r.state == State::skipped        ? "cannot be measured on this machine"
                                 : r.state == State::unmeasurable ? "could not be measured"
-                                                                 : output::claim::changed_text(claim, r);
+                                                                 : output::claim::disagreement_text(claim, r);
     fmt::print("{}: {}: {} ({})\n", label, problem, terminal_line(claim.id), terminal_line(claim.statement));
-    fmt::print("         {}: {}\n", terminal_line(claim.where.text()), terminal_line(output::claim::explain(claim, r)));
+    fmt::print("         {}: {}\n", terminal_line(claim.where.text()),
+               terminal_line(output::claim::explanation_text(claim, r)));
     if (r.witness.x >= 0) {
         fmt::print("         worst ray: origin {} {} {}, direction {} {} {}\n",
                    output::file::hex(r.witness.ray.origin.x), output::file::hex(r.witness.ray.origin.y),
                    output::file::hex(r.witness.ray.origin.z), output::file::hex(r.witness.ray.direction.x),
                    output::file::hex(r.witness.ray.direction.y), output::file::hex(r.witness.ray.direction.z));
     }
-    if (const std::string command = output::claim::explain_witness(claim, r); !command.empty())
+    if (const std::string command = output::claim::witness_command(claim, r); !command.empty())
         fmt::print("         explain it: {}\n", terminal_line(command));
-    fmt::print("         reproduce: {}\n", terminal_line(output::claim::words_of(claim).command));
+    fmt::print("         reproduce: {}\n", terminal_line(output::claim::subject_texts(claim).command));
     if (o.annotations == "github" && r.state != State::skipped) {
         fmt::print("::{} file={},line={},title={}::{}\n", std::string_view(label) == "warning" ? "warning" : "error",
                    output::file::workflow_value(claim.where.source), claim.where.line,
                    output::file::workflow_value(claim.id),
-                   output::file::workflow_text(output::claim::explain(claim, r)));
+                   output::file::workflow_text(output::claim::explanation_text(claim, r)));
     }
 }
 

@@ -101,8 +101,8 @@ std::optional<PagePosition> position_of(const Claim& c, const ClaimResult& r, co
 
 /// Subject of a claim: a link to its position on the page, or the command that shows it.
 std::string subject_cell(const Claim& c, const ClaimResult& r, const Report& report) {
-    const claim::SubjectTexts texts = claim::words_of(c);
-    const std::string text = html(texts.where),
+    const claim::SubjectTexts texts = claim::subject_texts(c);
+    const std::string text = html(texts.subject),
                       row = fmt::format("<br><small>{} {}</small>", html(c.tested()), html(c.format));
     const auto position = position_of(c, r, report);
     if (!position)
@@ -122,7 +122,7 @@ struct VerdictLabel {
 VerdictLabel verdict_label(const Claim& c, const ClaimResult& r) {
     switch (r.state) {
         case State::agrees: return {std::string(name_of(c.verdict)), name_of(c.verdict)};
-        case State::disagrees: return {claim::changed_text(c, r), "differs"};
+        case State::disagrees: return {claim::disagreement_text(c, r), "differs"};
         case State::unmeasurable: return {"could not be measured", "differs"};
         case State::skipped: break;
     }
@@ -192,17 +192,17 @@ std::string claim_row(const Claim& c, const ClaimResult& r, const Report& report
     const VerdictLabel label = verdict_label(c, r);
     std::string text = fmt::format(
         "<tr id=\"claim-{}\" class=\"{}\" {} data-command=\"{}\"><td class=\"verdict\">{}</td><td>{}", html(c.id),
-        label.style, sort_keys(label, r), html(claim::words_of(c).command), label.text, prose(c.statement));
+        label.style, sort_keys(label, r), html(claim::subject_texts(c).command), label.text, prose(c.statement));
     if (!c.note.empty()) text += fmt::format("<br><em>{}</em>", prose(c.note));
     text += evidence_cell(c, r, label);
     text += fmt::format("<br><small>{}<code>{}</code></small></td>", source_text(c), html(c.id));
     return text + fmt::format(
                       "<td>{}</td><td data-name=\"quantity\">{}</td><td class=\"n\" data-name=\"measured\">{}</td><td "
                       "class=\"n\" data-name=\"expected\">{} to {}</td></tr>\n",
-                      subject_cell(c, r, report), with_line_breaks(html(claim::quantity(c))), measured_cell(r),
+                      subject_cell(c, r, report), with_line_breaks(html(claim::quantity_text(c))), measured_cell(r),
                       shown(c.low),
                       shown(c.high) + (c.draws == 0 ? "" : fmt::format("<br><small>from {} draws</small>", c.draws)) +
-                          (c.criterion ? fmt::format("<br><small>{}</small>", html(claim::says_text(c))) : ""));
+                          (c.criterion ? fmt::format("<br><small>{}</small>", html(claim::criterion_text(c))) : ""));
 }
 
 /// `12 claims: 1 failed, 9 hold, 2 refuted`
@@ -233,7 +233,7 @@ std::string title_of(const std::string& subject, const Report& report) {
 
 std::string claims_table(const Report& report) {
     std::string text;
-    for (const claim::ClaimSubject& subject : claim::subjects_of(report.claims)) {
+    for (const claim::ClaimSubject& subject : claim::group_by_subject(report.claims)) {
         claim::VerdictCounts counts;
         std::string rows;
         for (const std::size_t i : subject.claims) {
