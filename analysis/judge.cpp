@@ -166,7 +166,7 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
         JudgeFindings{.worst = files.worst()}, files, division, "judge", [&]() -> JudgeFindings {
             JudgeResult result = measure::judge::run_judge(
                 dump, request, [&files](std::size_t row_index, const auto& chunk, const auto& band) {
-                    files.piece(row_index, chunk, band);
+                    files.add_piece(row_index, chunk, band);
                 });
             return {std::move(result), files.worst(), *request.stages};
         });
@@ -263,9 +263,9 @@ Exit run(const JudgeOptions& o, const Common& common) {
                                      .command = common.typed_command.text(),
                                      .drawn_metrics = request.picture ? drawn_metrics : std::vector<const Metric*>{},
                                      .single_pictures = o.pictures == "all",
-                                     .rows = o.rows,
-                                     .worst = o.worst,
-                                     .keep = shard::piece_recorder(division, "judge")});
+                                     .writes_rows = o.rows,
+                                     .worst_count = o.worst,
+                                     .keep_piece = shard::piece_recorder(division, "judge")});
     const auto judgement = judge_rays(*dump, request, files, division, [&] {
         return selection::open_file(o, o.file, selection::shape_given(o, scene), o.rows || !o.by.empty());
     });

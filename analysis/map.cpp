@@ -201,11 +201,11 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& o, const std::vector<
          .pixels_csv = writes_pixels,
          .scene_arguments = selection::name_of_scene(scene, selection::data_folder(common.data)) + scene_options_of(o),
          .explaining_sheet = context.explaining_sheet,
-         .envelope = o.envelope,
+         .draws_envelope = o.envelope,
          .exr = exr,
          .other_tables = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{},
          .range = selection::parse_range(o.range, drawn_metrics),
-         .keep = shard::piece_recorder(division, job)});
+         .keep_piece = shard::piece_recorder(division, job)});
 
     SceneSummaries summaries;
     auto map_summaries = shard::run_divided(work.map, files, division, job);

@@ -156,7 +156,7 @@ std::vector<image::Rgb8> colours_of(const DrawnPlane& drawn, std::size_t width, 
             const image::Rgb8 colour = cell.colour              ? *cell.colour
                                        : std::isnan(cell.value) ? no_value
                                                                 : scale.colour(cell.value, format);
-            colours.push_back(drawn.is_explained[k] ? map::paler(colour) : colour);
+            colours.push_back(drawn.is_explained[k] ? map::make_paler(colour) : colour);
         }
     }
     return colours;
@@ -215,7 +215,7 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
     std::vector<image::LegendEntry> legend = map::outcome_legend(total.outcomes, total.cells);
     for (image::LegendEntry& entry : legend) entry.count.clear();
     if (has_gap) legend.push_back({gap_text(), no_value, ""});
-    if (has_explained) legend.push_back({map::paler_means, map::paler(scale.bar().at(0.5)), ""});
+    if (has_explained) legend.push_back({map::paler_colour_meaning, map::make_paler(scale.bar().at(0.5)), ""});
     const auto axis_text = [](const scene::sweep::Axis& axis, const std::vector<double>& values) {
         return fmt::format("{}, from {} to {}", plot_axis(axis).title, file::short_decimal(values.front(), 3),
                            file::short_decimal(values.back(), 3));
