@@ -145,7 +145,7 @@ std::string offset_table(const measure::offset::OffsetStudy& study, const measur
     for (const Side side : both_sides) {
         std::vector<std::string> names{"strategy"};
         for (const StrategyColumn& column : strategy_columns) names.emplace_back(column.name);
-        text += begin_table(names, "", fmt::format("Rays {}", offset::in_words(side)));
+        text += begin_table(names, "", fmt::format("Rays {}", offset::side_phrase(side)));
         for (std::size_t k = 0; k < study.strategies.size(); ++k) {
             text += fmt::format("<tr><th scope=\"row\">{}</th>", html(offset::short_name(*study.strategies[k])));
             for (const StrategyColumn& column : strategy_columns) {
@@ -190,7 +190,7 @@ std::string offset_overview(const std::vector<OffsetPart>& parts) {
         const auto s = static_cast<std::size_t>(side);
         std::vector<std::string> names{"strategy"};
         for (const OffsetPart& p : parts) names.push_back(p.id);
-        text += begin_table(names, "", fmt::format("Rays {}", offset::in_words(side)));
+        text += begin_table(names, "", fmt::format("Rays {}", offset::side_phrase(side)));
         for (std::size_t k = 0; k < parts.front().strategies.size(); ++k) {
             text += fmt::format("<tr><th scope=\"row\">{}</th>", html(parts.front().strategies[k]));
             for (const OffsetPart& p : parts) text += share_cell(p.bad[s][k]);
