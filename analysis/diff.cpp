@@ -204,7 +204,7 @@ Exit run(const DiffOptions& o, const Common& common) {
     options.stop = common.stop;
     for (const std::string& text : o.tolerances) options.tolerances.push_back(output::diff::parse_tolerance(text));
     options.ignored = o.ignored;
-    if (common.verbose) options.max_kept = UINT64_MAX;
+    if (common.verbose) options.max_listed = UINT64_MAX;
     const MapSides sides = sides_of(o);
     if (o.b.empty() && !sides.are_forms())
         throw InputError("diff: B is missing, the file or folder to compare with; or compare two forms of " + o.a +
