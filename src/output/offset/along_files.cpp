@@ -59,7 +59,7 @@ plot::Series AlongFiles::make_series(std::size_t row_index, Side side,
                                      const Strategy* strategy) const {
     plot::Series series{.label = strategy ? short_name(*strategy) : "smallest safe offset, largest of all points",
                         .x = axis_values_,
-                        .dashed = strategy == nullptr,
+                        .is_dashed = strategy == nullptr,
                         .look = strategy_look(strategy)};
     for (const auto& step : summaries_) series.y.push_back(value(step[row_index].side_summary(side)));
     return series;

@@ -128,9 +128,9 @@ DrawnPlane drawn_plane(const SweepRequest& request, const SweepGrid& plane, std:
                 cell.value = drawn_quantile(s, lost_index, 0.99);
                 drawn.has_too_few_agreed |= s.true_hits > 0 && !s.agreement().is_enough();
                 const double excess_bits = s.metrics[excess_index].quantile(0.99);
-                cell.outlined = cell.value >= 1 && excess_bits >= 1;
+                cell.is_outlined = cell.value >= 1 && excess_bits >= 1;
                 is_explained = map::is_inside_envelope(cell.value, excess_bits);
-                drawn.has_outlined |= cell.outlined;
+                drawn.has_outlined |= cell.is_outlined;
             } else {
                 const Outcome worst_outcome = s.wrong().value();
                 cell.colour = pixel::colour_of(worst_outcome);
@@ -194,7 +194,7 @@ image::Canvas plane_picture(const SweepRequest& request, const std::vector<Sweep
          .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), tested.format.parameters),
          .unit = "lost bits",
          .legend = map::outcome_legend(drawn.counts.outcomes, drawn.counts.cells),
-         .hatching_means = drawn.has_too_few_agreed ? gap_text() : "no value"});
+         .hatching_meaning = drawn.has_too_few_agreed ? gap_text() : "no value"});
 }
 
 void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& request,

@@ -103,7 +103,7 @@ TEST_CASE("a label is beside its point where it covers least, and left out where
     const LabelRequest request{{150, 50}, 50, 14};
     const auto free = place_labels({&request, 1}, {limits, {}, {}});
     REQUIRE(free[0].has_value());
-    const Point near = free[0]->nearest(request.at);
+    const Point near = free[0]->nearest(request.point);
     CHECK(std::hypot(near.x - 150, near.y - 50) == Approx(6));
     const Box2 right{151, 0, 149, 100};
     const auto left = place_labels({&request, 1}, {limits, {}, {&right, 1}});
