@@ -179,7 +179,7 @@ std::vector<study::Note> OffsetView::notes(const OffsetStudy& study, const std::
 
 Table<study::PixelInBand<OffsetBand>> OffsetView::pixel_table(const OffsetStudy& study) {
     using R = study::PixelInBand<OffsetBand>;
-    Table<R> table = study::place_columns<OffsetBand>();
+    Table<R> table = study::position_columns<OffsetBand>();
     table.add({"object", "primitive that the ray leaves, from 0", [](const R& r) { return r.band->object[r.i]; }});
     for (const Side side : both_sides) {
         const std::string name(name_of(side));
