@@ -48,7 +48,7 @@ Table<CandidateRow> candidate_table() {
                 "requirement has no tolerance",
                 or_missing([](const R& r) { return r.quality->distance_error; })},
                {"meets", "true if it meets the requirement", &R::meets_requirement},
-               {"chosen", "true for the cheapest that meets the requirement", &R::result},
+               {"chosen", "true for the cheapest that meets the requirement", &R::is_chosen},
                {"mended", "the form that was repaired, and how; missing for a form as it is",
                 [](const R& r) { return r.repair ? r.repair->method : ""; }}});
     return table;

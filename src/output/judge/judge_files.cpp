@@ -122,8 +122,8 @@ public:
     SeriesFiles(const TestedForm& form_row, WorstRays worst) : form_row_(form_row), worst_(std::move(worst)) {}
     void open_table(const std::filesystem::path& folder, const Dump& dump, const JudgeRequest& request) {
         table_.emplace(folder, map::row_name(form_row_) + ".csv",
-                      fmt::format("One row per ray: {} in {}", form_row_.form->info->name, form_row_.format.name),
-                      ray_table(dump, request.metrics, request.is_of_file(form_row_) && dump.layout().decides_only()));
+                       fmt::format("One row per ray: {} in {}", form_row_.form->info->name, form_row_.format.name),
+                       ray_table(dump, request.metrics, request.is_of_file(form_row_) && dump.layout().decides_only()));
     }
     /// Sets the function that receives each result for the map.
     void connect_map(measure::evaluate::Show show_on_map) { show_on_map_ = std::move(show_on_map); }
