@@ -50,11 +50,11 @@ std::vector<MeasuredForm> measured_forms(const MapStudy& request, const std::vec
 /// A count and its share of a population of rays: `45 % of the empty rays`, `3 of the 4096 empty rays`. `all` only if
 /// all of them are counted.
 std::string count_and_share_text(std::uint64_t count, std::uint64_t population_size, const char* population) {
-    const double percent = 100 * static_cast<double>(count) / static_cast<double>(population_size);
+    const double percentage = 100 * static_cast<double>(count) / static_cast<double>(population_size);
     return count == population_size ? fmt::format("all {} {}", population_size, population)
-           : percent < 0.5          ? fmt::format("{} of the {} {}", count, population_size, population)
-           : percent > 99           ? fmt::format("{:.1f} % of the {}", std::min(percent, 99.9), population)
-                                    : fmt::format("{:.0f} % of the {}", percent, population);
+           : percentage < 0.5       ? fmt::format("{} of the {} {}", count, population_size, population)
+           : percentage > 99        ? fmt::format("{:.1f} % of the {}", std::min(percentage, 99.9), population)
+                                    : fmt::format("{:.0f} % of the {}", percentage, population);
 }
 
 }  // namespace
