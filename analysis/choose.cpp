@@ -194,7 +194,7 @@ Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const Re
     files.finish(choice);
     complete_folder(result_folder);
     progress.finish();
-    fmt::print("{}", output::choice::in_words(choice));
+    fmt::print("{}", output::choice::choice_text(choice));
     if (!common.quiet) fmt::print("{}\n", (files.folder() / "choose.csv").string());
     return choice.cheapest_index ? Exit::done : Exit::answer_is_no;
 }

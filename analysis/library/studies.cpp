@@ -173,7 +173,7 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
     const auto found = output::choice::choose_among(request, candidates, timed_rays);
     result.add_table("choose", output::choice::candidate_table(), output::choice::candidate_rows(found));
     result.add_table("room", output::choice::margin_table(), found.margins);
-    result.texts.push_back(output::choice::in_words(found));
+    result.texts.push_back(output::choice::choice_text(found));
     return found.cheapest_index.has_value();
 }
 

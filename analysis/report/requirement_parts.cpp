@@ -105,8 +105,8 @@ page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
     const auto candidates = measure_candidates(request, timed_rays);
     const auto chosen = output::choice::choose_among(request, candidates, timed_rays);
     return {.scene = work.scene.id,
-            .requirement = output::choice::in_words(work.requirement),
-            .words = output::choice::in_words(chosen),
+            .requirement = output::choice::requirement_text(work.requirement),
+            .words = output::choice::choice_text(chosen),
             .table = page::choice_table(chosen),
             .front = {fmt::format("Time against kept bits on {}", work.scene.id), svg_text(pareto_plot(chosen))}};
 }
@@ -122,7 +122,7 @@ page::MendPart mend_part(const output::repair::RepairSummary& result) {
     const auto& row = result.request.row;
     page::MendPart part{.form = fmt::format("{} in {}", row.form->info->name, row.format.name),
                         .scene = result.request.id(),
-                        .requirement = output::choice::in_words(result.request.requirement),
+                        .requirement = output::choice::requirement_text(result.request.requirement),
                         .changes = {},
                         .words = repair_text(result),
                         .table = page::mend_table(result),

@@ -139,7 +139,7 @@ image::Canvas pareto_plot(const ChoiceResult& result) {
     plot::ScatterPlotSpec spec;
     spec.title = fmt::format("Time against kept bits on {}", result.request.id());
     spec.subtitle = {
-        fmt::format("Required: {}. {}.", in_words(requirement),
+        fmt::format("Required: {}. {}.", requirement_text(requirement),
                     result.cheapest_index ? fmt::format("Chosen: {} in {}",
                                                         result.candidates[*result.cheapest_index].row.form->info->name,
                                                         result.candidates[*result.cheapest_index].row.format.name)
@@ -214,11 +214,11 @@ void ChoiceFiles::finish(const ChoiceResult& result) {
     if (result.obstacle)
         for (const auto& trial : result.obstacle->trials) inputs_.add({&*result.obstacle, &trial});
     image::save_figure(folder_ / "front.png", pareto_plot(result));
-    file::write_file(folder_ / "choose.txt", in_words(result));
-    table::close_tables(
-        folder_,
-        fmt::format("What meets a requirement on {}: {}", result.request.id(), in_words(result.request.requirement)),
-        candidates_, margins_, offsets_, inputs_, requirement_);
+    file::write_file(folder_ / "choose.txt", choice_text(result));
+    table::close_tables(folder_,
+                        fmt::format("What meets a requirement on {}: {}", result.request.id(),
+                                    requirement_text(result.request.requirement)),
+                        candidates_, margins_, offsets_, inputs_, requirement_);
 }
 
 }  // namespace lostbits::output::choice

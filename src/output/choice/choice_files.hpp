@@ -71,12 +71,12 @@ std::string kept_bits_text(double kept_bits, const Requirement& requirement);
 /// requirement has no tolerance.
 std::string distance_error_text(double distance_error, const Requirement& requirement);
 
-/// `16 bits of 99 of 100 hits, no wrong decision`.
-std::string in_words(const Requirement& requirement);
+/// The requirement in words: `16 bits of 99 of 100 hits, no wrong decision`.
+std::string requirement_text(const Requirement& requirement);
 /// The answer of the choice, in several lines. All times are of this run.
-std::string in_words(const ChoiceResult& result);
+std::string choice_text(const ChoiceResult& result);
 /// The formats that the pixels need, and the least cost of switching between forms; two or three lines.
-std::string in_words(const ChoiceResult& result, const RequirementMap& requirement_map);
+std::string requirement_map_text(const ChoiceResult& result, const RequirementMap& requirement_map);
 /// Lines on the obstacle, that is, on what keeps every candidate from meeting the requirement. Each line begins with
 /// two blanks. `nearest` is the candidate that comes nearest to the requirement.
 std::string obstacle_text(const ChoiceResult& result, const Candidate& nearest);

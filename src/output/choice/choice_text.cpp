@@ -1,4 +1,4 @@
-// Sentences about a choice (see `in_words`).
+// Sentences about a choice (see `choice_text`).
 #include "output/choice/choice_files.hpp"
 
 #include <fmt/format.h>
@@ -273,7 +273,7 @@ std::string distance_error_text(double distance_error, const Requirement& requir
     return ", " + text + " off";
 }
 
-std::string in_words(const Requirement& requirement) {
+std::string requirement_text(const Requirement& requirement) {
     // All typed digits are shown, because p99.99999 is not every hit.
     const std::string hits =
         requirement.quantile == 1 ? "every hit" : fmt::format("{:.12g} of 100 hits", requirement.quantile * 100);
@@ -286,8 +286,8 @@ std::string in_words(const Requirement& requirement) {
     return fmt::format("{:g} correct bits of {} and {}, {}", requirement.bits, hits, off, wrong);
 }
 
-std::string in_words(const ChoiceResult& result) {
-    std::string text = fmt::format("{}: {}\n", result.request.id(), in_words(result.request.requirement));
+std::string choice_text(const ChoiceResult& result) {
+    std::string text = fmt::format("{}: {}\n", result.request.id(), requirement_text(result.request.requirement));
     if (!result.cheapest_index) {
         text += nothing_meets_text(result);
     } else {
@@ -305,7 +305,7 @@ std::string in_words(const ChoiceResult& result) {
             text += fmt::format("  It {}.\n", margin_text(margin, result, precision));
         text += next_ray_text(result);
     }
-    if (result.requirement_map) text += in_words(result, *result.requirement_map);
+    if (result.requirement_map) text += requirement_map_text(result, *result.requirement_map);
     text += mended_text(result) + file_answers_text(result) + single_ray_text(result.candidates);
     return text + fmt::format("Times are of this run: {} of the {} against {} of its primitives.\n",
                               scene::toml::count_with_noun(result.timed.rays, "ray"),

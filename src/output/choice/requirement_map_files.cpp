@@ -157,7 +157,7 @@ void draw_requirement_map(const std::filesystem::path& path, const ChoiceResult&
     picture.finish(spec.legend);
 }
 
-std::string in_words(const ChoiceResult& result, const RequirementMap& requirement_map) {
+std::string requirement_map_text(const ChoiceResult& result, const RequirementMap& requirement_map) {
     std::string text = "Pixel by pixel, with any of the forms: ";
     for (std::size_t f = 0; f < requirement_map.formats.size(); ++f) {
         text += fmt::format("{}{} {} {}", f == 0 ? "" : ", ", percent(requirement_map.needed[f], requirement_map),

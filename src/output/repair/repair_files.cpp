@@ -114,7 +114,7 @@ image::Canvas pareto_plot(const RepairSummary& summary) {
     spec.title = fmt::format("{} against kept bits: {} on {}", is_timed ? "Time" : "Wider operations",
                              summary.request.row.form->info->name, summary.request.id());
     spec.subtitle = {
-        fmt::format("Required: {}.", choice::in_words(requirement)),
+        fmt::format("Required: {}.", choice::requirement_text(requirement)),
         "Named: the form, its repairs, and the Pareto front, on which fewer wrong decisions count before more bits." +
             (is_timed ? std::string() : " The catalogue: only forms in " + summary.request.row.format.name + ".")};
     if (is_timed)
@@ -281,7 +281,7 @@ FormTexts texts_of(const RepairSummary& summary, const Proposal& proposal, const
     const std::string form_name(summary.request.row.form->info->name), method = method_text(summary, proposal);
     std::vector<std::string> head_lines{
         fmt::format("{}, {}:", form_name, method),
-        fmt::format("{} on every {} of {}.", choice::in_words(summary.request.requirement),
+        fmt::format("{} on every {} of {}.", choice::requirement_text(summary.request.requirement),
                     summary.request.scene ? "pixel" : "ray kept", summary.request.id()),
         "Made by " + command};
     if (summary.request.row.form->is_placed)

@@ -373,9 +373,9 @@ std::string method_text(const RepairSummary& summary, const Proposal& proposal) 
 std::string repair_text(const RepairSummary& summary) {
     const auto& requirement = summary.request.requirement;
     const auto& repair = summary.repair;
-    std::string text = fmt::format("{}: {}\n{} in {} keeps {}.\n", summary.request.id(), choice::in_words(requirement),
-                                   summary.request.row.form->info->name, summary.request.row.format.name,
-                                   quality_text(repair.own, requirement));
+    std::string text = fmt::format("{}: {}\n{} in {} keeps {}.\n", summary.request.id(),
+                                   choice::requirement_text(requirement), summary.request.row.form->info->name,
+                                   summary.request.row.format.name, quality_text(repair.own, requirement));
     if (!repair.set)
         text += fmt::format("Even with all of its {} operations in {} it does not meet the requirement: {}.\n{}",
                             repair.operations, wider_format_name(repair.wider), quality_text(repair.all, requirement),
