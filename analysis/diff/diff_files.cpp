@@ -173,7 +173,7 @@ void print(const Result& r, bool verbose) {
         if (column.count == 0 && !(verbose && !column.absolute.position.empty())) continue;
         fmt::print("  {}: {} differ", terminal_line(column.name), column.count);
         if (column.not_finite_count > 0)
-            fmt::print(", {} of them in kind (NaN, infinite, empty or text)", column.not_finite);
+            fmt::print(", {} of them in kind (NaN, infinite, empty or text)", column.not_finite_count);
         print_largest("abs", column.absolute);
         print_largest("rel", column.relative);
         fmt::print("\n");
