@@ -108,10 +108,10 @@ void print(const Claim& claim, const ClaimResult& result, const CheckOptions& op
                                                               : "FAILED";
     const std::string problem = result.state == State::skipped        ? "cannot be measured on this machine"
                                 : result.state == State::unmeasurable ? "could not be measured"
-                                                                      : output::claim::changed_text(claim, result);
+                                                                      : output::claim::disagreement_text(claim, result);
     fmt::print("{}: {}: {} ({})\n", label, problem, terminal_line(claim.id), terminal_line(claim.statement));
     fmt::print("         {}: {}\n", terminal_line(claim.where.text()),
-               terminal_line(output::claim::explain(claim, result)));
+               terminal_line(output::claim::explanation_text(claim, result)));
     if (result.witness.x >= 0) {
         fmt::print("         worst ray: origin {} {} {}, direction {} {} {}\n",
                    output::file::hex(result.witness.ray.origin.x), output::file::hex(result.witness.ray.origin.y),
@@ -119,14 +119,14 @@ void print(const Claim& claim, const ClaimResult& result, const CheckOptions& op
                    output::file::hex(result.witness.ray.direction.y),
                    output::file::hex(result.witness.ray.direction.z));
     }
-    if (const std::string command = output::claim::explain_witness(claim, result); !command.empty())
+    if (const std::string command = output::claim::witness_command(claim, result); !command.empty())
         fmt::print("         explain it: {}\n", terminal_line(command));
-    fmt::print("         reproduce: {}\n", terminal_line(output::claim::words_of(claim).command));
+    fmt::print("         reproduce: {}\n", terminal_line(output::claim::subject_texts(claim).command));
     if (options.annotations == "github" && result.state != State::skipped) {
         fmt::print("::{} file={},line={},title={}::{}\n", std::string_view(label) == "warning" ? "warning" : "error",
                    output::file::workflow_value(claim.where.source), claim.where.line,
                    output::file::workflow_value(claim.id),
-                   output::file::workflow_text(output::claim::explain(claim, result)));
+                   output::file::workflow_text(output::claim::explanation_text(claim, result)));
     }
 }
 

@@ -72,7 +72,7 @@ private:
         }
         const RepairSummary result{
             .request = requests_.back(), .repair = repairs_.back(), .catalogue = {}, .catalogue_quality = {}};
-        proposals_.push_back(proposals_of(result));
+        proposals_.push_back(list_proposals(result));
         int count = 0;
         for (const Proposal& proposal : proposals_.back())
             if (proposal.quality->meets(request_.requirement) && is_new(proposal, form_row))
@@ -92,10 +92,10 @@ private:
         std::string name(form_row.form->info->name);
         std::ranges::replace(name, '.', '_');
         name += fmt::format("_{}{}", form_row.format.name == "f32" ? "" : form_row.format.name + "_", count);
-        sources.push_back(output::repair::written(result, proposal, name, command_));
+        sources.push_back(output::repair::make_repaired_source(result, proposal, name, command_));
         std::string description = fmt::format("{}, {}", form_row.form->info->name, method_text(result, proposal));
-        if (proposal.wider) description += ": " + names_of(result, *proposal.wider);
-        candidates.push_back({"mended." + name, std::move(description), *proposal.held_out, name + ".hpp"});
+        if (proposal.wider_operations) description += ": " + statement_names(result, *proposal.wider_operations);
+        candidates.push_back({"mended." + name, std::move(description), *proposal.held_out_quality, name + ".hpp"});
     }
 
     const ChoiceRequest& request_;
@@ -197,7 +197,7 @@ Exit choose(ChoiceRequest& request, output::choice::ChoiceFiles& files, const Re
     files.finish(choice);
     complete_folder(result_folder);
     progress.finish();
-    fmt::print("{}", output::choice::in_words(choice));
+    fmt::print("{}", output::choice::choice_text(choice));
     if (!common.quiet) fmt::print("{}\n", (files.folder() / "choose.csv").string());
     return choice.cheapest_index ? Exit::done : Exit::answer_is_no;
 }

@@ -208,7 +208,7 @@ Exit run(const DiffOptions& options, const CommonOptions& common) {
     for (const std::string& text : options.tolerances)
         compare_options.tolerances.push_back(output::diff::parse_tolerance(text));
     compare_options.ignored = options.ignored;
-    if (common.verbose) compare_options.max_kept = UINT64_MAX;
+    if (common.verbose) compare_options.max_listed = UINT64_MAX;
     const MapSides sides = sides_of(options);
     if (options.b.empty() && !sides.are_forms())
         throw InputError("diff: B is missing, the file or folder to compare with; or compare two forms of " +

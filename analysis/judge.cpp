@@ -169,7 +169,7 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
         JudgeFindings{.worst = files.worst()}, files, division, "judge", [&]() -> JudgeFindings {
             JudgeResult result = measure::judge::run_judge(
                 dump, request, [&files](std::size_t row_index, const auto& chunk, const auto& band) {
-                    files.piece(row_index, chunk, band);
+                    files.add_piece(row_index, chunk, band);
                 });
             return {std::move(result), files.worst(), *request.stages};
         });
@@ -270,9 +270,9 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
                                      .command = common.typed_command.text(),
                                      .drawn_metrics = request.picture ? drawn_metrics : std::vector<const Metric*>{},
                                      .single_pictures = options.pictures == "all",
-                                     .rows = options.rows,
-                                     .worst = options.worst,
-                                     .keep = shard::piece_recorder(division, "judge")});
+                                     .writes_rows = options.rows,
+                                     .worst_count = options.worst,
+                                     .keep_piece = shard::piece_recorder(division, "judge")});
     const auto judgement = judge_rays(*dump, request, files, division, [&] {
         return selection::open_file(options, options.file, selection::shared_shape(options, scene),
                                     options.rows || !options.by.empty());

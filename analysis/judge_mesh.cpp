@@ -75,7 +75,7 @@ void print_answers(const std::string& name, const Format& format, const MeshAnsw
     for (std::size_t k = 0; k < measure::judge::mesh_outcome_rows.size(); ++k) {
         const auto outcome = static_cast<MeshOutcome>(k);
         if (!can_be(outcome, result.kind)) continue;
-        const std::string title = output::map::in_words(name_of(outcome));
+        const std::string title = output::map::name_in_words(name_of(outcome));
         columns.push_back({title, std::max<std::size_t>(title.size(), 7)});
         cells.push_back(std::to_string(result.of(outcome)));
     }
@@ -94,9 +94,9 @@ void print_answers(const std::string& name, const Format& format, const MeshAnsw
 void print_faults(const MeshAnswersResult& result) {
     const bool are_points = result.kind == AnswerKind::inside;
     for (const auto& [outcome, count, first] : output::judge::mesh_fault_rows(result)) {
-        const std::string title = output::map::in_words(name_of(outcome));
+        const std::string title = output::map::name_in_words(name_of(outcome));
         fmt::print("  first {}: {} {}, {}\n", title, are_points ? "point" : "record", first->record,
-                   output::judge::words_of(*first, are_points));
+                   output::judge::answer_arguments(*first, are_points));
     }
 }
 
@@ -127,7 +127,7 @@ Exit run_mesh_judge(const JudgeOptions& options, const std::optional<scene::file
          .format = std::string(dump.format().name),
          .title = "answers of " + std::filesystem::path(options.file).filename().string(),
          .kind = kind,
-         .rows = options.rows});
+         .writes_rows = options.rows});
     const MeshAnswersResult result =
         measure::judge::judge_mesh_answers(dump, request, [&](const auto& answers) { files.add(answers); });
     files.finish(result);

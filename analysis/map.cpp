@@ -205,11 +205,11 @@ std::uint64_t map_scene(SceneWork& work, const MapOptions& options, const std::v
                    .scene_arguments = selection::name_of_scene(scene, selection::data_folder(common.data)) +
                                       scene_options_text(options),
                    .explaining_sheet = context.explaining_sheet,
-                   .envelope = options.envelope,
+                   .draws_envelope = options.envelope,
                    .exr = exr,
                    .other_tables = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{},
                    .range = selection::parse_range(options.range, drawn_metrics),
-                   .keep = shard::piece_recorder(division, job)});
+                   .keep_piece = shard::piece_recorder(division, job)});
 
     SceneSummaries summaries;
     auto map_summaries = shard::run_divided(work.map, files, division, job);

@@ -61,10 +61,10 @@ measure::evaluate::TestedForm select_row(const MendOptions& options, const std::
 void add_prices(RepairSummary& result, const MendOptions& options, const std::string& command) {
     const RepairRequest& request = result.request;
     std::vector<measure::repair::RepairedSource> sources;
-    const auto proposals = proposals_of(result);
+    const auto proposals = list_proposals(result);
     for (const auto& proposal : proposals) {
         const std::string name = fmt::format("mended{}", sources.size() + 1);
-        sources.push_back(output::repair::written(result, proposal, name, command));
+        sources.push_back(output::repair::make_repaired_source(result, proposal, name, command));
     }
     try {
         std::vector<intersect::external::Formula> formulas;
@@ -75,7 +75,7 @@ void add_prices(RepairSummary& result, const MendOptions& options, const std::st
         rows.insert(rows.end(), result.catalogue.begin(), result.catalogue.end());
         result.prices = prices_of(request, rows, {.stop = request.limit.stop});
     } catch (const EnvironmentError& error) {
-        result.no_price = error.what();
+        result.no_price_reason = error.what();
     }
 }
 
@@ -217,11 +217,11 @@ Exit run(const MendOptions& options, const CommonOptions& common) {
     std::optional<output::file::AtomicFile> header;
     if (!options.emit.empty()) header.emplace(options.emit);
     const measure::repair::RepairResult repair = repair_form(request);
-    RepairSummary result = output::repair::result_of(request, repair);
+    RepairSummary result = output::repair::summarize_repair(request, repair);
     const std::string command = scene ? mend_command(options) : common.typed_command.for_subject(subject);
     if (options.price) add_prices(result, options, command);
     if (header) {
-        header->write(emitted(result, options.emit, command));
+        header->write(emitted_file_text(result, options.emit, command));
         header->commit();
     }
     if (files) {
@@ -229,10 +229,10 @@ Exit run(const MendOptions& options, const CommonOptions& common) {
         write_page(files->folder() / "index.html", result, common.typed_command.for_subject(subject) + " -o out");
     }
     complete_folder(result_folder);
-    fmt::print("{}", output::repair::in_words(result));
+    fmt::print("{}", output::repair::repair_text(result));
     if (files && !common.quiet)
         for (const char* name : {"mend.csv", "index.html"}) fmt::print("{}\n", (files->folder() / name).string());
-    const bool meets_requirement = repair.set || best_of(proposals_of(result), result);
+    const bool meets_requirement = repair.set || best_proposal(list_proposals(result), result);
     return meets_requirement ? Exit::done : Exit::answer_is_no;
 }
 

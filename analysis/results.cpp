@@ -194,7 +194,7 @@ void print_comparisons(const std::vector<measure::evaluate::TestedForm>& rows,
             const std::uint64_t n = summaries[r].categories[against][c];
             if (n > 0)
                 counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", n,
-                                      output::map::in_words(measure::answer::against_names[c]));
+                                      output::map::name_in_words(measure::answer::against_names[c]));
         }
         fmt::print("  {} {} against {}: {}\n", rows[r].form->info->name, rows[r].format.name,
                    rows[r].against->info->name, counts);

@@ -102,7 +102,7 @@ void ExhaustiveRun::forget_state() const {
 std::uint64_t ExhaustiveRun::run(bool others_follow) {
     const CommonOptions& common = chosen_.common;
     // The user may have forgotten --resume. The old state stays until this run writes its own.
-    if (!resumed_ && !common.quiet && state_file_.is_there())
+    if (!resumed_ && !common.quiet && state_file_.exists())
         fmt::print(stderr,
                    "lostbits: {} is the state of a stopped run; this run starts from the beginning (to continue that "
                    "one, use --resume)\n",

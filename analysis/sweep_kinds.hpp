@@ -88,7 +88,7 @@ public:
     ExhaustiveRun(const ExhaustiveRun&) = delete;
     ExhaustiveRun& operator=(const ExhaustiveRun&) = delete;
 
-    [[nodiscard]] bool was_stopped() const { return state_file_.is_there(); }
+    [[nodiscard]] bool was_stopped() const { return state_file_.exists(); }
     /// Reads the state of a stopped run. Throws InputError if there is none, or if it belongs to another run.
     void resume();
     /// Tries the floats that are left and writes the results, or records them in a shard. Keeps its state if it is

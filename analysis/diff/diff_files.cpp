@@ -39,7 +39,8 @@ std::string extension_of(const fs::path& path) {
 }
 
 void print_largest(const char* name, const output::diff::Largest& largest) {
-    if (!largest.at.empty()) fmt::print(", largest {} {:.4g} at {}", name, largest.value, terminal_line(largest.at));
+    if (!largest.position.empty())
+        fmt::print(", largest {} {:.4g} at {}", name, largest.value, terminal_line(largest.position));
 }
 
 }  // namespace
@@ -166,21 +167,22 @@ void print(const FileResult& result, bool verbose) {
         if (verbose) fmt::print("{}: same\n", file);
     } else {
         fmt::print("{}: {}", file, count_with_noun(comparison.count, "difference"));
-        if (comparison.rows_differ > 0)
-            fmt::print(", in {} of {}", comparison.rows_differ, count_with_noun(comparison.rows, "row"));
+        if (comparison.differing_rows > 0)
+            fmt::print(", in {} of {}", comparison.differing_rows, count_with_noun(comparison.rows, "row"));
         fmt::print("\n");
     }
     for (const auto& column : comparison.columns) {
-        if (column.count == 0 && !(verbose && !column.absolute.at.empty())) continue;
+        if (column.count == 0 && !(verbose && !column.absolute.position.empty())) continue;
         fmt::print("  {}: {} differ", terminal_line(column.name), column.count);
-        if (column.not_finite > 0) fmt::print(", {} of them in kind (NaN, infinite, empty or text)", column.not_finite);
+        if (column.not_finite_count > 0)
+            fmt::print(", {} of them in kind (NaN, infinite, empty or text)", column.not_finite_count);
         print_largest("abs", column.absolute);
         print_largest("rel", column.relative);
         fmt::print("\n");
     }
     for (const auto& d : comparison.differences) {
-        if (d.line > 0) fmt::print("{}:{}: {}\n", file, d.line, terminal_line(d.what));
-        else fmt::print("{}: {}\n", file, terminal_line(d.what));
+        if (d.line > 0) fmt::print("{}:{}: {}\n", file, d.line, terminal_line(d.text));
+        else fmt::print("{}: {}\n", file, terminal_line(d.text));
     }
     if (comparison.count > comparison.differences.size())
         fmt::print("{}: and {} more; -v shows all\n", file, comparison.count - comparison.differences.size());

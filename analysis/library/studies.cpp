@@ -145,14 +145,15 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
     request.limit.stop = settings.stop();
     request.progress = settings.advance_callback(0);
     const auto repair = measure::repair::repair_form(request);
-    const output::repair::RepairSummary repair_summary = output::repair::result_of(request, repair);
-    result.add_table("mend", output::repair::form_table(), output::repair::rows_of(repair_summary));
+    const output::repair::RepairSummary repair_summary = output::repair::summarize_repair(request, repair);
+    result.add_table("mend", output::repair::form_table(), output::repair::form_rows(repair_summary));
     result.add_table("minimal", output::repair::minimal_table(), output::repair::minimal_rows(repair_summary));
     result.add_table("probes", output::repair::probe_table(), output::repair::probe_rows(repair_summary));
-    result.texts.push_back(output::repair::in_words(repair_summary));
+    result.texts.push_back(output::repair::repair_text(repair_summary));
     const bool is_better =
-        output::repair::best_of(output::repair::proposals_of(repair_summary), repair_summary) != nullptr;
-    if (is_better) result.texts.push_back(output::repair::emitted(repair_summary, "mended.hpp", "lostbits_mend"));
+        output::repair::best_proposal(output::repair::list_proposals(repair_summary), repair_summary) != nullptr;
+    if (is_better)
+        result.texts.push_back(output::repair::emitted_file_text(repair_summary, "mended.hpp", "lostbits_mend"));
     return repair.set || is_better;
 }
 
@@ -175,7 +176,7 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
     const auto choice = output::choice::choose_among(request, candidates, timed_rays);
     result.add_table("choose", output::choice::candidate_table(), output::choice::candidate_rows(choice));
     result.add_table("room", output::choice::margin_table(), choice.margins);
-    result.texts.push_back(output::choice::in_words(choice));
+    result.texts.push_back(output::choice::choice_text(choice));
     return choice.cheapest_index.has_value();
 }
 

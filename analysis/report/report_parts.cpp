@@ -102,7 +102,7 @@ std::string absent_charts(const output::sweep::MeasuredSweep& sweep, const Forma
     std::string names;
     for (const auto outcome : output::sweep::wrong_outcomes(sweep, format))
         if (!output::sweep::has_outcome(sweep, format, outcome))
-            names += (names.empty() ? "a " : " or a ") + output::map::plain_name(outcome);
+            names += (names.empty() ? "a " : " or a ") + output::map::outcome_in_words(outcome);
     return names.empty() ? "" : fmt::format("In {}, no ray is {}.", format.name, names);
 }
 

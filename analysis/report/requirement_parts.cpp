@@ -106,17 +106,17 @@ page::ChoicePart choice_part(const ChoiceWork& work, StopToken stop) {
     const auto candidates = measure_candidates(request, timed_rays);
     const auto chosen = output::choice::choose_among(request, candidates, timed_rays);
     return {.scene = work.scene.id,
-            .requirement = output::choice::in_words(work.requirement),
-            .text = output::choice::in_words(chosen),
+            .requirement = output::choice::requirement_text(work.requirement),
+            .text = output::choice::choice_text(chosen),
             .table = page::choice_table(chosen),
-            .front_chart = {fmt::format("Time against kept bits on {}", work.scene.id), svg_text(front_plot(chosen))}};
+            .front_chart = {fmt::format("Time against kept bits on {}", work.scene.id), svg_text(pareto_plot(chosen))}};
 }
 
 page::MendPart mend_part(const MendWork& work, StopToken stop) {
     measure::repair::RepairRequest request{.scene = &work.scene, .row = work.row, .requirement = work.requirement};
     request.limit.stop = stop;
     const auto repair = measure::repair::repair_form(request);
-    return mend_part(output::repair::result_of(request, repair));
+    return mend_part(output::repair::summarize_repair(request, repair));
 }
 
 page::MendPart mend_part(const output::repair::RepairSummary& result) {
@@ -124,13 +124,13 @@ page::MendPart mend_part(const output::repair::RepairSummary& result) {
     page::MendPart part{
         .form = fmt::format("{} in {}", row.form->info->name, row.format.name),
         .scene = result.request.id(),
-        .requirement = output::choice::in_words(result.request.requirement),
+        .requirement = output::choice::requirement_text(result.request.requirement),
         .changes = {},
-        .text = in_words(result),
+        .text = repair_text(result),
         .table = page::mend_table(result),
-        .front_chart = {fmt::format("Kept bits on {}", result.request.id()), svg_text(front_plot(result))},
+        .front_chart = {fmt::format("Kept bits on {}", result.request.id()), svg_text(pareto_plot(result))},
         .has_times = !result.prices.empty()};
-    for (const output::repair::FormRow& form_row : rows_of(result))
+    for (const output::repair::FormRow& form_row : form_rows(result))
         if (form_row.is_proposal()) part.changes.push_back(change_text(result, form_row));
     return part;
 }

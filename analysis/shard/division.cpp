@@ -157,7 +157,7 @@ void Shards::check_inputs(std::uint64_t inputs) const {
 
 void Shards::check_jobs(const std::vector<std::string>& jobs) const {
     for (const StateFileReader& file : files_) {
-        if (!std::ranges::is_permutation(file.names(), jobs)) file.damaged();
+        if (!std::ranges::is_permutation(file.names(), jobs)) file.refuse_damaged();
     }
 }
 
@@ -165,14 +165,14 @@ void Shards::for_each_record(const std::string& name, const std::function<void(o
     for (StateFileReader& file : files_) {
         bool has_records = false;
         while (file.next(name, take)) has_records = true;
-        file.rest();
-        if (!has_records) file.damaged();
+        file.pause();
+        if (!has_records) file.refuse_damaged();
     }
 }
 
 void Shards::check_end() const {
     for (const StateFileReader& file : files_) {
-        if (!file.is_at_end()) file.damaged();
+        if (!file.is_at_end()) file.refuse_damaged();
     }
 }
 

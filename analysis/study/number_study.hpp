@@ -162,7 +162,7 @@ struct NumberAdapter {
     }
     static output::table::Table<output::study::PixelInBand<NumberBand>> pixel_table(const Study&) {
         using R = output::study::PixelInBand<NumberBand>;
-        return output::study::place_columns<NumberBand>().add(
+        return output::study::position_columns<NumberBand>().add(
             {name, Quantity::unit, Quantity::meaning,
              [](const R& r) { return output::file::number_or_missing(r.band->numbers[r.i]); }});
     }

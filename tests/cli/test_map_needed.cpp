@@ -156,7 +156,7 @@ TEST_CASE("the envelope makes lost bits paler exactly where the problem explains
     must(what + (scratch / "without").string() + "'");
     // Half of the bits of a format, by its square root.
     const ColourScale scale("viridis", backend().ramp("viridis", 256), 0, 24, Spacing::root);
-    const Rgb8 swatch = paler(scale.map(12));
+    const Rgb8 swatch = make_paler(scale.map(12));
     for (const char* format : {"f32", "f64"}) {
         INFO(format);
         const std::string stem = std::string("grazing/sphere.schoolbook.") + format;
@@ -168,7 +168,7 @@ TEST_CASE("the envelope makes lost bits paler exactly where the problem explains
             const float lost = samples<float>(with, "bits.lost")[i],
                         excess = samples<float>(with, "condition.excess")[i];
             const bool in = lost >= 1 && excess < 1;
-            CHECK(preview(with, i) == (in ? paler(preview(without, i)) : preview(without, i)));
+            CHECK(preview(with, i) == (in ? make_paler(preview(without, i)) : preview(without, i)));
             inside += in;
             lossy_outside += lost >= 1 && !in;
         }

@@ -86,8 +86,8 @@ TEST_CASE("shader bits: a mended form on the driver has the bits of its tape", "
                     std::string id = std::string(form_name).substr(std::string(form_name).find('.') + 1);
                     id += std::string("_") + arithmetic + std::to_string(every);
                     const std::string file = folder.write(
-                        id + ".glsl",
-                        output::repair::shader_code(made, form, {.name = id, .title = id, .source = {}, .head = {}}));
+                        id + ".glsl", output::repair::shader_code(
+                                          made, form, {.name = id, .title = id, .source = {}, .head_lines = {}}));
                     words += " --shader " + file;
                     cases.push_back({id, answers_of(made, form, scene)});
                 }
@@ -123,7 +123,7 @@ TEST_CASE("shader bits: a function that GLSL lacks is refused with a replacement
     const auto& form = test::form_named("sphere.kahan_discriminant");
     const Tape plain = tape::tape_of(form, *find_format("f32"));
     const auto code = [&](const Tape& made) {
-        return output::repair::shader_code(made, form, {.name = "f", .title = "f", .source = {}, .head = {}});
+        return output::repair::shader_code(made, form, {.name = "f", .title = "f", .source = {}, .head_lines = {}});
     };
     CHECK_THROWS_WITH(code(tape::widened(plain, sample_rays(plain, 1), binary64)), Catch::Contains("fma of doubles"));
     CHECK_THROWS_WITH(code(tape::tape_of(form, *find_format("f64"))), Catch::Contains("a shader computes in floats"));

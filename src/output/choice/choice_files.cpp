@@ -15,15 +15,15 @@ using table::or_missing;
 using table::Table;
 using table::when;
 
-ChoiceResult choose_among(const measure::choice::ChoiceRequest& request, const std::vector<Candidate>& all,
+ChoiceResult choose_among(const measure::choice::ChoiceRequest& request, const std::vector<Candidate>& candidates,
                           measure::choice::TimedRays timed) {
-    ChoiceResult chosen{request, all, timed, cheapest(all, request.requirement)};
+    ChoiceResult result{request, candidates, timed, cheapest(candidates, request.requirement)};
     measure::choice::ChoiceRequest quiet_request = request;
     quiet_request.show = {};
     quiet_request.progress = [](std::uint64_t) {};
-    if (chosen.cheapest_index) chosen.margins = margins_of(quiet_request, all[*chosen.cheapest_index].row);
-    else chosen.obstacle = find_obstacle(quiet_request, all[*nearest(all, request.requirement)].row);
-    return chosen;
+    if (result.cheapest_index) result.margins = margins_of(quiet_request, candidates[*result.cheapest_index].row);
+    else result.obstacle = find_obstacle(quiet_request, candidates[*nearest(candidates, request.requirement)].row);
+    return result;
 }
 
 Table<RowQuality> quality_columns() {
@@ -38,7 +38,7 @@ Table<RowQuality> quality_columns() {
 Table<CandidateRow> candidate_table() {
     using R = CandidateRow;
     Table<R> table;
-    table.add(speed::kernel_columns("form under test; file.NAME: the answers in the files of rays"), &R::name);
+    table.add(speed::kernel_columns("form under test; file.NAME: the answers in the files of rays"), &R::kernel);
     table.add(speed::time_columns("per ray and primitive; median of the repetitions; missing: not known",
                                   "per ray and primitive; "),
               &R::time);
@@ -48,9 +48,9 @@ Table<CandidateRow> candidate_table() {
                 "requirement has no tolerance",
                 or_missing([](const R& r) { return r.quality->distance_error; })},
                {"meets", "true if it meets the requirement", &R::meets_requirement},
-               {"chosen", "true for the cheapest that meets the requirement", &R::chosen},
+               {"chosen", "true for the cheapest that meets the requirement", &R::is_chosen},
                {"mended", "the form that was repaired, and how; missing for a form as it is",
-                [](const R& r) { return r.repair ? r.repair->how : ""; }}});
+                [](const R& r) { return r.repair ? r.repair->method : ""; }}});
     return table;
 }
 
@@ -84,36 +84,37 @@ Table<SafeOffsetRow> offset_table() {
     using R = SafeOffsetRow;
     return {
         {"side", "outside: right for every ray away from the primitive; both: also for rays into it", &R::side},
-        {"strategy", "rule for the start of the next ray", [](const R& r) { return r.safe.strategy->name; }},
-        {"operations", "operations per new ray, as the rule is written", [](const R& r) { return r.safe.operations; }},
+        {"strategy", "rule for the start of the next ray", [](const R& r) { return r.strategy.strategy->name; }},
+        {"operations", "operations per new ray, as the rule is written",
+         [](const R& r) { return r.strategy.operations; }},
         {"oversize_p50", "1",
          "how many times longer than the smallest safe offset, median; the larger of the sides; missing: no offset is "
          "needed",
-         or_missing([](const R& r) { return r.safe.size_ratio; })}};
+         or_missing([](const R& r) { return r.strategy.size_ratio; })}};
 }
 
 std::vector<SafeOffsetRow> offset_rows(const measure::choice::SafeOffsets& offsets) {
     std::vector<SafeOffsetRow> rows;
-    for (const auto& safe : offsets.outside) rows.push_back({"outside", safe});
-    for (const auto& safe : offsets.both) rows.push_back({"both", safe});
+    for (const auto& strategy : offsets.outside) rows.push_back({"outside", strategy});
+    for (const auto& strategy : offsets.both) rows.push_back({"both", strategy});
     return rows;
 }
 
 Table<InputRow> input_table() {
     using R = InputRow;
-    const auto format_of = [](Input input) {
+    const auto format_column = [](Input input) {
         return [input](const R& r) {
-            if (!r.trial->has(input)) return name_of_inputs(r.obstacle->base);
-            return r.obstacle->wider_than_f64 ? std::string("exact") : name_of_inputs(binary64);
+            if (!r.trial->has(input)) return input_format_name(r.obstacle->base);
+            return r.obstacle->wider_than_f64 ? std::string("exact") : input_format_name(binary64);
         };
     };
-    const auto quality_of_exact = [](const R& r) -> const RowQuality& { return r.trial->exact; };
-    const auto quality_of_form = [](const R& r) -> const std::optional<RowQuality>& { return r.trial->form; };
+    const auto exact_quality = [](const R& r) -> const RowQuality& { return r.trial->exact; };
+    const auto form_quality = [](const R& r) -> const std::optional<RowQuality>& { return r.trial->form; };
     const auto kept_bits = or_missing(&RowQuality::kept_bits);
-    Table<R> table{{"origin", "format of the ray origins; exact: not rounded", format_of(Input::origin)},
-                   {"direction", "format of the ray directions", format_of(Input::direction)},
-                   {"place", "format of the centres of spheres and the corners of boxes", format_of(Input::place)},
-                   {"radius", "format of the radii of spheres", format_of(Input::radius)}};
+    Table<R> table{{"origin", "format of the ray origins; exact: not rounded", format_column(Input::origin)},
+                   {"direction", "format of the ray directions", format_column(Input::direction)},
+                   {"place", "format of the centres of spheres and the corners of boxes", format_column(Input::place)},
+                   {"radius", "format of the radii of spheres", format_column(Input::radius)}};
     return table
         .add<RowQuality>(
             {{"rays", "rays whose truth is known", &RowQuality::rays},
@@ -123,49 +124,49 @@ Table<InputRow> input_table() {
               "bits, of 53, that exact arithmetic on these inputs keeps of the ideal truth, at the required share of "
               "the hits",
               kept_bits}},
-            quality_of_exact)
+            exact_quality)
         .add<RowQuality>(
             {{"f64_wrong", "rays that the form nearest to the requirement decides wrongly, in f64 on these inputs",
               &RowQuality::wrong},
              {"f64_kept_bits", "bits", "bits that this form keeps on these inputs; missing: not measured", kept_bits}},
-            quality_of_form);
+            form_quality);
 }
 
 }  // namespace
 
-image::Canvas front_plot(const ChoiceResult& chosen) {
-    const auto& requirement = chosen.request.requirement;
+image::Canvas pareto_plot(const ChoiceResult& result) {
+    const auto& requirement = result.request.requirement;
     plot::ScatterPlotSpec spec;
-    spec.title = fmt::format("Time against kept bits on {}", chosen.request.id());
+    spec.title = fmt::format("Time against kept bits on {}", result.request.id());
     spec.subtitle = {
-        fmt::format("Required: {}. {}.", in_words(requirement),
-                    chosen.cheapest_index
-                        ? fmt::format("Chosen: {} in {}", chosen.all[*chosen.cheapest_index].row.form->info->name,
-                                      chosen.all[*chosen.cheapest_index].row.format.name)
-                        : "Nothing meets the requirement"),
+        fmt::format("Required: {}. {}.", requirement_text(requirement),
+                    result.cheapest_index ? fmt::format("Chosen: {} in {}",
+                                                        result.candidates[*result.cheapest_index].row.form->info->name,
+                                                        result.candidates[*result.cheapest_index].row.format.name)
+                                          : "Nothing meets the requirement"),
         fmt::format("Time: {} of the rays against {} of the primitives, median of {} of this run, bars from quartile "
                     "to quartile. Named: the Pareto front, on which fewer wrong decisions count before more bits, and "
                     "the chosen form.",
-                    chosen.timed.rays, chosen.timed.primitives,
-                    scene::toml::count_with_noun(chosen.request.plan.repetitions, "repetition"))};
+                    result.timed.rays, result.timed.primitives,
+                    scene::toml::count_with_noun(result.request.plan.repetitions, "repetition"))};
     spec.x = {"time per ray and primitive, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
     spec.y = {"bits kept", plot::AxisSpec::Scale::linear, 0.0, {}};
-    std::vector<speed::FrontPoint> points;
-    for (std::size_t k = 0; k < chosen.all.size(); ++k) {
-        const Candidate& c = chosen.all[k];
-        points.push_back({.row = c.row,
+    std::vector<speed::KernelPoint> points;
+    for (std::size_t k = 0; k < result.candidates.size(); ++k) {
+        const Candidate& c = result.candidates[k];
+        points.push_back({.form_row = c.row,
                           .quality = {c.time.median * 1e9, c.quality.wrong_fraction(), c.quality.kept_bits},
                           .time = c.time,
-                          .marker = chosen.cheapest_index == k ? 3 : 0,
-                          .named = chosen.cheapest_index == k,
-                          .hollow = !c.quality.decides(requirement)});
+                          .marker = result.cheapest_index == k ? 3 : 0,
+                          .is_named = result.cheapest_index == k,
+                          .is_hollow = !c.quality.decides(requirement)});
     }
-    speed::add_front(spec, points);
+    speed::add_kernel_points(spec, points);
     spec.keys = {{"f32", 0, 0},
                  {"f64", 0, 1},
                  {"decides more rays wrongly than allowed", 0, plot::ink_colour, false, true},
                  {"not on the Pareto front", 0, 0, true}};
-    if (chosen.cheapest_index) spec.keys.push_back({"chosen", 3, plot::ink_colour});
+    if (result.cheapest_index) spec.keys.push_back({"chosen", 3, plot::ink_colour});
     return plot::scatter_plot(spec);
 }
 
@@ -183,41 +184,41 @@ ChoiceFiles::ChoiceFiles(const std::filesystem::path& folder)
                    "cheapest; then the same for formats under any form, and for none",
                    requirement_table()) {}
 
-std::vector<CandidateRow> candidate_rows(const ChoiceResult& chosen) {
-    const auto& requirement = chosen.request.requirement;
+std::vector<CandidateRow> candidate_rows(const ChoiceResult& result) {
+    const auto& requirement = result.request.requirement;
     std::vector<CandidateRow> rows;
-    for (const std::size_t k : by_price(chosen.all)) {
-        const Candidate& c = chosen.all[k];
+    for (const std::size_t k : by_price(result.candidates)) {
+        const Candidate& c = result.candidates[k];
         const std::string_view form = c.row.form->info->name;
         rows.push_back({{form, c.row.format.name, c.isa},
                         &c.time,
                         &c.quality,
                         c.quality.meets(requirement),
-                        chosen.cheapest_index == k,
-                        chosen.repair_of(form)});
+                        result.cheapest_index == k,
+                        result.repair_of(form)});
     }
-    if (!chosen.request.rays || !chosen.request.rays->answers) return rows;
-    const auto& [name, format, quality] = *chosen.request.rays->answers;
+    if (!result.request.rays || !result.request.rays->answers) return rows;
+    const auto& [name, format, quality] = *result.request.rays->answers;
     rows.push_back({{name, format.name, ""}, nullptr, &quality, quality.meets(requirement), false, nullptr});
     return rows;
 }
 
-void ChoiceFiles::finish(const ChoiceResult& chosen) {
-    candidates_.add_all(candidate_rows(chosen));
-    margins_.add_all(chosen.margins);
-    if (chosen.requirement_map) {
-        requirement_.add_all(requirement_rows(chosen, *chosen.requirement_map));
-        draw_requirement_map(folder_ / "requirement.png", chosen, *chosen.requirement_map);
+void ChoiceFiles::finish(const ChoiceResult& result) {
+    candidates_.add_all(candidate_rows(result));
+    margins_.add_all(result.margins);
+    if (result.requirement_map) {
+        requirement_.add_all(requirement_rows(result, *result.requirement_map));
+        draw_requirement_map(folder_ / "requirement.png", result, *result.requirement_map);
     }
-    if (chosen.offsets) offsets_.add_all(offset_rows(*chosen.offsets));
-    if (chosen.obstacle)
-        for (const auto& trial : chosen.obstacle->trials) inputs_.add({&*chosen.obstacle, &trial});
-    image::save_figure(folder_ / "front.png", front_plot(chosen));
-    file::write_file(folder_ / "choose.txt", in_words(chosen));
-    table::close_tables(
-        folder_,
-        fmt::format("What meets a requirement on {}: {}", chosen.request.id(), in_words(chosen.request.requirement)),
-        candidates_, margins_, offsets_, inputs_, requirement_);
+    if (result.offsets) offsets_.add_all(offset_rows(*result.offsets));
+    if (result.obstacle)
+        for (const auto& trial : result.obstacle->trials) inputs_.add({&*result.obstacle, &trial});
+    image::save_figure(folder_ / "front.png", pareto_plot(result));
+    file::write_file(folder_ / "choose.txt", choice_text(result));
+    table::close_tables(folder_,
+                        fmt::format("What meets a requirement on {}: {}", result.request.id(),
+                                    requirement_text(result.request.requirement)),
+                        candidates_, margins_, offsets_, inputs_, requirement_);
 }
 
 }  // namespace lostbits::output::choice

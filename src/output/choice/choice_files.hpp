@@ -1,7 +1,11 @@
-// Text and files of a choice: what meets the requirement, what it costs and assumes, and how far the scene can change
-// before it fails. The files are choose.csv (every form and format, cheapest first), room.csv, offset.csv, inputs.csv,
-// requirement.csv, requirement.png, front.png, choose.txt and datapackage.json. Times are measured and differ from run
-// to run; the columns of accuracy do not.
+// Text and files of a choice: which form and format meets the requirement, what it costs and assumes, and how far the
+// scene can change before it fails. The files are:
+// - choose.csv: every form and format, cheapest first; choose.txt: the answer in words
+// - room.csv: how far the scene can change; offset.csv: safe strategies for the next ray
+// - inputs.csv: if nothing meets the requirement, what wider inputs would give
+// - requirement.csv and requirement.png: the cheapest form and the narrowest format of each pixel
+// - front.png: the Pareto front of time and kept bits; datapackage.json
+// Times are measured and differ from run to run; the columns of accuracy do not.
 #pragma once
 
 #include <algorithm>
@@ -28,22 +32,22 @@ using measure::choice::RowQuality;
 
 /// A candidate made by repairing a form (`lostbits mend`) that does not meet the requirement.
 struct RepairedCandidate {
-    std::string name;     ///< name of the candidate's form
-    std::string how;      ///< `sphere.half_b, 3 of its 20 operations in double: c, disc`
-    RowQuality held_out;  ///< on rays of the scene that the search did not use
-    std::string file;     ///< C++ file of the form
+    std::string name;             ///< name of the candidate's form
+    std::string method;           ///< `sphere.half_b, 3 of its 20 operations in double: c, disc`
+    RowQuality held_out_quality;  ///< on rays of the scene that the search did not use
+    std::string file;             ///< C++ file of the form
 };
 
 /// All results of a choice.
 struct ChoiceResult {
     const measure::choice::ChoiceRequest& request;
-    const std::vector<Candidate>& all;
+    const std::vector<Candidate>& candidates;
     measure::choice::TimedRays timed;
     std::optional<std::size_t> cheapest_index;  ///< index of the cheapest candidate that meets the requirement
     std::vector<GrowthMargin> margins = {};     ///< margins of the chosen candidate
     std::optional<measure::choice::SafeOffsets> offsets = {};     ///< safe offsets of the chosen candidate, if measured
-    std::optional<Obstacle> obstacle = {};                        ///< if nothing meets the requirement
-    std::optional<RequirementMap> requirement_map = {};           ///< for each pixel of a scene
+    std::optional<Obstacle> obstacle = {};                        ///< set if nothing meets the requirement
+    std::optional<RequirementMap> requirement_map = {};           ///< what each pixel of a scene requires
     std::optional<std::vector<RepairedCandidate>> repaired = {};  ///< repaired candidates, if a repair was requested
 
     /// The repair behind a candidate; null for a candidate that is a form as it is.
@@ -57,46 +61,46 @@ struct ChoiceResult {
 /// Chooses among measured candidates. Also measures the margins of the chosen one, or finds the obstacle if no
 /// candidate meets the requirement. Calls neither `request.show` nor `request.progress`. The arguments must outlive
 /// the result.
-ChoiceResult choose_among(const measure::choice::ChoiceRequest& request,
-                          const std::vector<measure::choice::Candidate>& all, measure::choice::TimedRays timed);
+ChoiceResult choose_among(const measure::choice::ChoiceRequest& request, const std::vector<Candidate>& candidates,
+                          measure::choice::TimedRays timed);
 
-/// Bits to one decimal, or to as many decimals as show on which side of the requirement they are: 15.96 if 16 are
+/// Kept bits to one decimal, or to as many decimals as show on which side of the requirement they lie: 15.96 if 16 are
 /// required.
-std::string bits_text_near(double kept_bits, const Requirement& requirement);
+std::string kept_bits_text(double kept_bits, const Requirement& requirement);
 /// `, 0.0012 off`, with enough digits to tell the distance error from the tolerance of the requirement; empty if the
 /// requirement has no tolerance.
-std::string off_text(double distance_error, const Requirement& requirement);
+std::string distance_error_text(double distance_error, const Requirement& requirement);
 
-/// `16 bits of 99 of 100 hits, no wrong decision`.
-std::string in_words(const Requirement& requirement);
-/// The answer, in several lines. All times are of this run.
-std::string in_words(const ChoiceResult& chosen);
+/// The requirement in words: `16 bits of 99 of 100 hits, no wrong decision`.
+std::string requirement_text(const Requirement& requirement);
+/// The answer of the choice, in several lines. All times are of this run.
+std::string choice_text(const ChoiceResult& result);
 /// The formats that the pixels need, and the least cost of switching between forms; two or three lines.
-std::string in_words(const ChoiceResult& chosen, const RequirementMap& requirement_map);
-/// Lines on the obstacle, each beginning with two blanks. `nearest` is the candidate that comes nearest to the
-/// requirement.
-std::string obstacle_text(const ChoiceResult& chosen, const Candidate& nearest);
-/// Reason why a margin ends, such as `; beyond that no ray hits anything`. `broken` is the text if the requirement
-/// fails.
+std::string requirement_map_text(const ChoiceResult& result, const RequirementMap& requirement_map);
+/// Lines on the obstacle, that is, on what keeps every candidate from meeting the requirement. Each line begins with
+/// two blanks. `nearest` is the candidate that comes nearest to the requirement.
+std::string obstacle_text(const ChoiceResult& result, const Candidate& nearest);
+/// Reason why a margin ends, such as `; beyond that no ray hits anything`. The text is `failure_text` if the margin
+/// ends because the requirement fails.
 std::string margin_end_text(const GrowthMargin& margin, const measure::choice::FileRays* rays,
-                            const std::string& broken);
-/// `binary32`, `binary64`, `p31`: name of a format of inputs.
-std::string name_of_inputs(const FloatFormat& format);
+                            const std::string& failure_text);
+/// Name of a format of inputs: `binary32`, `binary64`, `p31`.
+std::string input_format_name(const FloatFormat& format);
 
 /// Plots every form and format by time and bits kept, with the Pareto front and the chosen one.
-image::Canvas front_plot(const ChoiceResult& chosen);
+image::Canvas pareto_plot(const ChoiceResult& result);
 
 /// A row of choose.csv: a candidate, or the answers of the files.
 struct CandidateRow {
-    speed::KernelKey name;
+    speed::KernelKey kernel;
     const measure::speed::Timing* time;  ///< null: unknown
     const RowQuality* quality;
-    bool meets_requirement, chosen;
-    const RepairedCandidate* repair;  ///< null: the form as it is
+    bool meets_requirement, is_chosen;
+    const RepairedCandidate* repair;  ///< null: the form was not repaired
 };
 table::Table<CandidateRow> candidate_table();
 /// The rows of choose.csv, cheapest first.
-std::vector<CandidateRow> candidate_rows(const ChoiceResult& chosen);
+std::vector<CandidateRow> candidate_rows(const ChoiceResult& result);
 
 /// The columns rays, true_hits, wrong, wrong_fraction and kept_bits.
 table::Table<RowQuality> quality_columns();
@@ -104,18 +108,19 @@ table::Table<RowQuality> quality_columns();
 /// The columns of room.csv.
 table::Table<GrowthMargin> margin_table();
 
-/// A strategy that is safe for one side or for both.
+/// A row of offset.csv: a strategy that is safe for one side or for both.
 struct SafeOffsetRow {
     std::string_view side;
-    measure::offset::SafeStrategy safe;
+    measure::offset::SafeStrategy strategy;
 };
 
-/// A selection of inputs in a wider format.
+/// A row of inputs.csv: a selection of inputs in a wider format.
 struct InputRow {
     const Obstacle* obstacle;
     const measure::choice::InputTrial* trial;
 };
 
+/// A row of requirement.csv. `met` and `required` count pixels; see `requirement_table` for their meanings.
 struct RequirementRow {
     std::string_view form, format;
     std::optional<double> time_ns;
@@ -124,17 +129,17 @@ struct RequirementRow {
 table::Table<RequirementRow> requirement_table();
 /// A row for each form and format that a pixel requires or that has a time, cheapest first; then one per format under
 /// `any`, and one for the pixels on which nothing meets the requirement.
-std::vector<RequirementRow> requirement_rows(const ChoiceResult& chosen, const RequirementMap& requirement_map);
-/// Draws a scene pixel by pixel: on the left the cheapest candidate that meets the requirement, on the right the
-/// narrowest format in which any form does.
-void draw_requirement_map(const std::filesystem::path& path, const ChoiceResult& chosen,
+std::vector<RequirementRow> requirement_rows(const ChoiceResult& result, const RequirementMap& requirement_map);
+/// Draws the scene twice, pixel by pixel: on the left the cheapest candidate that meets the requirement there, on the
+/// right the narrowest format in which any form does.
+void draw_requirement_map(const std::filesystem::path& path, const ChoiceResult& result,
                           const RequirementMap& requirement_map);
 
 /// Files of a choice. They are opened before the measurement and get their final names when they are complete.
 class ChoiceFiles {
 public:
     explicit ChoiceFiles(const std::filesystem::path& folder);
-    void finish(const ChoiceResult& chosen);
+    void finish(const ChoiceResult& result);
     [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
 
 private:

@@ -1,4 +1,4 @@
-// Sentences about a choice (see `in_words`).
+// Sentences about a choice (see `choice_text`).
 #include "output/choice/choice_files.hpp"
 
 #include <fmt/format.h>
@@ -26,7 +26,7 @@ std::string candidate_name(const Candidate& c) {
                        inner_format == c.row.format ? "" : fmt::format(", which computes in {}", inner_format.name));
 }
 
-std::string width_phrase(const Candidate& c) {
+std::string register_phrase(const Candidate& c) {
     return c.isa == "scalar" ? "one ray at a time" : fmt::format("in registers of {} bits", c.isa);
 }
 
@@ -35,22 +35,22 @@ bool is_as_fast(const Candidate& a, const Candidate& b) {
     return a.time.low_quartile <= b.time.high_quartile && b.time.low_quartile <= a.time.high_quartile;
 }
 
-/// The fastest of the other candidates that are as fast as the fastest; null if there is none.
-const Candidate* rival_of(const Candidate& fastest, const std::vector<Candidate>& all) {
+/// Among the other candidates that are as fast as the fastest one (`is_as_fast`), the fastest; null if there is none.
+const Candidate* find_rival(const Candidate& fastest, const std::vector<Candidate>& candidates) {
     const Candidate* rival = nullptr;
-    for (const Candidate& c : all) {
+    for (const Candidate& c : candidates) {
         if (&c != &fastest && is_as_fast(c, fastest) && (!rival || c.time.median < rival->time.median)) rival = &c;
     }
     return rival;
 }
 
-/// Sentence on the candidates that were timed one ray at a time while others filled registers.
-std::string unequal_widths(const std::vector<Candidate>& all) {
+/// Sentence that names the candidates timed one ray at a time, if others were timed with several rays in a register.
+std::string single_ray_text(const std::vector<Candidate>& candidates) {
     constexpr std::size_t max_names = 6;
     std::string names;
     std::string_view register_bits;
     std::size_t scalar_count = 0;
-    for (const Candidate& c : all) {
+    for (const Candidate& c : candidates) {
         if (c.isa != "scalar") register_bits = c.isa;
         else if (++scalar_count <= max_names)
             names += fmt::format("{}{}", names.empty() ? "" : ", ", candidate_name(c));
@@ -59,16 +59,15 @@ std::string unequal_widths(const std::vector<Candidate>& all) {
     if (scalar_count > max_names) names += fmt::format(" and {} more", scalar_count - max_names);
     return fmt::format(
         "Timed one ray at a time, because they take no more: {}; the others in registers of {} bits. --single times "
-        "all "
-        "one ray at a time.\n",
+        "all one ray at a time.\n",
         names, register_bits);
 }
 
-std::string kept_phrase(const RowQuality& quality, int precision, const Requirement& requirement) {
+std::string kept_bits_phrase(const RowQuality& quality, int precision, const Requirement& requirement) {
     return std::isnan(quality.kept_bits)
                ? "no hit to keep bits of"
-               : fmt::format("{} of {} bits{}", bits_text_near(quality.kept_bits, requirement), precision,
-                             off_text(quality.distance_error, requirement));
+               : fmt::format("{} of {} bits{}", kept_bits_text(quality.kept_bits, requirement), precision,
+                             distance_error_text(quality.distance_error, requirement));
 }
 
 std::string decisions_phrase(const RowQuality& quality) {
@@ -80,7 +79,7 @@ std::string decisions_phrase(const RowQuality& quality) {
                        share < 0.001 ? fmt::format("{:.2g}", share * 100) : fmt::format("{:.3g}", share * 100));
 }
 
-/// Demands of the form on its caller; empty if there are none.
+/// Assumptions of the form about its rays and inputs; empty if there are none.
 std::string assumptions_text(const intersect::Info& info) {
     std::string text;
     const auto add = [&text](const char* assumption) { text += (text.empty() ? "" : ", ") + std::string(assumption); };
@@ -103,13 +102,14 @@ std::string failure_phrase(const GrowthMargin& margin, const Requirement& requir
                            margin.broken.main_fault_count, main_fault);
     }
     return std::isnan(margin.broken.kept_bits) ? "no hit on which form and truth agree"
-                                               : "keeping " + kept_phrase(margin.broken, precision, requirement);
+                                               : "keeping " + kept_bits_phrase(margin.broken, precision, requirement);
 }
 
-/// `from_files`: the rays come from files, so there is no camera.
-const char* growth_phrase(Growth growth, bool from_files) {
+/// Beginning of a clause on the largest growth at which the requirement is met. If `rays_from_files`, there is no
+/// camera.
+const char* growth_phrase(Growth growth, bool rays_from_files) {
     switch (growth) {
-        case Growth::distance: return from_files ? "the rays start" : "the camera is";
+        case Growth::distance: return rays_from_files ? "the rays start" : "the camera is";
         case Growth::radius: return "the primitives are";
         case Growth::offset: return "everything lies";
         case Growth::view: return "the view is";
@@ -117,11 +117,11 @@ const char* growth_phrase(Growth growth, bool from_files) {
     return "";
 }
 
-std::string limit_phrase(const GrowthMargin& margin, bool from_files) {
+std::string limit_phrase(const GrowthMargin& margin, bool rays_from_files) {
     switch (margin.growth) {
         case Growth::distance:
             return fmt::format("{:.3g} times farther ({:.4g} units{})", margin.holds, margin.value,
-                               from_files ? ", the median" : "");
+                               rays_from_files ? ", the median" : "");
         case Growth::radius: return fmt::format("{:.3g} times larger (radius {:.4g})", margin.holds, margin.value);
         case Growth::offset: return fmt::format("{:.4g} units away from where it is", margin.value);
         case Growth::view: return fmt::format("{:.3g} degrees wide", margin.value);
@@ -129,26 +129,26 @@ std::string limit_phrase(const GrowthMargin& margin, bool from_files) {
     return "";
 }
 
-std::string margin_text(const GrowthMargin& margin, const ChoiceResult& chosen, int precision) {
-    const Requirement& requirement = chosen.request.requirement;
-    const bool from_files = chosen.request.rays != nullptr;
+std::string margin_text(const GrowthMargin& margin, const ChoiceResult& result, int precision) {
+    const Requirement& requirement = result.request.requirement;
+    const bool rays_from_files = result.request.rays != nullptr;
     if (margin.holds == 0) {
         return fmt::format("has an unknown margin in {}: it already fails on the {} on which that is tried, by {}",
                            measure::choice::growth_names[static_cast<std::size_t>(margin.growth)],
-                           from_files ? "sample of the rays" : "smaller picture",
+                           rays_from_files ? "sample of the rays" : "smaller picture",
                            failure_phrase(margin, requirement, precision));
     }
-    const std::string until =
-        fmt::format("until {} {}", growth_phrase(margin.growth, from_files), limit_phrase(margin, from_files));
+    const std::string until = fmt::format("until {} {}", growth_phrase(margin.growth, rays_from_files),
+                                          limit_phrase(margin, rays_from_files));
     return "holds " + until +
-           margin_end_text(margin, chosen.request.rays,
+           margin_end_text(margin, result.request.rays,
                            "; beyond that, it fails by " + failure_phrase(margin, requirement, precision));
 }
 
-/// The cheapest strategy that starts the next ray safely.
-std::string next_ray_text(const ChoiceResult& chosen) {
-    if (!chosen.offsets || chosen.offsets->points == 0) return "";
-    const auto& [outside, both, points, rays] = *chosen.offsets;
+/// Sentence on the cheapest strategies that start the next ray safely.
+std::string next_ray_text(const ChoiceResult& result) {
+    if (!result.offsets || result.offsets->points == 0) return "";
+    const auto& [outside, both, points, rays] = *result.offsets;
     const auto cheapest_of = [](const std::vector<measure::offset::SafeStrategy>& safe) {
         return safe.empty() ? std::string("none")
                             : fmt::format("{} ({})", safe.front().strategy->name,
@@ -161,75 +161,78 @@ std::string next_ray_text(const ChoiceResult& chosen) {
         cheapest_of(both));
 }
 
-/// Accuracy of the answers in the files.
-std::string file_answers_text(const ChoiceResult& chosen) {
-    if (!chosen.request.rays || !chosen.request.rays->answers) return "";
-    const auto& [name, format, quality] = *chosen.request.rays->answers;
-    return fmt::format("The answers in the file, {} in {}: {}, {}; {} the requirement. Their time is not known.\n",
-                       name, format.name, kept_phrase(quality, format.parameters.precision, chosen.request.requirement),
-                       decisions_phrase(quality),
-                       quality.meets(chosen.request.requirement) ? "they meet" : "they do not meet");
+/// Sentences on the accuracy of the answers in the files; empty if they hold none.
+std::string file_answers_text(const ChoiceResult& result) {
+    if (!result.request.rays || !result.request.rays->answers) return "";
+    const auto& [name, format, quality] = *result.request.rays->answers;
+    return fmt::format(
+        "The answers in the file, {} in {}: {}, {}; {} the requirement. Their time is not known.\n", name, format.name,
+        kept_bits_phrase(quality, format.parameters.precision, result.request.requirement), decisions_phrase(quality),
+        quality.meets(result.request.requirement) ? "they meet" : "they do not meet");
 }
 
-std::string cost_text(const ChoiceResult& chosen, const Candidate& c) {
-    const auto& all = chosen.all;
-    const Requirement& requirement = chosen.request.requirement;
+std::string cost_text(const ChoiceResult& result, const Candidate& cheapest) {
+    const auto& candidates = result.candidates;
+    const Requirement& requirement = result.request.requirement;
     std::string text;
-    const auto fastest = *measure::choice::fastest(all), most_accurate = *measure::choice::most_accurate(all);
+    const Candidate &fastest = candidates[*measure::choice::fastest(candidates)],
+                    &most_accurate = candidates[*measure::choice::most_accurate(candidates)];
     const auto details_of = [&](const Candidate& other) {
         return fmt::format("{} ({:.2f} ns{}; {}, {})", candidate_name(other), nanoseconds(other),
-                           other.isa == c.isa ? "" : " " + width_phrase(other),
-                           kept_phrase(other.quality, other.row.format.parameters.precision, requirement),
+                           other.isa == cheapest.isa ? "" : " " + register_phrase(other),
+                           kept_bits_phrase(other.quality, other.row.format.parameters.precision, requirement),
                            decisions_phrase(other.quality));
     };
-    const Candidate* const rival = &all[fastest] == &c           ? rival_of(c, all)
-                                   : is_as_fast(c, all[fastest]) ? &all[fastest]
-                                                                 : nullptr;
+    const Candidate* const rival = &fastest == &cheapest           ? find_rival(cheapest, candidates)
+                                   : is_as_fast(cheapest, fastest) ? &fastest
+                                                                   : nullptr;
     if (rival)
         text += fmt::format("  It is as fast as {}: their times differ by less than they vary.\n", details_of(*rival));
-    else if (&all[fastest] == &c) text += "  It is the fastest of all.\n";
+    else if (&fastest == &cheapest) text += "  It is the fastest of all.\n";
     else
         text += fmt::format("  {} the time of the fastest, {}.\n",
-                            times_phrase(nanoseconds(c) / nanoseconds(all[fastest])), details_of(all[fastest]));
-    if (&all[most_accurate] == &c) text += "  It is the most accurate of all.\n";
+                            times_phrase(nanoseconds(cheapest) / nanoseconds(fastest)), details_of(fastest));
+    if (&most_accurate == &cheapest) text += "  It is the most accurate of all.\n";
     else
         text += fmt::format(
             "  {} the time of the most accurate, {} ({:.2f} ns; {}).\n",
-            times_phrase(nanoseconds(c) / nanoseconds(all[most_accurate])), candidate_name(all[most_accurate]),
-            nanoseconds(all[most_accurate]),
-            kept_phrase(all[most_accurate].quality, all[most_accurate].row.format.parameters.precision, requirement));
+            times_phrase(nanoseconds(cheapest) / nanoseconds(most_accurate)), candidate_name(most_accurate),
+            nanoseconds(most_accurate),
+            kept_bits_phrase(most_accurate.quality, most_accurate.row.format.parameters.precision, requirement));
     return text;
 }
 
-std::string nothing_meets_text(const ChoiceResult& chosen) {
-    const Candidate& nearest = chosen.all[*measure::choice::nearest(chosen.all, chosen.request.requirement)];
+std::string nothing_meets_text(const ChoiceResult& result) {
+    const Candidate& nearest =
+        result.candidates[*measure::choice::nearest(result.candidates, result.request.requirement)];
     const int precision = nearest.row.format.parameters.precision;
     std::string text =
         fmt::format("Nothing meets the requirement. The nearest is {}: {}, {}; {:.2f} ns.\n", candidate_name(nearest),
-                    kept_phrase(nearest.quality, precision, chosen.request.requirement),
+                    kept_bits_phrase(nearest.quality, precision, result.request.requirement),
                     decisions_phrase(nearest.quality), nanoseconds(nearest));
-    return chosen.obstacle ? text + obstacle_text(chosen, nearest) : text;
+    return result.obstacle ? text + obstacle_text(result, nearest) : text;
 }
 
-/// Results of repairing the forms that do not meet the requirement.
-std::string mended_text(const ChoiceResult& chosen) {
-    if (!chosen.repaired) return "";
-    if (chosen.repaired->empty())
+/// Sentences on the forms that were repaired to meet the requirement; empty if no repair was requested.
+std::string mended_text(const ChoiceResult& result) {
+    if (!result.repaired) return "";
+    if (result.repaired->empty())
         return "The repair gave no new form: each form here already meets the requirement, or cannot be repaired to "
                "meet it.\n";
-    const Requirement& requirement = chosen.request.requirement;
+    const Requirement& requirement = result.request.requirement;
     std::string text;
-    for (const RepairedCandidate& repair : *chosen.repaired) {
-        const auto candidate =
-            std::ranges::find(chosen.all, repair.name, [](const Candidate& c) { return c.row.form->info->name; });
+    for (const RepairedCandidate& repair : *result.repaired) {
+        const auto candidate = std::ranges::find(result.candidates, repair.name,
+                                                 [](const Candidate& c) { return c.row.form->info->name; });
         const int precision = candidate->row.format.parameters.precision;
-        text += fmt::format("{} is {}: {}, {}; {:.2f} ns.\n", repair.name, repair.how,
-                            kept_phrase(candidate->quality, precision, requirement),
+        text += fmt::format("{} is {}: {}, {}; {:.2f} ns.\n", repair.name, repair.method,
+                            kept_bits_phrase(candidate->quality, precision, requirement),
                             decisions_phrase(candidate->quality), nanoseconds(*candidate));
-        text +=
-            fmt::format("  On rays that the search did not use: {}, {}{}. Its file: {}\n",
-                        kept_phrase(repair.held_out, precision, requirement), decisions_phrase(repair.held_out),
-                        repair.held_out.meets(requirement) ? "" : ", which does not meet the requirement", repair.file);
+        text += fmt::format("  On rays that the search did not use: {}, {}{}. Its file: {}\n",
+                            kept_bits_phrase(repair.held_out_quality, precision, requirement),
+                            decisions_phrase(repair.held_out_quality),
+                            repair.held_out_quality.meets(requirement) ? "" : ", which does not meet the requirement",
+                            repair.file);
     }
     return text;
 }
@@ -237,9 +240,9 @@ std::string mended_text(const ChoiceResult& chosen) {
 }  // namespace
 
 std::string margin_end_text(const GrowthMargin& margin, const measure::choice::FileRays* rays,
-                            const std::string& broken) {
+                            const std::string& failure_text) {
     switch (margin.end) {
-        case MarginEnd::fails: return broken;
+        case MarginEnd::fails: return failure_text;
         case MarginEnd::nothing_hit: return "; beyond that no ray hits anything";
         case MarginEnd::other_scene:
             return fmt::format("; beyond that, the scene rounded to {} is another scene",
@@ -249,7 +252,7 @@ std::string margin_end_text(const GrowthMargin& margin, const measure::choice::F
     return ", the largest change that was tried";
 }
 
-std::string bits_text_near(double kept_bits, const Requirement& requirement) {
+std::string kept_bits_text(double kept_bits, const Requirement& requirement) {
     std::string text;
     for (int digits = 1; digits <= 9; ++digits) {
         text = file::kept_bits_text(kept_bits, digits);
@@ -258,7 +261,7 @@ std::string bits_text_near(double kept_bits, const Requirement& requirement) {
     return text;
 }
 
-std::string off_text(double distance_error, const Requirement& requirement) {
+std::string distance_error_text(double distance_error, const Requirement& requirement) {
     if (!requirement.has_tolerance() || std::isnan(distance_error)) return "";
     std::string text;
     for (int digits = 2; digits <= 17; ++digits) {
@@ -270,7 +273,7 @@ std::string off_text(double distance_error, const Requirement& requirement) {
     return ", " + text + " off";
 }
 
-std::string in_words(const Requirement& requirement) {
+std::string requirement_text(const Requirement& requirement) {
     // All typed digits are shown, because p99.99999 is not every hit.
     const std::string hits =
         requirement.quantile == 1 ? "every hit" : fmt::format("{:.12g} of 100 hits", requirement.quantile * 100);
@@ -283,29 +286,30 @@ std::string in_words(const Requirement& requirement) {
     return fmt::format("{:g} correct bits of {} and {}, {}", requirement.bits, hits, off, wrong);
 }
 
-std::string in_words(const ChoiceResult& chosen) {
-    std::string text = fmt::format("{}: {}\n", chosen.request.id(), in_words(chosen.request.requirement));
-    if (!chosen.cheapest_index) {
-        text += nothing_meets_text(chosen);
+std::string choice_text(const ChoiceResult& result) {
+    std::string text = fmt::format("{}: {}\n", result.request.id(), requirement_text(result.request.requirement));
+    if (!result.cheapest_index) {
+        text += nothing_meets_text(result);
     } else {
-        const Candidate& c = chosen.all[*chosen.cheapest_index];
+        const Candidate& c = result.candidates[*result.cheapest_index];
         const int precision = c.row.format.parameters.precision;
         text += fmt::format("The cheapest is {}: {}, {}.\n", candidate_name(c),
-                            kept_phrase(c.quality, precision, chosen.request.requirement), decisions_phrase(c.quality));
-        text += fmt::format("  It takes {:.2f} ns per ray and primitive, {}.\n", nanoseconds(c), width_phrase(c));
+                            kept_bits_phrase(c.quality, precision, result.request.requirement),
+                            decisions_phrase(c.quality));
+        text += fmt::format("  It takes {:.2f} ns per ray and primitive, {}.\n", nanoseconds(c), register_phrase(c));
         const std::string assumptions = assumptions_text(*c.row.form->info);
         text += assumptions.empty() ? "  It assumes nothing about the ray.\n"
                                     : fmt::format("  It assumes: {}.\n", assumptions);
-        text += cost_text(chosen, c);
-        for (const GrowthMargin& margin : chosen.margins)
-            text += fmt::format("  It {}.\n", margin_text(margin, chosen, precision));
-        text += next_ray_text(chosen);
+        text += cost_text(result, c);
+        for (const GrowthMargin& margin : result.margins)
+            text += fmt::format("  It {}.\n", margin_text(margin, result, precision));
+        text += next_ray_text(result);
     }
-    if (chosen.requirement_map) text += in_words(chosen, *chosen.requirement_map);
-    text += mended_text(chosen) + file_answers_text(chosen) + unequal_widths(chosen.all);
+    if (result.requirement_map) text += requirement_map_text(result, *result.requirement_map);
+    text += mended_text(result) + file_answers_text(result) + single_ray_text(result.candidates);
     return text + fmt::format("Times are of this run: {} of the {} against {} of its primitives.\n",
-                              scene::toml::count_with_noun(chosen.timed.rays, "ray"),
-                              chosen.request.rays ? "file" : "scene", chosen.timed.primitives);
+                              scene::toml::count_with_noun(result.timed.rays, "ray"),
+                              result.request.rays ? "file" : "scene", result.timed.primitives);
 }
 
 }  // namespace lostbits::output::choice

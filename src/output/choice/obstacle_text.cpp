@@ -16,8 +16,9 @@ using measure::choice::InputTrial;
 namespace {
 
 std::string bits_text(double kept, const Requirement& requirement, double distance_error = measure::truth::missing) {
-    return std::isnan(kept) ? "no hit"
-                            : bits_text_near(kept, requirement) + " bits" + off_text(distance_error, requirement);
+    return std::isnan(kept)
+               ? "no hit"
+               : kept_bits_text(kept, requirement) + " bits" + distance_error_text(distance_error, requirement);
 }
 
 /// Bits kept, and the wrong decisions if the requirement does not allow them.
@@ -40,9 +41,9 @@ std::string inputs_text(const InputTrial& trial, std::string_view position_names
 }
 
 /// Sentence on the inputs that would have to be wider, and in which format.
-std::string required_inputs_text(const ChoiceResult& chosen, const Candidate& nearest) {
-    const Obstacle& obstacle = *chosen.obstacle;
-    const Requirement& requirement = chosen.request.requirement;
+std::string required_inputs_text(const ChoiceResult& result, const Candidate& nearest) {
+    const Obstacle& obstacle = *result.obstacle;
+    const Requirement& requirement = result.request.requirement;
     const Shape shape = nearest.row.form->shape;
     const std::string_view position_names = is_primitive(shape) ? row_of(shape).texts.anchor_points : "centres";
     const auto form_in_f64 = [&nearest, &requirement](const InputTrial& trial) {
@@ -67,31 +68,30 @@ std::string required_inputs_text(const ChoiceResult& chosen, const Candidate& ne
 }
 
 /// Compares the scene stored in binary32 with the scene as it is written.
-std::string rounded_scene_text(const ChoiceResult& chosen, const Candidate& nearest) {
-    const Obstacle& obstacle = *chosen.obstacle;
-    const Requirement& requirement = chosen.request.requirement;
+std::string rounded_scene_text(const ChoiceResult& result, const Candidate& nearest) {
+    const Obstacle& obstacle = *result.obstacle;
+    const Requirement& requirement = result.request.requirement;
     if (!obstacle.rounded_before || obstacle.trials.empty()) return "";
     const RowQuality& exact = obstacle.trials.front().exact;
     if (exact.meets(requirement)) return "";
     return fmt::format(
                "  Apart from that, all formats get the scene rounded to binary32, and the requirement refers to this "
-               "scene. "
-               "Compared with the scene as written, even exact arithmetic on the rounded scene keeps {}.\n",
+               "scene. Compared with the scene as written, even exact arithmetic on the rounded scene keeps {}.\n",
                kept_and_wrong(exact, requirement)) +
-           required_inputs_text(chosen, nearest);
+           required_inputs_text(result, nearest);
 }
 
 }  // namespace
 
-std::string name_of_inputs(const FloatFormat& format) {
+std::string input_format_name(const FloatFormat& format) {
     if (format == binary32) return "binary32";
     if (format == binary64) return "binary64";
     return fmt::format("p{}", format.precision);
 }
 
-std::string obstacle_text(const ChoiceResult& chosen, const Candidate& nearest) {
-    const Obstacle& obstacle = *chosen.obstacle;
-    const Requirement& requirement = chosen.request.requirement;
+std::string obstacle_text(const ChoiceResult& result, const Candidate& nearest) {
+    const Obstacle& obstacle = *result.obstacle;
+    const Requirement& requirement = result.request.requirement;
     const std::string& format = nearest.row.format.name;
     const int precision = nearest.row.format.parameters.precision;
     const std::string exact_text = kept_and_wrong(obstacle.exact, requirement);
@@ -105,24 +105,24 @@ std::string obstacle_text(const ChoiceResult& chosen, const Candidate& nearest) 
                        ? fmt::format(
                              "  What limits it: the {}. None of the rays truly hits anything, so no t has bits to "
                              "keep.\n",
-                             chosen.request.rays ? "file" : "scene")
+                             result.request.rays ? "file" : "scene")
                        : "  What limits it is not known: only some of the rays were examined for that, and none "
                          "of them truly hits anything.\n";
         case Obstacle::Cause::width:
             return fmt::format("  What limits it: {} has {} bits. Try a wider format.\n", format, precision) +
-                   rounded_scene_text(chosen, nearest);
+                   rounded_scene_text(result, nearest);
         case Obstacle::Cause::inputs:
             return fmt::format(
                        "  What limits it: the inputs. Even exact arithmetic on them, rounded to {}, keeps {}.\n",
-                       name_of_inputs(obstacle.base), exact_text) +
-                   required_inputs_text(chosen, nearest);
+                       input_format_name(obstacle.base), exact_text) +
+                   required_inputs_text(result, nearest);
         case Obstacle::Cause::inherent:
             return fmt::format(
                        "  What limits it: the problem, not the formula. Half an ulp of {} in each input would cost "
-                       "{:.1f} "
-                       "of its {} bits and leave {}. Forms keep more than that only where inputs need no rounding.{}\n",
+                       "{:.1f} of its {} bits and leave {}. Forms keep more than that only where inputs need no "
+                       "rounding.{}\n",
                        format, precision - obstacle.inherent_kept, precision, remaining_bits, f64_sentence) +
-                   rounded_scene_text(chosen, nearest);
+                   rounded_scene_text(result, nearest);
         case Obstacle::Cause::formula: break;
     }
     const char* const limit =
@@ -134,7 +134,7 @@ std::string obstacle_text(const ChoiceResult& chosen, const Candidate& nearest) 
                   "Exact arithmetic on the same inputs meets the requirement, and half an ulp of {} in each of them "
                   "would leave {}",
                   format, remaining_bits);
-    return fmt::format("  What limits it: {}. {}.\n", limit, inputs_sentence) + rounded_scene_text(chosen, nearest);
+    return fmt::format("  What limits it: {}. {}.\n", limit, inputs_sentence) + rounded_scene_text(result, nearest);
 }
 
 }  // namespace lostbits::output::choice

@@ -17,7 +17,7 @@ namespace {
 
 using State = ClaimResult::State;
 
-std::string verdict_name(const Claim& c) { return std::string(name_of(c.verdict)); }
+std::string verdict_name(const Claim& claim) { return std::string(name_of(claim.verdict)); }
 
 struct ClaimRow {
     const Claim& claim;
@@ -28,53 +28,55 @@ struct ClaimRow {
 table::Table<ClaimRow> claim_table() {
     using R = ClaimRow;
     using table::when;
-    const auto of_claim = [](const auto& value) { return [value](const R& r) { return std::invoke(value, r.claim); }; };
-    const auto unless_zero = [](const auto& value) {
+    const auto claim_value = [](const auto& value) {
+        return [value](const R& r) { return std::invoke(value, r.claim); };
+    };
+    const auto result_value_unless_zero = [](const auto& value) {
         return [value](const R& r) { return when(std::invoke(value, r.result) != 0, std::invoke(value, r.result)); };
     };
-    const auto of_draws = [](const auto& value) {
+    const auto draws_value = [](const auto& value) {
         return [value](const R& r) {
             return when(r.result.is_random() && r.spread.draws > 0, std::invoke(value, r.spread));
         };
     };
     using S = measure::metric::Spread;
     return {
-        {"id", "the claim", of_claim(&Claim::id)},
-        {"statement", "its statement", of_claim(&Claim::statement)},
-        {"source", "source of the statement", of_claim(&Claim::source)},
+        {"id", "the claim", claim_value(&Claim::id)},
+        {"statement", "its statement", claim_value(&Claim::statement)},
+        {"source", "source of the statement", claim_value(&Claim::source)},
         {"quotation", "words of the source that state the claim; empty if they were not looked up",
-         of_claim(&Claim::quotation)},
-        {"verdict", "what was found: holds, qualified or refuted", of_claim(verdict_name)},
+         claim_value(&Claim::quotation)},
+        {"verdict", "what was found: holds, qualified or refuted", claim_value(verdict_name)},
         {"condition", "condition under which a qualified statement is true, which its source does not state",
-         of_claim(&Claim::condition)},
-        {"sourced", "true: the statement is from a source; false: it is our own", of_claim(&Claim::is_sourced)},
+         claim_value(&Claim::condition)},
+        {"sourced", "true: the statement is from a source; false: it is our own", claim_value(&Claim::is_sourced)},
         {"subject", "scene, sweep or table, and the position in it",
-         [](const R& r) { return words_of(r.claim).where; }},
-        {"form", "form under test", of_claim(&Claim::form)},
-        {"format", "format it computes in", of_claim(&Claim::format)},
-        {"quantity", "what is measured", of_claim(quantity)},
+         [](const R& r) { return subject_texts(r.claim).subject; }},
+        {"form", "form under test", claim_value(&Claim::form)},
+        {"format", "format it computes in", claim_value(&Claim::format)},
+        {"quantity", "what is measured", claim_value(quantity_text)},
         {"criterion",
          "what the statement says about the quantity, from which the verdict follows; empty if it describes the "
          "number, which the expected interval then does",
          [](const R& r) { return r.claim.criterion ? r.claim.criterion->text : ""; }},
-        {"expected_low", "smallest value that agrees", of_claim(&Claim::low)},
-        {"expected_high", "largest value that agrees", of_claim(&Claim::high)},
+        {"expected_low", "smallest value that agrees", claim_value(&Claim::low)},
+        {"expected_high", "largest value that agrees", claim_value(&Claim::high)},
         {"measured", "the measured number; missing if nothing could be measured",
          table::or_missing([](const R& r) { return r.result.measured; })},
         {"samples", "number of independent random samples; 0: nothing is random",
          [](const R& r) { return r.result.samples; }},
         {"floats",
          "number of floats, every one in a range; missing if the claim does not rest on all floats of a range",
-         unless_zero(&ClaimResult::floats)},
+         result_value_unless_zero(&ClaimResult::floats)},
         {"evidence", "what a statement about all cases rests on: proof, exhaustive, search or sample; empty for others",
          [](const R& r) { return std::string(name_of(r.claim.evidence)); }},
-        {"lemma", "the inequality of a proof", of_claim(&Claim::lemma)},
+        {"lemma", "the inequality of a proof", claim_value(&Claim::lemma)},
         {"evaluations", "rays that a search tried; missing if there was no search",
-         unless_zero(&ClaimResult::evaluations)},
-        {"draws", "number of draws of the samples, one per seed; missing if nothing is random", of_draws(&S::draws)},
-        {"draw_low", "smallest number measured over the draws", of_draws(&S::low)},
-        {"draw_median", "median over the draws, the lower of two", of_draws(&S::median)},
-        {"draw_high", "largest number measured over the draws", of_draws(&S::high)},
+         result_value_unless_zero(&ClaimResult::evaluations)},
+        {"draws", "number of draws of the samples, one per seed; missing if nothing is random", draws_value(&S::draws)},
+        {"draw_low", "smallest number measured over the draws", draws_value(&S::low)},
+        {"draw_median", "median over the draws, the lower of two", draws_value(&S::median)},
+        {"draw_high", "largest number measured over the draws", draws_value(&S::high)},
         {"interval_draws",
          "number of draws that the expected interval comes from: their range, widened by half on either side (in "
          "logarithms for onsets and fractions)",
@@ -84,7 +86,7 @@ table::Table<ClaimRow> claim_table() {
         {"witness", "the worst ray of the measurement in hexadecimal floats",
          [](const R& r) { return witness_text(r.result); }},
         {"witness_explain", "the command that explains that ray",
-         [](const R& r) { return explain_witness(r.claim, r.result); }}};
+         [](const R& r) { return witness_command(r.claim, r.result); }}};
 }
 
 }  // namespace
@@ -103,38 +105,38 @@ void write_claims_json(const std::filesystem::path& path, const std::vector<Clai
     using file::json_number;
     auto array = Json::array();
     for (std::size_t i = 0; i < claims.size(); ++i) {
-        const Claim& c = claims[i];
+        const Claim& claim = claims[i];
         auto further = Json::array();
         for (const double x : results[i].further) further.push_back(json_number(x));
         const auto& p99_bounds = results[i].bounds;
         const auto bounds = p99_bounds ? Json{json_number(p99_bounds->low), json_number(p99_bounds->high)} : Json();
-        array.push_back({{"id", c.id},
-                         {"statement", c.statement},
-                         {"source", c.source},
-                         {"quotation", c.quotation},
-                         {"note", c.note},
-                         {"verdict", verdict_name(c)},
-                         {"condition", c.condition},
-                         {"sourced", c.is_sourced()},
-                         {"subject", words_of(c).where},
-                         {"form", c.form},
-                         {"format", c.format},
-                         {"quantity", quantity(c)},
-                         {"criterion", c.criterion ? c.criterion->text : ""},
-                         {"expected", {json_number(c.low), json_number(c.high)}},
+        array.push_back({{"id", claim.id},
+                         {"statement", claim.statement},
+                         {"source", claim.source},
+                         {"quotation", claim.quotation},
+                         {"note", claim.note},
+                         {"verdict", verdict_name(claim)},
+                         {"condition", claim.condition},
+                         {"sourced", claim.is_sourced()},
+                         {"subject", subject_texts(claim).subject},
+                         {"form", claim.form},
+                         {"format", claim.format},
+                         {"quantity", quantity_text(claim)},
+                         {"criterion", claim.criterion ? claim.criterion->text : ""},
+                         {"expected", {json_number(claim.low), json_number(claim.high)}},
                          {"measured", json_number(results[i].measured)},
                          {"samples", results[i].samples},
                          {"p99_bounds", bounds},
                          {"floats", results[i].floats},
-                         {"evidence", std::string(name_of(c.evidence))},
-                         {"lemma", c.lemma},
+                         {"evidence", std::string(name_of(claim.evidence))},
+                         {"lemma", claim.lemma},
                          {"evaluations", results[i].evaluations},
                          {"further_draws", further},
-                         {"interval_draws", c.draws},
+                         {"interval_draws", claim.draws},
                          {"state", state_name(results[i].state)},
                          {"witness", witness_text(results[i])},
-                         {"witness_explain", explain_witness(c, results[i])},
-                         {"reproduce", words_of(c).command}});
+                         {"witness_explain", witness_command(claim, results[i])},
+                         {"reproduce", subject_texts(claim).command}});
     }
     file::write_file(path, file::json_text(array));
 }
@@ -158,10 +160,10 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
         property.append_attribute("value") = text.c_str();
     }
     for (std::size_t i = 0; i < claims.size(); ++i) {
-        const Claim& c = claims[i];
+        const Claim& claim = claims[i];
         auto test = suite.append_child("testcase");
-        test.append_attribute("name") = file::xml_text(c.id).c_str();
-        test.append_attribute("classname") = file::xml_text(c.subject_name()).c_str();
+        test.append_attribute("name") = file::xml_text(claim.id).c_str();
+        test.append_attribute("classname") = file::xml_text(claim.subject_name()).c_str();
         test.append_attribute("time") = fmt::format("{:.6f}", results[i].seconds).c_str();
         seconds += results[i].seconds;
         if (results[i].state == State::agrees) continue;
@@ -170,11 +172,11 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
             test.append_child("skipped").append_attribute("message") = file::xml_text(results[i].reason).c_str();
             continue;
         }
-        const std::string explanation = file::xml_text(explain(c, results[i]));
-        const std::string details =
-            file::xml_text(fmt::format("{}\n{}: {}\n{}\n{}\n{}\n", c.statement, c.where.text(), explanation,
-                                       witness_text(results[i]), explain_witness(c, results[i]), words_of(c).command));
-        if (c.severity == Claim::Severity::warn && !strict) {
+        const std::string explanation = file::xml_text(explanation_text(claim, results[i]));
+        const std::string details = file::xml_text(
+            fmt::format("{}\n{}: {}\n{}\n{}\n{}\n", claim.statement, claim.where.text(), explanation,
+                        witness_text(results[i]), witness_command(claim, results[i]), subject_texts(claim).command));
+        if (claim.severity == Claim::Severity::warn && !strict) {
             test.append_child("system-out").text().set(details.c_str());
             continue;
         }

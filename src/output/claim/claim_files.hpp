@@ -1,4 +1,4 @@
-// Reports of a check: JUnit XML, CSV, JSON and a document with pictures; and the texts that they share.
+// Reports of `lostbits check` as JUnit XML, CSV, JSON and a document with pictures, and the texts that they share.
 #pragma once
 
 #include <array>
@@ -27,7 +27,8 @@ void write_junit(const std::filesystem::path& path, const std::vector<Claim>& cl
 void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim>& claims,
                       const std::vector<ClaimResult>& results);
 
-/// Writes the same facts about each claim as a JSON array; numbers that JSON cannot hold are strings.
+/// Writes the facts of `write_claims_csv` about each claim, and more, as a JSON array. Numbers that JSON cannot hold
+/// are strings.
 void write_claims_json(const std::filesystem::path& path, const std::vector<Claim>& claims,
                        const std::vector<ClaimResult>& results);
 
@@ -41,34 +42,36 @@ constexpr const char* state_name(measure::claim::ClaimResult::State state) {
     return state_names[static_cast<std::size_t>(state)];
 }
 /// Name of the measured quantity: `lost_bits_p50`, `onset of false_hit count 1`, `culprit_fraction of c`.
-std::string quantity(const Claim& claim);
+std::string quantity_text(const Claim& claim);
 /// `all 65537 floats` for a claim that rests on every float of a range; empty for other claims.
 std::string floats_text(const ClaimResult& result);
-/// `the statement says > 0`: the criterion; empty if there is none.
-std::string says_text(const Claim& claim);
-/// `expected to hold, but does not`, for a claim that does not agree.
-std::string changed_text(const Claim& claim, const ClaimResult& result);
+/// The criterion as a clause: `the statement says > 0`; empty if there is none.
+std::string criterion_text(const Claim& claim);
+/// How a claim fails to agree: `expected to hold, but does not`, or `refuted, but the number has changed`.
+std::string disagreement_text(const Claim& claim, const ClaimResult& result);
 /// One line for a claim that does not agree: the expected value, the measured one, and whether the verdict still
 /// follows.
-std::string explain(const Claim& claim, const ClaimResult& result);
+std::string explanation_text(const Claim& claim, const ClaimResult& result);
 /// The metric behind a column of a summary: lost_bits for `lost_bits_p99`; null for an outcome.
 const Metric* metric_of_column(const std::string& column);
 /// The worst ray of the measurement in hexadecimal floats; empty if there is none.
 std::string witness_text(const ClaimResult& result);
 /// The command that explains the witness and prints its numbers again; empty if there is none.
-std::string explain_witness(const Claim& claim, const ClaimResult& result);
+std::string witness_command(const Claim& claim, const ClaimResult& result);
 
 /// Texts that name what a claim is measured on.
 struct SubjectTexts {
     std::string heading;  ///< heading of all claims about the subject: `near-benign, rendered`
-    std::string where;    ///< scene, sweep or table with the position in it: `near-benign, rendered to stage phong`
-    std::string place;  ///< the position in the scene, sweep or table alone, for texts below the heading: `stage phong`
+    std::string subject;  ///< scene, sweep or table with the position in it: `near-benign, rendered to stage phong`
+    std::string
+        position;  ///< only the position in the scene, sweep or table, for texts below the heading: `stage phong`
     std::string command;  ///< command that measures the subject again with all files
 };
 
-[[nodiscard]] SubjectTexts words_of(const Claim& claim);
+/// Texts of the subject of a claim.
+[[nodiscard]] SubjectTexts subject_texts(const Claim& claim);
 
-/// Counts of the verdicts.
+/// Numbers of claims by verdict; a claim that does not agree counts by its state instead.
 struct VerdictCounts {
     std::size_t held = 0, qualified = 0, refuted = 0, differing = 0, broken = 0, skipped = 0;
     std::size_t with_criterion = 0;  ///< confirmed verdicts that follow from a criterion
@@ -79,7 +82,7 @@ struct VerdictCounts {
     [[nodiscard]] std::string text() const;
 };
 
-/// Counts of all claims, of those from a source, and of our own.
+/// Verdict counts of all claims, of the claims from a source, and of our own.
 struct CountsBySource {
     VerdictCounts all, sourced, own;
     /// `from a source: 1 holds, 1 is refuted; our own: 2 hold`; a part without claims is left out.
@@ -92,24 +95,24 @@ struct ClaimSubject {
     std::string name;
     std::vector<std::size_t> claims;  ///< indices of the claims
 };
-/// Each subject once, in the order of the first claim about it.
-[[nodiscard]] std::vector<ClaimSubject> subjects_of(const std::vector<Claim>& claims);
+/// Groups claims by subject. Subjects are in the order of the first claim about each.
+[[nodiscard]] std::vector<ClaimSubject> group_by_subject(const std::vector<Claim>& claims);
 
 /// Writes `README.md`, `claims.csv` and `pictures/` into a folder. The same claims and results give the same bytes. A
 /// scene is shown as a contact sheet, a sweep as its plots, cases as their matrix, each for the forms that the claims
 /// name.
 void write_claim_report(const std::filesystem::path& folder, const std::vector<Claim>& claims,
-                        const std::vector<ClaimResult>& results, const ClaimRequest& run);
+                        const std::vector<ClaimResult>& results, const ClaimRequest& request);
 
-/// A subject to show, and the claims about it.
+/// The claims about a subject, whose pictures are drawn.
 struct ShownSubject {
-    const std::filesystem::path& folder;
+    const std::filesystem::path& folder;  ///< folder of the report
     std::vector<const Claim*> claims;
-    const ClaimRequest& run;
+    const ClaimRequest& request;
 };
 
 /// Draws the pictures into `folder`/pictures and returns the Markdown that shows them; empty for a subject without a
 /// picture.
-std::string pictures_of(const ShownSubject& shown);
+std::string draw_subject_pictures(const ShownSubject& shown);
 
 }  // namespace lostbits::output::claim

@@ -24,17 +24,17 @@ using scene::claim::StudySubject;
 
 namespace {
 
-/// Loads the scene that claims are about; the first of its variants if `name` has no variant.
-scene::file::Scene shown_scene(const std::string& name, const ClaimRequest& run) {
-    const auto found = scene::file::find_scene(name, run.data_dir);
-    return std::move(scene::file::load_scene(found.path, {.variant = found.variant, .stop = run.stop}).front());
+/// Loads the scene that claims are about. If `name` names no variant, loads the first one.
+scene::file::Scene load_scene_of_claims(const std::string& name, const ClaimRequest& request) {
+    const auto found = scene::file::find_scene(name, request.data_dir);
+    return std::move(scene::file::load_scene(found.path, {.variant = found.variant, .stop = request.stop}).front());
 }
 
-/// The forms and formats that the claims name, each once, in the order of the catalogue.
-std::vector<TestedForm> rows_of(const std::vector<const Claim*>& claims) {
+/// The forms and formats that the claims name. Each is listed once, in the order of the catalogue.
+std::vector<TestedForm> claimed_rows(const std::vector<const Claim*>& claims) {
     std::vector<TestedForm> rows;
-    for (const Claim* const c : claims) {
-        const TestedForm form_row = measure::claim::claim_row(*c);
+    for (const Claim* const claim : claims) {
+        const TestedForm form_row = measure::claim::claim_row(*claim);
         const auto is_same_series = [&](const TestedForm& r) {
             return r.form == form_row.form && r.format == form_row.format && r.touching == form_row.touching;
         };
@@ -64,16 +64,16 @@ std::string picture_link(const ShownSubject& shown, const std::string& title, co
     return fmt::format("![{}](pictures/{})\n", file::markdown_text(title), file::markdown_path(name));
 }
 
-/// Markdown for a scene: the marches along its first pixel, sample by sample, if all claims are about samples of a
-/// march; otherwise the picture of the scene.
-std::string picture_of(const SceneSubject& subject, const ShownSubject& shown) {
-    const std::vector<TestedForm> rows = rows_of(shown.claims);
-    const scene::file::Scene scene = shown_scene(subject.name, shown.run);
-    const auto is_about_march = [](const Claim* c) {
-        return c->subject_if<SceneSubject>() && c->subject_if<SceneSubject>()->step;
+/// Markdown that shows a scene. If all claims are about samples of a march, it lists the samples of the march through
+/// the first pixel. Otherwise it shows the picture of the scene.
+std::string draw_picture(const SceneSubject& subject, const ShownSubject& shown) {
+    const std::vector<TestedForm> rows = claimed_rows(shown.claims);
+    const scene::file::Scene scene = load_scene_of_claims(subject.name, shown.request);
+    const auto is_about_march = [](const Claim* claim) {
+        return claim->subject_if<SceneSubject>() && claim->subject_if<SceneSubject>()->step;
     };
     if (std::ranges::all_of(shown.claims, is_about_march)) {
-        const measure::answer::OneRay ray(scene, 0, 0, {.stop = shown.run.stop});
+        const measure::answer::OneRay ray(scene, 0, 0, {.stop = shown.request.stop});
         std::string text;
         for (const TestedForm& form_row : rows)
             text += fmt::format("```\n{}```\n", attribution::march_table(*form_row.form, form_row.format, ray));
@@ -82,7 +82,7 @@ std::string picture_of(const SceneSubject& subject, const ShownSubject& shown) {
     const measure::evaluate::MapStudy request{.scene = &scene,
                                               .rows = rows,
                                               .metrics = {measure::metric::find_metric("lost_bits")},
-                                              .limit = {.stop = shown.run.stop}};
+                                              .limit = {.stop = shown.request.stop}};
     const std::string file = scene.id + ".png";
     map::MapFiles sheet(request, {.folder = {},
                                   .drawn_metrics = request.metrics,
@@ -92,54 +92,57 @@ std::string picture_of(const SceneSubject& subject, const ShownSubject& shown) {
     return picture_link(shown, scene.title, file);
 }
 
-/// The sheet of a study, with the forms, formats and options that its claims name.
-std::string picture_of(const StudySubject& subject, const ShownSubject& shown) {
-    const scene::file::Scene scene = shown_scene(subject.name, shown.run);
-    measure::claim::StudyQuestion question{.scene = scene, .rows = rows_of(shown.claims), .stop = shown.run.stop};
-    for (const Claim* const c : shown.claims) {
-        for (const auto& [option, value] : c->subject_if<StudySubject>()->options) {
+/// Markdown that shows the sheet of a study, with the forms, formats and options that its claims name.
+std::string draw_picture(const StudySubject& subject, const ShownSubject& shown) {
+    const scene::file::Scene scene = load_scene_of_claims(subject.name, shown.request);
+    measure::claim::StudyQuestion question{
+        .scene = scene, .rows = claimed_rows(shown.claims), .stop = shown.request.stop};
+    for (const Claim* const claim : shown.claims) {
+        for (const auto& [option, value] : claim->subject_if<StudySubject>()->options) {
             auto& values = question.options[option];
             if (std::ranges::find(values, value) == values.end()) values.push_back(value);
         }
     }
     const std::string file = fmt::format("{}.{}.png", scene.id, subject.study);
-    shown.run.studies->draw(subject.study, question, picture_path(shown, file));
+    shown.request.studies->draw(subject.study, question, picture_path(shown, file));
     return picture_link(shown, scene.title, file);
 }
 
-/// Plots of a sweep that claims are about.
+/// Plots of a sweep that show the quantities of its claims.
 struct SweepPlots {
-    bool median = false, tail = false, wrong = false;
+    bool has_median = false;           ///< medians of lost bits
+    bool has_tail = false;             ///< 99th percentiles of lost bits
+    bool has_wrong_decisions = false;  ///< wrong decisions
 };
 
-SweepPlots plots_of(const std::vector<const Claim*>& claims) {
+SweepPlots needed_plots(const std::vector<const Claim*>& claims) {
     SweepPlots plots;
-    for (const Claim* const c : claims) {
-        const std::string& quantity_name = c->onset.empty() ? c->metric : c->onset;
-        const std::string& statistic = c->onset.empty() ? c->metric : c->statistic;
+    for (const Claim* const claim : claims) {
+        const std::string& quantity_name = claim->onset.empty() ? claim->metric : claim->onset;
+        const std::string& statistic = claim->onset.empty() ? claim->metric : claim->statistic;
         // Bits of an operation are drawn as lost bits too.
         const bool is_bits =
-            quantity_name.find("bits") != std::string::npos || measure::claim::asks_for_attribution(*c);
-        plots.wrong |= !is_bits;
+            quantity_name.find("bits") != std::string::npos || measure::claim::asks_for_attribution(*claim);
+        plots.has_wrong_decisions |= !is_bits;
         const bool is_tail = statistic.ends_with("p99") || statistic.ends_with("max");
-        plots.median |= is_bits && !is_tail;
-        plots.tail |= is_bits && is_tail;
+        plots.has_median |= is_bits && !is_tail;
+        plots.has_tail |= is_bits && is_tail;
     }
     return plots;
 }
 
-/// The pictures of a sweep, as Markdown.
-std::string picture_of(const scene::claim::SweepSubject& subject, const ShownSubject& shown) {
+/// Markdown that shows the pictures of a sweep.
+std::string draw_picture(const scene::claim::SweepSubject& subject, const ShownSubject& shown) {
     const auto& claims = shown.claims;
-    const auto& run = shown.run;
-    const std::vector<TestedForm> rows = rows_of(claims);
-    const auto path = scene::sweep::find_sweep(subject.name, run.data_dir);
+    const auto& claim_request = shown.request;
+    const std::vector<TestedForm> rows = claimed_rows(claims);
+    const auto path = scene::sweep::find_sweep(subject.name, claim_request.data_dir);
     // The claims are about small ranges, but a picture would need the whole axis.
     if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::every_float) return "";
     if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::cases) {
         const scene::sweep::CaseFile file(path);
         const measure::sweep::CaseRequest request{
-            .file = file, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = run.stop}};
+            .file = file, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = claim_request.stop}};
         const auto cases = measure::sweep::run_cases(request);
         std::string text;
         for (const std::optional<Touching> touching :
@@ -152,9 +155,9 @@ std::string picture_of(const scene::claim::SweepSubject& subject, const ShownSub
         }
         return text;
     }
-    const scene::sweep::SweepFile sweep(path, run.data_dir, {}, run.stop);
+    const scene::sweep::SweepFile sweep(path, claim_request.data_dir, {}, claim_request.stop);
     measure::sweep::SweepRequest request{
-        .sweep = sweep, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = run.stop}};
+        .sweep = sweep, .rows = rows, .metrics = drawn_metrics(), .limit = {.stop = claim_request.stop}};
     for (TestedForm& form_row : request.rows)
         form_row.touching = form_row.touching ? form_row.touching : sweep.convention;
     const auto steps = measure::sweep::run_sweep(request);
@@ -170,16 +173,16 @@ std::string picture_of(const scene::claim::SweepSubject& subject, const ShownSub
     }
     const auto onsets = measure::sweep::find_onsets(request, steps);
     const sweep::MeasuredSweep measured{request, steps, onsets};
-    const SweepPlots plots = plots_of(claims);
+    const SweepPlots plots = needed_plots(claims);
     for (const Format& format : sweep::formats_of(measured)) {
         const auto add_plot = [&](std::string_view name, const image::Canvas& plot) {
             const std::string file = fmt::format("{}.{}.{}.png", sweep.id, name, format.name);
             text += picture_link(shown, fmt::format("{}: {}, {}", sweep.title, name, format.name), file);
             image::save_figure(picture_path(shown, file), plot);
         };
-        if (plots.median) add_plot("lost_bits_p50", sweep::lost_bits_plot(measured, format, 0.5));
-        if (plots.tail) add_plot("lost_bits_p99", sweep::lost_bits_plot(measured, format, 0.99));
-        if (!plots.wrong) continue;
+        if (plots.has_median) add_plot("lost_bits_p50", sweep::lost_bits_plot(measured, format, 0.5));
+        if (plots.has_tail) add_plot("lost_bits_p99", sweep::lost_bits_plot(measured, format, 0.99));
+        if (!plots.has_wrong_decisions) continue;
         for (const measure::answer::Outcome outcome : sweep::wrong_outcomes(measured, format))
             add_plot(measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
                      sweep::wrong_plot(measured, format, outcome));
@@ -189,10 +192,10 @@ std::string picture_of(const scene::claim::SweepSubject& subject, const ShownSub
 
 }  // namespace
 
-std::string pictures_of(const ShownSubject& shown) {
+std::string draw_subject_pictures(const ShownSubject& shown) {
     return std::visit(
         [&shown](const auto& subject) {
-            if constexpr (requires { picture_of(subject, shown); }) return picture_of(subject, shown) + "\n";
+            if constexpr (requires { draw_picture(subject, shown); }) return draw_picture(subject, shown) + "\n";
             else return std::string();
         },
         shown.claims.front()->subject);

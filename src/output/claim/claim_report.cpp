@@ -10,11 +10,11 @@
 
 namespace lostbits::output::claim {
 
-std::vector<ClaimSubject> subjects_of(const std::vector<Claim>& claims) {
+std::vector<ClaimSubject> group_by_subject(const std::vector<Claim>& claims) {
     std::vector<ClaimSubject> subjects;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         // One scene may have claims about its map, its rendering, and the rays that leave it.
-        const std::string name = words_of(claims[i]).heading;
+        const std::string name = subject_texts(claims[i]).heading;
         auto found = std::ranges::find(subjects, name, &ClaimSubject::name);
         if (found == subjects.end()) found = subjects.insert(subjects.end(), {name, {}});
         found->claims.push_back(i);
@@ -26,7 +26,7 @@ namespace {
 
 using State = ClaimResult::State;
 
-/// Images for the screenshots of `lostbits report` that the folder has; tests/browser/screenshots.js takes them.
+/// Markdown that shows the screenshots of `lostbits report` in the folder; tests/browser/screenshots.js takes them.
 std::string screenshots_in(const std::filesystem::path& folder) {
     std::string text;
     for (const auto& [name, caption] : {std::pair{"maps", "Lost bits of two forms side by side, and one ray"},
@@ -39,27 +39,29 @@ std::string screenshots_in(const std::filesystem::path& folder) {
     return text.empty() ? "" : "\nThe page looks like this:\n" + text;
 }
 
-std::string code_list(const std::vector<std::string>& expressions) {
+std::string expression_list(const std::vector<std::string>& expressions) {
     std::string text;
     for (const std::string& expression : expressions)
         text += (text.empty() ? "" : ", ") + file::markdown_code(expression);
     return text;
 }
 
-std::string rounded(double x) { return std::isfinite(x) ? fmt::format("{:.6g}", x) : file::decimal(x); }
+std::string short_number(double x) { return std::isfinite(x) ? fmt::format("{:.6g}", x) : file::decimal(x); }
 
-/// ` (0.44 to 0.47 over 4 draws)`, or ` (in each of 4 draws)`; empty if nothing is random or only one draw was
-/// measured.
-std::string spread_text(const ClaimResult& r) {
-    if (r.further.empty()) return "";
-    const auto s = r.spread();
+/// Range of a number over the draws: ` (0.44 to 0.47 over 4 draws)` or ` (in each of 4 draws)`. Empty if nothing is
+/// random or only one draw was measured.
+std::string spread_text(const ClaimResult& result) {
+    if (result.further.empty()) return "";
+    const auto s = result.spread();
     if (s.low == s.high) return fmt::format(" (in each of {} draws)", s.draws);
-    return fmt::format(" ({} to {} over {} draws)", rounded(s.low), rounded(s.high), s.draws);
+    return fmt::format(" ({} to {} over {} draws)", short_number(s.low), short_number(s.high), s.draws);
 }
 
-/// ` (95 %: 5.1 to 6.2)`, for a 99th percentile of random rays.
-std::string bounds_text(const ClaimResult& r) {
-    return r.bounds ? fmt::format(" (95 %: {} to {})", rounded(r.bounds->low), rounded(r.bounds->high)) : "";
+/// Confidence bounds of a 99th percentile of random rays: ` (95 %: 5.1 to 6.2)`.
+std::string bounds_text(const ClaimResult& result) {
+    return result.bounds
+               ? fmt::format(" (95 %: {} to {})", short_number(result.bounds->low), short_number(result.bounds->high))
+               : "";
 }
 
 /// Sentence on the number of random samples behind the claims of a subject; empty if nothing is random.
@@ -74,38 +76,41 @@ std::string samples_text(const ClaimSubject& subject, const std::vector<ClaimRes
 
 /// Option of `lostbits check` that made the draws: ` --seeds 3`.
 std::string draws_option(const std::vector<ClaimResult>& results) {
-    std::size_t further = 0;
-    for (const ClaimResult& r : results) further = std::max(further, r.further.size());
-    return further == 0 ? "" : fmt::format(" --seeds {}", further);
+    std::size_t further_draws = 0;
+    for (const ClaimResult& result : results) further_draws = std::max(further_draws, result.further.size());
+    return further_draws == 0 ? "" : fmt::format(" --seeds {}", further_draws);
 }
 
-std::string claim_row_text(const Claim& c, const ClaimResult& r) {
+std::string claim_row_text(const Claim& claim, const ClaimResult& result) {
     const std::string verdict =
-        r.state == State::agrees
-            ? (c.verdict == Claim::Verdict::refuted ? "**refuted**" : std::string(name_of(c.verdict)))
-        : r.state == State::skipped ? "skipped"
-                                    : fmt::format("**{}**", changed_text(c, r));
+        result.state == State::agrees
+            ? (claim.verdict == Claim::Verdict::refuted ? "**refuted**" : std::string(name_of(claim.verdict)))
+        : result.state == State::skipped ? "skipped"
+                                         : fmt::format("**{}**", disagreement_text(claim, result));
     // Expressions have stars, which Markdown would interpret.
-    const std::string evidence = r.state == State::agrees ? evidence_text(c, r) : "";
-    const std::string scope = floats_text(r) + (evidence.empty() ? "" : file::markdown_text(evidence)),
-                      measured = r.floats > 0 ? file::decimal(r.measured) : rounded(r.measured);
-    const std::string quantity_cell = c.operations.empty() ? file::markdown_text(quantity(c))
-                                                           : fmt::format("{} of {}", c.metric, code_list(c.operations));
-    const std::string position = words_of(c).place;
-    const std::string quotation = c.quotation.empty() ? "" : " <br> \"" + file::markdown_text(c.quotation) + "\"";
-    const std::string criterion = c.criterion ? "; says " + file::markdown_text(c.criterion->text) : "";
+    const std::string evidence = result.state == State::agrees ? evidence_text(claim, result) : "";
+    const std::string scope = floats_text(result) + (evidence.empty() ? "" : file::markdown_text(evidence)),
+                      measured = result.floats > 0 ? file::decimal(result.measured) : short_number(result.measured);
+    const std::string quantity_cell = claim.operations.empty()
+                                          ? file::markdown_text(quantity_text(claim))
+                                          : fmt::format("{} of {}", claim.metric, expression_list(claim.operations));
+    const std::string position = subject_texts(claim).position;
+    const std::string quotation =
+        claim.quotation.empty() ? "" : " <br> \"" + file::markdown_text(claim.quotation) + "\"";
+    const std::string criterion = claim.criterion ? "; says " + file::markdown_text(claim.criterion->text) : "";
     return fmt::format("| {}{} | {}{}{} | {} | {} = {}{} | {} |\n", verdict, scope.empty() ? "" : ": " + scope,
-                       file::markdown_text(c.statement), quotation,
-                       c.note.empty() ? "" : " <br> *" + file::markdown_text(c.note) + "*",
-                       file::markdown_text(fmt::format("{}{}{}", c.tested_name(), " " + c.format,
+                       file::markdown_text(claim.statement), quotation,
+                       claim.note.empty() ? "" : " <br> *" + file::markdown_text(claim.note) + "*",
+                       file::markdown_text(fmt::format("{}{}{}", claim.tested_name(), " " + claim.format,
                                                        position.empty() ? "" : ", " + position)),
-                       quantity_cell, measured + bounds_text(r) + spread_text(r), criterion, file::markdown_code(c.id));
+                       quantity_cell, measured + bounds_text(result) + spread_text(result), criterion,
+                       file::markdown_code(claim.id));
 }
 
 }  // namespace
 
 void write_claim_report(const std::filesystem::path& folder, const std::vector<Claim>& claims,
-                        const std::vector<ClaimResult>& results, const ClaimRequest& run) {
+                        const std::vector<ClaimResult>& results, const ClaimRequest& request) {
     file::AtomicFile readme(folder / "README.md");
     const CountsBySource counts = count_verdicts(claims, results);
     const std::size_t unconfirmed_count = claims.size() - counts.all.confirmed();
@@ -123,11 +128,11 @@ void write_claim_report(const std::filesystem::path& folder, const std::vector<C
         draws_option(results), claims.size(),
         unconfirmed_count == 0 ? "" : fmt::format(", of which {} failed or could not be measured", unconfirmed_count),
         counts.text(), quoted_count, counts.all.with_criterion, screenshots_in(folder));
-    for (const ClaimSubject& subject : subjects_of(claims)) {
+    for (const ClaimSubject& subject : group_by_subject(claims)) {
         text += fmt::format("\n## {}\n\n", file::markdown_text(subject.name));
-        ShownSubject shown{folder, {}, run};
+        ShownSubject shown{folder, {}, request};
         for (const std::size_t i : subject.claims) shown.claims.push_back(&claims[i]);
-        text += pictures_of(shown) + samples_text(subject, results);
+        text += draw_subject_pictures(shown) + samples_text(subject, results);
         std::string source;
         for (const std::size_t i : subject.claims) {
             if (claims[i].source != source) {

@@ -1,4 +1,4 @@
-// Texts about claims: expected and measured values, verdicts, and how many hold.
+// Texts about claims: expected and measured values, evidence, and counts of verdicts.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -14,9 +14,9 @@ namespace lostbits::output::claim {
 
 using attribution::shell_word;
 
-std::string witness_text(const ClaimResult& r) {
-    if (r.witness.x < 0) return "";
-    const auto& w = r.witness;
+std::string witness_text(const ClaimResult& result) {
+    if (result.witness.x < 0) return "";
+    const auto& w = result.witness;
     std::string text = fmt::format("origin {} {} {} direction {} {} {}", file::hex(w.ray.origin.x),
                                    file::hex(w.ray.origin.y), file::hex(w.ray.origin.z), file::hex(w.ray.direction.x),
                                    file::hex(w.ray.direction.y), file::hex(w.ray.direction.z));
@@ -25,39 +25,42 @@ std::string witness_text(const ClaimResult& r) {
     return text + " t " + file::hex(w.t);
 }
 
-std::string explain_witness(const Claim& c, const ClaimResult& r) {
-    if (r.witness.x < 0) return "";
-    const std::string name = r.witness.given ? attribution::explain_ray_arguments(r.witness.given.get())
-                             : c.subject_if<scene::claim::SceneSubject>()
-                                 ? attribution::explain_pixel_arguments(shell_word(c.subject_name()),
-                                                                        static_cast<int>(r.witness.x), r.witness.y)
-                                 : "";
+std::string witness_command(const Claim& claim, const ClaimResult& result) {
+    if (result.witness.x < 0) return "";
+    const std::string name =
+        result.witness.given ? attribution::explain_ray_arguments(result.witness.given.get())
+        : claim.subject_if<scene::claim::SceneSubject>()
+            ? attribution::explain_pixel_arguments(shell_word(claim.subject_name()), static_cast<int>(result.witness.x),
+                                                   result.witness.y)
+            : "";
     if (name.empty()) return "";
-    measure::evaluate::TestedForm form_row = measure::claim::claim_row(c);
-    form_row.touching = r.witness.touching;
+    measure::evaluate::TestedForm form_row = measure::claim::claim_row(claim);
+    form_row.touching = result.witness.touching;
     return attribution::explain_command(name, form_row);
 }
 
-std::string quantity(const Claim& c) {
-    if (!c.operations.empty()) return fmt::format("{} of {}", c.metric, fmt::join(c.operations, " and of "));
-    return c.onset.empty() ? c.metric
-                           : fmt::format("onset of {} {} {}", c.onset, c.statistic, file::decimal(c.threshold));
+std::string quantity_text(const Claim& claim) {
+    if (!claim.operations.empty())
+        return fmt::format("{} of {}", claim.metric, fmt::join(claim.operations, " and of "));
+    return claim.onset.empty()
+               ? claim.metric
+               : fmt::format("onset of {} {} {}", claim.onset, claim.statistic, file::decimal(claim.threshold));
 }
 
-std::string floats_text(const ClaimResult& r) {
-    return r.floats == 0 ? "" : "all " + scene::toml::count_with_noun(r.floats, "float");
+std::string floats_text(const ClaimResult& result) {
+    return result.floats == 0 ? "" : "all " + scene::toml::count_with_noun(result.floats, "float");
 }
 
-std::string evidence_text(const Claim& c, const ClaimResult& r) {
+std::string evidence_text(const Claim& claim, const ClaimResult& result) {
     using Evidence = Claim::Evidence;
-    const bool is_refuted = c.verdict == Claim::Verdict::refuted;
-    if (c.verdict == Claim::Verdict::qualified) return c.condition;
-    if (r.evaluations > 0)
+    const bool is_refuted = claim.verdict == Claim::Verdict::refuted;
+    if (claim.verdict == Claim::Verdict::qualified) return claim.condition;
+    if (result.evaluations > 0)
         return fmt::format("{} in {} evaluations; the worst is {}", is_refuted ? "found" : "no worse case found",
-                           r.evaluations, file::decimal(r.measured));
-    switch (c.evidence) {
-        case Evidence::proof: return (is_refuted ? "refuted by proof: " : "proved: ") + c.lemma;
-        case Evidence::exhaustive: return r.floats > 0 ? "" : "every case that it speaks of was measured";
+                           result.evaluations, file::decimal(result.measured));
+    switch (claim.evidence) {
+        case Evidence::proof: return (is_refuted ? "refuted by proof: " : "proved: ") + claim.lemma;
+        case Evidence::exhaustive: return result.floats > 0 ? "" : "every case that it speaks of was measured";
         case Evidence::search:
             return is_refuted ? "by the worst case that a search found" : "for the worst case that a search found";
         case Evidence::counterexample: return "by a counterexample";
@@ -67,7 +70,9 @@ std::string evidence_text(const Claim& c, const ClaimResult& r) {
     return "";
 }
 
-std::string says_text(const Claim& c) { return c.criterion ? "the statement says " + c.criterion->text : ""; }
+std::string criterion_text(const Claim& claim) {
+    return claim.criterion ? "the statement says " + claim.criterion->text : "";
+}
 
 namespace {
 
@@ -75,52 +80,54 @@ using State = ClaimResult::State;
 
 /// True if the verdict still follows from the criterion for every draw; nullopt if there is no criterion or the claim
 /// agrees.
-std::optional<bool> verdict_stands(const Claim& c, const ClaimResult& r) {
-    if (!c.criterion || r.state != State::disagrees) return std::nullopt;
-    const auto s = r.spread();
-    return c.criterion->is_met_by(c.low, c.high) ? c.criterion->is_met_by(s.low, s.high)
-                                                 : c.criterion->is_failed_by(s.low, s.high);
+std::optional<bool> verdict_stands(const Claim& claim, const ClaimResult& result) {
+    if (!claim.criterion || result.state != State::disagrees) return std::nullopt;
+    const auto s = result.spread();
+    return claim.criterion->is_met_by(claim.low, claim.high) ? claim.criterion->is_met_by(s.low, s.high)
+                                                             : claim.criterion->is_failed_by(s.low, s.high);
 }
 
-std::string verdict_clause(const Claim& c, const ClaimResult& r) {
-    const auto stands = verdict_stands(c, r);
+std::string verdict_clause(const Claim& claim, const ClaimResult& result) {
+    const auto stands = verdict_stands(claim, result);
     if (!stands) return "";
-    return fmt::format("; {}: {}", says_text(c),
+    return fmt::format("; {}: {}", criterion_text(claim),
                        *stands ? "the number has changed, but the verdict stands" : "the verdict no longer follows");
 }
 
 }  // namespace
 
-std::string changed_text(const Claim& c, const ClaimResult& r) {
-    if (c.verdict == Claim::Verdict::holds && !verdict_stands(c, r).value_or(false))
+std::string disagreement_text(const Claim& claim, const ClaimResult& result) {
+    if (claim.verdict == Claim::Verdict::holds && !verdict_stands(claim, result).value_or(false))
         return "expected to hold, but does not";
-    return fmt::format("{}, but the number has changed", name_of(c.verdict));
+    return fmt::format("{}, but the number has changed", name_of(claim.verdict));
 }
 
 namespace {
 
-std::string expected_and_measured(const Claim& c, const ClaimResult& r) {
-    const std::string expected =
-        fmt::format("expected {} in [{}, {}]", quantity(c), file::decimal(c.low), file::decimal(c.high));
-    if (r.state == State::unmeasurable && !r.further.empty())
-        return fmt::format("{}, but {} (it exists in {} of {} draws)", expected, r.reason, r.spread().draws,
-                           1 + r.further.size());
-    if (r.state == State::unmeasurable || r.state == State::skipped)
-        return fmt::format("{}, but {}", expected, r.reason);
-    if (r.evaluations > 0)
-        return fmt::format("{}, measured {} as the worst of {} evaluations", expected, file::decimal(r.measured),
-                           r.evaluations);
-    if (r.floats > 0)
-        return fmt::format("{}, measured {} over {}", expected, file::decimal(r.measured), floats_text(r));
-    if (r.further.empty()) return fmt::format("{}, measured {}", expected, file::decimal(r.measured));
-    const auto s = r.spread();
-    return fmt::format("{}, measured {}, and {} to {} over {}", expected, file::decimal(r.measured),
+std::string expected_and_measured(const Claim& claim, const ClaimResult& result) {
+    const std::string expected = fmt::format("expected {} in [{}, {}]", quantity_text(claim), file::decimal(claim.low),
+                                             file::decimal(claim.high));
+    if (result.state == State::unmeasurable && !result.further.empty())
+        return fmt::format("{}, but {} (it exists in {} of {} draws)", expected, result.reason, result.spread().draws,
+                           1 + result.further.size());
+    if (result.state == State::unmeasurable || result.state == State::skipped)
+        return fmt::format("{}, but {}", expected, result.reason);
+    if (result.evaluations > 0)
+        return fmt::format("{}, measured {} as the worst of {} evaluations", expected, file::decimal(result.measured),
+                           result.evaluations);
+    if (result.floats > 0)
+        return fmt::format("{}, measured {} over {}", expected, file::decimal(result.measured), floats_text(result));
+    if (result.further.empty()) return fmt::format("{}, measured {}", expected, file::decimal(result.measured));
+    const auto s = result.spread();
+    return fmt::format("{}, measured {}, and {} to {} over {}", expected, file::decimal(result.measured),
                        file::decimal(s.low), file::decimal(s.high), scene::toml::count_with_noun(s.draws, "draw"));
 }
 
 }  // namespace
 
-std::string explain(const Claim& c, const ClaimResult& r) { return expected_and_measured(c, r) + verdict_clause(c, r); }
+std::string explanation_text(const Claim& claim, const ClaimResult& result) {
+    return expected_and_measured(claim, result) + verdict_clause(claim, result);
+}
 
 const Metric* metric_of_column(const std::string& column) {
     const Metric* best = nullptr;

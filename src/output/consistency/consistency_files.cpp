@@ -141,7 +141,7 @@ Table<study::PixelInBand<ConsistencyBand>> ConsistencyView::pixel_table(const Co
     std::string result_names;
     for (const std::string_view name : check_result_names)
         result_names += fmt::format("{}{}", result_names.empty() ? "" : ", ", name);
-    Table<R> table = study::place_columns<ConsistencyBand>();
+    Table<R> table = study::position_columns<ConsistencyBand>();
     for (std::size_t c = 0; c < study.checks.size(); ++c) {
         const Check& check = *study.checks[c];
         table.add({std::string(check.name), fmt::format("{}: {}", check.title, result_names), [c](const R& r) {

@@ -23,12 +23,12 @@ void compare_attributes(const ExrImage& a, const ExrImage& b, Ledger& ledger) {
         return value ? in_quotes(*value) : std::string("(absent)");
     };
     for (const auto& entry : value_pairs) {
-        const auto& [left, right] = entry.second;
+        const auto& [first_value, second_value] = entry.second;
         const bool is_about_run = entry.first == "lostbits:command" || entry.first == "lostbits:program" ||
                                   entry.first == "lostbits:compiler";
-        if (is_about_run || left == right) continue;
+        if (is_about_run || first_value == second_value) continue;
         const std::string message =
-            fmt::format("attribute {}: {} != {}", entry.first, quoted_text(left), quoted_text(right));
+            fmt::format("attribute {}: {} != {}", entry.first, quoted_text(first_value), quoted_text(second_value));
         ledger.add(0, [&message] { return message; });
     }
 }
@@ -42,22 +42,22 @@ void compare_samples(const std::string& name, const std::vector<Sample>& a, cons
     ColumnDifference& column = ledger.result.columns.emplace_back();
     column.name = name;
     for (std::size_t i = 0; i < a.size(); ++i) {
-        PairVerdict v;
-        if constexpr (std::is_same_v<Sample, float>) v = judge_samples(a[i], b[i], tolerance);
-        else v.differs = a[i] != b[i];
+        PairVerdict verdict;
+        if constexpr (std::is_same_v<Sample, float>) verdict = judge_samples(a[i], b[i], tolerance);
+        else verdict.differs = a[i] != b[i];
         const auto position = [&] { return fmt::format("{},{}", i % width, i / width); };
-        if (!record_verdict(column, v, position)) continue;
+        if (!record_verdict(column, verdict, position)) continue;
         ledger.add(0, [&] {
             if constexpr (std::is_same_v<Sample, float>)
                 return fmt::format("{} at {}: {} != {}{}", name, position(), file::decimal(a[i]), file::decimal(b[i]),
-                                   distances_text(v));
+                                   distances_text(verdict));
             else return fmt::format("{} at {}: {} != {}", name, position(), a[i], b[i]);
         });
     }
 }
 
 /// Records different sizes. Returns true if the sizes are the same; only then can pixels be compared.
-bool sizes_agree(const auto& a, const auto& b, Ledger& ledger) {
+bool check_sizes(const auto& a, const auto& b, Ledger& ledger) {
     if (a.width == b.width && a.height == b.height) return true;
     ledger.add(0, [&] { return fmt::format("size: {}x{} != {}x{}", a.width, a.height, b.width, b.height); });
     return false;
@@ -68,7 +68,7 @@ bool sizes_agree(const auto& a, const auto& b, Ledger& ledger) {
 Comparison compare(const ExrImage& a, const ExrImage& b, const CompareOptions& options) {
     Ledger ledger{options, {}};
     compare_attributes(a, b, ledger);
-    const bool has_same_size = sizes_agree(a, b, ledger);
+    const bool have_same_size = check_sizes(a, b, ledger);
     for (const ExrChannel& channel : a.channels) {
         ledger.result.names.push_back(channel.name);
         if (is_ignored(ledger.options, channel.name)) continue;
@@ -80,7 +80,7 @@ Comparison compare(const ExrImage& a, const ExrImage& b, const CompareOptions& o
             ledger.add(0, [&] {
                 return fmt::format("channel {}: type {} != {}", channel.name, type(channel), type(*second_channel));
             });
-        } else if (has_same_size) {
+        } else if (have_same_size) {
             std::visit(
                 [&]<class S>(const std::vector<S>& samples) {
                     compare_samples(channel.name, samples, std::get<std::vector<S>>(second_channel->samples),
@@ -105,8 +105,8 @@ void add_part(const std::string& name, Comparison part, Ledger& ledger) {
     Comparison& result = ledger.result;
     const std::string prefix = name.empty() ? "" : name + ": ";
     for (Difference& d : part.differences) {
-        if (result.differences.size() < ledger.options.max_kept)
-            result.differences.push_back({d.line, prefix + d.what});
+        if (result.differences.size() < ledger.options.max_listed)
+            result.differences.push_back({d.line, prefix + d.text});
     }
     result.count += part.count;
     for (ColumnDifference& column : part.columns) {
@@ -122,27 +122,27 @@ void add_part(const std::string& name, Comparison part, Ledger& ledger) {
 
 Comparison compare_exr(const std::filesystem::path& a, const std::filesystem::path& b, const CompareOptions& options) {
     Ledger ledger{options, {}};
-    const std::vector<std::string> left = image::image_backend().exr_parts(a),
-                                   right = image::image_backend().exr_parts(b);
-    const bool has_several_parts = left.size() > 1 || right.size() > 1;
+    const std::vector<std::string> first_parts = image::image_backend().exr_parts(a),
+                                   second_parts = image::image_backend().exr_parts(b);
+    const bool has_several_parts = first_parts.size() > 1 || second_parts.size() > 1;
     std::size_t next_index = 0;  // one past the index of the last matched part of the second file
-    for (std::size_t p = 0; p < left.size(); ++p) {
-        const auto match = std::ranges::find(right, left[p]);
-        if (has_several_parts && match == right.end()) {
-            ledger.add(0, [&] { return fmt::format("part {} is missing in the second", left[p]); });
+    for (std::size_t p = 0; p < first_parts.size(); ++p) {
+        const auto match = std::ranges::find(second_parts, first_parts[p]);
+        if (has_several_parts && match == second_parts.end()) {
+            ledger.add(0, [&] { return fmt::format("part {} is missing in the second", first_parts[p]); });
             continue;
         }
-        const std::size_t second_index = has_several_parts ? static_cast<std::size_t>(match - right.begin()) : 0;
+        const std::size_t second_index = has_several_parts ? static_cast<std::size_t>(match - second_parts.begin()) : 0;
         if (second_index < next_index)
-            ledger.add(0, [&] { return fmt::format("part {} is moved in the second", left[p]); });
+            ledger.add(0, [&] { return fmt::format("part {} is moved in the second", first_parts[p]); });
         next_index = std::max(next_index, second_index + 1);
         const ExrImage first_image =
             image::image_backend().read_exr(a, p);  // read first, so that an error names the first bad file
-        add_part(has_several_parts ? left[p] : "",
+        add_part(has_several_parts ? first_parts[p] : "",
                  compare(first_image, image::image_backend().read_exr(b, second_index), options), ledger);
     }
-    for (const std::string& name : right) {
-        if (has_several_parts && std::ranges::find(left, name) == left.end())
+    for (const std::string& name : second_parts) {
+        if (has_several_parts && std::ranges::find(first_parts, name) == first_parts.end())
             ledger.add(0, [&] { return fmt::format("part {} is added in the second", name); });
     }
     return ledger.result;
@@ -150,7 +150,7 @@ Comparison compare_exr(const std::filesystem::path& a, const std::filesystem::pa
 
 Comparison compare(const image::PngImage& a, const image::PngImage& b, const CompareOptions& options) {
     Ledger ledger{options, {}};
-    if (!sizes_agree(a, b, ledger)) return ledger.result;
+    if (!check_sizes(a, b, ledger)) return ledger.result;
     ColumnDifference& column = ledger.result.columns.emplace_back();
     column.name = "pixel";
     for (std::size_t i = 0; i < a.pixels.size(); ++i) {
@@ -161,7 +161,7 @@ Comparison compare(const image::PngImage& a, const image::PngImage& b, const Com
         const auto position = [&] { return fmt::format("{},{}", i % width, i / width); };
         record_verdict(column,
                        {.differs = true,
-                        .measured = true,
+                        .has_distances = true,
                         .absolute = static_cast<double>(largest_step),
                         .relative = largest_step / 255.0},
                        position);

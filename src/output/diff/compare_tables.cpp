@@ -46,7 +46,7 @@ std::vector<bool> longest_increasing(const std::vector<std::size_t>& numbers) {
 struct MatchedColumns {
     const CsvColumn *a, *b;
     const Tolerance* tolerance;
-    bool as_text;
+    bool compares_text;
 };
 
 /// Records the differences of the headers and returns the columns of both, in the first table's order.
@@ -74,9 +74,9 @@ std::vector<MatchedColumns> match_headers(const CsvTable& a, const CsvTable& b, 
     const auto is_in_order = longest_increasing(indices_in_b);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         if (is_in_order[i]) continue;
-        const auto old_place = pairs[i].a - a.columns.data() + 1;
+        const auto old_position = pairs[i].a - a.columns.data() + 1;
         ledger.add(1, [&] {
-            return fmt::format("column {} moved from place {} to place {}", pairs[i].a->name, old_place,
+            return fmt::format("column {} moved from place {} to place {}", pairs[i].a->name, old_position,
                                indices_in_b[i] + 1);
         });
     }
@@ -121,35 +121,38 @@ RowPairs pair_rows(const CsvTable& a, const CsvTable& b) {
 
 Comparison compare(const CsvTable& a, const CsvTable& b, const CompareOptions& options) {
     Ledger ledger{options, {}};
-    const auto pairs = match_headers(a, b, ledger);
-    const RowPairs rows = pair_rows(a, b);
+    const auto column_pairs = match_headers(a, b, ledger);
+    const RowPairs row_pairs = pair_rows(a, b);
     const auto row_prefix = [&](std::size_t r) {
-        return rows.id_column == nullptr ? "" : in_quotes(rows.id_column->cells[r]) + ": ";
+        return row_pairs.id_column == nullptr ? "" : in_quotes(row_pairs.id_column->cells[r]) + ": ";
     };
-    for (const MatchedColumns& p : pairs) ledger.result.columns.emplace_back().name = p.a->name;
-    ledger.result.rows = rows.pairs.size();
-    for (const auto& [r, q] : rows.pairs) {
+    for (const MatchedColumns& column : column_pairs) ledger.result.columns.emplace_back().name = column.a->name;
+    ledger.result.rows = row_pairs.pairs.size();
+    for (const auto& [row_in_a, row_in_b] : row_pairs.pairs) {
         const std::uint64_t count_before = ledger.result.count;
-        for (std::size_t c = 0; c < pairs.size(); ++c) {
-            const std::string_view left = pairs[c].a->cells[r], right = pairs[c].b->cells[q];
-            if (left == right) continue;
-            const PairVerdict v = judge_cells(left, right, pairs[c].tolerance, pairs[c].as_text);
-            if (!record_verdict(ledger.result.columns[c], v, [&] { return fmt::format("line {}", a.lines[r]); }))
+        for (std::size_t c = 0; c < column_pairs.size(); ++c) {
+            const std::string_view cell_in_a = column_pairs[c].a->cells[row_in_a],
+                                   cell_in_b = column_pairs[c].b->cells[row_in_b];
+            if (cell_in_a == cell_in_b) continue;
+            const PairVerdict verdict =
+                judge_cells(cell_in_a, cell_in_b, column_pairs[c].tolerance, column_pairs[c].compares_text);
+            if (!record_verdict(ledger.result.columns[c], verdict,
+                                [&] { return fmt::format("line {}", a.lines[row_in_a]); }))
                 continue;
-            ledger.add(a.lines[r], [&] {
-                return fmt::format("{}{}: {} != {}{}", row_prefix(r), pairs[c].a->name, cell_text(left),
-                                   cell_text(right), distances_text(v));
+            ledger.add(a.lines[row_in_a], [&] {
+                return fmt::format("{}{}: {} != {}{}", row_prefix(row_in_a), column_pairs[c].a->name,
+                                   cell_text(cell_in_a), cell_text(cell_in_b), distances_text(verdict));
             });
         }
-        ledger.result.rows_differ += ledger.result.count > count_before;
+        ledger.result.differing_rows += ledger.result.count > count_before;
     }
-    for (const std::size_t r : rows.only_a)
+    for (const std::size_t r : row_pairs.only_a)
         ledger.add(a.lines[r], [&] { return row_prefix(r) + "missing in the second"; });
-    for (const std::size_t r : rows.only_b)
+    for (const std::size_t r : row_pairs.only_b)
         ledger.add(0, [&] { return in_quotes(b.find("id")->cells[r]) + ": added in the second"; });
-    if (rows.id_column == nullptr && a.rows() != b.rows())
+    if (row_pairs.id_column == nullptr && a.rows() != b.rows())
         ledger.add(0, [&] {
-            return fmt::format("rows: {} != {}; the first {} are compared", a.rows(), b.rows(), rows.pairs.size());
+            return fmt::format("rows: {} != {}; the first {} are compared", a.rows(), b.rows(), row_pairs.pairs.size());
         });
     return ledger.result;
 }

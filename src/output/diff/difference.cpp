@@ -61,8 +61,9 @@ struct ExactDecimal {
     boost::multiprecision::cpp_int significand;
     int exponent = 0;
 
-    explicit ExactDecimal(const CellValue& v) : significand(v.digits.empty() ? "0" : v.digits), exponent(v.exponent) {
-        if (v.is_negative) significand = -significand;
+    explicit ExactDecimal(const CellValue& value)
+        : significand(value.digits.empty() ? "0" : value.digits), exponent(value.exponent) {
+        if (value.is_negative) significand = -significand;
     }
     ExactDecimal(boost::multiprecision::cpp_int digits, int power) : significand(std::move(digits)), exponent(power) {}
 
@@ -88,7 +89,7 @@ bool is_at_most(const ExactDecimal& a, const ExactDecimal& b) {
 }
 
 /// m with 10^(m − 1) <= |v| < 10^m, for a number other than zero.
-int magnitude(const CellValue& v) { return v.exponent + static_cast<int>(v.digits.size()); }
+int magnitude(const CellValue& value) { return value.exponent + static_cast<int>(value.digits.size()); }
 
 /// Judges two numbers of very different size: one is zero, or less than 10^-40 of the other. |a − b| is then the
 /// larger number to 40 digits. Returns nothing for other numbers, and if the tolerance is close to the larger number:
@@ -100,16 +101,17 @@ std::optional<PairVerdict> judge_distant_magnitudes(const CellValue& x, const Ce
     const bool has_zero = x.digits.empty() || y.digits.empty();
     if (!has_zero && std::abs(magnitude(x) - magnitude(y)) <= max_gap) return {};
     const CellValue& larger = y.digits.empty() || (!x.digits.empty() && magnitude(x) > magnitude(y)) ? x : y;
-    PairVerdict v{.differs = true, .measured = true, .absolute = std::fabs(larger.approximate()), .relative = 1};
-    if (tolerance == nullptr) return v;
+    PairVerdict verdict{
+        .differs = true, .has_distances = true, .absolute = std::fabs(larger.approximate()), .relative = 1};
+    if (tolerance == nullptr) return verdict;
     const CellValue& absolute = tolerance->absolute;
     const double relative = tolerance->relative.to_double();
     // With the magnitude m of the larger number, |a − b| lies between 10^(m − 2) and 10^(m + 1).
     const bool is_tolerance_below = absolute.digits.empty() || magnitude(absolute) <= magnitude(larger) - 2;
     const bool is_tolerance_above = !absolute.digits.empty() && magnitude(absolute) >= magnitude(larger) + 2;
     if (!is_tolerance_above && relative < 2 && !(is_tolerance_below && relative < 0.5)) return {};
-    v.differs = is_tolerance_below && relative < 0.5;
-    return v;
+    verdict.differs = is_tolerance_below && relative < 0.5;
+    return verdict;
 }
 
 }  // namespace
@@ -118,7 +120,7 @@ PairVerdict judge_cells(std::string_view a, std::string_view b, const Tolerance*
     const CellValue x = file::read_cell(a), y = file::read_cell(b);
     if (x.kind != Kind::number || y.kind != Kind::number) {
         const bool both_text = x.kind == Kind::text && y.kind == Kind::text;
-        return {.differs = !(x == y), .not_finite = !both_text};
+        return {.differs = !(x == y), .is_not_finite = !both_text};
     }
     if (const auto verdict = judge_distant_magnitudes(x, y, tolerance)) return *verdict;
     const ExactDecimal exact_a(x), exact_b(y), difference = distance(exact_a, exact_b);
@@ -126,21 +128,21 @@ PairVerdict judge_cells(std::string_view a, std::string_view b, const Tolerance*
         is_at_most({abs(exact_b.significand), exact_b.exponent}, {abs(exact_a.significand), exact_a.exponent});
     const ExactDecimal larger = first_is_larger ? ExactDecimal(abs(exact_a.significand), exact_a.exponent)
                                                 : ExactDecimal(abs(exact_b.significand), exact_b.exponent);
-    PairVerdict v{.measured = true, .absolute = difference.approximate()};
+    PairVerdict verdict{.has_distances = true, .absolute = difference.approximate()};
     if (larger.significand != 0) {
         // Both are scaled to the larger number, so that neither leaves the range of a double.
         const int exponent = magnitude(first_is_larger ? x : y);
-        v.relative = difference.approximate(exponent) / larger.approximate(exponent);
+        verdict.relative = difference.approximate(exponent) / larger.approximate(exponent);
     }
     if (tolerance == nullptr) {
-        v.differs = as_text || !(x == y);
-        return v;
+        verdict.differs = as_text || !(x == y);
+        return verdict;
     }
     const ExactDecimal relative(tolerance->relative);
-    v.differs =
+    verdict.differs =
         !is_at_most(difference, ExactDecimal(tolerance->absolute)) &&
         !is_at_most(difference, {relative.significand * larger.significand, relative.exponent + larger.exponent});
-    return v;
+    return verdict;
 }
 
 double cell_number(std::string_view cell) {
@@ -151,17 +153,17 @@ double cell_number(std::string_view cell) {
 PairVerdict judge_samples(float a, float b, const std::optional<std::pair<double, double>>& tolerance) {
     if (std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b) || (std::isnan(a) && std::isnan(b)))
         return {};
-    if (!std::isfinite(a) || !std::isfinite(b)) return {.differs = true, .not_finite = true};
+    if (!std::isfinite(a) || !std::isfinite(b)) return {.differs = true, .is_not_finite = true};
     const double x = a, y = b, difference = std::fabs(x - y), larger = std::max(std::fabs(x), std::fabs(y));
     const bool is_tolerated = tolerance && (difference <= tolerance->first || difference <= tolerance->second * larger);
     return {.differs = !is_tolerated,
-            .measured = true,
+            .has_distances = true,
             .absolute = difference,
             .relative = larger == 0 ? 0 : difference / larger};
 }
 
-std::string distances_text(const PairVerdict& v) {
-    return v.measured ? fmt::format(" (abs {:.4g}, rel {:.4g})", v.absolute, v.relative) : "";
+std::string distances_text(const PairVerdict& verdict) {
+    return verdict.has_distances ? fmt::format(" (abs {:.4g}, rel {:.4g})", verdict.absolute, verdict.relative) : "";
 }
 
 const Tolerance* tolerance_of(const std::string& name, const CompareOptions& options) {

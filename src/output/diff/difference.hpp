@@ -1,6 +1,6 @@
-// Compares two tables or two pictures, and measures their differences; no tolerance covers NaN, infinities and missing
-// values. Also draws two maps of the same pixels as one picture: where a form loses more bits, where it loses fewer,
-// and where decisions changed.
+// Compares two tables or two pictures, and measures their differences. No tolerance covers NaN, infinities and missing
+// values. Also draws the difference of two maps of the same pixels as one picture: where a form loses more bits, where
+// it loses fewer, and where decisions changed.
 #pragma once
 
 #include <array>
@@ -20,8 +20,8 @@
 namespace lostbits::output::diff {
 
 /// Largest distance at which two finite numbers of a column or channel still agree: |a − b| ≤ absolute, or |a − b| ≤
-/// relative · max(|a|, |b|). Both are at least 0, and neither side is the reference. With a tolerance, even of 0, −0
-/// equals 0.
+/// relative · max(|a|, |b|). Both tolerances are at least 0. Neither number is the reference. With a tolerance, even of
+/// 0, −0 equals 0.
 struct Tolerance {
     std::string column;                  ///< a name or a glob (fnmatch)
     file::CellValue absolute, relative;  ///< numbers
@@ -34,40 +34,40 @@ struct Tolerance {
 [[nodiscard]] bool names_column(const std::string& pattern, const std::string& name);
 
 struct CompareOptions {
-    std::vector<Tolerance> tolerances;  ///< the last one that matches a column counts
+    std::vector<Tolerance> tolerances;  ///< of several that match a column, the last one counts
     std::vector<std::string> ignored;   ///< names or globs of columns and channels to leave out
-    std::uint64_t max_kept = 20;        ///< number of differences to write out; the others are only counted
+    std::uint64_t max_listed = 20;      ///< largest number of differences that are listed; the others are only counted
     intersect::process::StopToken stop = {};
 };
 
 /// One difference, as a line of text.
 struct Difference {
     std::size_t line = 0;  ///< line in the first file; 0 if the files have no lines
-    std::string what;
+    std::string text;
 };
 
 /// The largest value and its position; no position if nothing was measured.
 struct Largest {
     double value = 0;
-    std::string at;
+    std::string position;
 };
 
 /// Differences of one column or channel.
 struct ColumnDifference {
     std::string name;
     std::uint64_t count = 0;  ///< number of cells or samples that differ
-    std::uint64_t not_finite =
-        0;             ///< differing pairs with a NaN, an infinity, a missing value or a text, but not two texts
+    /// Number of differing pairs with a NaN, an infinity, a missing value or a text; pairs of two texts do not count.
+    std::uint64_t not_finite_count = 0;
     Largest absolute;  ///< largest |a − b| over all pairs of unequal finite numbers, tolerated or not
     Largest relative;  ///< largest |a − b| / max(|a|, |b|) over the same pairs
 };
 
 struct Comparison {
-    std::vector<Difference> differences;      ///< in the file's order, at most `CompareOptions::max_kept`
-    std::uint64_t count = 0;                  ///< number of all differences, written out or not
-    std::uint64_t rows = 0, rows_differ = 0;  ///< for tables: rows compared, and rows with a difference
-    std::vector<ColumnDifference>
-        columns;                     ///< columns that both sides have and that were compared, in the first's order
+    std::vector<Difference> differences;         ///< in the file's order, at most `CompareOptions::max_listed`
+    std::uint64_t count = 0;                     ///< number of all differences, listed or not
+    std::uint64_t rows = 0, differing_rows = 0;  ///< for tables: rows compared, and rows with a difference
+    /// Columns that both sides have and that were compared, in the order of the first side.
+    std::vector<ColumnDifference> columns;
     std::vector<std::string> names;  ///< every column or channel of either side, ignored ones too
 
     [[nodiscard]] bool same() const { return count == 0; }
@@ -94,18 +94,18 @@ struct Comparison {
 [[nodiscard]] Comparison compare_exr(const std::filesystem::path& a, const std::filesystem::path& b,
                                      const CompareOptions& options);
 
-/// Compares sizes and decoded pixels exactly; the only option that counts is `max_kept`. The only column is `pixel`.
+/// Compares sizes and decoded pixels exactly; the only option that counts is `max_listed`. The only column is `pixel`.
 /// Its largest difference is in 8-bit steps, and the relative one is a fraction of 255.
 [[nodiscard]] Comparison compare(const image::PngImage& a, const image::PngImage& b, const CompareOptions& options);
 
-/// Compares byte by byte. Gives at most one difference, the first, with its line.
+/// Compares two files byte by byte. Reports at most one difference, the first, with its line.
 [[nodiscard]] Comparison compare_bytes(std::string_view a, std::string_view b);
 
 /// Pixels of one form and format of a map.
 struct PixelField {
     int width = 0, height = 0;
-    std::vector<std::uint8_t> outcome;  ///< as `Outcome`
-    std::vector<double> lost;           ///< lost bits; NaN unless the outcome is an agreed hit
+    std::vector<std::uint8_t> outcomes;  ///< values of `Outcome`
+    std::vector<double> lost_bits;       ///< NaN unless the outcome is an agreed hit
 };
 
 /// Reads `FORM.FORMAT.csv` in the folder of a map, or the part FORM.FORMAT of its EXR; nothing if neither exists.
@@ -115,7 +115,8 @@ struct PixelField {
 /// Ramp from blue, if the second map loses fewer bits, over white, if both lose the same, to orange, if it loses more.
 [[nodiscard]] std::vector<image::Rgb8> difference_ramp();
 
-/// Classes of pixels without a difference of bits. Their fixed colours are not on the ramp.
+/// Classes of pixels that have no difference of bits, because not both maps hit correctly. Their fixed colours are not
+/// on the ramp.
 enum class PixelClass : std::uint8_t { both_miss, both_wrong, wrong_now, right_now };
 inline constexpr std::array<image::Rgb8, 4> pixel_class_colours{{
     {150, 150, 150},  // both_miss: darker than in a map, because this ramp is white in the middle
@@ -125,7 +126,8 @@ inline constexpr std::array<image::Rgb8, 4> pixel_class_colours{{
 }};
 
 struct DifferenceTexts {
-    std::string title, first, second;  ///< title of the picture, and names of the two sides
+    std::string title;                    ///< title of the picture
+    std::string first_name, second_name;  ///< names of the two maps
 };
 
 /// Writes the picture of the differences of two maps. The ramp ends at the largest difference of bits, at least one

@@ -13,8 +13,8 @@ namespace lostbits::output::diff {
 /// Verdict on two cells or samples.
 struct PairVerdict {
     bool differs = false;
-    bool not_finite = false;  ///< at least one of the two is not a finite number
-    bool measured = false;    ///< both are finite numbers, and `absolute` and `relative` are their distances
+    bool is_not_finite = false;  ///< at least one of the two is not a finite number
+    bool has_distances = false;  ///< both are finite numbers, and `absolute` and `relative` are their distances
     double absolute = 0, relative = 0;
 };
 
@@ -26,7 +26,7 @@ double cell_number(std::string_view cell);
 PairVerdict judge_samples(float a, float b, const std::optional<std::pair<double, double>>& tolerance);
 
 /// ` (abs …, rel …)` if the distances were measured.
-std::string distances_text(const PairVerdict& v);
+std::string distances_text(const PairVerdict& verdict);
 
 /// Tolerance of a column or channel: the last tolerance that names it; null if none does.
 const Tolerance* tolerance_of(const std::string& name, const CompareOptions& options);
@@ -40,25 +40,25 @@ struct Ledger {
     const CompareOptions& options;
     Comparison result;
 
-    /// Counts a difference, and keeps its text while fewer than `options.max_kept` are kept. `line` is the line of the
-    /// difference in the first file; 0 if it has no line there, as in pictures.
+    /// Counts a difference, and keeps its text while fewer than `options.max_listed` are kept. `line` is the line of
+    /// the difference in the first file; 0 if it has no line there, as in pictures.
     void add(std::size_t line, const auto& make_text) {
-        if (result.count++ < options.max_kept) result.differences.push_back({line, make_text()});
+        if (result.count++ < options.max_listed) result.differences.push_back({line, make_text()});
     }
 };
 
 /// Records a verdict in its column. Returns true if the two values differ.
-inline bool record_verdict(ColumnDifference& column, const PairVerdict& v, const auto& make_position) {
-    column.count += v.differs;
-    column.not_finite += v.differs && v.not_finite;
+inline bool record_verdict(ColumnDifference& column, const PairVerdict& verdict, const auto& make_position) {
+    column.count += verdict.differs;
+    column.not_finite_count += verdict.differs && verdict.is_not_finite;
     const auto raise = [&](Largest& largest, double value) {
-        if (largest.at.empty() || value > largest.value) largest = {value, make_position()};
+        if (largest.position.empty() || value > largest.value) largest = {value, make_position()};
     };
-    if (v.measured && (v.differs || v.absolute > 0)) {
-        raise(column.absolute, v.absolute);
-        raise(column.relative, v.relative);
+    if (verdict.has_distances && (verdict.differs || verdict.absolute > 0)) {
+        raise(column.absolute, verdict.absolute);
+        raise(column.relative, verdict.relative);
     }
-    return v.differs;
+    return verdict.differs;
 }
 
 }  // namespace lostbits::output::diff

@@ -26,7 +26,7 @@ constexpr double missing = std::numeric_limits<double>::quiet_NaN();
     throw InputError(fmt::format("{}: {}; make the map again with --pixels csv", path.string(), reason));
 }
 
-PixelField pixels_of_table(const std::filesystem::path& path) {
+PixelField read_table_pixels(const std::filesystem::path& path) {
     const file::CsvTable table = file::read_csv(path);
     const file::CsvColumn *const x = table.find("x"), *const y = table.find("y"),
                                  *const outcome = table.find("outcome"), *const lost = table.find("lost_bits");
@@ -41,29 +41,29 @@ PixelField pixels_of_table(const std::filesystem::path& path) {
     for (std::size_t r = 0; r < table.rows(); ++r) {
         const auto found = std::ranges::find(outcome_names, outcome->cells[r]);
         if (found == outcome_names.end()) refuse(path, "it has an unknown outcome");
-        field.outcome.push_back(static_cast<std::uint8_t>(found - outcome_names.begin()));
+        field.outcomes.push_back(static_cast<std::uint8_t>(found - outcome_names.begin()));
         // Rounded as in an EXR, so that both give the same picture.
         const double bits = lost->cells[r].empty() ? missing : parsed_number(lost->cells[r]);
-        field.lost.push_back(static_cast<double>(static_cast<float>(bits)));
+        field.lost_bits.push_back(static_cast<double>(static_cast<float>(bits)));
     }
     return field;
 }
 
-PixelField pixels_of_part(const std::filesystem::path& path, const image::ExrImage& part) {
+PixelField read_part_pixels(const std::filesystem::path& path, const image::ExrImage& part) {
     const image::ExrChannel *const outcome = part.find("class.outcome"), *const lost = part.find("bits.lost");
     if (outcome == nullptr || lost == nullptr || outcome->samples.index() != 1 || lost->samples.index() != 0)
         refuse(path, "it does not have the channels class.outcome and bits.lost of a map");
     PixelField field{part.width, part.height, {}, {}};
     for (const std::uint32_t code : std::get<1>(outcome->samples)) {
         if (code >= outcome_names.size()) refuse(path, "it has an unknown outcome");
-        field.outcome.push_back(static_cast<std::uint8_t>(code));
+        field.outcomes.push_back(static_cast<std::uint8_t>(code));
     }
-    for (const float bits : std::get<0>(lost->samples)) field.lost.push_back(static_cast<double>(bits));
+    for (const float bits : std::get<0>(lost->samples)) field.lost_bits.push_back(static_cast<double>(bits));
     return field;
 }
 
 /// Class of a pixel; nullopt if both outcomes are agreed hits, which have a difference of bits.
-std::optional<PixelClass> class_of(std::uint8_t a, std::uint8_t b) {
+std::optional<PixelClass> pixel_class(std::uint8_t a, std::uint8_t b) {
     const auto hit_code = static_cast<std::uint8_t>(Outcome::agree_hit),
                miss_code = static_cast<std::uint8_t>(Outcome::agree_miss);
     const auto is_right = [&](std::uint8_t o) { return o == hit_code || o == miss_code; };
@@ -75,13 +75,13 @@ std::optional<PixelClass> class_of(std::uint8_t a, std::uint8_t b) {
 }  // namespace
 
 std::optional<PixelField> read_pixels(const std::filesystem::path& folder, const std::string& row) {
-    if (const auto table = folder / (row + ".csv"); std::filesystem::exists(table)) return pixels_of_table(table);
+    if (const auto table = folder / (row + ".csv"); std::filesystem::exists(table)) return read_table_pixels(table);
     const auto exr = folder / (std::filesystem::weakly_canonical(folder / ".").filename().string() + ".exr");
     if (!std::filesystem::exists(exr)) return {};
     const auto parts = image::image_backend().exr_parts(exr);
     const auto found = std::ranges::find(parts, row);
     if (found == parts.end()) return {};
-    return pixels_of_part(exr, image::image_backend().read_exr(exr, static_cast<std::size_t>(found - parts.begin())));
+    return read_part_pixels(exr, image::image_backend().read_exr(exr, static_cast<std::size_t>(found - parts.begin())));
 }
 
 std::vector<Rgb8> difference_ramp() {
@@ -102,44 +102,45 @@ void draw_difference(const std::filesystem::path& path, const PixelField& a, con
                      const DifferenceTexts& texts) {
     if (a.width != b.width || a.height != b.height)
         throw InputError(fmt::format("{}: {}x{} pixels in {}, {}x{} in {}; make both maps with the same --size",
-                                     texts.title, a.width, a.height, texts.first, b.width, b.height, texts.second));
+                                     texts.title, a.width, a.height, texts.first_name, b.width, b.height,
+                                     texts.second_name));
     double largest = 1;
     std::array<std::uint64_t, pixel_class_colours.size()> counts{};
-    std::uint64_t losing_more = 0, losing_fewer = 0, both_hit = 0;
-    for (std::size_t i = 0; i < a.lost.size(); ++i) {
-        if (const auto c = class_of(a.outcome[i], b.outcome[i])) {
+    std::uint64_t more_lost_count = 0, fewer_lost_count = 0, both_hit_count = 0;
+    for (std::size_t i = 0; i < a.lost_bits.size(); ++i) {
+        if (const auto c = pixel_class(a.outcomes[i], b.outcomes[i])) {
             ++counts[static_cast<std::size_t>(*c)];
             continue;
         }
-        const double difference = b.lost[i] - a.lost[i];
-        ++both_hit;
-        losing_more += difference > 0;
-        losing_fewer += difference < 0;
+        const double difference = b.lost_bits[i] - a.lost_bits[i];
+        ++both_hit_count;
+        more_lost_count += difference > 0;
+        fewer_lost_count += difference < 0;
         largest = std::max(largest, std::fabs(difference));
     }
-    const std::array<std::string, 4> names{"both miss correctly", "wrong in both", "wrong only in " + texts.second,
-                                           "right only in " + texts.second};
+    const std::array<std::string, 4> names{"both miss correctly", "wrong in both", "wrong only in " + texts.second_name,
+                                           "right only in " + texts.second_name};
     std::vector<image::LegendEntry> widest_legend, legend;
     for (std::size_t c = 0; c < names.size(); ++c) {
-        widest_legend.push_back({names[c], pixel_class_colours[c], std::to_string(a.lost.size())});
+        widest_legend.push_back({names[c], pixel_class_colours[c], std::to_string(a.lost_bits.size())});
         if (counts[c] > 0) legend.push_back({names[c], pixel_class_colours[c], std::to_string(counts[c])});
     }
     const image::ColourScale scale("difference", difference_ramp(), -largest, largest);
     image::HeatmapWriter picture(
         path, {.title = texts.title,
-               .subtitle = {fmt::format("From {} to {}.", texts.first, texts.second),
+               .subtitle = {fmt::format("From {} to {}.", texts.first_name, texts.second_name),
                             fmt::format(
                                 "Of {} pixels that both hit correctly, {} lose more bits (orange) and {} fewer (blue).",
-                                both_hit, losing_more, losing_fewer)},
+                                both_hit_count, more_lost_count, fewer_lost_count)},
                .width = a.width,
                .height = a.height,
                .scale = scale,
                .unit = "more bits lost",
                .legend = widest_legend});
     std::vector<Rgb8> row(static_cast<std::size_t>(a.width));
-    for (std::size_t i = 0, x = 0; i < a.lost.size(); ++i) {
-        const auto c = class_of(a.outcome[i], b.outcome[i]);
-        row[x] = c ? pixel_class_colours[static_cast<std::size_t>(*c)] : scale.map(b.lost[i] - a.lost[i]);
+    for (std::size_t i = 0, x = 0; i < a.lost_bits.size(); ++i) {
+        const auto c = pixel_class(a.outcomes[i], b.outcomes[i]);
+        row[x] = c ? pixel_class_colours[static_cast<std::size_t>(*c)] : scale.map(b.lost_bits[i] - a.lost_bits[i]);
         if (++x < row.size()) continue;
         picture.write_rows(row);
         x = 0;

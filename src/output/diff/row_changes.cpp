@@ -21,8 +21,8 @@ using file::CsvTable;
 
 namespace {
 
-/// Key of a row: the columns before the form (a case, the value of an axis), the form and the format; for claims the
-/// id. Empty if the table has no such columns.
+/// Columns that form the key of a row: those before the form (a case, the value of an axis), the form and the format.
+/// For claims, only the id. Empty if the table has no such columns.
 std::vector<const CsvColumn*> key_columns(const CsvTable& table) {
     std::vector<const CsvColumn*> keys;
     if (const CsvColumn* const id = table.find("id"); id != nullptr && table.find("statement") != nullptr) return {id};
@@ -67,7 +67,7 @@ bool names_ray_or_command(const std::string& name) {
            name.ends_with("explain");
 }
 
-std::string shown_cell(std::string_view cell) { return cell.empty() ? "(empty)" : std::string(cell); }
+std::string cell_or_empty(std::string_view cell) { return cell.empty() ? "(empty)" : std::string(cell); }
 
 struct ColumnPair {
     const CsvColumn *a, *b;
@@ -86,8 +86,8 @@ double number_of(const CsvTable& table, std::size_t row_index, std::string_view 
     return column == nullptr ? std::nan("") : cell_number(column->cells[row_index]);
 }
 
-/// Lower and upper bound on the number of true hits of a row: an answer that is not a number or not proved does not
-/// show if the ray truly hits. NaN if the table lacks the columns.
+/// Lower and upper bound on the number of true hits of a row. The upper bound includes answers that are not a number or
+/// not proved, which do not show whether the ray truly hits. NaN if the table lacks the columns.
 std::pair<double, double> true_hits(const CsvTable& table, std::size_t row_index) {
     const auto count_or = [&](const char* name, double fallback) {
         return table.find(name) == nullptr ? fallback : number_of(table, row_index, name);
@@ -101,45 +101,46 @@ std::pair<double, double> true_hits(const CsvTable& table, std::size_t row_index
 /// Two rows with the same key, one of each table.
 struct RowPair {
     const CsvTable &a, &b;
-    std::size_t r, q;
+    std::size_t row_in_a, row_in_b;
 
-    /// True if the rows have as many rays but the bounds of their true hits do not overlap. A comparison with NaN is
-    /// false.
+    /// True if the rows have equally many rays, but the bounds of their true hits do not overlap. False if a bound is
+    /// NaN.
     [[nodiscard]] bool has_other_truth() const {
-        const auto [smallest, largest] = true_hits(a, r);
-        const auto [other_smallest, other_largest] = true_hits(b, q);
-        return number_of(a, r, "rays") == number_of(b, q, "rays") &&
+        const auto [smallest, largest] = true_hits(a, row_in_a);
+        const auto [other_smallest, other_largest] = true_hits(b, row_in_b);
+        return number_of(a, row_in_a, "rays") == number_of(b, row_in_b, "rays") &&
                (largest < other_smallest || other_largest < smallest);
     }
 };
 
 /// Compares two rows by the columns that both tables have.
-RowVerdict judge_rows(const std::vector<ColumnPair>& pairs, const RowPair& rows, bool two_forms) {
+RowVerdict judge_rows(const std::vector<ColumnPair>& pairs, const RowPair& rows, bool compares_two_forms) {
     RowVerdict verdict;
-    const double rays = number_of(rows.a, rows.r, "rays"), other_rays = number_of(rows.b, rows.q, "rays");
-    const bool by_share = rays > 0 && other_rays > 0 && rays != other_rays;
-    double more_wrong = 0, more_bits = 0;  // how much more the second row has than the first
+    const double rays = number_of(rows.a, rows.row_in_a, "rays"), other_rays = number_of(rows.b, rows.row_in_b, "rays");
+    const bool compares_shares = rays > 0 && other_rays > 0 && rays != other_rays;
+    double more_wrong = 0, more_bits = 0;  // excess of the second row over the first: wrong decisions, lost bits
     double first_wrong = 0;                // wrong decisions of the first row
     bool is_one_sided = false;
     for (const auto& [x, y, tolerance] : pairs) {
         const bool is_decision = is_wrong_decision(x->name), is_lost_bits = x->name == "lost_bits_p99";
         if (!is_decision && !is_lost_bits) continue;
         (is_decision ? verdict.by_decisions : verdict.by_bits) = true;
-        const double before = cell_number(x->cells[rows.r]), after = cell_number(y->cells[rows.q]);
+        const double before = cell_number(x->cells[rows.row_in_a]), after = cell_number(y->cells[rows.row_in_b]);
         if (is_decision && before > 0) first_wrong += before;
-        const bool differs = judge_cells(x->cells[rows.r], y->cells[rows.q], tolerance, false).differs;
-        if (!differs && (!by_share || tolerance != nullptr)) continue;
-        if (is_decision && by_share) more_wrong += after * rays - before * other_rays;  // exact below 2^53
+        const bool differs = judge_cells(x->cells[rows.row_in_a], y->cells[rows.row_in_b], tolerance, false).differs;
+        if (!differs && (!compares_shares || tolerance != nullptr)) continue;
+        if (is_decision && compares_shares) more_wrong += after * rays - before * other_rays;  // exact below 2^53
         else if (std::isnan(after - before)) is_one_sided |= is_lost_bits && std::isnan(after) != std::isnan(before);
         else (is_decision ? more_wrong : more_bits) += after - before;
     }
     if (!verdict.by_decisions && !verdict.by_bits) return verdict;
-    verdict.by_shares = by_share && verdict.by_decisions;
+    verdict.by_shares = compares_shares && verdict.by_decisions;
     const double more_errors = more_wrong != 0 ? more_wrong : more_bits;
-    if (two_forms && rows.has_other_truth()) ++verdict.other_truth;
-    else if (more_wrong == 0 && is_one_sided) ++verdict.one_sided;
-    else ++(more_errors < 0 ? verdict.better : more_errors > 0 ? verdict.worse : verdict.even);
-    verdict.of_other_hits = two_forms && more_wrong == 0 && first_wrong > 0 ? verdict.better + verdict.worse : 0;
+    if (compares_two_forms && rows.has_other_truth()) ++verdict.with_other_truth;
+    else if (more_wrong == 0 && is_one_sided) ++verdict.with_one_sided_bits;
+    else ++(more_errors < 0 ? verdict.better : more_errors > 0 ? verdict.worse : verdict.equal);
+    verdict.with_other_hits =
+        compares_two_forms && more_wrong == 0 && first_wrong > 0 ? verdict.better + verdict.worse : 0;
     return verdict;
 }
 
@@ -148,10 +149,10 @@ RowVerdict judge_rows(const std::vector<ColumnPair>& pairs, const RowPair& rows,
 void RowVerdict::add(const RowVerdict& other) {
     better += other.better;
     worse += other.worse;
-    even += other.even;
-    other_truth += other.other_truth;
-    one_sided += other.one_sided;
-    of_other_hits += other.of_other_hits;
+    equal += other.equal;
+    with_other_truth += other.with_other_truth;
+    with_one_sided_bits += other.with_one_sided_bits;
+    with_other_hits += other.with_other_hits;
     by_decisions |= other.by_decisions;
     by_bits |= other.by_bits;
     by_shares |= other.by_shares;
@@ -159,23 +160,23 @@ void RowVerdict::add(const RowVerdict& other) {
 
 std::string RowVerdict::text(const std::string& second) const {
     std::vector<std::string> lines;
-    if (other_truth > 0)
+    if (with_other_truth > 0)
         lines.push_back(
             fmt::format("not comparable in {}: the two forms are asked different questions, so other rays are "
                         "hits (agree_hit + false_miss differ)",
-                        scene::toml::count_with_noun(other_truth, "row")));
-    if (one_sided > 0)
+                        scene::toml::count_with_noun(with_other_truth, "row")));
+    if (with_one_sided_bits > 0)
         lines.push_back(
             fmt::format("not comparable in {}: as many wrong decisions, but only one side has a lost_bits_p99",
-                        scene::toml::count_with_noun(one_sided, "row")));
-    if (of_other_hits > 0)
+                        scene::toml::count_with_noun(with_one_sided_bits, "row")));
+    if (with_other_hits > 0)
         lines.push_back(fmt::format(
             "in {} both forms decide equally many rays wrongly, perhaps not the same ones: each lost_bits_p99 is "
             "over its own hits; `lostbits map --against` compares the hits that both have",
-            scene::toml::count_with_noun(of_other_hits, "row")));
-    if (better + worse + even > 0)
+            scene::toml::count_with_noun(with_other_hits, "row")));
+    if (better + worse + equal > 0)
         lines.push_back(fmt::format("{} is better in {}, worse in {}, the same in {}: by {}{}{}{}", second,
-                                    scene::toml::count_with_noun(better, "row"), worse, even,
+                                    scene::toml::count_with_noun(better, "row"), worse, equal,
                                     by_shares ? "the share of " : "", by_decisions ? "wrong decisions" : "",
                                     by_decisions && by_bits ? ", then by " : "", by_bits ? "lost_bits_p99" : ""));
     return fmt::format("{}", fmt::join(lines, "\n"));
@@ -200,8 +201,9 @@ void RowChanges::add(RowChanges other) {
 
 void RowChanges::sort() {
     std::ranges::stable_sort(outcomes, [](const auto& a, const auto& b) { return a.rays > b.rays; });
-    std::ranges::stable_sort(
-        cells, [](const CellChange& a, const CellChange& b) { return a.bits != b.bits ? a.bits : a.size > b.size; });
+    std::ranges::stable_sort(cells, [](const CellChange& a, const CellChange& b) {
+        return a.is_bits != b.is_bits ? a.is_bits : a.size > b.size;
+    });
 }
 
 bool has_row_keys(const CsvTable& table) {
@@ -210,9 +212,9 @@ bool has_row_keys(const CsvTable& table) {
 }
 
 RowChanges compare_rows(const CsvTable& a, const CsvTable& b, const std::string& subject, const CompareOptions& options,
-                        const RowChoice& of_a, const RowChoice& of_b) {
+                        const RowChoice& choice_a, const RowChoice& choice_b) {
     RowChanges changes;
-    const bool two_forms = !of_a.form.empty();
+    const bool compares_two_forms = !choice_a.form.empty();
     std::vector<ColumnPair> pairs;
     std::set<const CsvColumn*> keys;
     for (const CsvColumn* key : key_columns(a)) keys.insert(key);
@@ -229,36 +231,39 @@ RowChanges compare_rows(const CsvTable& a, const CsvTable& b, const std::string&
         if (!is_ignored(options, column.name))
             changes.columns.push_back(fmt::format("{}column {} is added in the second", subject, column.name));
     }
-    const KeyedRows left = rows_by_key(a, of_a), right = rows_by_key(b, of_b);
-    for (const std::string& key : right.order) {
-        if (!left.index_of.contains(key)) changes.only_b.push_back(subject + key);
+    const KeyedRows rows_of_a = rows_by_key(a, choice_a), rows_of_b = rows_by_key(b, choice_b);
+    for (const std::string& key : rows_of_b.order) {
+        if (!rows_of_a.index_of.contains(key)) changes.only_b.push_back(subject + key);
     }
-    for (const std::string& key : left.order) {
-        const auto other = right.index_of.find(key);
-        if (other == right.index_of.end()) {
+    for (const std::string& key : rows_of_a.order) {
+        const auto match = rows_of_b.index_of.find(key);
+        if (match == rows_of_b.index_of.end()) {
             changes.only_a.push_back(subject + key);
             continue;
         }
         ++changes.rows;
-        const std::size_t r = left.index_of.at(key), q = other->second;
-        changes.verdict.add(judge_rows(pairs, {a, b, r, q}, two_forms));
+        const std::size_t row_in_a = rows_of_a.index_of.at(key), row_in_b = match->second;
+        changes.verdict.add(judge_rows(pairs, {a, b, row_in_a, row_in_b}, compares_two_forms));
         OutcomeChange outcome{subject + key, {}, 0};
         bool differs = false;
         for (const auto& [x, y, tolerance] : pairs) {
-            const std::string_view before = x->cells[r], after = y->cells[q];
+            const std::string_view before = x->cells[row_in_a], after = y->cells[row_in_b];
             if (before == after) continue;
             const bool is_reference = names_ray_or_command(x->name);
-            const PairVerdict v = judge_cells(before, after, tolerance, tolerance == nullptr && is_reference);
-            if (!v.differs || (two_forms && (is_reference || (!v.measured && !v.not_finite)))) continue;
+            const PairVerdict verdict = judge_cells(before, after, tolerance, tolerance == nullptr && is_reference);
+            if (!verdict.differs ||
+                (compares_two_forms && (is_reference || (!verdict.has_distances && !verdict.is_not_finite))))
+                continue;
             differs = true;
             ++changes.count;
             if (is_outcome(x->name)) {
                 outcome.text += fmt::format("{}{} {} to {}", outcome.text.empty() ? "" : ", ", x->name, before, after);
-                outcome.rays += v.absolute;
+                outcome.rays += verdict.absolute;
             } else if (!is_reference) {
                 const bool is_bits = x->name.find("bits") != std::string::npos;
-                const double size = !v.measured ? HUGE_VAL : is_bits ? v.absolute : v.relative;
-                changes.cells.push_back({subject + key, x->name, shown_cell(before), shown_cell(after), is_bits, size});
+                const double size = !verdict.has_distances ? HUGE_VAL : is_bits ? verdict.absolute : verdict.relative;
+                changes.cells.push_back(
+                    {subject + key, x->name, cell_or_empty(before), cell_or_empty(after), is_bits, size});
             } else {
                 changes.reference_columns.insert(x->name);
             }

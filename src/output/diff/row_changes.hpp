@@ -1,5 +1,5 @@
-// Changes between two tables of forms. Rows are paired by their keys; changed outcomes are listed apart from other
-// values.
+// Changes between two tables of forms. Rows are paired by their keys. Changed outcomes are listed apart from other
+// changed values.
 #pragma once
 
 #include <cstdint>
@@ -20,9 +20,10 @@ struct RowChoice {
 /// A changed cell of a row that both sides have.
 struct CellChange {
     std::string row, column, before, after;
-    bool bits =
-        false;        ///< a number of bits, and `size` is their difference; otherwise `size` is relative to the larger
-    double size = 0;  ///< infinite if only one side is a number
+    bool is_bits = false;  ///< true if the cell is a number of bits
+    /// Size of the change: the difference of bits; otherwise the difference relative to the larger number. Infinite if
+    /// only one side is a number.
+    double size = 0;
 };
 
 /// Changed outcomes of a row: `agree_hit 407 to 400, false_miss 0 to 7`.
@@ -31,16 +32,17 @@ struct OutcomeChange {
     double rays = 0;  ///< sum of the differences of the counts
 };
 
-/// Comparison of the second table with the first, row by row. A row is better if it has fewer wrong decisions, or as
-/// many and a smaller `lost_bits_p99`. If the tables have different numbers of rays, shares of the rays are compared.
-/// Rows of tables that have neither column are left out.
+/// Counts how many rows of the second table are better or worse than in the first. A row is better if it has fewer
+/// wrong decisions, or equally many and a smaller `lost_bits_p99`. If the tables have different numbers of rays, shares
+/// of the rays are compared. Rows of tables that have neither column are left out.
 struct RowVerdict {
-    std::uint64_t better = 0, worse = 0, even = 0;
-    std::uint64_t other_truth = 0;  ///< for two forms: rows with as many rays but different numbers of true hits
-    std::uint64_t one_sided = 0;    ///< rows with as many wrong decisions, of which only one side has a `lost_bits_p99`
+    std::uint64_t better = 0, worse = 0, equal = 0;
+    std::uint64_t with_other_truth = 0;  ///< for two forms: rows with equally many rays, but not equally many true hits
+    /// Rows with equally many wrong decisions, if only one side has a `lost_bits_p99`.
+    std::uint64_t with_one_sided_bits = 0;
     /// For two forms: number of `better` and `worse` rows that were decided by bits although both forms decide some
-    /// rays wrongly: equally many, but not always the same ones.
-    std::uint64_t of_other_hits = 0;
+    /// rays wrongly. The forms decide equally many rays wrongly, but not always the same ones.
+    std::uint64_t with_other_hits = 0;
     bool by_decisions = false, by_bits = false, by_shares = false;  ///< columns that the tables have
 
     void add(const RowVerdict& other);
@@ -53,11 +55,11 @@ struct RowChanges {
     std::uint64_t rows = 0, changed = 0;      ///< rows in both tables, and how many of them differ
     std::vector<std::string> only_a, only_b;  ///< rows without a partner
     std::vector<OutcomeChange> outcomes;      ///< changed outcomes, the row with the most rays first
-    std::vector<CellChange>
-        cells;  ///< changed values other than outcomes and positions: bits first, then the largest change first
+    /// Changed values other than outcomes and references: bits first, then the largest change first.
+    std::vector<CellChange> cells;
     std::uint64_t count = 0;           ///< number of cells that differ, in all kinds of columns
     std::vector<std::string> columns;  ///< columns that only one table has
-    /// Columns that name a ray or a command and differ in some row. Their cells are in neither list above.
+    /// Columns that name a ray or a command (references) and differ in some row. Their cells are in neither list above.
     std::set<std::string> reference_columns;
     std::vector<std::string> names;  ///< every column of either side
     RowVerdict verdict;
@@ -69,13 +71,13 @@ struct RowChanges {
 };
 
 /// True if every row of the table has a form and a format, or the id of a claim, and no two rows have the same key.
-/// Rows then have partners wherever they stand.
+/// Rows can then be paired wherever they stand.
 [[nodiscard]] bool has_row_keys(const file::CsvTable& table);
 
 /// Pairs the rows of two tables with row keys and compares them as `compare` does. `subject` precedes the names of
 /// rows. If two forms are compared with each other, text (commands, names of rays) is left out.
 [[nodiscard]] RowChanges compare_rows(const file::CsvTable& a, const file::CsvTable& b, const std::string& subject,
-                                      const CompareOptions& options, const RowChoice& of_a = {},
-                                      const RowChoice& of_b = {});
+                                      const CompareOptions& options, const RowChoice& choice_a = {},
+                                      const RowChoice& choice_b = {});
 
 }  // namespace lostbits::output::diff

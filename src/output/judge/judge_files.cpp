@@ -25,8 +25,8 @@ namespace slot = scene::dump::slot;
 
 namespace {
 
-/// The scene that a map needs: a name, a size, the shapes of the primitives, and the mesh if there is one.
-scene::file::Scene scene_of(const JudgeRequest& request, const Dump& dump, const JudgeFilesOptions& options) {
+/// Makes the scene that a map needs: a name, a size, the shapes of the primitives, and the mesh if there is one.
+scene::file::Scene make_scene(const JudgeRequest& request, const Dump& dump, const JudgeFilesOptions& options) {
     scene::file::Scene scene;
     scene.id = options.id;
     scene.title = options.title;
@@ -51,21 +51,21 @@ std::string case_name(const TestedForm& form_row, const ReportedRay& ray) {
     return fmt::format("{} in {}: ray {}, {}", form_row.form->info->name, form_row.format.name, ray.place, error_text);
 }
 
-/// A ray in a chunk of the file.
+/// A ray in a chunk (consecutive rays) of the file, and its answer.
 struct JudgedRay {
     const scene::dump::Chunk* chunk;
     map::BandRay band_ray;
 };
 
-bool has_hit(const JudgedRay& r) { return !r.chunk->hit.empty() && r.chunk->hit[r.band_ray.i] != 0; }
+bool has_file_hit(const JudgedRay& r) { return !r.chunk->hit.empty() && r.chunk->hit[r.band_ray.i] != 0; }
 
-/// Columns with the file's data on a ray and its primitive.
-Table<JudgedRay> given_columns(const Dump& dump) {
+/// Columns with the numbers that the file has for a ray and its primitive.
+Table<JudgedRay> file_columns(const Dump& dump) {
     using R = JudgedRay;
     const scene::dump::Layout& layout = dump.layout();
     Table<R> table{
         {"ray", "index of the ray in the file, from 0", [](const R& r) { return r.chunk->first + r.band_ray.i; }}};
-    // Numbers of files of floats are written as short as floats allow.
+    // Numbers of a file of floats are written with only the digits that a float needs.
     const bool is_f32 = dump.format().engine == Format::Engine::native32;
     const auto number = [is_f32](double x) { return is_f32 ? Cell(static_cast<float>(x)) : Cell(x); };
     const auto add = [&](std::size_t s, const char* type, const char* meaning, table::CellOf<R> value) {
@@ -92,21 +92,21 @@ Table<JudgedRay> given_columns(const Dump& dump) {
     for (std::size_t s = slot::matrix; s < slot::count; ++s)
         add_number(s, "number of the primitive's matrix, as it was judged",
                    [k = s - slot::matrix](const Chunk& c, std::size_t i) { return c.primitives[i].placed->matrix[k]; });
-    add(slot::hit, "boolean", "true if the file has a hit for this ray", has_hit);
+    add(slot::hit, "boolean", "true if the file has a hit for this ray", has_file_hit);
     add(slot::t, "number", "the file's answer; missing if it has no hit",
-        [number](const R& r) { return has_hit(r) ? number(r.chunk->t[r.band_ray.i]) : Cell(); });
+        [number](const R& r) { return has_file_hit(r) ? number(r.chunk->t[r.band_ray.i]) : Cell(); });
     return table;
 }
 
-/// Columns of the table of one series. `has_no_t`: its answers are only hit or miss.
+/// Columns of the table of one series (a form in a format). If `has_no_t`, its answers are only hit or miss.
 Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::metric::Metric*>& metrics,
                            bool has_no_t = false) {
-    using Found = map::BandRay;
-    Table<Found> answer_columns{map::outcome_column()};
+    using AnswerRay = map::BandRay;
+    Table<AnswerRay> answer_columns{map::outcome_column()};
     answer_columns.add_exact({"answer", "t", "the answer that was judged, in its own unit",
-                              [has_no_t](const Found& r) { return table::when(r.hit() && !has_no_t, r.t()); }});
-    answer_columns.add(map::found_columns(metrics));
-    Table<JudgedRay> table = given_columns(dump);
+                              [has_no_t](const AnswerRay& r) { return table::when(r.has_hit() && !has_no_t, r.t()); }});
+    answer_columns.add(map::truth_and_metric_columns(metrics));
+    Table<JudgedRay> table = file_columns(dump);
     const std::size_t kept_count = dump.layout().kept().size();
     for (std::size_t k = 0; k < kept_count; ++k) {
         std::string name = file::without_formula(dump.layout().kept()[k]);  // a column may have the name of a formula
@@ -117,32 +117,33 @@ Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::me
     return table.add(answer_columns, &JudgedRay::band_ray);
 }
 
-/// Files of one series.
-class RowParts {
+/// Files of one series: its table of rays, its worst rays, and its part of the map.
+class SeriesFiles {
 public:
-    RowParts(const TestedForm& form_row, WorstRays worst) : row_(form_row), worst_(std::move(worst)) {}
-    void open_rows(const std::filesystem::path& folder, const Dump& dump, const JudgeRequest& request) {
-        rows_.emplace(folder, map::row_name(row_) + ".csv",
-                      fmt::format("One row per ray: {} in {}", row_.form->info->name, row_.format.name),
-                      ray_table(dump, request.metrics, request.is_of_file(row_) && dump.layout().decides_only()));
+    SeriesFiles(const TestedForm& form_row, WorstRays worst) : form_row_(form_row), worst_(std::move(worst)) {}
+    void open_table(const std::filesystem::path& folder, const Dump& dump, const JudgeRequest& request) {
+        table_.emplace(folder, map::row_name(form_row_) + ".csv",
+                       fmt::format("One row per ray: {} in {}", form_row_.form->info->name, form_row_.format.name),
+                       ray_table(dump, request.metrics, request.is_of_file(form_row_) && dump.layout().decides_only()));
     }
-    void send_to(measure::evaluate::Show map) { map_ = std::move(map); }
-    void piece(const Chunk& chunk, const measure::evaluate::BandResult& result) {
+    /// Sets the function that receives each result for the map.
+    void connect_map(measure::evaluate::Show show_on_map) { show_on_map_ = std::move(show_on_map); }
+    void add_piece(const Chunk& chunk, const measure::evaluate::BandResult& result) {
         worst_.look_at(chunk.first, result);
-        for (std::size_t i = 0; rows_ && i < chunk.size(); ++i) rows_->add({&chunk, {&result, i, &row_}});
-        map_(result);
+        for (std::size_t i = 0; table_ && i < chunk.size(); ++i) table_->add({&chunk, {&result, i, &form_row_}});
+        show_on_map_(result);
     }
     [[nodiscard]] WorstRays& worst() { return worst_; }
-    [[nodiscard]] std::optional<table::TableFile<JudgedRay>>& rows() { return rows_; }
+    [[nodiscard]] std::optional<table::TableFile<JudgedRay>>& table() { return table_; }
     void close() {
-        if (rows_) rows_->close();
+        if (table_) table_->close();
     }
 
 private:
-    const TestedForm& row_;
+    const TestedForm& form_row_;
     WorstRays worst_;
-    measure::evaluate::Show map_ = {};
-    std::optional<table::TableFile<JudgedRay>> rows_;
+    measure::evaluate::Show show_on_map_ = {};
+    std::optional<table::TableFile<JudgedRay>> table_;
 };
 
 }  // namespace
@@ -153,15 +154,15 @@ struct JudgeFiles::Parts {
     scene::file::Scene scene;
     measure::evaluate::MapStudy map_request = {};
     std::optional<map::MapFiles> map = {};
-    std::optional<file::AtomicFile> worst = {};
-    std::vector<std::unique_ptr<RowParts>> rows = {};
+    std::optional<file::AtomicFile> worst_file = {};
+    std::vector<std::unique_ptr<SeriesFiles>> series = {};
 
     /// For a shard: adds the lines of the series' table to the map's piece of the series.
-    [[nodiscard]] pixel::PieceReceiver keep_of_map() {
-        if (!options.keep) return {};
+    [[nodiscard]] pixel::PieceReceiver keep_map_piece() {
+        if (!options.keep_piece) return {};
         return [this](std::size_t row_index, pixel::Piece&& piece) {
-            if (rows.at(row_index)->rows()) piece.lines = rows[row_index]->rows()->take_lines();
-            options.keep(row_index, std::move(piece));
+            if (series.at(row_index)->table()) piece.lines = series[row_index]->table()->take_lines();
+            options.keep_piece(row_index, std::move(piece));
         };
     }
 };
@@ -169,65 +170,68 @@ struct JudgeFiles::Parts {
 JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFilesOptions options) {
     parts_.reset(new Parts{.request = request, .options = std::move(options), .scene = {}});
     Parts& p = *parts_;
-    p.scene = scene_of(request, dump, p.options);
+    p.scene = make_scene(request, dump, p.options);
     p.map_request = {.scene = &p.scene, .rows = request.rows, .metrics = request.metrics};
-    const std::size_t ulps = measure::metric::index_of(request.metrics, "ulp_error");
+    const std::size_t ulp_error_index = measure::metric::index_of(request.metrics, "ulp_error");
     std::vector<file::DataResource> tables;
     for (const TestedForm& form_row : request.rows) {
-        p.rows.push_back(std::make_unique<RowParts>(form_row, WorstRays(p.options.worst, ulps)));
-        if (!p.options.rows) continue;
-        p.rows.back()->open_rows(p.options.keep ? "" : p.options.folder, dump, request);
-        tables.push_back(p.rows.back()->rows()->about());
+        p.series.push_back(std::make_unique<SeriesFiles>(form_row, WorstRays(p.options.worst_count, ulp_error_index)));
+        if (!p.options.writes_rows) continue;
+        p.series.back()->open_table(p.options.keep_piece ? "" : p.options.folder, dump, request);
+        tables.push_back(p.series.back()->table()->about());
     }
-    p.map.emplace(p.map_request, map::MapFilesOptions{.folder = p.options.folder,
-                                                      .drawn_metrics = p.options.drawn_metrics,
-                                                      .single_pictures = p.options.single_pictures,
-                                                      .scene_arguments = "",
-                                                      .other_tables = tables,
-                                                      .ray_arguments = ray_arguments,
-                                                      .is_list = !request.picture,
-                                                      .keep = p.keep_of_map(),
-                                                      .by = request.by ? dump.layout().kept()[*request.by] : ""});
-    if (p.options.worst > 0 && !p.options.keep) p.worst.emplace(p.options.folder / "worst.toml");
-    for (std::size_t r = 0; r < p.rows.size(); ++r)
-        p.rows[r]->send_to([show = p.map->show(), r](const measure::evaluate::BandResult& band) { show(r, band); });
+    p.map.emplace(p.map_request,
+                  map::MapFilesOptions{.folder = p.options.folder,
+                                       .drawn_metrics = p.options.drawn_metrics,
+                                       .single_pictures = p.options.single_pictures,
+                                       .scene_arguments = "",
+                                       .other_tables = tables,
+                                       .ray_arguments = ray_arguments,
+                                       .is_list = !request.picture,
+                                       .keep_piece = p.keep_map_piece(),
+                                       .group_column = request.by ? dump.layout().kept()[*request.by] : ""});
+    if (p.options.worst_count > 0 && !p.options.keep_piece) p.worst_file.emplace(p.options.folder / "worst.toml");
+    for (std::size_t r = 0; r < p.series.size(); ++r)
+        p.series[r]->connect_map(
+            [show = p.map->show(), r](const measure::evaluate::BandResult& band) { show(r, band); });
 }
 
 JudgeFiles::~JudgeFiles() = default;
 
-void JudgeFiles::piece(std::size_t row_index, const Chunk& chunk, const measure::evaluate::BandResult& result) {
-    parts_->rows[row_index]->piece(chunk, result);
+void JudgeFiles::add_piece(std::size_t row_index, const Chunk& chunk, const measure::evaluate::BandResult& result) {
+    parts_->series[row_index]->add_piece(chunk, result);
 }
 
 void JudgeFiles::put(std::size_t row_index, pixel::Piece&& piece) {
-    if (auto& rows = parts_->rows.at(row_index)->rows()) rows->add_lines(piece.lines);
+    if (auto& table = parts_->series.at(row_index)->table()) table->add_lines(piece.lines);
     piece.lines.clear();
     parts_->map->put(row_index, std::move(piece));
 }
 
 std::vector<WorstRays> JudgeFiles::worst() const {
     std::vector<WorstRays> worst_rays;
-    for (const auto& row : parts_->rows) worst_rays.push_back(row->worst());
+    for (const auto& files : parts_->series) worst_rays.push_back(files->worst());
     return worst_rays;
 }
 
 void JudgeFiles::append(std::vector<WorstRays>&& later_rays) {
-    for (std::size_t r = 0; r < parts_->rows.size(); ++r) parts_->rows[r]->worst().append(std::move(later_rays.at(r)));
+    for (std::size_t r = 0; r < parts_->series.size(); ++r)
+        parts_->series[r]->worst().append(std::move(later_rays.at(r)));
 }
 
 bool JudgeFiles::finish(const measure::judge::JudgeResult& result) {
     Parts& p = *parts_;
     std::string cases;
-    for (std::size_t r = 0; r < p.rows.size(); ++r) {
-        for (const ReportedRay& ray : p.rows[r]->worst().all()) {
+    for (std::size_t r = 0; r < p.series.size(); ++r) {
+        for (const ReportedRay& ray : p.series[r]->worst().all()) {
             if (ray.given) cases += sweep::case_text(case_name(p.request.rows[r], ray), *ray.given);
         }
-        p.rows[r]->close();
+        p.series[r]->close();
     }
-    const bool has_cases = p.worst && !cases.empty();
+    const bool has_cases = p.worst_file && !cases.empty();
     if (has_cases) {
-        p.worst->write(sweep::case_file_head("The worst rays of " + p.options.title, p.options.command) + cases);
-        p.worst->commit();
+        p.worst_file->write(sweep::case_file_head("The worst rays of " + p.options.title, p.options.command) + cases);
+        p.worst_file->commit();
     }
     // A worst.toml of an earlier run is about other answers.
     std::error_code ignored;

@@ -20,11 +20,11 @@ struct JudgeFilesOptions {
     std::string id, title;
     std::string command;  ///< the command that finds the worst rays again
     std::vector<const measure::metric::Metric*> drawn_metrics =
-        {};                          ///< metrics on sheets; empty: the rays are no picture
-    bool single_pictures = false;    ///< also each picture of a sheet alone
-    bool rows = false;               ///< one row per ray in `<form>.<format>.csv`
-    std::size_t worst = 10;          ///< number of rays of each kind in worst.toml
-    pixel::PieceReceiver keep = {};  ///< receives the pieces of a shard
+        {};                                ///< metrics on sheets; empty: the rays are no picture
+    bool single_pictures = false;          ///< also each picture of a sheet alone
+    bool writes_rows = false;              ///< one row per ray in `<form>.<format>.csv`
+    std::size_t worst_count = 10;          ///< number of rays of each kind that worst.toml holds
+    pixel::PieceReceiver keep_piece = {};  ///< receives the pieces of a shard
 };
 
 /// Opens every file before any work and gives all files their final names in `finish`, like `MapFiles`.
@@ -37,13 +37,14 @@ public:
     JudgeFiles& operator=(const JudgeFiles&) = delete;
 
     /// Adds the next judged rays of a series (a form in a format). `row_index` is its index in the request.
-    void piece(std::size_t row_index, const scene::dump::Chunk& chunk, const measure::evaluate::BandResult& result);
+    void add_piece(std::size_t row_index, const scene::dump::Chunk& chunk, const measure::evaluate::BandResult& result);
     /// Writes the next piece of a series, which another run kept.
     void put(std::size_t row_index, pixel::Piece&& piece);
     /// Worst rays of each series. `append` adds the worst rays that another run found among later rays of the file.
     [[nodiscard]] std::vector<WorstRays> worst() const;
     void append(std::vector<WorstRays>&& later_rays);
-    /// Returns true if there is a worst.toml, that is, rays that deserve a second look.
+    /// Gives all files their final names. Returns true if it wrote a worst.toml, that is, if some rays deserve a second
+    /// look.
     bool finish(const measure::judge::JudgeResult& result);
 
 private:

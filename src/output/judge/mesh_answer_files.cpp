@@ -89,7 +89,7 @@ std::vector<MeshFaultRow> mesh_fault_rows(const MeshAnswersResult& result) {
     return rows;
 }
 
-std::string words_of(const JudgedAnswer& answer, bool is_point) {
+std::string answer_arguments(const JudgedAnswer& answer, bool is_point) {
     const Vec<double>& origin = answer.ray.origin;
     if (is_point) return file::number_list(std::array{origin.x, origin.y, origin.z}, file::hex, ",");
     scene::rays::RayGroup group = scene::rays::group_of(answer.ray);
@@ -101,9 +101,9 @@ Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
     const bool is_point = kind == AnswerKind::inside;
     using R = JudgedAnswer;
     Table<R> table{{"record", "index of its first record in the file, from 0", &R::record}};
-    constexpr std::array rays{"ox", "oy", "oz", "dx", "dy", "dz"}, points{"px", "py", "pz", "", "", ""};
+    constexpr std::array ray_names{"ox", "oy", "oz", "dx", "dy", "dz"}, point_names{"px", "py", "pz", "", "", ""};
     for (int k = 0; k < (is_point ? 3 : 6); ++k)
-        table.add({(is_point ? points : rays).at(static_cast<std::size_t>(k)), "number of it, as judged",
+        table.add({(is_point ? point_names : ray_names).at(static_cast<std::size_t>(k)), "number of it, as judged",
                    [k](const R& r) { return k < 3 ? r.ray.origin[k] : r.ray.direction[k - 3]; }});
     table.add({"outcome", "the last of its faults in the order of summary.csv",
                [](const R& r) { return std::string(measure::judge::name_of(r.judgement.outcome)); }});
@@ -112,16 +112,17 @@ Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
                    : std::string(scene::dump::answer_kind_names.at(static_cast<std::size_t>(kind))),
                kind == AnswerKind::all_hits ? "hits in the file" : "answer of the file", &R::count});
     if (is_point) return table.add({"winding", "layers of the surface that enclose the point", &R::winding});
-    const auto count = [](std::size_t measure::judge::ListJudgement::*number) {
-        return [number](const R& r) { return r.judgement.*number; };
+    const auto count_in_judgement = [](std::size_t measure::judge::ListJudgement::*count) {
+        return [count](const R& r) { return r.judgement.*count; };
     };
     using J = measure::judge::ListJudgement;
-    table.add({"true_crossings", "crossings of the surface", count(&J::crossings)});
+    table.add({"true_crossings", "crossings of the surface", count_in_judgement(&J::crossings)});
     if (kind != AnswerKind::all_hits) return table;
-    table.add({"missing_hits", "crossings without a hit in the file", count(&J::missing)});
-    table.add({"false_hits", "hits that belong to no crossing", count(&J::wrong)});
-    table.add({"double_hits", "hits of a crossing that has an earlier hit", count(&J::doubled)});
-    table.add({"neighbour_hits", "hits of a triangle beside the triangle that is met", count(&J::neighbours)});
+    table.add({"missing_hits", "crossings without a hit in the file", count_in_judgement(&J::missing)});
+    table.add({"false_hits", "hits that belong to no crossing", count_in_judgement(&J::wrong)});
+    table.add({"double_hits", "hits of a crossing that has an earlier hit", count_in_judgement(&J::doubled)});
+    table.add(
+        {"neighbour_hits", "hits of a triangle beside the triangle that is met", count_in_judgement(&J::neighbours)});
     return table.add({"ulp_error", "ulp", "largest |t - t*|/ulp(t*) of its hits", [](const R& r) {
                           double largest = measure::truth::missing;
                           for (const double ulps : r.ulps) largest = std::fmax(largest, std::fabs(ulps));
@@ -135,7 +136,7 @@ MeshAnswerFiles::MeshAnswerFiles(MeshAnswerFilesOptions options)
       faults_(options_.folder, faults_file,
               std::string("One row per fault, with the first ") + record_noun(options_.kind),
               fault_table(options_.kind)) {
-    if (options_.rows)
+    if (options_.writes_rows)
         rows_.emplace(options_.folder, options_.name + "." + options_.format + ".csv",
                       std::string("One row per ") + record_noun(options_.kind), mesh_answer_table(options_.kind));
 }

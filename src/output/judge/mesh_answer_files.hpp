@@ -18,10 +18,11 @@ using scene::dump::AnswerKind;
 
 struct MeshAnswerFilesOptions {
     std::filesystem::path folder;
-    std::string name, format,
-        title;  ///< name of the file of answers, the format in which they were computed, and a title
+    std::string name;    ///< name of the file of answers
+    std::string format;  ///< format in which the answers were computed
+    std::string title;
     AnswerKind kind;
-    bool rows = false;  ///< one row per ray or point in `<name>.<format>.csv`
+    bool writes_rows = false;  ///< one row per ray or point in `<name>.<format>.csv`
 };
 
 /// Row of summary.csv: the result for one file of answers.
@@ -39,10 +40,11 @@ struct MeshFaultRow {
     const JudgedAnswer* first;
 };
 std::vector<MeshFaultRow> mesh_fault_rows(const MeshAnswersResult& result);
-/// `--ray=…` with the ends of its range, or the coordinates of a point: the arguments that name a judged ray or point.
-std::string words_of(const JudgedAnswer& answer, bool is_point);
+/// Command-line arguments that name a judged ray or point: `--ray=…` with the ends of its range, or the coordinates of
+/// the point.
+std::string answer_arguments(const JudgedAnswer& answer, bool is_point);
 
-/// Columns of a ray or a point.
+/// Columns of the table with one row per ray or point.
 table::Table<JudgedAnswer> mesh_answer_table(AnswerKind kind);
 
 /// Opens every file before any work, and gives all files their final names in `finish`.

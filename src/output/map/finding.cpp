@@ -1,4 +1,4 @@
-// Ranks the forms of a map, and says what the best and the worst do.
+// Ranks the forms of a map, and writes a sentence about the best and the worst.
 #include "output/map/finding.hpp"
 
 #include <fmt/format.h>
@@ -15,26 +15,27 @@ namespace lostbits::output::map {
 using measure::answer::Outcome;
 namespace {
 
-struct FoundForm {
+struct MeasuredForm {
     std::string name;
     const FormSummary* summary;
     double kept_bits;  ///< bits that 99 of 100 hits keep; -1 if too few hits agree
 };
 
-/// `21.7`, `22`
+/// Kept bits to at most one decimal: `21.7`, `22`.
 std::string bits_text(double kept_bits) {
     const std::string text = file::kept_bits_text(kept_bits);
     return text.ends_with(".0") ? text.substr(0, text.size() - 2) : text;
 }
 
-/// Sort key of a form; the better form comes first.
-std::pair<std::uint64_t, double> rank_of(const FoundForm& form) {
+/// Sort key of a form: better forms have smaller keys.
+std::pair<std::uint64_t, double> rank_of(const MeasuredForm& form) {
     return {form.summary->wrong_count(), -form.kept_bits};
 }
 
-std::vector<FoundForm> forms_of(const MapStudy& request, const std::vector<FormSummary>& summaries) {
+/// The forms that were measured in the format of the first series; empty if lost bits were not measured.
+std::vector<MeasuredForm> measured_forms(const MapStudy& request, const std::vector<FormSummary>& summaries) {
     const std::size_t lost_bits_index = measure::metric::index_of(request.metrics, "lost_bits");
-    std::vector<FoundForm> forms;
+    std::vector<MeasuredForm> forms;
     for (std::size_t r = 0; r < summaries.size() && lost_bits_index < request.metrics.size(); ++r) {
         const auto& row = request.rows[r];
         if (row.format != request.rows.front().format) continue;
@@ -46,13 +47,14 @@ std::vector<FoundForm> forms_of(const MapStudy& request, const std::vector<FormS
     return forms;
 }
 
-/// `45 % of the empty rays`, `3 of the 4096 empty rays`; `all` only if all of them are counted.
-std::string count_and_share_text(std::uint64_t n, std::uint64_t total, const char* rays) {
-    const double share = 100 * static_cast<double>(n) / static_cast<double>(total);
-    return n == total    ? fmt::format("all {} {}", total, rays)
-           : share < 0.5 ? fmt::format("{} of the {} {}", n, total, rays)
-           : share > 99  ? fmt::format("{:.1f} % of the {}", std::min(share, 99.9), rays)
-                         : fmt::format("{:.0f} % of the {}", share, rays);
+/// A count and its share of a population of rays: `45 % of the empty rays`, `3 of the 4096 empty rays`. `all` only if
+/// all of them are counted.
+std::string count_and_share_text(std::uint64_t count, std::uint64_t population_size, const char* population) {
+    const double percentage = 100 * static_cast<double>(count) / static_cast<double>(population_size);
+    return count == population_size ? fmt::format("all {} {}", population_size, population)
+           : percentage < 0.5       ? fmt::format("{} of the {} {}", count, population_size, population)
+           : percentage > 99        ? fmt::format("{:.1f} % of the {}", std::min(percentage, 99.9), population)
+                                    : fmt::format("{:.0f} % of the {}", percentage, population);
 }
 
 }  // namespace
@@ -60,8 +62,8 @@ std::string count_and_share_text(std::uint64_t n, std::uint64_t total, const cha
 std::string wrong_decision_text(const FormSummary& summary) {
     struct Fault {
         Outcome outcome;
-        std::uint64_t total;
-        const char *verb, *rays;
+        std::uint64_t population_size;  ///< number of rays that can have this outcome
+        const char *verb, *population;
     };
     const std::uint64_t wrong = summary.wrong_count();
     if (wrong == 0) return "";
@@ -71,17 +73,18 @@ std::string wrong_decision_text(const FormSummary& summary) {
           {Outcome::not_a_number, summary.rays, "returns NaN for", "rays"},
           {Outcome::wrong_primitive, summary.true_hits, "hits the wrong primitive on", "true hits"}})
         if (2 * summary.count(fault.outcome) > wrong)
-            return fmt::format("{} {}", fault.verb,
-                               count_and_share_text(summary.count(fault.outcome), fault.total, fault.rays));
+            return fmt::format(
+                "{} {}", fault.verb,
+                count_and_share_text(summary.count(fault.outcome), fault.population_size, fault.population));
     return fmt::format("decides {} wrongly", count_and_share_text(wrong, summary.rays, "rays"));
 }
 
 std::string finding_text(const MapStudy& request, const std::vector<FormSummary>& summaries) {
-    const auto forms = forms_of(request, summaries);
+    const auto forms = measured_forms(request, summaries);
     if (forms.empty()) return "";
-    // The first of equally good forms is named, as on the sheet, where the others share its column.
-    const FoundForm &best = *std::ranges::min_element(forms, {}, rank_of),
-                    &worst = *std::ranges::max_element(forms, {}, rank_of);
+    // Of equally good forms, the sentence names the first, as the sheet does, where the others share its column.
+    const MeasuredForm &best = *std::ranges::min_element(forms, {}, rank_of),
+                       &worst = *std::ranges::max_element(forms, {}, rank_of);
     const auto& format = request.rows.front().format;
     if (best.kept_bits < 0) return "";
     const std::string kept_phrase = fmt::format("{} of {} bits in {}", bits_text(best.kept_bits),

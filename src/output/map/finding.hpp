@@ -1,4 +1,4 @@
-// The finding of a map, in a sentence.
+// The finding of a map: a sentence on its best and its worst form.
 #pragma once
 
 #include <string>

@@ -13,7 +13,7 @@ using image::ColourScale;
 using image::LegendEntry;
 using image::Rgb8;
 
-Rgb8 paler(Rgb8 c) {
+Rgb8 make_paler(Rgb8 c) {
     const auto mix_with_page = [](std::uint8_t x, std::uint8_t page) {
         return static_cast<std::uint8_t>((x + page) / 2);
     };
@@ -21,9 +21,9 @@ Rgb8 paler(Rgb8 c) {
             mix_with_page(c.b, image::style::page.b)};
 }
 
-std::string plain_name(Outcome o) {
+std::string outcome_in_words(Outcome o) {
     if (o == Outcome::wrong_primitive) return "wrong primitive";
-    std::string name = in_words(measure::answer::outcome_names[static_cast<std::size_t>(o)]);
+    std::string name = name_in_words(measure::answer::outcome_names[static_cast<std::size_t>(o)]);
     if (name.starts_with("agree ")) name.replace(0, 5, "correct");
     return name;
 }
@@ -75,8 +75,8 @@ std::vector<LegendEntry> outcome_legend(std::span<const std::uint64_t> counts, s
     std::vector<LegendEntry> entries;
     for (std::size_t o = 1; o < counts.size(); ++o) {
         if (counts[o] == 0) continue;
-        entries.push_back(
-            {plain_name(static_cast<Outcome>(o)), image::outcome_colours[o], pixel::count_text(counts[o], total)});
+        entries.push_back({outcome_in_words(static_cast<Outcome>(o)), image::outcome_colours[o],
+                           pixel::count_text(counts[o], total)});
     }
     return entries;
 }

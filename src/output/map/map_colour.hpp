@@ -54,17 +54,19 @@ image::Rgb8 pixel_colour(const image::ColourScale& scale, Outcome outcome, doubl
 
 /// True if the problem explains a loss: bits are lost, and less than one bit lies beyond the envelope.
 inline bool is_inside_envelope(double lost, double excess) { return lost >= 1 && excess < 1; }
-/// A paler colour, half of it page. It marks a loss that the problem causes, and not the form.
-image::Rgb8 paler(image::Rgb8 colour);
-inline constexpr const char* paler_means = "paler colour: half an ulp in each input would cost as much";
+/// Mixes a colour half and half with the colour of the page. The result marks a loss that the problem causes, and not
+/// the form.
+image::Rgb8 make_paler(image::Rgb8 colour);
+inline constexpr const char* paler_colour_meaning = "paler colour: half an ulp in each input would cost as much";
 
-/// `false miss`, `wrong primitive`: an outcome in words.
-std::string plain_name(Outcome o);
+/// An outcome in words: `false miss`, `wrong primitive`.
+std::string outcome_in_words(Outcome o);
 
-/// Legend of the outcomes other than `agree_hit`: the count of each, of `total`. Outcomes with a count of 0 are left
-/// out.
+/// Legend of the outcomes other than `agree_hit`, with the count of each and its share of `total`. Outcomes with a
+/// count of 0 are left out.
 std::vector<image::LegendEntry> outcome_legend(std::span<const std::uint64_t> counts, std::uint64_t total);
 
+/// Paints one metric of one format: the colour of each pixel, the legend, and the texts of a picture.
 class MetricPaint {
 public:
     MetricPaint(const Metric& metric, const FloatFormat& format, const std::optional<BarRange>& range = {});
@@ -74,22 +76,22 @@ public:
     [[nodiscard]] const std::optional<image::ColourScale>& scale() const { return look_.scale; }
     /// True if the metric has a picture for this series.
     [[nodiscard]] bool applies_to(const TestedForm& form_row) const;
-    /// True if both metrics are drawn alike, so that they may share a bar.
-    [[nodiscard]] bool shares_with(const Metric& other) const;
+    /// True if both metrics are drawn alike, so that they may share a colour bar.
+    [[nodiscard]] bool shares_bar_with(const Metric& other) const;
 
     [[nodiscard]] image::Rgb8 colour(Outcome outcome, double value) const {
         return look_.colour(pixel(outcome, value));
     }
-    /// Categories of the picture: first those with a value (several, or one on the ramp), then the
-    /// outcomes, with correct hits without a value last, then everything else without a value. `has_mesh` names the
-    /// outcomes of meshes too.
+    /// Categories of the picture. First come those with a value (several, or one on the ramp), then the outcomes, of
+    /// which correct hits without a value are last, then everything else without a value. If `has_mesh`, the outcomes
+    /// of meshes have names too.
     [[nodiscard]] pixel::Look look(bool has_mesh) const;
     /// Value of one pixel of the picture.
     [[nodiscard]] pixel::PixelValue pixel(Outcome outcome, double value) const;
     /// Index of an outcome among the categories.
-    [[nodiscard]] std::size_t index_of(Outcome o) const {
-        const auto k = static_cast<std::size_t>(o);
-        return value_categories_ + (k == 0 ? image::outcome_colours.size() : k) - 1;
+    [[nodiscard]] std::size_t index_of(Outcome outcome) const {
+        const auto k = static_cast<std::size_t>(outcome);
+        return value_category_count_ + (k == 0 ? image::outcome_colours.size() : k) - 1;
     }
 
     /// Meaning of the colours in one line, for one format, or for a sheet if `has_several_formats`.
@@ -98,11 +100,11 @@ public:
     [[nodiscard]] std::string quantile_note() const;
     /// Summary of a row in at most four short lines: wrong decisions as shares of all pixels, then the errors of the
     /// agreed hits, then the number of those hits.
-    [[nodiscard]] std::string short_summary(const FormSummary& summary, std::size_t m) const;
+    [[nodiscard]] std::string short_summary(const FormSummary& summary, std::size_t metric_index) const;
     /// True if the worst ray of a row is the one with the largest value of the drawn metric.
-    [[nodiscard]] bool names_worst() const { return is_of_hits() && look_.scale; }
+    [[nodiscard]] bool names_worst_ray() const { return is_of_hits() && look_.scale; }
     /// The `short_summary` as a sentence, for the caption of a picture.
-    [[nodiscard]] std::string caption(const FormSummary& summary, std::size_t m) const;
+    [[nodiscard]] std::string caption(const FormSummary& summary, std::size_t metric_index) const;
     /// The longest caption that a picture with this number of pixels can get.
     [[nodiscard]] std::string widest_caption(std::uint64_t pixels) const;
 
@@ -119,7 +121,7 @@ private:
     int precision_;
     bool has_range_;
     pixel::Look look_;
-    std::size_t value_categories_ = 0;  ///< number of categories with a value
+    std::size_t value_category_count_ = 0;  ///< number of categories with a value
 };
 
 }  // namespace lostbits::output::map

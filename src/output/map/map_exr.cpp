@@ -14,10 +14,10 @@ using image::Channel;
 using image::ExrPart;
 using measure::truth::missing;
 
-/// The part with a truth that several series share. The first of these series fills it.
+/// A part with the truth that several series share. It is filled from the first of these series, `source_row`.
 struct MapExr::TruthPart {
     TruthKind kind;
-    const TestedForm* filled_by;
+    const TestedForm* source_row;
     pixel::ExrLayers<MapStrip> layers;
 
     [[nodiscard]] std::string name() const {
@@ -41,15 +41,17 @@ namespace {
 
 using Attributes = std::vector<std::pair<std::string, std::string>>;
 
-/// True if every number of the format is a number of binary32.
-bool is_within_float(const Format& format) {
+/// True if binary32 can represent every number of the format.
+bool fits_binary32(const Format& format) {
     const FloatFormat& f = format.parameters;
     return f.precision <= binary32.precision && f.emax <= binary32.emax && f.emin >= binary32.emin;
 }
 
+/// Adds channels that hold a number exactly; see `MapExr`.
 template <class Band, class ValueOf>
-void add_exactly(pixel::ExrLayers<Band>& layers, const std::string& name, bool within_float, ValueOf value_of) {
-    if (within_float) return layers.add_number(name + ".hi", value_of);
+void add_exact_number(pixel::ExrLayers<Band>& layers, const std::string& name, bool is_within_binary32,
+                      ValueOf value_of) {
+    if (is_within_binary32) return layers.add_number(name + ".hi", value_of);
     layers.add(
         {{name + ".hi"}, {name + ".lo"}, {name + ".word1", Channel::Type::u32}, {name + ".word0", Channel::Type::u32}},
         [value_of](const Band& band, std::size_t i, std::uint32_t* samples) {
@@ -73,7 +75,7 @@ void add_truth(pixel::ExrLayers<Band>& layers) {
                });
 }
 
-ExrPart part_of(const MapExrRequest& request, std::string name, const char* schema, std::vector<Channel> channels) {
+ExrPart make_part(const MapExrRequest& request, std::string name, const char* schema, std::vector<Channel> channels) {
     const scene::file::Scene& scene = *request.map.scene;
     return {.name = std::move(name),
             .spec = {.width = scene.width,
@@ -90,10 +92,10 @@ void append(Attributes& attributes, const Attributes& added) {
     attributes.insert(attributes.end(), added.begin(), added.end());
 }
 
-pixel::ExrLayers<MapStrip> layers_of(const MapExrRequest& request, const TestedForm& form_row) {
+pixel::ExrLayers<MapStrip> series_layers(const MapExrRequest& request, const TestedForm& form_row) {
     pixel::ExrLayers<MapStrip> layers;
     layers.add_preview([](const MapStrip& strip, std::size_t i) { return strip.preview[i]; });
-    add_exactly(layers, "t", is_within_float(form_row.format), [](const MapStrip& strip, std::size_t i) {
+    add_exact_number(layers, "t", fits_binary32(form_row.format), [](const MapStrip& strip, std::size_t i) {
         const auto& answers = *strip.result->answers;
         return answers.hit[i] != 0 ? answers.t[i] : missing;
     });
@@ -109,10 +111,10 @@ pixel::ExrLayers<MapStrip> layers_of(const MapExrRequest& request, const TestedF
     return layers;
 }
 
-pixel::ExrLayers<MapStrip> truth_layers(const TestedForm& filled_by) {
+pixel::ExrLayers<MapStrip> truth_layers(const TestedForm& source_row) {
     pixel::ExrLayers<MapStrip> layers;
-    add_exactly(
-        layers, "truth", false, [direction = filled_by.form->info->direction](const MapStrip& strip, std::size_t i) {
+    add_exact_number(
+        layers, "truth", false, [direction = source_row.form->info->direction](const MapStrip& strip, std::size_t i) {
             const BandResult& result = *strip.result;
             return result.truth(i).is_hit() ? result.band->rounded_truth(i, binary64, direction, result.convention)
                                             : missing;
@@ -129,9 +131,9 @@ pixel::ExrLayers<NeededStrip> needed_layers() {
     return layers;
 }
 
-ExrPart row_part(const MapExrRequest& request, const TestedForm& form_row, const std::string& truth,
-                 std::vector<Channel> channels) {
-    ExrPart part = part_of(request, row_name(form_row), "lostbits-map/2", std::move(channels));
+ExrPart series_part(const MapExrRequest& request, const TestedForm& form_row, const std::string& truth,
+                    std::vector<Channel> channels) {
+    ExrPart part = make_part(request, row_name(form_row), "lostbits-map/2", std::move(channels));
     append(part.spec.attributes, {{"lostbits:form", std::string(form_row.form->info->name)},
                                   {"lostbits:format", form_row.format.name},
                                   {"lostbits:truth", truth},
@@ -145,7 +147,7 @@ ExrPart row_part(const MapExrRequest& request, const TestedForm& form_row, const
 
 ExrPart needed_part(const MapExrRequest& request, const Info& form) {
     ExrPart part =
-        part_of(request, std::string(form.name) + ".needed", "lostbits-needed/2", needed_layers().channels());
+        make_part(request, std::string(form.name) + ".needed", "lostbits-needed/2", needed_layers().channels());
     part.run = 1;  // after the map
     using measure::evaluate::least_width, measure::evaluate::most_width;
     append(part.spec.attributes,
@@ -161,7 +163,7 @@ std::size_t index_in(const auto& list, const auto& matches) {
 }
 
 template <class Band>
-ExrRows rows_in(std::size_t part, const pixel::ExrLayers<Band>& layers, const Band& band) {
+ExrRows band_rows(std::size_t part, const pixel::ExrLayers<Band>& layers, const Band& band) {
     return {part, band.result->y0, band.result->rows, layers.samples(band, band.preview.size())};
 }
 
@@ -170,15 +172,16 @@ ExrRows rows_in(std::size_t part, const pixel::ExrLayers<Band>& layers, const Ba
 MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) {
     std::vector<ExrPart> parts;
     for (const TestedForm& form_row : request.map.rows) {
-        rows_.push_back({&form_row, layers_of(request, form_row)});
+        series_.push_back({&form_row, series_layers(request, form_row)});
         const std::size_t truth_index =
             index_in(truth_parts_, [kind = truth_kind(form_row)](const TruthPart& t) { return t.kind == kind; });
         if (truth_index == truth_parts_.size())
             truth_parts_.push_back({truth_kind(form_row), &form_row, truth_layers(form_row)});
-        parts.push_back(row_part(request, form_row, truth_parts_[truth_index].name(), rows_.back().layers.channels()));
+        parts.push_back(
+            series_part(request, form_row, truth_parts_[truth_index].name(), series_.back().layers.channels()));
     }
     for (const TruthPart& t : truth_parts_) {
-        parts.push_back(part_of(request, t.name(), "lostbits-map/2", t.layers.channels()));
+        parts.push_back(make_part(request, t.name(), "lostbits-map/2", t.layers.channels()));
         parts.back().spec.attributes.emplace_back("lostbits:truths", pixel::numbered(measure::truth::decision_names));
     }
     if (request.needed) {
@@ -192,26 +195,26 @@ MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) 
 
 MapExr::~MapExr() = default;
 
-std::vector<ExrRows> MapExr::rows_of(const TestedForm& form_row, const BandResult& result,
-                                     std::span<const image::Rgb8> preview) const {
+std::vector<ExrRows> MapExr::make_rows(const TestedForm& form_row, const BandResult& result,
+                                       std::span<const image::Rgb8> preview) const {
     const MapStrip strip{&result, preview};
-    const std::size_t index = index_in(rows_, [&form_row](const Row& r) { return r.row == &form_row; });
-    std::vector<ExrRows> pieces{rows_in(index, rows_[index].layers, strip)};
+    const std::size_t index = index_in(series_, [&form_row](const SeriesLayers& s) { return s.form_row == &form_row; });
+    std::vector<ExrRows> part_rows{band_rows(index, series_[index].layers, strip)};
     const std::size_t truth_index =
-        index_in(truth_parts_, [&form_row](const TruthPart& t) { return t.filled_by == &form_row; });
+        index_in(truth_parts_, [&form_row](const TruthPart& t) { return t.source_row == &form_row; });
     if (truth_index < truth_parts_.size())
-        pieces.push_back(rows_in(rows_.size() + truth_index, truth_parts_[truth_index].layers, strip));
-    return pieces;
+        part_rows.push_back(band_rows(series_.size() + truth_index, truth_parts_[truth_index].layers, strip));
+    return part_rows;
 }
 
-std::vector<ExrRows> MapExr::rows_of(const NeededBand& result, std::span<const image::Rgb8> preview) const {
+std::vector<ExrRows> MapExr::make_rows(const NeededBand& result, std::span<const image::Rgb8> preview) const {
     const std::size_t index = index_in(needed_forms_, [&result](const Info* form) { return form == result.form; });
-    return {rows_in(rows_.size() + truth_parts_.size() + index, needed_layers(), NeededStrip{&result, preview})};
+    return {band_rows(series_.size() + truth_parts_.size() + index, needed_layers(), NeededStrip{&result, preview})};
 }
 
-void MapExr::write(const std::vector<ExrRows>& pieces) {
-    for (const ExrRows& piece : pieces)
-        book_->write_rows(piece.part, piece.y0, piece.rows, std::as_bytes(std::span(piece.samples)));
+void MapExr::write(const std::vector<ExrRows>& part_rows) {
+    for (const ExrRows& rows : part_rows)
+        book_->write_rows(rows.part, rows.y0, rows.rows, std::as_bytes(std::span(rows.samples)));
 }
 
 void MapExr::close() { book_->close(); }

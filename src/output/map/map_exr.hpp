@@ -24,7 +24,7 @@ using measure::metric::Metric;
 
 using pixel::ExrRows;
 
-/// Values to write, and the command that measured them.
+/// Values that an EXR holds, and the command that measured them.
 struct MapExrRequest {
     const MapStudy& map;
     std::vector<const Metric*> layers;                       ///< a selection of the map's metrics
@@ -41,20 +41,20 @@ struct Previewed {
 using MapStrip = Previewed<BandResult>;
 using NeededStrip = Previewed<NeededBand>;
 
-/// Parts, in this order, with channels of 32 bits:
-/// - `<form>.<format>`, one per row: `R`, `G`, `B` (the heatmap in linear light); the answer t (below);
+/// The EXR file of a map. It has these parts, in this order, with channels of 32 bits:
+/// - `<form>.<format>`, one per series: `R`, `G`, `B` (the heatmap in linear light); the answer t (below);
 /// `class.outcome`; `class.object` (UINT; 0 is none, otherwise 1 + the index of the primitive, counted from 0); one
-/// FLOAT channel per metric, NaN where it is undefined. The attribute `lostbits:truth` names the part with the row's
+/// FLOAT channel per metric, NaN where it is undefined. The attribute `lostbits:truth` names the part with the series'
 /// truth.
-/// - `truth…`, one for each convention of the rows: t* correctly rounded to binary64, `class.truth` (UINT: 0 miss, 1
+/// - `truth…`, one for each convention of the series: t* correctly rounded to binary64, `class.truth` (UINT: 0 miss, 1
 /// hit, 2 unresolved), `class.truth_object`. In `truth.distance` t* is a distance, for unit-direction forms.
 /// - `<form>.needed`: `R`, `G`, `B`, `bits.needed` (FLOAT: 2 to 53, infinity if not even 53 suffice, NaN if the truth
 /// is unresolved), `class.truth`, `class.truth_object`.
-/// A number x is `x.hi` (FLOAT). If its format is not within binary32, there are also `x.lo` (hi + lo is good to 48
-/// bits, for viewers), and `x.word1` and `x.word0` (UINT, the high and low halves of the binary64, exact).
+/// A number x is stored as `x.hi` (FLOAT). If binary32 cannot represent its format, there are also `x.lo` (hi + lo is
+/// good to 48 bits, for viewers), and `x.word1` and `x.word0` (UINT, the high and low halves of the binary64, exact).
 class MapExr {
 public:
-    /// Without a path no file is written; only `rows_of` may be called.
+    /// Without a path no file is written; only `make_rows` may be called.
     MapExr(const std::filesystem::path& path, const MapExrRequest& request);
     ~MapExr();
     MapExr(const MapExr&) = delete;
@@ -62,20 +62,20 @@ public:
 
     /// Rows of the file for one band: of a series of the map, with its truth unless another series writes that truth;
     /// or of the bits needed by a form.
-    [[nodiscard]] std::vector<ExrRows> rows_of(const TestedForm& form_row, const BandResult& result,
-                                               std::span<const image::Rgb8> preview) const;
-    [[nodiscard]] std::vector<ExrRows> rows_of(const NeededBand& result, std::span<const image::Rgb8> preview) const;
+    [[nodiscard]] std::vector<ExrRows> make_rows(const TestedForm& form_row, const BandResult& result,
+                                                 std::span<const image::Rgb8> preview) const;
+    [[nodiscard]] std::vector<ExrRows> make_rows(const NeededBand& result, std::span<const image::Rgb8> preview) const;
     /// Writes the next rows of the parts. Different parts may be written concurrently.
-    void write(const std::vector<ExrRows>& pieces);
+    void write(const std::vector<ExrRows>& part_rows);
     void close();
 
 private:
-    struct Row {
-        const TestedForm* row;
+    struct SeriesLayers {
+        const TestedForm* form_row;
         pixel::ExrLayers<MapStrip> layers;
     };
     struct TruthPart;
-    std::vector<Row> rows_;
+    std::vector<SeriesLayers> series_;
     std::vector<TruthPart> truth_parts_;
     std::vector<const intersect::Info*> needed_forms_;
     std::unique_ptr<image::ExrBook> book_;

@@ -37,8 +37,8 @@ struct MapFiles::Parts {
     std::optional<table::TableFile<Culprit>> culprits = {};
 
     [[nodiscard]] table::Table<SummaryRow> summary_columns() const {
-        auto table =
-            summary_table(request.metrics, request.scene->shapes(), request.scene->mesh != nullptr, options.by);
+        auto table = summary_table(request.metrics, request.scene->shapes(), request.scene->mesh != nullptr,
+                                   options.group_column);
         if (!options.is_list) return table;
         for (auto& column : table)
             if (column.about.unit == "pixel") column.about.unit = "";
@@ -52,7 +52,7 @@ struct MapFiles::Parts {
         std::unique_ptr<table::TableFile<BandRay>> pixels;
         if (options.pixels_csv)
             pixels = std::make_unique<table::TableFile<BandRay>>(
-                options.keep ? "" : options.folder, row_name(form_row) + ".csv",
+                options.keep_piece ? "" : options.folder, row_name(form_row) + ".csv",
                 fmt::format("One row per pixel: {} in {}", form_row.form->info->name, form_row.format.name),
                 pixel_table(request.metrics));
         MapRowFiles::Writers writers{
@@ -61,11 +61,11 @@ struct MapFiles::Parts {
                     file.add({&band, i, &form_row});
                 },
             .pixels = [](const BandResult& band) { return band.outcomes.size(); }};
-        pixel::BandFiles<BandResult> files{pictures->files(), {}, options.keep};
+        pixel::BandFiles<BandResult> files{pictures->files(), {}, options.keep_piece};
         if (MapExr* const exr = options.exr) {
             writers.exr_rows = [&form_row, exr](const BandResult& band, std::span<const image::Rgb8> preview) {
-                return preview.empty() ? exr->rows_of(form_row, band, outcome_colours_of(band))
-                                       : exr->rows_of(form_row, band, preview);
+                return preview.empty() ? exr->make_rows(form_row, band, outcome_colours_of(band))
+                                       : exr->make_rows(form_row, band, preview);
             };
             files.write_exr = [exr](const std::vector<ExrRows>& pieces) { exr->write(pieces); };
         }
@@ -81,11 +81,12 @@ MapFiles::MapFiles(const MapStudy& request, const MapFilesOptions& options)
         (options.single_pictures ? options.drawn_metrics.size() : 0) + (options.pixels_csv ? 1 : 0);
     file::require_open_files(request.rows.size() * files_per_row + options.drawn_metrics.size() + 2,
                              options.folder.string(), "select fewer forms, formats or metrics");
-    const bool has_tables = !options.keep && options.sheet_only_file.empty();
+    const bool has_tables = !options.keep_piece && options.sheet_only_file.empty();
     if (has_tables)
-        p.summary.emplace(options.folder, "summary.csv",
-                          options.by.empty() ? "One row per form and format" : "One row per form, format and group",
-                          p.summary_columns());
+        p.summary.emplace(
+            options.folder, "summary.csv",
+            options.group_column.empty() ? "One row per form and format" : "One row per form, format and group",
+            p.summary_columns());
     if (has_tables && asks_for_culprits(request.metrics))
         p.culprits.emplace(options.folder, "culprits.csv", "One row per form, format and operation that is a culprit",
                            culprit_table());

@@ -16,24 +16,24 @@
 namespace lostbits::output::map {
 
 struct MapFilesOptions {
-    std::filesystem::path folder;              ///< folder of the scene; created if missing
-    std::vector<const Metric*> drawn_metrics;  ///< metrics on sheets; metrics that are drawn alike share a sheet. The
-                                               ///< first metric is also the preview
-    bool single_pictures = false;              ///< also a picture of each metric of each row
-    bool pixels_csv = false;                   ///< a row per pixel in `<form>.<format>.csv`
-    std::string scene_arguments;               ///< names the scene to `lostbits explain`: an id and perhaps options
-    std::string explaining_sheet =
-        {};  ///< the sheet of this run that explains p99, orders and worst pixels; empty: this one
+    std::filesystem::path folder;  ///< folder of the scene; created if missing
+    /// Metrics on sheets; metrics that are drawn alike share a sheet. The first metric is also the preview.
+    std::vector<const Metric*> drawn_metrics;
+    bool single_pictures = false;  ///< also a picture of each metric of each row
+    bool pixels_csv = false;       ///< a row per pixel in `<form>.<format>.csv`
+    std::string scene_arguments;   ///< names the scene to `lostbits explain`: an id and perhaps options
+    /// The sheet of this run that explains p99, the order of forms and worst pixels; empty: this one.
+    std::string explaining_sheet = {};
     /// Draws lost bits in a paler colour where the problem explains them (`is_inside_envelope`). Needs `excess_bits`.
-    bool envelope = false;
+    bool draws_envelope = false;
     MapExr* exr = nullptr;  ///< for the same request; filled, and closed before summary.csv; null: no EXR is written
-    std::vector<file::DataResource> other_tables =
-        {};                              ///< tables that others write into the folder, for datapackage.json
-    RayArguments ray_arguments = {};     ///< replaces `scene_arguments` if the rays come from a file
-    bool is_list = false;                ///< the rays are a list and not a picture, so none is drawn
-    std::optional<BarRange> range = {};  ///< for every colour bar; absent: what fits each format
-    pixel::PieceReceiver keep = {};      ///< receives the pieces of a shard
-    std::string by = {};                 ///< column whose values group the rays; empty: none
+    /// Tables that other objects write into the folder, for datapackage.json.
+    std::vector<file::DataResource> other_tables = {};
+    RayArguments ray_arguments = {};       ///< replaces `scene_arguments` if the rays come from a file
+    bool is_list = false;                  ///< the rays are a list and not a picture, so no picture is drawn
+    std::optional<BarRange> range = {};    ///< for every colour bar; absent: what fits each format
+    pixel::PieceReceiver keep_piece = {};  ///< receives the pieces of a shard
+    std::string group_column = {};         ///< column whose values group the rays; empty: none
     /// If set, the path of the only file: the sheet of lost bits. Nothing else is drawn, and the legend leaves out
     /// correct hits without a value.
     std::filesystem::path sheet_only_file = {};

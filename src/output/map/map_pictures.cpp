@@ -19,7 +19,8 @@
 namespace lostbits::output::map {
 namespace {
 
-constexpr std::uint64_t most_kept_pixels = std::uint64_t{512} * 512;  // limit of each cell of a sheet that zooms
+/// Largest number of pixels that are kept for a cell of a sheet that zooms in on its worst pixel.
+constexpr std::uint64_t most_kept_pixels = std::uint64_t{512} * 512;
 
 std::size_t index_of(const std::vector<const Metric*>& metrics, const Metric* metric) {
     return static_cast<std::size_t>(std::ranges::find(metrics, metric) - metrics.begin());
@@ -32,7 +33,8 @@ std::string file_name_part(const Metric& metric) {
     return name;
 }
 
-std::vector<MapSheet> sheets_of(const MapStudy& request, const MapFilesOptions& options) {
+/// Groups the drawn metrics into sheets: metrics that can share a colour bar share a sheet.
+std::vector<MapSheet> group_into_sheets(const MapStudy& request, const MapFilesOptions& options) {
     std::vector<MapSheet> sheets;
     for (const Metric* m : options.drawn_metrics) {
         const auto applies = [m](const TestedForm& form_row) {
@@ -40,7 +42,7 @@ std::vector<MapSheet> sheets_of(const MapStudy& request, const MapFilesOptions& 
         };
         const auto first = std::ranges::find_if(request.rows, applies);
         if (first == request.rows.end()) continue;
-        const auto sheet = std::ranges::find_if(sheets, [m](const MapSheet& s) { return s.paint.shares_with(*m); });
+        const auto sheet = std::ranges::find_if(sheets, [m](const MapSheet& s) { return s.paint.shares_bar_with(*m); });
         if (sheet != sheets.end()) sheet->metrics.push_back(m);
         else sheets.push_back({MetricPaint(*m, first->format.parameters, options.range), {m}});
     }
@@ -54,20 +56,20 @@ MapPictures::MapPictures(const MapStudy& request, const MapFilesOptions& options
       options_(options),
       lost_bits_index_(index_of(request.metrics, measure::metric::find_metric("lost_bits"))),
       excess_index_(index_of(request.metrics, measure::metric::find_metric("excess_bits"))),
-      sheets_(sheets_of(request, options)),
-      files_{pages(), add_columns()} {}
+      sheets_(group_into_sheets(request, options)),
+      files_{make_pages(), make_columns()} {}
 
-pixel::Pages MapPictures::pages() {
+pixel::Pages MapPictures::make_pages() {
     std::vector<pixel::Sheet> pages;
-    for (MapSheet& sheet : sheets_) pages.push_back(page_of(sheet));
+    for (MapSheet& sheet : sheets_) pages.push_back(make_page(sheet));
     return {.scene = *request_.scene,
             .sheets = std::move(pages),
             .single_picture_folder = options_.single_pictures ? options_.folder : "",
             .stop = request_.limit.stop,
-            .opens_files = !options_.keep};
+            .opens_files = !options_.keep_piece};
 }
 
-pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
+pixel::Sheet MapPictures::make_page(MapSheet& sheet) const {
     std::vector<image::ColourScale> scales;  // one per line
     for (const TestedForm& form_row : request_.rows) {
         if (!sheet.paint.applies_to(form_row)) continue;
@@ -103,12 +105,12 @@ pixel::Sheet MapPictures::page_of(MapSheet& sheet) const {
 }
 
 bool MapPictures::zooms(const MetricPaint& paint) const {
-    return request_.scene->mesh != nullptr && paint.names_worst() && options_.sheet_only_file.empty() &&
+    return request_.scene->mesh != nullptr && paint.names_worst_ray() && options_.sheet_only_file.empty() &&
            !options_.is_list && request_.scene->pixels() <= most_kept_pixels;
 }
 
-/// Adds the columns row by row, in the order in which they are drawn.
-std::vector<MapPictures::Column> MapPictures::add_columns() {
+/// Makes the columns series by series, in the order in which they are drawn.
+std::vector<MapPictures::Column> MapPictures::make_columns() {
     std::vector<Column> columns;
     for (std::size_t r = 0; r < request_.rows.size(); ++r) {
         const TestedForm& form_row = request_.rows[r];
@@ -121,15 +123,15 @@ std::vector<MapPictures::Column> MapPictures::add_columns() {
                                                 find_or_add(sheet->lines, sheet->line_name(form_row, *m)),
                                                 static_cast<std::size_t>(sheet - sheets_.begin())};
             drawings_.push_back({r, index_of(request_.metrics, m), paint, position});
-            columns.push_back(column_of(drawings_.back()));
+            columns.push_back(make_column(drawings_.back()));
         }
     }
     return columns;
 }
 
-MapPictures::Column MapPictures::column_of(const Drawing& drawing) const {
+MapPictures::Column MapPictures::make_column(const Drawing& drawing) const {
     const scene::file::Scene& scene = *request_.scene;
-    const TestedForm& form_row = request_.rows[drawing.row];
+    const TestedForm& form_row = request_.rows[drawing.row_index];
     const Metric& m = drawing.paint->metric();
     pixel::ColumnSpec spec{
         .file = row_name(form_row) + (options_.drawn_metrics.size() == 1 ? "" : "." + file_name_part(m)) + ".png",
@@ -137,44 +139,46 @@ MapPictures::Column MapPictures::column_of(const Drawing& drawing) const {
             "{} in {}: {}{}", form_row.form->info->name, form_row.format.name, m.name,
             m.domain == measure::metric::MetricDomain::pairs ? fmt::format(" {}", form_row.against->info->name) : ""),
         .subtitle = {title_of(*form_row.form->info), drawing.paint->note()},
-        .look = std::make_shared<const pixel::Look>(look_of(drawing)),
+        .look = std::make_shared<const pixel::Look>(make_look(drawing)),
         .sheet_positions = {drawing.position},
         .widest_caption = drawing.paint->widest_caption(scene.pixels()) +
                           worst_pixel_text(drawing, {.x = scene.width, .y = scene.height})};
     if (std::string note = input_note(scene, std::span(&form_row, 1)); !note.empty() && !options_.is_list)
         spec.subtitle.push_back(std::move(note));
-    const auto pixel_of = [paint = drawing.paint, metric = drawing.metric](const BandResult& band, std::size_t i) {
+    const auto pixel_of = [paint = drawing.paint, metric = drawing.metric_index](const BandResult& band,
+                                                                                 std::size_t i) {
         return paint->pixel(band.outcomes[i], band.metrics[metric][i]);
     };
-    if (!is_enveloped(m)) return {std::move(spec), drawing.row, pixel::drawn_by<BandResult>(pixel_of)};
-    const auto paler_of = [pixel_of, look = spec.look, lost = lost_bits_index_, excess = excess_index_](
-                              const BandResult& band, std::size_t i) {
+    if (!draws_envelope_of(m)) return {std::move(spec), drawing.row_index, pixel::drawn_by<BandResult>(pixel_of)};
+    const auto paler_pixel_of = [pixel_of, look = spec.look, lost = lost_bits_index_, excess = excess_index_](
+                                    const BandResult& band, std::size_t i) {
         const pixel::PixelValue pixel = pixel_of(band, i);
         // A NaN, which is an undefined metric, is never inside the envelope.
         if (!is_inside_envelope(band.metrics[lost][i], band.metrics[excess][i])) return pixel;
-        return pixel::PixelValue{.category = look->categories.size() - 1, .colour = paler(look->colour(pixel))};
+        return pixel::PixelValue{.category = look->categories.size() - 1, .colour = make_paler(look->colour(pixel))};
     };
-    return {std::move(spec), drawing.row, pixel::drawn_by<BandResult>(paler_of)};
+    return {std::move(spec), drawing.row_index, pixel::drawn_by<BandResult>(paler_pixel_of)};
 }
 
-pixel::Look MapPictures::look_of(const Drawing& drawing) const {
+pixel::Look MapPictures::make_look(const Drawing& drawing) const {
     pixel::Look look = drawing.paint->look(request_.scene->mesh != nullptr);
     look.unit = drawing.paint->metric().unit;
     if (!options_.sheet_only_file.empty()) look.categories[drawing.paint->index_of(Outcome::agree_hit)].name.clear();
-    if (is_enveloped(drawing.paint->metric()))
-        look.categories.push_back({paler_means, paler(look.scale->map(look.scale->hi() / 2))});
+    if (draws_envelope_of(drawing.paint->metric()))
+        look.categories.push_back({paler_colour_meaning, make_paler(look.scale->map(look.scale->hi() / 2))});
     return look;
 }
 
-bool MapPictures::is_enveloped(const Metric& metric) const {
-    return options_.envelope && &metric == measure::metric::find_metric("lost_bits");
+bool MapPictures::draws_envelope_of(const Metric& metric) const {
+    return options_.draws_envelope && &metric == measure::metric::find_metric("lost_bits");
 }
 
-/// `; worst pixel 100,90: lostbits explain near-benign --pixel 100,90 -i sphere.press -f f32`. Without the command for
-/// a compiled form, which cannot be explained, and for rays of a file, which have no scene.
+/// Names the worst pixel, as in `; worst pixel 100,90: lostbits explain near-benign --pixel 100,90 -i sphere.press -f
+/// f32`. Leaves the command out for a compiled form, which cannot be explained, and for rays of a file, which have no
+/// scene.
 std::string MapPictures::worst_pixel_text(const Drawing& drawing, const measure::evaluate::WorstRay& worst) const {
-    if (!drawing.paint->names_worst()) return "";
-    const TestedForm& form_row = request_.rows[drawing.row];
+    if (!drawing.paint->names_worst_ray()) return "";
+    const TestedForm& form_row = request_.rows[drawing.row_index];
     const std::string text = fmt::format("; worst pixel {},{}", worst.x, worst.y);
     if (!form_row.form->record || options_.scene_arguments.empty()) return text;
     return text + ": " +
@@ -183,13 +187,13 @@ std::string MapPictures::worst_pixel_text(const Drawing& drawing, const measure:
                form_row);
 }
 
-pixel::SheetEnd MapPictures::end_of(std::size_t sheet, const std::vector<FormSummary>& summaries) const {
+pixel::SheetEnd MapPictures::make_end(std::size_t sheet, const std::vector<FormSummary>& summaries) const {
     std::vector<SheetCell> cells;
     bool nothing_hit = options_.sheet_only_file.empty();
-    for (const Drawing& d : drawings_) {
-        if (d.position.sheet != sheet) continue;
-        const FormSummary& summary = summaries[d.row];
-        cells.push_back({d.position.across, &summary});
+    for (const Drawing& drawing : drawings_) {
+        if (drawing.position.sheet != sheet) continue;
+        const FormSummary& summary = summaries[drawing.row_index];
+        cells.push_back({drawing.position.across, &summary});
         nothing_hit &= summary.count(Outcome::agree_miss) == summary.rays;
     }
     // The sheet of a claim needs no headline, because it stands below the claim's sentence.
@@ -200,15 +204,17 @@ pixel::SheetEnd MapPictures::end_of(std::size_t sheet, const std::vector<FormSum
 
 void MapPictures::finish(const std::vector<FormSummary>& summaries) {
     for (std::size_t c = 0; c < drawings_.size(); ++c) {
-        const Drawing& d = drawings_[c];
-        const measure::evaluate::WorstRay* const worst = summaries[d.row].worst_ray();
-        files_.writer().set_caption(
-            c, d.paint->caption(summaries[d.row], d.metric) + (worst ? worst_pixel_text(d, *worst) : ""));
-        files_.writer().set_note(d.position, cell_note(*d.paint, summaries[d.row], d.metric));
-        if (worst && zooms(*d.paint)) files_.writer().set_zoom(d.position, static_cast<int>(worst->x), worst->y);
+        const Drawing& drawing = drawings_[c];
+        const measure::evaluate::WorstRay* const worst = summaries[drawing.row_index].worst_ray();
+        files_.writer().set_caption(c, drawing.paint->caption(summaries[drawing.row_index], drawing.metric_index) +
+                                           (worst ? worst_pixel_text(drawing, *worst) : ""));
+        files_.writer().set_note(drawing.position,
+                                 cell_note(*drawing.paint, summaries[drawing.row_index], drawing.metric_index));
+        if (worst && zooms(*drawing.paint))
+            files_.writer().set_zoom(drawing.position, static_cast<int>(worst->x), worst->y);
     }
     std::vector<pixel::SheetEnd> ends;
-    for (std::size_t s = 0; s < sheets_.size(); ++s) ends.push_back(end_of(s, summaries));
+    for (std::size_t s = 0; s < sheets_.size(); ++s) ends.push_back(make_end(s, summaries));
     files_.writer().finish(ends);
 }
 
@@ -238,7 +244,7 @@ std::vector<std::string> sheet_subtitle(const SheetSubject& sheet) {
             lines.push_back(
                 fmt::format("order of forms: fewest wrong decisions in {} first, then the smallest p99 of lost bits",
                             rows.front().format.name));
-        if (paint.names_worst())
+        if (paint.names_worst_ray())
             lines.push_back(
                 scene_arguments.empty()
                     ? "worst pixel: summary.csv has the command that explains its ray, in the column worst_explain"
@@ -251,14 +257,16 @@ std::vector<std::string> sheet_subtitle(const SheetSubject& sheet) {
     return lines;
 }
 
-std::string cell_note(const MetricPaint& paint, const FormSummary& summary, std::size_t m) {
-    const measure::evaluate::WorstRay* const worst = paint.names_worst() ? summary.worst_ray() : nullptr;
-    return paint.short_summary(summary, m) + (worst ? fmt::format("\nworst pixel {},{}", worst->x, worst->y) : "");
+std::string cell_note(const MetricPaint& paint, const FormSummary& summary, std::size_t metric_index) {
+    const measure::evaluate::WorstRay* const worst = paint.names_worst_ray() ? summary.worst_ray() : nullptr;
+    return paint.short_summary(summary, metric_index) +
+           (worst ? fmt::format("\nworst pixel {},{}", worst->x, worst->y) : "");
 }
 
-std::vector<std::size_t> best_first(std::size_t forms, std::span<const SheetCell> cells, std::size_t lost_bits_index) {
+std::vector<std::size_t> best_first(std::size_t form_count, std::span<const SheetCell> cells,
+                                    std::size_t lost_bits_index) {
     constexpr double worst_p99 = std::numeric_limits<double>::infinity();  // with too few hits: after all others
-    std::vector<std::optional<std::pair<std::uint64_t, double>>> quality(forms);
+    std::vector<std::optional<std::pair<std::uint64_t, double>>> quality(form_count);
     for (const auto& [form, summary] : cells) {
         if (quality[form]) continue;
         const double p99 = lost_bits_index < summary->metrics.size() && summary->agreement().is_enough()
@@ -266,7 +274,7 @@ std::vector<std::size_t> best_first(std::size_t forms, std::span<const SheetCell
                                : worst_p99;
         quality[form].emplace(summary->wrong_count(), std::isnan(p99) ? worst_p99 : p99);
     }
-    std::vector<std::size_t> order(forms);
+    std::vector<std::size_t> order(form_count);
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order, {}, [&](std::size_t form) {
         return quality[form].value_or(std::pair{std::numeric_limits<std::uint64_t>::max(), worst_p99});

@@ -1,5 +1,6 @@
-// The pictures of a map: one column of pixels for each series and metric, on contact sheets and alone; and the text
-// above and below them: bases of percentages, meanings of colours and words, and earlier roundings.
+// The pictures of a map, on contact sheets and alone: one pixel column for each series (a form in a format) and metric.
+// Also the text above and below them: what percentages are of, what colours and words mean, and which inputs were
+// rounded before.
 #pragma once
 
 #include <memory>
@@ -27,7 +28,7 @@ using measure::evaluate::MapStudy;
 /// every format holds them.
 [[nodiscard]] std::string input_note(const scene::file::Scene& scene, std::span<const TestedForm> rows);
 
-/// Facts that the lines below the title of a contact sheet state.
+/// Facts for the lines below the title of a contact sheet.
 struct SheetSubject {
     const scene::file::Scene& scene;
     std::string scene_arguments;       ///< see `MapFilesOptions`; empty for rays of a file
@@ -37,27 +38,28 @@ struct SheetSubject {
     bool zooms = false;                 ///< the cells enlarge the worst pixel
     std::string explaining_sheet = {};  ///< see `MapFilesOptions`
 };
+/// Lines below the title of a contact sheet.
 [[nodiscard]] std::vector<std::string> sheet_subtitle(const SheetSubject& sheet);
 
 /// Lines below a cell: four of the `short_summary`, and one that names the worst pixel.
 inline constexpr std::size_t cell_note_lines = 5;
-/// Text below a cell of a sheet: the `short_summary` of the metric, and `worst pixel 100,90` if a ray is worse than
-/// another.
-[[nodiscard]] std::string cell_note(const MetricPaint& paint, const FormSummary& summary, std::size_t m);
+/// Text below a cell of a sheet: the `short_summary` of the metric and, if one ray is worse than the others, `worst
+/// pixel 100,90`.
+[[nodiscard]] std::string cell_note(const MetricPaint& paint, const FormSummary& summary, std::size_t metric_index);
 
 /// Result of a form in the first format of a sheet.
 struct SheetCell {
-    std::size_t form;
+    std::size_t form_index;
     const FormSummary* summary;
 };
-/// Order of `forms` forms: fewest wrong decisions first, then the least p99 of lost bits (metric `lost_bits_index` of
-/// the request), then the given order. If a form has several cells, the first one counts.
-[[nodiscard]] std::vector<std::size_t> best_first(std::size_t forms, std::span<const SheetCell> cells,
+/// Order of forms on a sheet: fewest wrong decisions first, then the least p99 of lost bits, whose metric has the index
+/// `lost_bits_index` in the request. Equal forms keep their order. If a form has several cells, the first one counts.
+[[nodiscard]] std::vector<std::size_t> best_first(std::size_t form_count, std::span<const SheetCell> cells,
                                                   std::size_t lost_bits_index);
 
 struct MapFilesOptions;
 
-/// A contact sheet: forms across; down, each format with each of the metrics that share a bar.
+/// A contact sheet. Its columns are forms; its lines are each format with each of the metrics that share a colour bar.
 struct MapSheet {
     MetricPaint paint;  ///< for all its metrics, in the first format
     std::vector<const Metric*> metrics;
@@ -81,26 +83,26 @@ public:
 
 private:
     using Column = pixel::PixelColumn<BandResult>;
-    /// The subject of a column.
+    /// Subject of a column: a metric of a series, and its cell on a sheet.
     struct Drawing {
-        std::size_t row, metric;  ///< indices in the request
+        std::size_t row_index, metric_index;  ///< in the request
         std::shared_ptr<const MetricPaint> paint;
         pixel::SheetPosition position;
     };
-    [[nodiscard]] pixel::Pages pages();
-    [[nodiscard]] std::vector<Column> add_columns();
-    [[nodiscard]] Column column_of(const Drawing& drawing) const;
-    [[nodiscard]] pixel::Look look_of(const Drawing& drawing) const;
-    [[nodiscard]] bool is_enveloped(const Metric& metric) const;
-    [[nodiscard]] pixel::Sheet page_of(MapSheet& sheet) const;
+    [[nodiscard]] pixel::Pages make_pages();
+    [[nodiscard]] std::vector<Column> make_columns();
+    [[nodiscard]] Column make_column(const Drawing& drawing) const;
+    [[nodiscard]] pixel::Look make_look(const Drawing& drawing) const;
+    [[nodiscard]] bool draws_envelope_of(const Metric& metric) const;
+    [[nodiscard]] pixel::Sheet make_page(MapSheet& sheet) const;
     [[nodiscard]] bool zooms(const MetricPaint& paint) const;
     [[nodiscard]] std::string worst_pixel_text(const Drawing& drawing, const measure::evaluate::WorstRay& worst) const;
-    [[nodiscard]] pixel::SheetEnd end_of(std::size_t sheet, const std::vector<FormSummary>& summaries) const;
+    [[nodiscard]] pixel::SheetEnd make_end(std::size_t sheet, const std::vector<FormSummary>& summaries) const;
 
     const MapStudy& request_;
     const MapFilesOptions& options_;
-    std::size_t lost_bits_index_,
-        excess_index_;  ///< indices of metrics in the request; the index of a missing metric is the number of metrics
+    /// Indices of metrics in the request. The index of a missing metric is the number of metrics.
+    std::size_t lost_bits_index_, excess_index_;
     std::vector<MapSheet> sheets_;
     std::vector<Drawing> drawings_;  ///< one per column
     pixel::ColumnFiles<BandResult> files_;

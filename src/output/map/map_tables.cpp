@@ -48,7 +48,7 @@ void add_columns(Table<SummaryRow>& table, const std::vector<SummaryColumn>& col
 
 std::string worst_ray_command(const SummaryRow& r, const measure::evaluate::WorstRay* ray) {
     const std::string arguments = ray != nullptr && ray->x >= 0 ? r.ray_arguments(*ray) : "";
-    return arguments.empty() ? "" : attribution::explain_command(arguments, r.row);
+    return arguments.empty() ? "" : attribution::explain_command(arguments, r.form_row);
 }
 
 }  // namespace
@@ -60,7 +60,7 @@ Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const
     std::erase_if(ray_columns,
                   [has_meshes](const SummaryColumn& c) { return !c.tabled || (c.of_meshes && !has_meshes); });
     Table<R> table;
-    table.add(table::subject_columns(), &R::row);
+    table.add(table::subject_columns(), &R::form_row);
     add_columns(table, ray_columns);
     add_columns(table, measure::evaluate::worst_columns(shapes));
     table.add({"worst_explain", "the command that explains the worst ray and prints these numbers again",
@@ -96,7 +96,7 @@ std::vector<std::size_t> culprits_by_count(const std::vector<std::uint64_t>& cou
 table::Table<Culprit> culprit_table() {
     using R = Culprit;
     table::Table<R> table;
-    table.add(table::subject_columns(), &R::row);
+    table.add(table::subject_columns(), &R::form_row);
     table.add(
         {{"operation",
           "expression of the operation; one axis stands for all three, and one iteration of a loop for all",
@@ -127,12 +127,12 @@ table::TableColumn<BandRay> outcome_column() {
             }};
 }
 
-Table<BandRay> found_columns(const std::vector<const Metric*>& metrics) {
+Table<BandRay> truth_and_metric_columns(const std::vector<const Metric*>& metrics) {
     Table<BandRay> table;
     table.add_exact({"truth", "t", "t*, correctly rounded to binary64, in the same unit",
                      [](const BandRay& r) -> std::optional<double> {
                          if (!r.result->truth(r.i).is_hit()) return {};
-                         return r.result->band->rounded_truth(r.i, binary64, r.row->form->info->direction,
+                         return r.result->band->rounded_truth(r.i, binary64, r.form_row->form->info->direction,
                                                               r.result->convention);
                      }});
     for (std::size_t m = 0; m < metrics.size(); ++m) {
@@ -160,13 +160,14 @@ Table<BandRay> pixel_table(const std::vector<const Metric*>& metrics) {
                     }},
                    outcome_column(),
                    {"object", "primitive that the form hit, from 0",
-                    [](const R& r) { return when(r.hit(), r.result->answers->object[r.i]); }},
+                    [](const R& r) { return when(r.has_hit(), r.result->answers->object[r.i]); }},
                    {"truth_object", "primitive that the ray truly hits first, from 0", [](const R& r) {
                         const measure::truth::Truth& truth = r.result->truth(r.i);
                         return when(truth.is_hit(), truth.object);
                     }}};
-    table.add_exact({"t", "t", "the form's answer, in its own unit", [](const R& r) { return when(r.hit(), r.t()); }});
-    return table.add(found_columns(metrics));
+    table.add_exact(
+        {"t", "t", "the form's answer, in its own unit", [](const R& r) { return when(r.has_hit(), r.t()); }});
+    return table.add(truth_and_metric_columns(metrics));
 }
 
 }  // namespace lostbits::output::map

@@ -20,18 +20,18 @@ using measure::metric::Metric;
 /// Arguments of `lostbits explain` that name a ray of a summary: `near-benign --pixel 3,4`; empty if the ray has none.
 using RayArguments = std::function<std::string(const measure::evaluate::WorstRay&)>;
 
-/// A row of a map, or a group of its rays.
+/// A row of summary.csv: a form in a format over all rays, or over a group of them.
 struct SummaryRow {
-    TestedForm row;
+    TestedForm form_row;
     const FormSummary* summary;
     RayArguments ray_arguments;
     std::optional<std::string> group = {};  ///< missing: all rays
 };
 
-/// Columns of a row of summary.csv: those of `measure::evaluate::summary_columns`, `worst_columns` and
-/// `wrong_decision_columns`; the last two have the command that explains the ray. A cell without a sample is empty.
-/// `has_meshes`: the rays are at meshes and have the outcomes of meshes. `group_column`: the column whose values group
-/// the rays, which stands first; empty: no groups.
+/// Columns of summary.csv: those of `measure::evaluate::summary_columns`, `worst_columns` and `wrong_decision_columns`.
+/// The last two groups end with the command that explains the ray. A cell without a sample is empty. If `has_meshes`,
+/// the rays are aimed at meshes and have the outcomes of meshes too. `group_column` is the column whose values group
+/// the rays; it stands first. If it is empty, there are no groups.
 table::Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes,
                                        bool has_meshes = false, std::string group_column = {});
 /// A row for all rays, then one for each group. `form_row` is row `r` of the run.
@@ -41,14 +41,14 @@ std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& form_row, 
 /// An operation that is the culprit of some rays. Operations are rows and not columns, because columns would differ
 /// from run to run.
 struct Culprit {
-    TestedForm row;
+    TestedForm form_row;
     std::string_view operation;
     std::uint64_t rays;
     double fraction;
 };
 table::Table<Culprit> culprit_table();
 
-/// True if `culprit` is among the metrics.
+/// True if the metric `culprit` is among the metrics.
 [[nodiscard]] bool asks_for_culprits(const std::vector<const Metric*>& metrics);
 
 /// The culprits of a row, the most frequent first.
@@ -59,19 +59,19 @@ std::vector<Culprit> culprits_of(const std::vector<const Metric*>& metrics, cons
 /// in the order of the tape.
 std::vector<std::size_t> culprits_by_count(const std::vector<std::uint64_t>& counts);
 
-/// A ray of a band, as answered by a row of the run.
+/// A ray of a band (consecutive rows of pixels), as answered by a form in a format.
 struct BandRay {
     const BandResult* result;
     std::size_t i;
-    const TestedForm* row;
+    const TestedForm* form_row;
 
-    [[nodiscard]] bool hit() const { return result->answers->hit[i] != 0; }
+    [[nodiscard]] bool has_hit() const { return result->answers->hit[i] != 0; }
     [[nodiscard]] double t() const { return result->answers->t[i]; }
 };
 /// The column `outcome`.
 table::TableColumn<BandRay> outcome_column();
-/// The columns truth and truth_hex, and one for each metric.
-table::Table<BandRay> found_columns(const std::vector<const Metric*>& metrics);
+/// The columns truth and truth_hex (the true t), and one for each metric.
+table::Table<BandRay> truth_and_metric_columns(const std::vector<const Metric*>& metrics);
 /// One row per pixel.
 table::Table<BandRay> pixel_table(const std::vector<const Metric*>& metrics);
 

@@ -33,40 +33,40 @@ std::string short_number(double x) { return file::short_decimal(x, 3); }
 
 constexpr Rgb8 no_culprit_colour = image::outcome_colours[0];  ///< a hit to which no operation adds an error
 constexpr const char* hit_without_value = "correct hit without a value";
-constexpr const char* not_both_hit = "not both hit: nothing to compare";
+constexpr const char* nothing_to_compare = "not both hit: nothing to compare";
 constexpr std::size_t max_culprits = 6;          ///< culprits that a legend names
-constexpr std::size_t max_culprit_letters = 44;  ///< letters
+constexpr std::size_t max_culprit_letters = 44;  ///< letters of a culprit in a legend
 
 std::string shortened(std::string_view text, std::size_t letters) {
     return text.size() <= letters ? std::string(text) : std::string(text.substr(0, letters - 2)) + "..";
 }
 
-constexpr std::size_t two_line_letters = 50;  ///< letters below a cell of a sheet
+constexpr std::size_t two_line_letters = 50;  ///< letters that two lines below a cell of a sheet can hold
 
 /// Wrong decisions as shares of all pixels, the most frequent first. All are named if two lines hold them; otherwise
 /// two are named, and the others are added up: `1.2% double hit, 1.0% crack, 0.3% other`.
-std::string faults_of(const FormSummary& s) {
+std::string fault_shares_text(const FormSummary& summary) {
     auto order = measure::evaluate::wrong_decisions;
-    std::ranges::stable_sort(order, std::greater<>(), [&s](Outcome o) { return s.count(o); });
-    const auto share = [&s](std::uint64_t n, std::string_view name) {
-        return fmt::format("{} {}", percent(n, s.rays), name);
+    std::ranges::stable_sort(order, std::greater<>(), [&summary](Outcome o) { return summary.count(o); });
+    const auto share = [&summary](std::uint64_t n, std::string_view name) {
+        return fmt::format("{} {}", percent(n, summary.rays), name);
     };
     std::vector<std::string> faults;
-    std::uint64_t less_frequent = 0;  // less frequent than the first two
+    std::uint64_t less_frequent_count = 0;  // wrong decisions of all kinds but the first two
     for (const Outcome o : order) {
-        const std::uint64_t n = s.count(o);
+        const std::uint64_t n = summary.count(o);
         if (n == 0) continue;
-        if (faults.size() >= 2) less_frequent += n;
-        faults.push_back(share(n, o == Outcome::not_a_number ? "NaN" : plain_name(o)));
+        if (faults.size() >= 2) less_frequent_count += n;
+        faults.push_back(share(n, o == Outcome::not_a_number ? "NaN" : outcome_in_words(o)));
     }
     std::string text = fmt::format("{}", fmt::join(faults, ", "));
     if (faults.size() > 2 && text.size() > two_line_letters)
-        text = fmt::format("{}, {}, {}", faults[0], faults[1], share(less_frequent, "other"));
+        text = fmt::format("{}, {}, {}", faults[0], faults[1], share(less_frequent_count, "other"));
     return text;
 }
 
-/// `22.7 lost, 30.3/53 kept`, which fits below a cell of a sheet. Kept bits are rounded down, as in tables, and lost
-/// bits up.
+/// Lost and kept bits in a text that fits below a cell of a sheet: `22.7 lost, 30.3/53 kept`. Kept bits are rounded
+/// down, as in tables, and lost bits up.
 std::string lost_and_kept(double lost, int precision) {
     const std::string kept = file::kept_bits_text(precision - lost);
     return fmt::format("{:.1f} lost, {}/{} kept", precision - file::parse_number(kept).value(), kept, precision);
@@ -76,7 +76,8 @@ std::string lost_and_kept(double lost, int precision) {
 Rgb8 category_colour(const Metric& metric, std::size_t category) {
     if (metric.categories.data() == intersect::stop_names.data()) return image::stop_colours[category];
     if (metric.domain == MetricDomain::pairs) return image::against_colours[category];
-    if (metric.domain == MetricDomain::agreed_hits) return image::distinct_colour(category);  // slate is taken
+    if (metric.domain == MetricDomain::agreed_hits)
+        return image::distinct_colour(category);  // slate is the colour of hits without a value
     return category == 0 ? no_culprit_colour : image::distinct_colour(category - 1);
 }
 
@@ -90,20 +91,20 @@ MetricPaint::MetricPaint(const Metric& metric, const FloatFormat& format, const 
         categories.push_back({""});
     }
     for (std::size_t c = 0; c < metric.categories.size(); ++c)
-        categories.push_back({in_words(metric.categories[c]), category_colour(metric, c)});
-    value_categories_ = categories.size();
+        categories.push_back({name_in_words(metric.categories[c]), category_colour(metric, c)});
+    value_category_count_ = categories.size();
     for (std::size_t o = 0; o < image::outcome_colours.size(); ++o) {
         const auto outcome = static_cast<Outcome>(o);
-        const std::string name = outcome == Outcome::agree_hit ? hit_without_value : plain_name(outcome);
+        const std::string name = outcome == Outcome::agree_hit ? hit_without_value : outcome_in_words(outcome);
         categories.push_back({is_of_hits() ? name : "", image::outcome_colours[o]});
     }
-    // Two forms need not both hit, so such pixels get an inconspicuous colour.
+    // The last category has no value. For pairs of forms, which often do not both hit, its colour is inconspicuous.
     categories.push_back(
-        {is_distance() ? not_both_hit : "",
+        {is_distance() ? nothing_to_compare : "",
          pixel::colour_of(metric.domain == MetricDomain::pairs ? Outcome::agree_miss : Outcome::not_a_number)});
     // Correct hits without a value come last of the outcomes in legends.
-    std::rotate(categories.begin() + static_cast<std::ptrdiff_t>(value_categories_),
-                categories.begin() + static_cast<std::ptrdiff_t>(value_categories_) + 1, categories.end() - 1);
+    std::rotate(categories.begin() + static_cast<std::ptrdiff_t>(value_category_count_),
+                categories.begin() + static_cast<std::ptrdiff_t>(value_category_count_) + 1, categories.end() - 1);
 }
 
 bool MetricPaint::applies_to(const TestedForm& form_row) const {
@@ -119,7 +120,7 @@ bool MetricPaint::applies_to(const TestedForm& form_row) const {
     return metric_->domain != MetricDomain::marches || !is_primitive(form_row.form->shape);
 }
 
-bool MetricPaint::shares_with(const Metric& other) const {
+bool MetricPaint::shares_bar_with(const Metric& other) const {
     const Metric& m = *metric_;
     return m.unit == other.unit && m.ramp == other.ramp && m.low == other.low && m.high == other.high &&
            m.domain == other.domain && m.categories.data() == other.categories.data();
@@ -151,13 +152,13 @@ std::vector<LegendEntry> MetricPaint::widest_culprit_legend(std::uint64_t pixels
     std::vector<LegendEntry> entries(max_culprits + 2,
                                      {std::string(max_culprit_letters, '+'), no_culprit_colour, count});
     for (const Outcome o : {Outcome::agree_miss, Outcome::not_a_number, Outcome::unresolved})
-        entries.push_back({plain_name(o), pixel::colour_of(o), count});
+        entries.push_back({outcome_in_words(o), pixel::colour_of(o), count});
     return entries;
 }
 
 std::vector<LegendEntry> MetricPaint::culprit_legend(const pixel::CategoryCounts& category_counts) const {
     const pixel::CategoryCounts counts(category_counts.begin(),
-                                       category_counts.begin() + static_cast<std::ptrdiff_t>(value_categories_));
+                                       category_counts.begin() + static_cast<std::ptrdiff_t>(value_category_count_));
     const std::uint64_t blamed_rays = measure::attribution::rays_with_culprit(counts);
     std::vector<LegendEntry> entries;
     std::uint64_t other_rays = 0;
@@ -173,10 +174,10 @@ std::vector<LegendEntry> MetricPaint::culprit_legend(const pixel::CategoryCounts
     if (other_rays > 0)
         entries.push_back({"other operations, each in its own colour", image::style::page,
                            pixel::count_text(other_rays, blamed_rays)});
-    // Rays with other outcomes may have a culprit.
+    // Rays with these outcomes have no culprit; all others may have one.
     for (const Outcome o : {Outcome::agree_miss, Outcome::not_a_number, Outcome::unresolved}) {
         if (const std::uint64_t n = category_counts[index_of(o)])
-            entries.push_back({plain_name(o), pixel::colour_of(o), std::to_string(n)});
+            entries.push_back({outcome_in_words(o), pixel::colour_of(o), std::to_string(n)});
     }
     return entries;
 }
@@ -204,56 +205,59 @@ std::string MetricPaint::note(bool has_several_formats) const {
 }
 
 std::string MetricPaint::quantile_note() const {
-    if (!names_worst()) return "";
+    if (!names_worst_ray()) return "";
     return fmt::format("p99: 99 of 100 agreed hits {} at most this much", metric_->name == "lost_bits"      ? "lose"
                                                                           : metric_->name == "correct_bits" ? "keep"
                                                                                                             : "have");
 }
 
-std::string MetricPaint::short_summary(const FormSummary& s, std::size_t m) const {
+std::string MetricPaint::short_summary(const FormSummary& summary, std::size_t metric_index) const {
     if (metric_->by_run) {
-        const auto order = culprits_by_count(s.categories[m]);
+        const auto order = culprits_by_count(summary.categories[metric_index]);
         if (order.empty()) return "no culprit";
-        const std::uint64_t blamed_rays = measure::attribution::rays_with_culprit(s.categories[m]);
-        return fmt::format("{} of {} culprits:\n{}", percent(s.categories[m][order.front()], blamed_rays), blamed_rays,
+        const std::uint64_t blamed_rays = measure::attribution::rays_with_culprit(summary.categories[metric_index]);
+        return fmt::format("{} of {} culprits:\n{}",
+                           percent(summary.categories[metric_index][order.front()], blamed_rays), blamed_rays,
                            shortened(metric_->categories[order.front()], 48));
     }
     if (!metric_->categories.empty()) {
         std::vector<std::string> shares;
         for (std::size_t c = 0; c < metric_->categories.size(); ++c) {
-            if (const std::uint64_t n = s.categories[m][c])
-                shares.push_back(percent(n, s.rays) + " " + in_words(metric_->categories[c]));
+            if (const std::uint64_t n = summary.categories[metric_index][c])
+                shares.push_back(percent(n, summary.rays) + " " + name_in_words(metric_->categories[c]));
         }
         return fmt::format("{}", fmt::join(shares, "\n"));
     }
-    const measure::metric::Distribution& d = s.metrics[m];
+    const measure::metric::Distribution& distribution = summary.metrics[metric_index];
     const std::string unit = metric_->unit == "1" ? "" : " " + std::string(metric_->unit);
     if (!is_of_hits()) {
-        if (d.count() == 0) return is_distance() ? "no ray that both forms hit" : "no value";
-        return fmt::format("median {}{}\nlargest {}{}\nof {}{}", short_number(d.quantile(0.5)), unit,
-                           short_number(d.quantile(1)), unit, scene::toml::count_with_noun(d.count(), "ray"),
+        if (distribution.count() == 0) return is_distance() ? "no ray that both forms hit" : "no value";
+        return fmt::format("median {}{}\nlargest {}{}\nof {}{}", short_number(distribution.quantile(0.5)), unit,
+                           short_number(distribution.quantile(1)), unit,
+                           scene::toml::count_with_noun(distribution.count(), "ray"),
                            is_distance() ? " that both forms hit" : "");
     }
-    std::string text = faults_of(s);
+    std::string text = fault_shares_text(summary);
     const auto add = [&text](const std::string& line) { text += (text.empty() ? "" : "\n") + line; };
-    const measure::metric::Agreement hits = s.agreement();
+    const measure::metric::Agreement hits = summary.agreement();
     if (hits.agreed == 0) {
         add(hits.true_hits == 0 ? "no ray hits" : "no correct hit");
     } else if (!hits.is_enough()) {
         add("no p99: " + hits.too_few());
-    } else if (d.count() == 0) {
+    } else if (distribution.count() == 0) {
         add("no value");
     } else {
-        const double p99 = d.quantile(0.99);
+        const double p99 = distribution.quantile(0.99);
         add("p99 " + (metric_->name == "lost_bits" ? lost_and_kept(p99, precision_) : short_number(p99) + unit));
-        add(measure::metric::Agreement{d.count(), hits.true_hits}.of_agreed_hits());
+        add(measure::metric::Agreement{distribution.count(), hits.true_hits}.of_agreed_hits());
     }
     return text;
 }
 
-std::string MetricPaint::caption(const FormSummary& s, std::size_t m) const {
+std::string MetricPaint::caption(const FormSummary& summary, std::size_t metric_index) const {
     std::string text;
-    for (const char c : short_summary(s, m)) text += c != '\n' ? std::string(1, c) : text.ends_with(':') ? " " : "; ";
+    for (const char c : short_summary(summary, metric_index))
+        text += c != '\n' ? std::string(1, c) : text.ends_with(':') ? " " : "; ";
     // A sheet explains `p99` once in its notes. The caption of a single picture has space to spell it out.
     constexpr std::string_view marker = "p99 ";
     const std::size_t position = text.find(marker);

@@ -26,12 +26,12 @@ namespace {
 
 std::string file_stem(const Info& form) { return std::string(form.name) + ".needed"; }
 
-/// Colours of the width that a pixel needs, and of pixels without a width on the scale.
+/// Colours of the width (number of significand bits) that a pixel needs, and of pixels without a width on the scale.
 pixel::Look needed_look() {
     using measure::evaluate::least_width, measure::evaluate::most_width;
     return {{{""},
              {fmt::format("not even {} bits are enough", most_width), beyond_colour},
-             {plain_name(Outcome::unresolved), pixel::colour_of(Outcome::unresolved)}},
+             {outcome_in_words(Outcome::unresolved), pixel::colour_of(Outcome::unresolved)}},
             image::ColourScale("viridis", image::image_backend().ramp("viridis", 256), least_width, most_width),
             "bits"};
 }
@@ -43,8 +43,8 @@ pixel::PixelValue pixel_of(double needed) {
 
 using NeededColumns = pixel::ColumnFiles<NeededBand>;
 
-/// One picture per form.
-NeededColumns pictures_of(const NeededStudy& request, const NeededFilesOptions& options) {
+/// Makes one picture per form.
+NeededColumns make_pictures(const NeededStudy& request, const NeededFilesOptions& options) {
     const auto look = std::make_shared<const pixel::Look>(needed_look());
     std::vector<pixel::PixelColumn<NeededBand>> columns;
     for (const intersect::table::Intersector* form : request.rows)
@@ -139,7 +139,7 @@ struct NeededFiles::Parts {
     const NeededStudy& request;
     NeededFilesOptions options;
     std::optional<table::TableFile<NeededRow>> table = {};
-    NeededColumns pictures = pictures_of(request, options);
+    NeededColumns pictures = make_pictures(request, options);
     std::vector<std::unique_ptr<NeededFormFiles>> forms = {};
 
     void add_form(std::size_t form_index) {
@@ -158,7 +158,7 @@ struct NeededFiles::Parts {
         pixel::BandFiles<NeededBand> files{pictures, {}, options.keep_piece};
         if (MapExr* const exr = options.exr) {
             writers.exr_rows = [exr](const NeededBand& band, std::span<const image::Rgb8> preview) {
-                return exr->rows_of(band, preview);
+                return exr->make_rows(band, preview);
             };
             files.write_exr = [exr](const std::vector<ExrRows>& pieces) { exr->write(pieces); };
         }

@@ -1,4 +1,5 @@
-// Files of `--bits`: a heatmap per form, needed.csv, and parts of the EXR.
+// Files of `lostbits map --bits`, which measures how many significand bits each form needs: a heatmap per form,
+// needed.csv, and parts of the EXR.
 #pragma once
 
 #include <filesystem>

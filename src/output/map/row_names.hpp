@@ -20,26 +20,26 @@ using measure::evaluate::TestedForm;
     return std::ranges::find(shape_names, info.name.substr(0, info.name.find('.'))) != shape_names.end();
 }
 
-/// `unified` for `sphere.unified`: the name without its shape, for tables whose forms all have one shape. Forms outside
-/// the catalogue and sets keep their whole names.
+/// Name of a form without its shape, for tables whose forms all have one shape: `unified` for `sphere.unified`. Forms
+/// outside the catalogue and sets keep their whole names.
 [[nodiscard]] inline std::string short_name(const Info& info) {
     const bool is_single_form = is_of_catalogue(info) && info.name.find('.') == info.name.rfind('.');
     return std::string(info.name.substr(is_single_form ? info.name.find('.') + 1 : 0));
 }
 
-/// Title of a form for captions; a form from outside need not have one.
+/// Title of a form for captions. A form from outside the catalogue need not have a title; its source stands in then.
 [[nodiscard]] inline std::string title_of(const Info& info) {
     if (!info.title.empty()) return std::string(info.title);
     return info.source.empty() ? "a form from outside" : "a form from outside: " + std::string(info.source);
 }
 
-/// `sphere.unified.f32`
+/// Name of a series in file names: `sphere.unified.f32`.
 [[nodiscard]] inline std::string row_name(const TestedForm& form_row) {
     return std::string(form_row.form->info->name) + "." + form_row.format.name;
 }
 
 /// A name in words: `wrong primitive` for `wrong_primitive`.
-[[nodiscard]] inline std::string in_words(std::string_view name) {
+[[nodiscard]] inline std::string name_in_words(std::string_view name) {
     std::string text(name);
     std::ranges::replace(text, '_', ' ');
     return text;
@@ -52,7 +52,7 @@ using measure::evaluate::TestedForm;
     return index;
 }
 
-/// Properties of a series that its true answers depend on: series with equal properties share the truth of every ray.
+/// Properties of a series that its true answers depend on. Series with equal properties share the truth of every ray.
 struct TruthKind {
     intersect::Direction direction;
     intersect::Convention convention;
@@ -63,13 +63,14 @@ struct TruthKind {
     return {form_row.form->info->direction, form_row.convention(), scene::rays::generator_of(*form_row.form)};
 }
 
-/// Forms across and formats down, both in the order of their first rows.
+/// Grid with forms across and formats down, both in the order of the first series that has them.
 struct RowGrid {
+    /// Indices of the form and the format of a series in the grid.
     struct GridCell {
         std::size_t form, format;
     };
     std::vector<std::string> forms, formats;
-    std::vector<GridCell> cells;  ///< one per row of the constructor's argument
+    std::vector<GridCell> cells;  ///< one per series
 
     explicit RowGrid(const std::vector<TestedForm>& rows) {
         for (const TestedForm& form_row : rows)

@@ -1,4 +1,4 @@
-// Tables and plots of offsets along an axis of the scene.
+// Writes the tables and plots of offsets along an axis of the scene.
 #include "output/offset/offset_files.hpp"
 
 #include <fmt/format.h>
@@ -13,26 +13,26 @@ namespace {
 
 std::string subject_text(const OffsetRow& offset_row, Side side) {
     return fmt::format("{} in {}, {} points, rays {}", offset_row.form_row.form->info->name,
-                       offset_row.form_row.format.name, name_of(offset_row.point_kind), in_words(side));
+                       offset_row.form_row.format.name, name_of(offset_row.point_kind), side_phrase(side));
 }
 
 /// Look of a strategy in every plot: its index in the table of strategies. The index after the last one is for the
 /// smallest safe offset, which belongs to no strategy.
-std::size_t look_of(const Strategy* strategy) {
+std::size_t strategy_look(const Strategy* strategy) {
     const auto strategies = measure::offset::strategies();
     return strategy ? static_cast<std::size_t>(strategy - strategies.data()) : strategies.size();
 }
 
 }  // namespace
 
-AlongFiles::AlongFiles(const std::filesystem::path& folder, const OffsetStudy& study, SceneAxis along)
+AlongFiles::AlongFiles(const std::filesystem::path& folder, const OffsetStudy& study, SceneAxis axis)
     : folder_(folder),
       study_(study),
-      along_(along),
-      table_(folder, fmt::format("along.{}.csv", name_of(along)),
+      axis_(axis),
+      table_(folder, fmt::format("along.{}.csv", name_of(axis)),
              "One row per value on the axis, strategy, side, kind of point, form and format",
              table::Table<AlongRow>{
-                 {std::string(name_of(along)), std::string(measure::offset::meaning_of(along)), &AlongRow::axis_value}}
+                 {std::string(name_of(axis)), std::string(measure::offset::meaning_of(axis)), &AlongRow::axis_value}}
                  .add(OffsetView::summary_table(), &AlongRow::strategy_row)) {}
 
 void AlongFiles::add(double axis_value, std::vector<OffsetSummary> summaries) {
@@ -41,56 +41,56 @@ void AlongFiles::add(double axis_value, std::vector<OffsetSummary> summaries) {
     summaries_.push_back(std::move(summaries));
 }
 
-std::filesystem::path AlongFiles::file_of(std::size_t row_index, Side side, const char* kind) const {
+std::filesystem::path AlongFiles::picture_path(std::size_t row_index, Side side, const char* kind) const {
     return folder_ /
-           fmt::format("along.{}.{}.{}.{}.png", name_of(along_), row_name(study_.rows[row_index]), name_of(side), kind);
+           fmt::format("along.{}.{}.{}.{}.png", name_of(axis_), row_name(study_.rows[row_index]), name_of(side), kind);
 }
 
-plot::LinePlotSpec AlongFiles::spec_of(std::size_t row_index, Side side, const std::string& title,
-                                       plot::AxisSpec y) const {
-    return {.title = fmt::format("{} along {}", title, name_of(along_)),
+plot::LinePlotSpec AlongFiles::make_spec(std::size_t row_index, Side side, const std::string& title,
+                                         plot::AxisSpec y) const {
+    return {.title = fmt::format("{} along {}", title, name_of(axis_)),
             .subtitle = {study_.scene.title, subject_text(study_.rows[row_index], side)},
-            .x = {std::string(measure::offset::meaning_of(along_)), plot::AxisSpec::Scale::log2, {}, {}},
+            .x = {std::string(measure::offset::meaning_of(axis_)), plot::AxisSpec::Scale::log2, {}, {}},
             .y = std::move(y)};
 }
 
-plot::Series AlongFiles::series_of(std::size_t row_index, Side side,
-                                   const std::function<double(const SideSummary&)>& value,
-                                   const Strategy* strategy) const {
+plot::Series AlongFiles::make_series(std::size_t row_index, Side side,
+                                     const std::function<double(const SideSummary&)>& value,
+                                     const Strategy* strategy) const {
     plot::Series series{.label = strategy ? short_name(*strategy) : "smallest safe offset, largest of all points",
                         .x = axis_values_,
-                        .dashed = strategy == nullptr,
-                        .look = look_of(strategy)};
+                        .is_dashed = strategy == nullptr,
+                        .look = strategy_look(strategy)};
     for (const auto& step : summaries_) series.y.push_back(value(step[row_index].side_summary(side)));
     return series;
 }
 
 void AlongFiles::plot_wrong(std::size_t row_index, Side side) const {
-    auto spec = spec_of(row_index, side, "Rays that go wrong",
-                        {"share of rays", plot::AxisSpec::Scale::linear, 0.0, {}, false, false, 1});
+    auto spec = make_spec(row_index, side, "Rays that go wrong",
+                          {"share of rays", plot::AxisSpec::Scale::linear, 0.0, {}, false, false, 1});
     for (std::size_t k = 0; k < study_.strategies.size(); ++k)
-        spec.series.push_back(series_of(
+        spec.series.push_back(make_series(
             row_index, side,
             [k](const SideSummary& s) { return measure::truth::fraction(s.strategies[k].bad_rays, s.rays); },
             study_.strategies[k]));
     spec.notes = {
         "wrong: a self-hit (by truth or by the form's arithmetic), a lost occluder, or a lost exit",
         "shares are of the points that the form finds; there is none if it misses or names another primitive"};
-    image::save_figure(file_of(row_index, side, "wrong"), plot::line_plot(spec));
+    image::save_figure(picture_path(row_index, side, "wrong"), plot::line_plot(spec));
 }
 
 void AlongFiles::plot_size(std::size_t row_index, Side side) const {
-    auto spec = spec_of(row_index, side, "Offsets", {"world units", plot::AxisSpec::Scale::log10, {}, {}});
-    spec.series = {series_of(row_index, side, [](const SideSummary& s) { return s.safe_offset.quantile(1); })};
+    auto spec = make_spec(row_index, side, "Offsets", {"world units", plot::AxisSpec::Scale::log10, {}, {}});
+    spec.series = {make_series(row_index, side, [](const SideSummary& s) { return s.safe_offset.quantile(1); })};
     for (std::size_t k = 0; k < study_.strategies.size(); ++k)
         if (!study_.strategies[k]->keeps_point)
-            spec.series.push_back(series_of(
+            spec.series.push_back(make_series(
                 row_index, side, [k](const SideSummary& s) { return s.strategies[k].size.quantile(0.5); },
                 study_.strategies[k]));
     spec.notes = {
         "dashed: the largest of the smallest safe offsets of all points; other lines: medians over the points",
         "the dashed line has a gap where no point needs an offset or no offset is safe"};
-    image::save_figure(file_of(row_index, side, "size"), plot::line_plot(spec));
+    image::save_figure(picture_path(row_index, side, "size"), plot::line_plot(spec));
 }
 
 void AlongFiles::finish() {

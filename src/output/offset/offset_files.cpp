@@ -1,4 +1,4 @@
-// Pictures, tables and sentences of offsets over a scene.
+// Writes the pictures, tables and sentences of offsets over a scene.
 #include "output/offset/offset_files.hpp"
 
 #include <fmt/format.h>
@@ -26,12 +26,13 @@ namespace {
 
 constexpr const char* safe_unit = "ulps of the largest coordinate";
 
-/// Category of pixels at which form and truth do not meet the same primitive, or the point is not finite.
+/// Category of pixels without a point from which rays leave: form and truth do not hit the same primitive, or the point
+/// is not finite.
 const pixel::Category no_point{"no point that counts", colour_of(Outcome::agree_miss)};
 
-/// Result for the rays of a strategy at a point. If several apply, the first in this list counts.
-enum class StrategyResult : std::uint8_t { nowhere, self_hit, lost, by_form, wrong_side, safe };
-pixel::Look strategy_result_look() {
+/// Result of a strategy at a point: the first in this list that applies to one of the rays.
+enum class StrategyResult : std::uint8_t { no_point, self_hit, jumps_past, form_fault, wrong_side, all_right };
+pixel::Look make_strategy_result_look() {
     return {{no_point,
              {"self-hit by truth", colour_of(Outcome::false_miss)},
              {"jumps past a neighbour, or past its own far side", colour_of(Outcome::unresolved)},
@@ -40,22 +41,22 @@ pixel::Look strategy_result_look() {
              {"every ray is right", colour_of(Outcome::agree_hit)}}};
 }
 
-StrategyResult strategy_result_of(const OffsetBand& band, std::size_t pixel, Side side, std::size_t strategy) {
-    if (band.is_point[pixel] == 0) return StrategyResult::nowhere;
+StrategyResult find_strategy_result(const OffsetBand& band, std::size_t pixel, Side side, std::size_t strategy) {
+    if (band.is_point[pixel] == 0) return StrategyResult::no_point;
     const measure::offset::StrategyAtPoint& faults = band.at(pixel, side, strategy);
     if (faults[Fault::self_hit] > 0) return StrategyResult::self_hit;
     if (faults[Fault::lost_occluder] + faults[Fault::begins_in_neighbour] + faults[Fault::lost_exit] +
             faults[Fault::not_finite] >
         0)
-        return StrategyResult::lost;
-    if (faults[Fault::self_hit_by_form] + faults[Fault::lost_exit_by_form] > 0) return StrategyResult::by_form;
-    return faults[Fault::wrong_side] > 0 ? StrategyResult::wrong_side : StrategyResult::safe;
+        return StrategyResult::jumps_past;
+    if (faults[Fault::self_hit_by_form] + faults[Fault::lost_exit_by_form] > 0) return StrategyResult::form_fault;
+    return faults[Fault::wrong_side] > 0 ? StrategyResult::wrong_side : StrategyResult::all_right;
 }
 
-/// Colours of the smallest safe offset, and of pixels that are not on its scale.
-pixel::Look safe_look() {
+/// Colours of the map of smallest safe offsets: the scale, and the categories of pixels that are not on the scale.
+pixel::Look make_safe_offset_look() {
     return {{no_point,
-             // Not the colour of `every ray is right`, which other cells of the sheet have.
+             // Differs from the colour of `every ray is right` in other cells of the sheet.
              {"needs no offset", colour_of(Outcome::out_of_order)},
              {"no offset is safe", colour_of(Outcome::not_a_number)},
              {""}},
@@ -63,14 +64,15 @@ pixel::Look safe_look() {
             safe_unit};
 }
 
-PixelValue safe_offset(const OffsetBand& band, std::size_t pixel, Side side) {
+PixelValue safe_offset_pixel(const OffsetBand& band, std::size_t pixel, Side side) {
     if (band.is_point[pixel] == 0) return {0};
     const double offset = band.sides[pixel][static_cast<std::size_t>(side)].safe_offset;
     if (offset == 0) return {1};
     return std::isfinite(offset) ? PixelValue{3, offset / band.ulp[pixel]} : PixelValue{2};
 }
 
-std::size_t line_of(std::size_t row_index, Side side) { return 2 * row_index + static_cast<std::size_t>(side); }
+/// Line of the sheet that shows a side of a row of the study.
+std::size_t sheet_line(std::size_t row_index, Side side) { return 2 * row_index + static_cast<std::size_t>(side); }
 
 /// Adds the notes below the cells of a line of the sheet.
 void add_notes(const OffsetStudy& study, std::size_t line, const measure::offset::SideSummary& side,
@@ -105,11 +107,11 @@ std::string OffsetView::row_name(const OffsetStudy& study, std::size_t row_index
     return offset::row_name(study.rows[row_index]);
 }
 
-std::string in_words(Side side) { return side == Side::outside ? "away from the primitive" : "into the primitive"; }
+std::string side_phrase(Side side) { return side == Side::outside ? "away from the primitive" : "into the primitive"; }
 
 std::vector<PixelColumn<OffsetBand>> OffsetView::columns(const OffsetStudy& study) {
-    const auto result_look = std::make_shared<const pixel::Look>(strategy_result_look()),
-               safe_offset_look = std::make_shared<const pixel::Look>(safe_look());
+    const auto result_look = std::make_shared<const pixel::Look>(make_strategy_result_look()),
+               safe_offset_look = std::make_shared<const pixel::Look>(make_safe_offset_look());
     std::vector<PixelColumn<OffsetBand>> columns;
     for (std::size_t r = 0; r < study.rows.size(); ++r) {
         const OffsetRow& offset_row = study.rows[r];
@@ -120,26 +122,26 @@ std::vector<PixelColumn<OffsetBand>> OffsetView::columns(const OffsetStudy& stud
             for (std::size_t k = 0; k < study.strategies.size(); ++k) {
                 const Strategy& strategy = *study.strategies[k];
                 columns.push_back({{.file = file_prefix + short_name(strategy) + ".png",
-                                    .title = fmt::format("{} {}", strategy.name, in_words(side)),
+                                    .title = fmt::format("{} {}", strategy.name, side_phrase(side)),
                                     .subtitle = {row_text, fmt::format("the new origin: {}", strategy.title)},
                                     .look = result_look,
-                                    .sheet_positions = {{k + 1, line_of(r, side)}}},
+                                    .sheet_positions = {{k + 1, sheet_line(r, side)}}},
                                    r,
                                    pixel::drawn_by<OffsetBand>([side, k](const OffsetBand& band, std::size_t i) {
                                        return PixelValue{
-                                           static_cast<std::size_t>(strategy_result_of(band, i, side, k))};
+                                           static_cast<std::size_t>(find_strategy_result(band, i, side, k))};
                                    })});
             }
             columns.push_back({{.file = file_prefix + "safe.png",
-                                .title = fmt::format("The smallest safe offset {}", in_words(side)),
+                                .title = fmt::format("The smallest safe offset {}", side_phrase(side)),
                                 .subtitle = {row_text,
                                              "colour: the smallest offset along the normal for which every ray is "
                                              "right by truth, clamped at both ends of the bar"},
                                 .look = safe_offset_look,
-                                .sheet_positions = {{0, line_of(r, side)}}},
+                                .sheet_positions = {{0, sheet_line(r, side)}}},
                                r,
                                pixel::drawn_by<OffsetBand>([side](const OffsetBand& band, std::size_t i) {
-                                   return safe_offset(band, i, side);
+                                   return safe_offset_pixel(band, i, side);
                                })});
         }
     }
@@ -154,10 +156,10 @@ pixel::Sheet OffsetView::sheet(const OffsetStudy& study, const std::filesystem::
                      "first column: the smallest safe offset, in ulps of the largest coordinate; then each strategy, "
                      "with its share of rays that go wrong"},
         .forms = {"smallest safe"},
-        .scales = {*safe_look().scale},
+        .scales = {*make_safe_offset_look().scale},
         .unit = safe_unit,
         .shows_categories = true};
-    for (const Strategy* s : study.strategies) spec.forms.push_back(short_name(*s));
+    for (const Strategy* strategy : study.strategies) spec.forms.push_back(short_name(*strategy));
     for (const OffsetRow& offset_row : study.rows) {
         for (const Side side : both_sides)
             spec.formats.push_back(fmt::format("{} {} {} {}", map::short_name(*offset_row.form_row.form->info),
@@ -170,19 +172,20 @@ pixel::Sheet OffsetView::sheet(const OffsetStudy& study, const std::filesystem::
 std::vector<study::Note> OffsetView::notes(const OffsetStudy& study, const std::vector<OffsetSummary>& summaries) {
     std::vector<study::Note> notes;
     for (std::size_t r = 0; r < summaries.size(); ++r)
-        for (const Side side : both_sides) add_notes(study, line_of(r, side), summaries[r].side_summary(side), notes);
+        for (const Side side : both_sides)
+            add_notes(study, sheet_line(r, side), summaries[r].side_summary(side), notes);
     return notes;
 }
 
 Table<study::PixelInBand<OffsetBand>> OffsetView::pixel_table(const OffsetStudy& study) {
     using R = study::PixelInBand<OffsetBand>;
-    Table<R> table = study::place_columns<OffsetBand>();
+    Table<R> table = study::position_columns<OffsetBand>();
     table.add({"object", "primitive that the ray leaves, from 0", [](const R& r) { return r.band->object[r.i]; }});
     for (const Side side : both_sides) {
         const std::string name(name_of(side));
         using P = measure::offset::SideOfPoint;
         table.add<P>(
-            {{"rays_" + name, "rays " + in_words(side), &P::rays},
+            {{"rays_" + name, "rays " + side_phrase(side), &P::rays},
              {"safe_" + name, "world units", "smallest safe offset; inf if no offset is safe", &P::safe_offset},
              {"quiet_" + name, "world units",
               "smallest offset that is safe by truth and by the form's arithmetic; inf if none is", &P::quiet_offset}},
@@ -207,12 +210,12 @@ Table<StrategyRow> OffsetView::summary_table() {
                    {"side", "side of the new rays: outside (light, mirror, hemisphere) or inside (refraction)",
                     [](const R& r) { return name_of(r.side); }},
                    {"point", "starting point: as computed, or projected back onto the surface",
-                    [](const R& r) { return name_of(r.row->point_kind); }}};
+                    [](const R& r) { return name_of(r.offset_row->point_kind); }}};
     table.add(
         table::subject_columns("form that finds the points and is tested for self-hits", "format of all computations"),
-        [](const R& r) -> const auto& { return r.row->form_row; });
+        [](const R& r) -> const auto& { return r.offset_row->form_row; });
     table.add({"operations", "operations per new ray, as the strategy is written",
-               [](const R& r) { return r.strategy->operations(r.row->form_row.form->shape); }});
+               [](const R& r) { return r.strategy->operations(r.offset_row->form_row.form->shape); }});
     for (const auto& column : measure::offset::offset_columns())
         table.add(table::measured_column<R>(
             column, [](const auto& c, const R& r) { return c.value(*r.summary, r.side, r.strategy_index); }));
@@ -229,19 +232,19 @@ std::vector<StrategyRow> OffsetView::summary_rows(const OffsetStudy& study,
     return rows;
 }
 
-std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t r, const OffsetSummary& summary) {
+std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t row_index, const OffsetSummary& summary) {
     std::vector<std::string> lines;
     if (summary.points == 0) return lines;
-    const OffsetRow& offset_row = study.rows[r];
+    const OffsetRow& offset_row = study.rows[row_index];
     const std::string row_text = fmt::format("{} {} {}", offset_row.form_row.form->info->name,
                                              offset_row.form_row.format.name, name_of(offset_row.point_kind));
     for (const Side side : measure::offset::both_sides) {
         const measure::offset::SideSummary& side_summary = summary.side_summary(side);
-        std::string right_strategies;
+        std::string faultless_strategies;
         for (std::size_t k = 0; k < study.strategies.size(); ++k) {
             if (side_summary.strategies[k].bad_rays > 0) continue;
-            right_strategies +=
-                fmt::format("{}{}", right_strategies.empty() ? "" : ", ", short_name(*study.strategies[k]));
+            faultless_strategies +=
+                fmt::format("{}{}", faultless_strategies.empty() ? "" : ", ", short_name(*study.strategies[k]));
         }
         const double largest = side_summary.safe_offset.quantile(1);
         const std::string safe_text =
@@ -254,15 +257,15 @@ std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t r, 
                                                   : fmt::format(" ({} points have none)", side_summary.never_safe));
         lines.push_back(fmt::format("{} {}: {}; right for all {}: {}", row_text, name_of(side), safe_text,
                                     scene::toml::count_with_noun(side_summary.rays, "ray"),
-                                    right_strategies.empty() ? "no strategy" : right_strategies));
+                                    faultless_strategies.empty() ? "no strategy" : faultless_strategies));
     }
-    const auto safe_strategies_of_both = measure::offset::safe_strategies(
+    const auto strategies_for_both_sides = measure::offset::safe_strategies(
         summary, study.strategies, offset_row.form_row.form->shape, measure::offset::both_sides);
-    if (!safe_strategies_of_both.empty())
+    if (!strategies_for_both_sides.empty())
         lines.push_back(
             fmt::format("{}: the cheapest strategy that is right on both sides is {}, with {}", row_text,
-                        safe_strategies_of_both.front().strategy->name,
-                        scene::toml::count_with_noun(safe_strategies_of_both.front().operations, "operation")));
+                        strategies_for_both_sides.front().strategy->name,
+                        scene::toml::count_with_noun(strategies_for_both_sides.front().operations, "operation")));
     return lines;
 }
 

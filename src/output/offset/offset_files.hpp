@@ -21,16 +21,16 @@ using measure::offset::SceneAxis;
 using measure::offset::Side;
 using measure::offset::Strategy;
 
-/// Name without its prefix: `integer` for `offset.integer`.
+/// Name of a strategy without its prefix: `integer` for `offset.integer`.
 [[nodiscard]] std::string short_name(const Strategy& strategy);
 /// Name of a series, such as `sphere.half_b.f32.computed`.
 [[nodiscard]] std::string row_name(const OffsetRow& offset_row);
 /// Phrase for a side: `away from the primitive`, `into the primitive`.
-[[nodiscard]] std::string in_words(Side side);
+[[nodiscard]] std::string side_phrase(Side side);
 
-/// A strategy on one side.
+/// A row of summary.csv: a strategy on one side, for a form, a format and a kind of point.
 struct StrategyRow {
-    const OffsetRow* row;
+    const OffsetRow* offset_row;
     const OffsetSummary* summary;
     Side side;
     const Strategy* strategy;
@@ -48,7 +48,7 @@ struct OffsetView {
 
     /// The columns strategy, side, point, form, format, operations and those of `offset_columns`.
     static table::Table<StrategyRow> summary_table();
-    /// Every strategy on every side.
+    /// One row for every strategy on every side.
     static std::vector<StrategyRow> summary_rows(const Study& study, const std::vector<OffsetSummary>& summaries);
     static std::string row_name(const Study& study, std::size_t row_index);
     static std::size_t pixels(const Band& band) { return band.is_point.size(); }
@@ -59,13 +59,13 @@ struct OffsetView {
     static bool has_row(const Band& band, std::size_t i) { return band.is_point[i] != 0; }
 };
 
-/// Findings for row `r` of a study, one sentence per line. For each side: the largest of the smallest safe offsets,
-/// and the strategies that are right for every ray. Then the cheapest strategy that is right on both sides (`none`,
-/// which leaves the point as it is, is a strategy too). Empty if the summary has no points.
+/// Findings for row `row_index` of a study, one sentence per line. For each side: the largest of the smallest safe
+/// offsets, and the strategies that are right for every ray. Then the cheapest strategy that is right on both sides
+/// (`none`, which leaves the point as it is, is a strategy too). Empty if the summary has no points.
 [[nodiscard]] std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t r,
                                                      const OffsetSummary& summary);
 
-/// A strategy at a value on the axis.
+/// A row of `along.<axis>.csv`: a strategy at one value on the axis.
 struct AlongRow {
     double axis_value;
     StrategyRow strategy_row;
@@ -76,8 +76,8 @@ struct AlongRow {
 /// and the smallest safe offset.
 class AlongFiles {
 public:
-    /// Opens the table. `study`, for the unchanged scene, must outlive the object.
-    AlongFiles(const std::filesystem::path& folder, const OffsetStudy& study, SceneAxis along);
+    /// Opens the table. `study` is the study of the unchanged scene and must outlive the object.
+    AlongFiles(const std::filesystem::path& folder, const OffsetStudy& study, SceneAxis axis);
 
     void add(double axis_value, std::vector<OffsetSummary> summaries);
     /// Draws the plots and gives the table its final name.
@@ -87,17 +87,17 @@ public:
 private:
     void plot_wrong(std::size_t row_index, Side side) const;
     void plot_size(std::size_t row_index, Side side) const;
-    [[nodiscard]] plot::LinePlotSpec spec_of(std::size_t row_index, Side side, const std::string& title,
-                                             plot::AxisSpec y) const;
+    [[nodiscard]] plot::LinePlotSpec make_spec(std::size_t row_index, Side side, const std::string& title,
+                                               plot::AxisSpec y) const;
     /// The line of a strategy in a plot; without a strategy, the line of the smallest safe offset.
-    [[nodiscard]] plot::Series series_of(std::size_t row_index, Side side,
-                                         const std::function<double(const measure::offset::SideSummary&)>& value,
-                                         const Strategy* strategy = nullptr) const;
-    [[nodiscard]] std::filesystem::path file_of(std::size_t row_index, Side side, const char* kind) const;
+    [[nodiscard]] plot::Series make_series(std::size_t row_index, Side side,
+                                           const std::function<double(const measure::offset::SideSummary&)>& value,
+                                           const Strategy* strategy = nullptr) const;
+    [[nodiscard]] std::filesystem::path picture_path(std::size_t row_index, Side side, const char* kind) const;
 
     std::filesystem::path folder_;
     const OffsetStudy& study_;
-    SceneAxis along_;
+    SceneAxis axis_;
     table::TableFile<AlongRow> table_;
     std::vector<double> axis_values_;                    ///< values on the axis, in the order of `add`
     std::vector<std::vector<OffsetSummary>> summaries_;  ///< one per value on the axis

@@ -105,8 +105,8 @@ std::optional<PagePosition> find_position(const Claim& claim, const ClaimResult&
 
 /// Cell with the subject of a claim: a link to its position on the page, or the command that shows it.
 std::string subject_cell(const Claim& claim, const ClaimResult& result, const Report& report) {
-    const claim::SubjectTexts texts = claim::words_of(claim);
-    const std::string text = html(texts.where),
+    const claim::SubjectTexts texts = claim::subject_texts(claim);
+    const std::string text = html(texts.subject),
                       row = fmt::format("<br><small>{} {}</small>", html(claim.tested_name()), html(claim.format));
     const auto position = find_position(claim, result, report);
     if (!position)
@@ -126,7 +126,7 @@ struct VerdictLabel {
 VerdictLabel verdict_label(const Claim& claim, const ClaimResult& result) {
     switch (result.state) {
         case State::agrees: return {std::string(name_of(claim.verdict)), name_of(claim.verdict)};
-        case State::disagrees: return {claim::changed_text(claim, result), "differs"};
+        case State::disagrees: return {claim::disagreement_text(claim, result), "differs"};
         case State::unmeasurable: return {"could not be measured", "differs"};
         case State::skipped: break;
     }
@@ -201,19 +201,20 @@ std::string claim_row(const Claim& claim, const ClaimResult& result, const Repor
     const VerdictLabel label = verdict_label(claim, result);
     std::string text =
         fmt::format("<tr id=\"claim-{}\" class=\"{}\" {} data-command=\"{}\"><td class=\"verdict\">{}</td><td>{}",
-                    html(claim.id), label.style, sort_attributes(label, result), html(claim::words_of(claim).command),
-                    label.text, prose_html(claim.statement));
+                    html(claim.id), label.style, sort_attributes(label, result),
+                    html(claim::subject_texts(claim).command), label.text, prose_html(claim.statement));
     if (!claim.note.empty()) text += fmt::format("<br><em>{}</em>", prose_html(claim.note));
     text += evidence_cell(claim, result, label);
     text += fmt::format("<br><small>{}<code>{}</code></small></td>", source_text(claim), html(claim.id));
-    return text + fmt::format(
-                      "<td>{}</td><td data-name=\"quantity\">{}</td><td class=\"n\" data-name=\"measured\">{}</td><td "
-                      "class=\"n\" data-name=\"expected\">{} to {}</td></tr>\n",
-                      subject_cell(claim, result, report), with_line_breaks(html(claim::quantity(claim))),
-                      measured_cell(result), number_html(claim.low),
-                      number_html(claim.high) +
-                          (claim.draws == 0 ? "" : fmt::format("<br><small>from {} draws</small>", claim.draws)) +
-                          (claim.criterion ? fmt::format("<br><small>{}</small>", html(claim::says_text(claim))) : ""));
+    return text +
+           fmt::format(
+               "<td>{}</td><td data-name=\"quantity\">{}</td><td class=\"n\" data-name=\"measured\">{}</td><td "
+               "class=\"n\" data-name=\"expected\">{} to {}</td></tr>\n",
+               subject_cell(claim, result, report), with_line_breaks(html(claim::quantity_text(claim))),
+               measured_cell(result), number_html(claim.low),
+               number_html(claim.high) +
+                   (claim.draws == 0 ? "" : fmt::format("<br><small>from {} draws</small>", claim.draws)) +
+                   (claim.criterion ? fmt::format("<br><small>{}</small>", html(claim::criterion_text(claim))) : ""));
 }
 
 /// `12 claims: 1 failed, 9 hold, 2 refuted`
@@ -244,7 +245,7 @@ std::string find_title(const std::string& subject, const Report& report) {
 
 std::string claims_table(const Report& report) {
     std::string text;
-    for (const claim::ClaimSubject& subject : claim::subjects_of(report.claims)) {
+    for (const claim::ClaimSubject& subject : claim::group_by_subject(report.claims)) {
         claim::VerdictCounts counts;
         std::string rows;
         for (const std::size_t i : subject.claims) {

@@ -79,7 +79,7 @@ struct ChoicePart {
 struct MendPart {
     std::string form, scene, requirement;  ///< `sphere.half_b in f32`, the scene's id, the requirement
     std::vector<std::string> changes;      ///< one sentence for each form that the repair produced
-    std::string text;                      ///< from `repair::in_words`
+    std::string text;                      ///< from `repair::repair_text`
     std::string table;                     ///< HTML, see `mend_table`
     Chart front_chart;                     ///< time, or the number of wider operations, against kept bits
     bool has_times = false;                ///< times differ from run to run

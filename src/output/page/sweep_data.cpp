@@ -194,13 +194,13 @@ Json trade_json(const measure::speed::TradeRequest& request, const measure::spee
     const auto sets = measure::speed::ray_sets(request.shape);
     Json parts = Json::array();
     for (std::size_t s = 0; s < sets.size(); ++s) {
-        const auto set_points = speed::pareto_points_of(request, result, s);
+        const auto set_points = speed::pareto_points(request, result, s);
         Json points = Json::array();
         for (std::size_t k = 0; k < set_points.size(); ++k) {
             const measure::speed::TradeKernel& kernel = request.kernels[k];
             points.push_back({{"form", kernel.measured.form->info->name},
                               {"format", kernel.measured.format.name},
-                              {"registers", speed::registers_of(kernel)},
+                              {"registers", speed::register_text(kernel)},
                               {"time_ns", number_json(set_points[k].time_ns)},
                               {"kept_bits", number_json(set_points[k].kept_bits)},
                               {"wrong_fraction", number_json(set_points[k].wrong_fraction)}});

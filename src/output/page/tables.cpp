@@ -91,8 +91,8 @@ std::string summary_table(const MapStudy& request, const std::vector<FormSummary
 std::string choice_table(const choice::ChoiceResult& chosen) {
     std::string text = begin_table({"form", "format", "registers", "ns per ray and primitive", "bits kept",
                                     "rays wrong", "meets the requirement"});
-    for (const std::size_t k : measure::choice::by_price(chosen.all)) {
-        const measure::choice::Candidate& candidate = chosen.all[k];
+    for (const std::size_t k : measure::choice::by_price(chosen.candidates)) {
+        const measure::choice::Candidate& candidate = chosen.candidates[k];
         text += fmt::format("<tr{}><th scope=\"row\">{}</th><td>{}</td><td>{}</td>",
                             chosen.cheapest_index == k ? " class=\"chosen\"" : "", html(candidate.row.form->info->name),
                             candidate.row.format.name,
@@ -110,22 +110,22 @@ std::string choice_table(const choice::ChoiceResult& chosen) {
 
 std::string mend_table(const repair::RepairSummary& result) {
     const auto& requirement = result.request.requirement;
-    const auto proposals = proposals_of(result);
-    const repair::Proposal* const best = best_of(proposals, result);
+    const auto proposals = list_proposals(result);
+    const repair::Proposal* const best = best_proposal(proposals, result);
     std::vector<std::string> names{
-        "form",       "rounding operations",  "of them in " + repair::name_of_wider(result.repair.wider),
+        "form",       "rounding operations",  "of them in " + repair::wider_format_name(result.repair.wider),
         "bits kept",  "rays wrong",           "on other rays: bits kept",
         "rays wrong", "meets the requirement"};
     if (!result.prices.empty()) names.insert(names.end(), {"ns per ray and primitive in packs", "ns alone", "front"});
     std::string text = begin_table(names);
     const auto add_cell = [&text](double value) { text += fmt::format("<td class=\"n\">{}</td>", number_html(value)); };
-    for (const repair::FormRow& row : rows_of(result)) {
+    for (const repair::FormRow& row : form_rows(result)) {
         if (!row.is_shown) continue;
         const bool is_best = best && best->quality == row.quality, is_known = row.operations > 0;
         text += fmt::format("<tr{}><th scope=\"row\">{}</th>", is_best ? " class=\"chosen\"" : "", html(row.name));
         add_cell(is_known ? static_cast<double>(row.operations) : NAN);
-        add_cell(is_known ? static_cast<double>(row.wide) : NAN);
-        for (const auto* const quality : {row.quality, row.held_out}) {
+        add_cell(is_known ? static_cast<double>(row.wider_operations) : NAN);
+        for (const auto* const quality : {row.quality, row.held_out_quality}) {
             add_cell(quality ? quality->kept_bits : NAN);
             add_cell(quality ? static_cast<double>(quality->wrong) : NAN);
         }
@@ -135,7 +135,7 @@ std::string mend_table(const repair::RepairSummary& result) {
         if (!result.prices.empty()) {
             add_cell(row.price ? row.price->packed.median * 1e9 : NAN);
             add_cell(row.price ? row.price->single.median * 1e9 : NAN);
-            text += fmt::format("<td>{}</td>", row.front ? "yes" : row.price ? "no" : "");
+            text += fmt::format("<td>{}</td>", row.is_on_front ? "yes" : row.price ? "no" : "");
         }
         text += "</tr>\n";
     }
@@ -147,7 +147,7 @@ std::string offset_table(const measure::offset::OffsetStudy& study, const measur
     for (const Side side : both_sides) {
         std::vector<std::string> names{"strategy"};
         for (const StrategyColumn& column : strategy_columns) names.emplace_back(column.name);
-        text += begin_table(names, "", fmt::format("Rays {}", offset::in_words(side)));
+        text += begin_table(names, "", fmt::format("Rays {}", offset::side_phrase(side)));
         for (std::size_t k = 0; k < study.strategies.size(); ++k) {
             text += fmt::format("<tr><th scope=\"row\">{}</th>", html(offset::short_name(*study.strategies[k])));
             for (const StrategyColumn& column : strategy_columns) {
@@ -193,7 +193,7 @@ std::string offset_overview(const std::vector<OffsetPart>& parts) {
         const auto s = static_cast<std::size_t>(side);
         std::vector<std::string> names{"strategy"};
         for (const OffsetPart& p : parts) names.push_back(p.id);
-        text += begin_table(names, "", fmt::format("Rays {}", offset::in_words(side)));
+        text += begin_table(names, "", fmt::format("Rays {}", offset::side_phrase(side)));
         for (std::size_t k = 0; k < parts.front().strategies.size(); ++k) {
             text += fmt::format("<tr><th scope=\"row\">{}</th>", html(parts.front().strategies[k]));
             for (const OffsetPart& p : parts) text += share_cell(p.wrong_shares[s][k]);

@@ -14,22 +14,25 @@ namespace lostbits::output::picture {
 using measure::picture::RenderStudy;
 using measure::picture::RenderSummary;
 
-/// A pixel of a picture. A pixel with a NaN has a category of its own instead of a colour.
+/// Value of a pixel of a picture: its colour, or a category of its own if the colour has a NaN.
 [[nodiscard]] pixel::PixelValue pixel_of(const measure::picture::Painted& painted);
+/// Categories of a picture: a colour, not a number, and not proved.
 [[nodiscard]] const pixel::Look& picture_look();
 /// Categories of difference maps, in the order of `SeenContent`. Where both pictures show the same sphere, the map
-/// shows their difference, or black if it is not a number. A background that differs is shown as a number too.
+/// shows their difference, or black if it is not a number. Where both show the background and it differs, the map shows
+/// the difference too.
 [[nodiscard]] std::vector<pixel::Category> seen_categories();
 /// Categories in the order of `Shadow`, and one more, black: the two pictures show different things, or the form's t is
 /// NaN.
 [[nodiscard]] std::vector<pixel::Category> shadow_categories();
 
-/// The note under a thumbnail: how much of the picture is wrong.
-[[nodiscard]] std::string thumbnail_note(const RenderSummary& s);
+/// Text below a thumbnail of the sheet: how much of the picture is wrong.
+[[nodiscard]] std::string thumbnail_note(const RenderSummary& summary);
 
+/// A row of summary.csv: a form in a format, at one stage of the picture.
 struct StageRow {
     scene::file::Stage stage;
-    const measure::evaluate::TestedForm* form;
+    const measure::evaluate::TestedForm* form_row;
     const RenderSummary* summary;
 };
 

@@ -33,33 +33,33 @@ namespace picture_category {
 constexpr std::size_t not_a_number = 1, not_proved = 2;  // 0: the pixel has a colour
 }
 
-/// A map of the difference between the picture of a form and the certified picture. A pixel that shows different things
-/// in the two pictures has the colour of its class instead of a number.
-struct ErrorMap {
+/// Texts and range of a map of the difference between the picture of a form and the certified picture. A pixel that
+/// shows different things in the two pictures has the colour of its category instead of a number.
+struct DifferenceMap {
     const char* title;
     const char* unit;
     const char* note;
-    double low, high;
+    double low, high;  ///< ends of the colour bar
 };
-constexpr ErrorMap colour_map{"difference of colour", "8-bit steps",
-                              "colour: largest |channel - true channel| x 255, clamped at both ends of the bar",
-                              0x1p-18, 0x1p8},
+constexpr DifferenceMap colour_map{"difference of colour", "8-bit steps",
+                                   "colour: largest |channel - true channel| x 255, clamped at both ends of the bar",
+                                   0x1p-18, 0x1p8},
     normal_map{"angle of the normal", "radians",
                "colour: angle between the computed and the true normal, clamped at both ends of the bar", 0x1p-30, 1},
     residual_map{"hit point off the surface", "radii",
                  "colour: ||P - G| - r|/r of the computed point P, clamped at both ends of the bar", 0x1p-30, 1};
 
-SharedLook error_look(const ErrorMap& map) {
+SharedLook difference_look(const DifferenceMap& map) {
     return std::make_shared<const Look>(Look{seen_categories(), pixel::magnitude_scale(map.low, map.high), map.unit});
 }
 
 /// Value of a pixel of a difference map. An unchanged background stays grey.
-PixelValue error_of(SeenContent seen, double value) {
+PixelValue difference_pixel(SeenContent seen, double value) {
     const bool has_number = seen == SeenContent::same_sphere || (seen == SeenContent::background && value > 0);
     return {static_cast<std::size_t>(seen), has_number ? value : measure::truth::missing};
 }
 
-PixelValue shadow_of(SeenContent seen, Shadow shadow) {
+PixelValue shadow_pixel(SeenContent seen, Shadow shadow) {
     if (seen == SeenContent::same_sphere || seen == SeenContent::background) return {static_cast<std::size_t>(shadow)};
     return {seen == SeenContent::unresolved ? static_cast<std::size_t>(Shadow::unresolved)
                                             : measure::picture::shadow_names.size()};
@@ -72,8 +72,7 @@ PixelValue certified_pixel(const measure::picture::TrueColour& c) {
 
 constexpr const char* sheet_note =
     "wrong colour: a byte differs from the certified picture; wrong sphere: another sphere is seen, none where there "
-    "is "
-    "one, or one where there is none";
+    "is one, or one where there is none";
 
 image::SheetSpec sheet_spec(const RenderStudy& study, const map::RowGrid& grid) {
     const scene::file::Scene& scene = study.scene;
@@ -92,9 +91,9 @@ image::SheetSpec sheet_spec(const RenderStudy& study, const map::RowGrid& grid) 
 }
 
 /// Collects the pixel columns of a study.
-class RenderColumns {
+class RenderColumnMaker {
 public:
-    explicit RenderColumns(const RenderStudy& study) : study_(study), grid_(study.rows) {
+    explicit RenderColumnMaker(const RenderStudy& study) : study_(study), grid_(study.rows) {
         for (std::size_t s = 0; s < study.stages.size(); ++s) add_reference(s);
         for (std::size_t r = 0; r < study.rows.size(); ++r) add_row(r);
     }
@@ -104,7 +103,7 @@ private:
     /// The certified picture, which all rows share. It is drawn from the bands of the first row.
     void add_reference(std::size_t s) {
         pixel::ColumnSpec spec{.file = fmt::format("{}.reference.png", name_of(study_.stages[s])),
-                               .look = pictures_,
+                               .look = picture_look_,
                                .has_only_pixels = true};
         for (std::size_t f = 0; f < grid_.formats.size(); ++f)
             spec.sheet_positions.push_back({0, s * grid_.formats.size() + f});
@@ -120,31 +119,33 @@ private:
             const std::string stage(name_of(study_.stages[s]));
             const map::RowGrid::GridCell cell = grid_.cells[r];
             add({.file = fmt::format("{}.{}.png", stage, name),
-                 .look = pictures_,
+                 .look = picture_look_,
                  .sheet_positions = {{1 + cell.form, s * grid_.formats.size() + cell.format}},
                  .has_only_pixels = true},
                 r, [s](const RenderBand& band, std::size_t i) { return pixel_of(band.painted[s][i]); });
-            add(map_spec(r, fmt::format("{}.{}.colour.png", stage, name),
-                         fmt::format("{}, {}", stage, colour_map.title), colour_map.note, colours_),
+            add(difference_map_spec(r, fmt::format("{}.{}.colour.png", stage, name),
+                                    fmt::format("{}, {}", stage, colour_map.title), colour_map.note, colour_look_),
                 r, [s](const RenderBand& band, std::size_t i) {
-                    return error_of(band.seen[i], band.painted[s][i].error);
+                    return difference_pixel(band.seen[i], band.painted[s][i].error);
                 });
         }
-        add(map_spec(r, name + ".residual.png", residual_map.title, residual_map.note, residuals_), r,
-            [](const RenderBand& band, std::size_t i) { return error_of(band.seen[i], band.residual[i]); });
+        add(difference_map_spec(r, name + ".residual.png", residual_map.title, residual_map.note, residual_look_), r,
+            [](const RenderBand& band, std::size_t i) { return difference_pixel(band.seen[i], band.residual[i]); });
         if (any_stage_has(&ShadeRule::diffuse))
-            add(map_spec(r, name + ".normal.png", normal_map.title, normal_map.note, normals_), r,
-                [](const RenderBand& band, std::size_t i) { return error_of(band.seen[i], band.normal_angle[i]); });
+            add(difference_map_spec(r, name + ".normal.png", normal_map.title, normal_map.note, normal_look_), r,
+                [](const RenderBand& band, std::size_t i) {
+                    return difference_pixel(band.seen[i], band.normal_angle[i]);
+                });
         if (any_stage_has(&ShadeRule::shadows))
-            add(map_spec(r, name + ".shadow.png", "shadow decisions",
-                         "shadow decisions where both see the same: on the lit sides of spheres, and on the "
-                         "background if it is a plane",
-                         shadows_),
-                r, [](const RenderBand& band, std::size_t i) { return shadow_of(band.seen[i], band.shadow[i]); });
+            add(difference_map_spec(r, name + ".shadow.png", "shadow decisions",
+                                    "shadow decisions where both see the same: on the lit sides of spheres, and on the "
+                                    "background if it is a plane",
+                                    shadow_look_),
+                r, [](const RenderBand& band, std::size_t i) { return shadow_pixel(band.seen[i], band.shadow[i]); });
     }
 
-    [[nodiscard]] pixel::ColumnSpec map_spec(std::size_t r, std::string file, const std::string& title,
-                                             const char* note, SharedLook look) const {
+    [[nodiscard]] pixel::ColumnSpec difference_map_spec(std::size_t r, std::string file, const std::string& title,
+                                                        const char* note, SharedLook look) const {
         const measure::evaluate::TestedForm& form_row = study_.rows[r];
         return {.file = std::move(file),
                 .title = fmt::format("{} in {}: {}", form_row.form->info->name, form_row.format.name, title),
@@ -164,9 +165,10 @@ private:
 
     const RenderStudy& study_;
     map::RowGrid grid_;
-    SharedLook pictures_ = std::make_shared<const Look>(picture_look()),
-               shadows_ = std::make_shared<const Look>(Look{shadow_categories()}), colours_ = error_look(colour_map),
-               normals_ = error_look(normal_map), residuals_ = error_look(residual_map);
+    SharedLook picture_look_ = std::make_shared<const Look>(picture_look()),
+               shadow_look_ = std::make_shared<const Look>(Look{shadow_categories()}),
+               colour_look_ = difference_look(colour_map), normal_look_ = difference_look(normal_map),
+               residual_look_ = difference_look(residual_map);
     std::vector<PixelColumn<RenderBand>> columns_;
 };
 
@@ -205,7 +207,7 @@ PixelValue pixel_of(const measure::picture::Painted& p) {
 }
 
 std::vector<PixelColumn<RenderBand>> RenderView::columns(const RenderStudy& study) {
-    return RenderColumns(study).take();
+    return RenderColumnMaker(study).take();
 }
 
 pixel::Sheet RenderView::sheet(const RenderStudy& study, const std::filesystem::path& file) {
@@ -223,14 +225,15 @@ std::vector<study::Note> RenderView::notes(const RenderStudy& study,
     return notes;
 }
 
-std::string thumbnail_note(const RenderSummary& s) {
-    std::string text = s.changed == 0 ? "every pixel right" : share_text(s.changed, s.pixels) + " wrong colour";
-    if (const std::uint64_t wrong = s.seen_wrong())
-        text += fmt::format("\n{} wrong sphere", share_text(wrong, s.pixels));
-    if (!s.rule.shadows) return text;
-    const auto acne = s.count(false, Shadow::own_shadow);
-    if (acne > 0) text += fmt::format("\n{} acne", share_text(acne, s.pixels));
-    if (const auto flips = s.flips()) text += fmt::format("{}{} shadow flips", acne > 0 ? ", " : "\n", flips);
+std::string thumbnail_note(const RenderSummary& summary) {
+    std::string text =
+        summary.changed == 0 ? "every pixel right" : share_text(summary.changed, summary.pixels) + " wrong colour";
+    if (const std::uint64_t wrong = summary.seen_wrong())
+        text += fmt::format("\n{} wrong sphere", share_text(wrong, summary.pixels));
+    if (!summary.rule.shadows) return text;
+    const auto acne = summary.count(false, Shadow::own_shadow);
+    if (acne > 0) text += fmt::format("\n{} acne", share_text(acne, summary.pixels));
+    if (const auto flips = summary.flips()) text += fmt::format("{}{} shadow flips", acne > 0 ? ", " : "\n", flips);
     return text;
 }
 

@@ -14,7 +14,7 @@ using image::TextBitmap;
 
 namespace {
 
-constexpr int least_cell_width = 26, cell_padding = 6, cell_height = 22, group_gap = 14, beside_label = 8,
+constexpr int least_cell_width = 26, cell_padding = 6, cell_height = 22, group_gap = 14, cell_label_gap = 8,
               block_gap = 12;
 
 /// Black or white ink by luminance. At a relative luminance of 0.18 both have the same contrast.
@@ -25,13 +25,13 @@ Rgb8 ink_on(Rgb8 c) {
     return luminance > 0.18 ? image::style::ink : Rgb8{255, 255, 255};
 }
 
-std::size_t column_count(const MatrixPlotSpec& spec) {
+std::size_t count_columns(const MatrixPlotSpec& spec) {
     std::size_t count = 0;
     for (const auto& group : spec.groups) count += group.columns.size();
     return count;
 }
 
-/// Left edge of each column, measured from the left edge of the first.
+/// Left edge of each column, relative to the left edge of the first.
 std::vector<int> column_offsets(const MatrixPlotSpec& spec, int cell_width) {
     std::vector<int> offsets;
     int x = 0;
@@ -42,8 +42,8 @@ std::vector<int> column_offsets(const MatrixPlotSpec& spec, int cell_width) {
     return offsets;
 }
 
-/// Width of all cells, which is that of the widest text.
-int width_of_cells(const MatrixPlotSpec& spec) {
+/// Width of every cell: it fits the widest text.
+int fitting_cell_width(const MatrixPlotSpec& spec) {
     int width = least_cell_width;
     for (const MatrixCell& cell : spec.cells) {
         if (!cell.text.empty())
@@ -64,36 +64,37 @@ void draw_cell(Canvas& page, int x, int y, int cell_width, const MatrixCell& cel
 }  // namespace
 
 Canvas matrix_plot(const MatrixPlotSpec& spec) {
-    const std::size_t columns = column_count(spec);
+    const std::size_t columns = count_columns(spec);
     if (columns == 0 || spec.rows.empty() || spec.cells.size() != columns * spec.rows.size())
         throw std::invalid_argument("matrix plot: the number of cells is not rows x columns");
     std::vector<TextBitmap> row_labels, column_labels, group_labels;
-    int left = 0, label_height = 0;
+    int row_label_width = 0, column_label_height = 0;
     for (const auto& r : spec.rows) {
         row_labels.push_back(image::image_backend().render_text(r, image::style::text_size));
-        left = std::max(left, row_labels.back().width);
+        row_label_width = std::max(row_label_width, row_labels.back().width);
     }
     for (const auto& g : spec.groups) {
         group_labels.push_back(image::image_backend().render_text(g.label, image::style::text_size, true));
         for (const auto& c : g.columns) {
-            column_labels.push_back(turned(image::image_backend().render_text(c, image::style::text_size)));
-            label_height = std::max(label_height, column_labels.back().height);
+            column_labels.push_back(rotate_left(image::image_backend().render_text(c, image::style::text_size)));
+            column_label_height = std::max(column_label_height, column_labels.back().height);
         }
     }
-    const int cell_width = width_of_cells(spec);
+    const int cell_width = fitting_cell_width(spec);
     const auto offsets = column_offsets(spec, cell_width);
     const int field_width = offsets.back() + cell_width,
               field_height = static_cast<int>(spec.rows.size()) * cell_height;
     const Canvas bar =
         spec.scale ? image::colour_bar(*spec.scale, spec.unit, std::max(field_height, 160)) : Canvas(0, 0);
-    const int content_width = left + beside_label + field_width + (bar.width() > 0 ? block_gap + bar.width() : 0);
+    const int content_width =
+        row_label_width + cell_label_gap + field_width + (bar.width() > 0 ? block_gap + bar.width() : 0);
     const Canvas head = image::heading(spec.title, spec.subtitle, content_width);
     const image::Legend legend(spec.legend, content_width);
-    const int x0 = image::style::margin + left + beside_label;
+    const int x0 = image::style::margin + row_label_width + cell_label_gap;
     const int group_y = image::style::margin + head.height() + block_gap;
-    const int y0 = group_y + group_labels.front().height + label_height + 2 * beside_label;
-    const int below = y0 + std::max(field_height, bar.height()) + block_gap;
-    Canvas page(content_width + 2 * image::style::margin, below + legend.height() + image::style::margin);
+    const int y0 = group_y + group_labels.front().height + column_label_height + 2 * cell_label_gap;
+    const int legend_y = y0 + std::max(field_height, bar.height()) + block_gap;
+    Canvas page(content_width + 2 * image::style::margin, legend_y + legend.height() + image::style::margin);
     page.draw_canvas(image::style::margin, image::style::margin, head);
 
     std::size_t c = 0;
@@ -101,8 +102,8 @@ Canvas matrix_plot(const MatrixPlotSpec& spec) {
         page.text(x0 + offsets[c], group_y, group_labels[g], image::style::ink);
         for (std::size_t k = 0; k < spec.groups[g].columns.size(); ++k, ++c) {
             const TextBitmap& label = column_labels[c];
-            page.text(x0 + offsets[c] + (cell_width - 1 - label.width) / 2, y0 - beside_label / 2 - label.height, label,
-                      image::style::ink);
+            page.text(x0 + offsets[c] + (cell_width - 1 - label.width) / 2, y0 - cell_label_gap / 2 - label.height,
+                      label, image::style::ink);
         }
     }
     image::MarkData cells{spec.keys, {}};
@@ -111,14 +112,14 @@ Canvas matrix_plot(const MatrixPlotSpec& spec) {
     page.set_mark_data(std::move(cells));
     for (std::size_t r = 0; r < spec.rows.size(); ++r) {
         const int y = y0 + static_cast<int>(r) * cell_height;
-        page.text(x0 - beside_label - row_labels[r].width, y + (cell_height - row_labels[r].height) / 2, row_labels[r],
-                  image::style::ink);
+        page.text(x0 - cell_label_gap - row_labels[r].width, y + (cell_height - row_labels[r].height) / 2,
+                  row_labels[r], image::style::ink);
         for (std::size_t k = 0; k < columns; ++k)
             draw_cell(page, x0 + offsets[k], y, cell_width, spec.cells[r * columns + k]);
     }
     page.clear_mark_data();
     page.draw_canvas(x0 + field_width + block_gap, y0, bar);
-    page.draw_canvas(image::style::margin, below, legend.draw(spec.legend));
+    page.draw_canvas(image::style::margin, legend_y, legend.draw(spec.legend));
     return page;
 }
 
@@ -141,7 +142,7 @@ double from_scale(AxisSpec::Scale scale, double value) {
 }
 
 /// Edges of the cells: half-way between the parameters, and at the same distance outside the first and last ones.
-std::vector<double> edges_of(const AxisSpec& axis, const std::vector<double>& values) {
+std::vector<double> cell_edges(const AxisSpec& axis, const std::vector<double>& values) {
     std::vector<double> scaled;
     for (const double value : values) {
         if (!std::isfinite(value) || (axis.scale != AxisSpec::Scale::linear && !(value > 0)) ||
@@ -161,13 +162,13 @@ std::vector<double> edges_of(const AxisSpec& axis, const std::vector<double>& va
 }
 
 /// Extent of the field in pixels: a whole number of pixels per cell if cells are few.
-int extent(std::size_t cells, int least) {
+int field_extent(std::size_t cells, int least) {
     const int n = static_cast<int>(cells);
     return n >= least ? n : (least + n - 1) / n * n;
 }
 
 /// Hatches a box of the field. `phase` is the sum of the field's coordinates on the page.
-void hatch(Canvas& field, const image::PixelBox& box, int phase) {
+void draw_hatching(Canvas& field, const image::PixelBox& box, int phase) {
     std::vector<Rgb8> samples;
     for (int y = box.y; y < box.y + box.height; ++y)
         for (int x = box.x; x < box.x + box.width; ++x)
@@ -176,12 +177,12 @@ void hatch(Canvas& field, const image::PixelBox& box, int phase) {
 }
 
 /// Draws lines two pixels wide along the inner side of the border of the outlined cells, and a light line outside, so
-/// that the lines are visible on every colour. `column` and `row` give the pixel at which a cell begins.
+/// that the lines are visible on every colour. `column` and `row` return the pixel at which a cell begins.
 template <class Column, class Row>
-void outline(Canvas& page, const PlanePlotSpec& spec, Column column, Row row) {
+void draw_outline(Canvas& page, const PlanePlotSpec& spec, Column column, Row row) {
     const std::size_t columns = spec.x.size(), rows = spec.y.size();
     const auto is_outlined = [&](std::size_t i, std::size_t j) {  // the index before 0 wraps to one after the last
-        return i < columns && j < rows && spec.cells[j * columns + i].outlined;
+        return i < columns && j < rows && spec.cells[j * columns + i].is_outlined;
     };
     struct LinePass {
         image::Rgb8 colour;
@@ -202,7 +203,7 @@ void outline(Canvas& page, const PlanePlotSpec& spec, Column column, Row row) {
     }
 }
 
-AxisRange range_of(const AxisSpec& axis, const std::vector<double>& edges) {
+AxisRange axis_range(const AxisSpec& axis, const std::vector<double>& edges) {
     return {{axis.title, axis.scale, edges.front(), edges.back()}, {}};
 }
 
@@ -219,16 +220,16 @@ Canvas plane_plot(const PlanePlotSpec& spec) {
             throw std::invalid_argument("plane plot: a cell has a value, but there is no colour scale");
         }
     }
-    const auto x_edges = edges_of(spec.x_axis, spec.x), y_edges = edges_of(spec.y_axis, spec.y);
-    const AxisRange x = range_of(spec.x_axis, x_edges), y = range_of(spec.y_axis, y_edges);
-    PlotFrame frame{0, 0, extent(spec.x.size(), least_width), extent(spec.y.size(), least_height)};
+    const auto x_edges = cell_edges(spec.x_axis, spec.x), y_edges = cell_edges(spec.y_axis, spec.y);
+    const AxisRange x = axis_range(spec.x_axis, x_edges), y = axis_range(spec.y_axis, y_edges);
+    PlotFrame frame{0, 0, field_extent(spec.x.size(), least_width), field_extent(spec.y.size(), least_height)};
     const PlotAxes axes(x, y, frame.width, frame.height);
     const Canvas bar = spec.scale ? image::colour_bar(*spec.scale, spec.unit, frame.height + 2) : Canvas(0, 0);
     const int right_space = std::max(axes.right(), bar.width() > 0 ? image::style::gap + bar.width() : 0);
     const int content_width = axes.left() + frame.width + 1 + right_space;
     const Canvas head = image::heading(spec.title, spec.subtitle, content_width);
     std::vector<image::LegendEntry> entries = spec.legend;
-    if (has_hatched_cell) entries.push_back({spec.hatching_means, hatch_paper, {}});
+    if (has_hatched_cell) entries.push_back({spec.hatching_meaning, hatch_paper, {}});
     const image::Legend legend(entries, content_width);
     frame.x = image::style::margin + axes.left();
     frame.y = image::style::margin + head.height() + (head.height() > 0 ? image::style::gap : 0) + axes.above();
@@ -251,7 +252,7 @@ Canvas plane_plot(const PlanePlotSpec& spec) {
             if (cell.colour || !std::isnan(cell.value)) {
                 field.fill(x0, y0, w, h, cell.colour ? *cell.colour : spec.scale->map(cell.value));
             } else {
-                hatch(field, {x0, y0, w, h}, frame.x + frame.y);
+                draw_hatching(field, {x0, y0, w, h}, frame.x + frame.y);
             }
         }
     }
@@ -261,7 +262,7 @@ Canvas plane_plot(const PlanePlotSpec& spec) {
     page.set_mark_data(std::move(cells));
     page.field({frame.x, frame.y, frame.width, frame.height}, frame.width, field.pixels());
     page.clear_mark_data();
-    outline(page, spec, column, row);
+    draw_outline(page, spec, column, row);
     axes.draw(page, frame);
     page.draw_canvas(frame.x + frame.width + 1 + image::style::gap, frame.y - 1, bar);
     page.draw_canvas(image::style::margin, page.height() - image::style::margin - legend.height(),

@@ -1,4 +1,4 @@
-// Pictures made of coloured cells: a table of named rows and columns, and a value over a plane of two parameters.
+// Plots made of coloured cells: a matrix of named rows and columns, and a plane of values over two parameters.
 #pragma once
 
 #include <limits>
@@ -25,33 +25,35 @@ struct MatrixPlotSpec {
     };
     std::vector<Group> groups = {};  ///< groups of columns, side by side
     std::vector<std::string> rows = {};
-    std::string keys = {};               ///< for a script: what each column shows; see `MarkData`
+    std::string keys = {};               ///< for a script on a page: what each column shows; see `MarkData`
     std::vector<MatrixCell> cells = {};  ///< row by row, over all groups
     std::vector<image::LegendEntry> legend;
     std::optional<image::ColourScale> scale = {};  ///< drawn as a bar to the right
     std::string unit = {};                         ///< text above the bar
 };
 
-/// Throws std::invalid_argument if there are no cells or not rows × columns of them.
+/// Draws a matrix of coloured cells. Throws std::invalid_argument if there are no cells, or if their number is not rows
+/// × columns.
 [[nodiscard]] image::Canvas matrix_plot(const MatrixPlotSpec& spec);
 
-/// Cell of one pair of parameters: an outcome's colour, or else a value. A NaN without a colour is hatched.
+/// Cell of one pair of parameters. It shows the colour of an outcome or, without a colour, a value. A NaN without a
+/// colour is hatched.
 struct PlaneCell {
     double value = std::numeric_limits<double>::quiet_NaN();
     std::optional<image::Rgb8> colour = {};
-    bool outlined = false;  ///< a line is drawn around neighbouring outlined cells
+    bool is_outlined = false;  ///< a line is drawn around neighbouring outlined cells
 };
 
 struct PlanePlotSpec {
     std::string title;
     std::vector<std::string> subtitle;
-    AxisSpec x_axis, y_axis;                  ///< title and scale; the ends follow from the cells
-    std::vector<double> x, y;                 ///< the rising parameters of columns (to the right) and rows (upwards)
-    std::vector<PlaneCell> cells;             ///< row by row, the row of y[0] first
-    std::optional<image::ColourScale> scale;  ///< required if a cell shows its value
-    std::string unit;                         ///< text above the colour bar: `lost bits`
-    std::vector<image::LegendEntry> legend;   ///< the outcomes that occur
-    std::string hatching_means = "no value";  ///< meaning of hatched cells
+    AxisSpec x_axis, y_axis;                    ///< title and scale; the ends follow from the cells
+    std::vector<double> x, y;                   ///< the rising parameters of columns (to the right) and rows (upwards)
+    std::vector<PlaneCell> cells;               ///< row by row, the row of y[0] first
+    std::optional<image::ColourScale> scale;    ///< required if a cell shows its value
+    std::string unit;                           ///< text above the colour bar: `lost bits`
+    std::vector<image::LegendEntry> legend;     ///< the outcomes that occur
+    std::string hatching_meaning = "no value";  ///< meaning of hatched cells
 };
 
 /// Draws each cell in one flat colour. A cell reaches half-way to its neighbours on the scale of the axis, at least one

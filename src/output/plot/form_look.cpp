@@ -14,11 +14,11 @@ namespace lostbits::output::plot {
 
 namespace {
 
-/// Looks by number: those of forms for one shape, which never appear beside forms for another shape; those of marches,
-/// which do; and the free ones, for forms from outside. The numbers come from the table at run time, so that this file
-/// is not compiled again when a form changes.
+/// Ranges of looks. The first range is for forms of primitives: forms for different shapes share it, because they never
+/// appear in one plot. Then come the looks of marches, which appear beside them, and the free looks, for forms from
+/// outside. The sizes come from the table at run time, so that this file is not compiled again when a form changes.
 struct LookRanges {
-    std::size_t first_march = 0, first_free = 0;
+    std::size_t first_march = 0, first_free = 0;  ///< where the second and the third range begin
 
     LookRanges() {
         std::map<Shape, std::size_t> counts;
@@ -30,7 +30,9 @@ struct LookRanges {
         }
         first_free = first_march + marches;
         if (first_free >= look_count)
-            throw std::logic_error("more colours and markers are needed: forms from outside need some too");
+            throw std::logic_error(
+                "the forms of the catalogue use all colours and markers, and forms from outside need some too; add "
+                "markers");
     }
 };
 
@@ -51,13 +53,13 @@ std::size_t form_look(const intersect::table::Intersector& form) {
         look += catalogue_row.shape == form.shape;
     }
     const std::size_t free_looks = look_count - ranges.first_free;
-    std::set<std::size_t> taken_looks;
-    for (const auto& catalogue_row : forms.subspan(catalogue_forms.size())) {
-        std::size_t free_look = hash_of(catalogue_row.info->name) % free_looks;
-        while (taken_looks.contains(free_look) && taken_looks.size() < free_looks)
+    std::set<std::size_t> used_looks;
+    for (const auto& outside_form : forms.subspan(catalogue_forms.size())) {
+        std::size_t free_look = hash_of(outside_form.info->name) % free_looks;
+        while (used_looks.contains(free_look) && used_looks.size() < free_looks)
             free_look = (free_look + 1) % free_looks;
-        taken_looks.insert(free_look);
-        if (catalogue_row.info == form.info) return ranges.first_free + free_look;
+        used_looks.insert(free_look);
+        if (outside_form.info == form.info) return ranges.first_free + free_look;
     }
     return ranges.first_free + hash_of(form.info->name) % free_looks;
 }

@@ -1,4 +1,4 @@
-// Colour and marker of a form, the same in every plot and on the page, whatever else is shown.
+// The look of a form: its colour and marker, which are the same in every plot and on the page, whatever else is shown.
 #pragma once
 
 #include <cstddef>

@@ -19,8 +19,8 @@ constexpr std::array<std::pair<double, double>, 24> directions{
      {0.866, 0.5},    {-0.866, 0.5},    {0.5, -0.866},   {-0.5, -0.866},   {0.5, 0.866},    {-0.5, 0.866},
      {0.707, -0.707}, {-0.707, -0.707}, {0.707, 0.707},  {-0.707, 0.707},  {0.966, -0.259}, {-0.966, -0.259},
      {0.966, 0.259},  {-0.966, 0.259},  {0.259, -0.966}, {-0.259, -0.966}, {0.259, 0.966},  {-0.259, 0.966}}};
-// Prices in pixels of distance. One covered box or one crossing costs more than the largest distance. A leader over a
-// box costs twice its length on the box, so a long leader over boxes can cost more than a cover.
+// Prices are in pixels of distance. One covered box or one crossing costs more than the largest distance. A leader over
+// a box costs twice its length on the box, so a long leader over boxes can cost more than a covered box.
 constexpr double least_label_distance = 3, least_line_distance = 1, price_per_cover = 400, price_of_crossing = 500,
                  price_per_pixel_over_box = 2;
 
@@ -32,7 +32,7 @@ struct Leader {
 double length_of(const Leader& line) { return std::hypot(line.to.x - line.from.x, line.to.y - line.from.y); }
 
 /// Length of the part of a line inside a box, by the method of Liang and Barsky.
-double length_in(const Leader& line, const Box2& box) {
+double length_inside(const Leader& line, const Box2& box) {
     double t_enter = 0, t_exit = 1;
     const auto clip = [&](double from, double to, double low, double high) {
         if (from == to) {
@@ -55,7 +55,7 @@ bool segments_cross(const Leader& a, const Leader& b) {
     return side(a, b.from) * side(a, b.to) < 0 && side(b, a.from) * side(b, a.to) < 0;
 }
 
-Box2 grown(const Box2& b, double margin) {
+Box2 with_margin(const Box2& b, double margin) {
     return {b.x - margin, b.y - margin, b.width + 2 * margin, b.height + 2 * margin};
 }
 
@@ -68,11 +68,11 @@ public:
         double least_price = 0;
         for (const double distance : distances) {
             for (const auto& [x, y] : directions) {
-                const double cx = request.at.x + x * (distance + request.width / 2),
-                             cy = request.at.y + y * (distance + request.height / 2);
+                const double cx = request.point.x + x * (distance + request.width / 2),
+                             cy = request.point.y + y * (distance + request.height / 2);
                 const Box2 box{cx - request.width / 2, cy - request.height / 2, request.width, request.height};
-                if (!is_free(box, request.at)) continue;
-                const double price = distance + price_of(box, request.at);
+                if (!is_free(box, request.point)) continue;
+                const double price = distance + price_beyond_distance(box, request.point);
                 if (best && price >= least_price) continue;
                 best = box;
                 least_price = price;
@@ -80,22 +80,22 @@ public:
         }
         if (best) {
             labels_.push_back(*best);
-            leaders_.push_back({request.at, best->nearest(request.at)});
+            leaders_.push_back({request.point, best->nearest(request.point)});
         }
         return best;
     }
 
 private:
-    /// Price of the boxes that the label covers, of a crossing of its leader with another, and of its leader over
-    /// boxes.
-    double price_of(const Box2& box, Point point) const {
+    /// Price of a label, without its distance: of the boxes that it covers, of a crossing of its leader with another,
+    /// and of its leader over boxes.
+    double price_beyond_distance(const Box2& box, Point point) const {
         const Leader line{point, box.nearest(point)};
         double price = std::ranges::any_of(leaders_, [&](const Leader& other) { return segments_cross(line, other); })
                            ? price_of_crossing
                            : 0;
         for (const Box2& avoided : limits_.avoided)
             price +=
-                (avoided.overlaps(box) ? price_per_cover : 0) + price_per_pixel_over_box * length_in(line, avoided);
+                (avoided.overlaps(box) ? price_per_cover : 0) + price_per_pixel_over_box * length_inside(line, avoided);
         return price;
     }
 
@@ -104,11 +104,11 @@ private:
             return std::ranges::any_of(boxes, [&b](const Box2& o) { return o.overlaps(b); });
         };
         const auto are_apart = [](const Leader& line, const Box2& label) {
-            return length_in(line, grown(label, least_line_distance)) == 0;
+            return length_inside(line, with_margin(label, least_line_distance)) == 0;
         };
         const Leader leader{point, box.nearest(point)};
-        return limits_.page.contains(box) && !overlaps_any(limits_.taken, box) &&
-               !overlaps_any(labels_, grown(box, least_label_distance)) &&
+        return limits_.page.contains(box) && !overlaps_any(limits_.forbidden, box) &&
+               !overlaps_any(labels_, with_margin(box, least_label_distance)) &&
                std::ranges::all_of(leaders_, [&](const Leader& line) { return are_apart(line, box); }) &&
                std::ranges::all_of(labels_, [&](const Box2& label) { return are_apart(leader, label); });
     }

@@ -1,4 +1,4 @@
-// Places the names of points, so that no name lies on another.
+// Places the labels of points so that no label lies on another.
 #pragma once
 
 #include <optional>
@@ -19,27 +19,30 @@ struct Box2 {
     [[nodiscard]] bool contains(const Box2& o) const {
         return x <= o.x && y <= o.y && o.x + o.width <= x + width && o.y + o.height <= y + height;
     }
-    /// Point inside that is nearest to `to`.
+    /// Point of the box that is nearest to `to`.
     [[nodiscard]] image::Point nearest(image::Point to) const;
 };
 
-/// A label of a given size in pixels, for a point.
+/// Request for the place of a label: the point that it names, and its size in pixels.
 struct LabelRequest {
-    image::Point at;
+    image::Point point;
     double width, height;
 };
 
 struct LabelLimits {
-    Box2 page;                      ///< labels stay inside this box
-    std::span<const Box2> taken;    ///< labels never cover these
-    std::span<const Box2> avoided;  ///< covering one of these has a price
+    Box2 page;                        ///< labels stay inside this box
+    std::span<const Box2> forbidden;  ///< labels never cover these
+    std::span<const Box2> avoided;    ///< covering one of these has a price
 };
 
-/// Places each label near its point; nothing if there is no space for the label. The method is greedy, in the given
-/// order: each label gets the free position with the lowest price, and among equals the nearest. In a free position,
-/// neither the label nor its leader (the straight line to its point) lies on another label. The price is the distance
-/// from the point, plus a price for each `avoided` box that the label covers, plus a price if its leader crosses
-/// another leader, plus a price for each pixel of its leader over an `avoided` box.
+/// Places each label near its point. The result is nothing for a label without space. The method is greedy: in the
+/// order of the requests, each label gets the free position with the lowest price, and among equals the nearest. In a
+/// free position, neither the label nor its leader (the straight line to its point) lies on another label. The price is
+/// the sum of
+/// - the distance from the point,
+/// - a price for each `avoided` box that the label covers,
+/// - a price if its leader crosses another leader,
+/// - a price for each pixel of its leader over an `avoided` box.
 std::vector<std::optional<Box2>> place_labels(std::span<const LabelRequest> requests, const LabelLimits& limits);
 
 }  // namespace lostbits::output::plot

@@ -58,73 +58,77 @@ image::Rgb8 look_colour(std::size_t look) { return palette[look % palette.size()
 
 namespace {
 
-/// Assigns looks and dashes. No two lines are alike while different ones are left.
-class Looks {
+/// Assigns looks (colours and markers) and dashes to lines. No two lines are alike while an unused combination is left.
+class LookAssigner {
 public:
-    /// Needs all series, so that a series that shares its line here looks as in a plot where it has its own line.
-    explicit Looks(std::span<const Series> series_list) {
+    /// Takes all series, also those that share a line, so that a series looks the same in a plot where it has a line of
+    /// its own.
+    explicit LookAssigner(std::span<const Series> series_list) {
         for (const Series& series : series_list) {
-            if (series.look) requested_.insert(*series.look % look_count);
+            if (series.look) requested_looks_.insert(*series.look % look_count);
         }
         separate_colours(series_list);
-        skip_taken();
+        advance_next_look();
     }
 
     void assign_look(PlotLine& line) {
         const Series& series = *line.series;
-        std::size_t look = series.look ? drawn_look_.at(*series.look % look_count) : next_;
-        if (!series.look && !series.family.empty()) look = families_.try_emplace(series.family, next_).first->second;
-        int pattern = series.dashed ? 1 : 0;
-        for (std::size_t attempts = 0; !find_free(look, pattern) && attempts < look_count; ++attempts)
+        std::size_t look = series.look ? drawn_looks_.at(*series.look % look_count) : next_look_;
+        if (!series.look && !series.family.empty())
+            look = family_looks_.try_emplace(series.family, next_look_).first->second;
+        int pattern = series.is_dashed ? 1 : 0;
+        for (std::size_t attempts = 0; !find_free_pattern(look, pattern) && attempts < look_count; ++attempts)
             look = (look + 1) % look_count;
-        taken_patterns_[look].insert(pattern);
+        used_patterns_[look].insert(pattern);
         line.colour = look_colour(look);
         line.marker = static_cast<int>(look / line_colours);
         line.dashes = dashes_of(pattern);
-        skip_taken();
+        advance_next_look();
     }
 
 private:
     /// Gives every look a colour of its own while there are no more looks than colours. If two looks have the same
     /// colour, the later one gets a free colour and keeps its marker.
     void separate_colours(std::span<const Series> series_list) {
-        for (const std::size_t look : requested_) drawn_look_.emplace(look, look);
-        if (requested_.size() > line_colours) return;
-        std::set<std::size_t> requested_colours, given_colours;
-        for (const std::size_t look : requested_) requested_colours.insert(look % line_colours);
+        for (const std::size_t look : requested_looks_) drawn_looks_.emplace(look, look);
+        if (requested_looks_.size() > line_colours) return;
+        std::set<std::size_t> requested_colours, used_colours;
+        for (const std::size_t look : requested_looks_) requested_colours.insert(look % line_colours);
         std::set<std::size_t> seen_looks;
         for (const Series& series : series_list) {
             if (!series.look || !seen_looks.insert(*series.look % look_count).second) continue;
             const std::size_t look = *series.look % look_count;
             std::size_t colour = look % line_colours;
-            if (given_colours.contains(colour))
-                for (colour = 0; requested_colours.contains(colour) || given_colours.contains(colour);) ++colour;
-            given_colours.insert(colour);
-            drawn_look_[look] = look - look % line_colours + colour;
+            if (used_colours.contains(colour))
+                for (colour = 0; requested_colours.contains(colour) || used_colours.contains(colour);) ++colour;
+            used_colours.insert(colour);
+            drawn_looks_[look] = look - look % line_colours + colour;
         }
-        requested_.clear();
-        for (const auto& [look, drawn_look] : drawn_look_) requested_.insert(drawn_look);
+        requested_looks_.clear();
+        for (const auto& [look, drawn_look] : drawn_looks_) requested_looks_.insert(drawn_look);
     }
 
-    void skip_taken() {
-        while (next_ < look_count - 1 && (requested_.contains(next_) || taken_patterns_.contains(next_))) ++next_;
+    void advance_next_look() {
+        while (next_look_ < look_count - 1 &&
+               (requested_looks_.contains(next_look_) || used_patterns_.contains(next_look_)))
+            ++next_look_;
     }
 
     /// Finds the first pattern, from `pattern` on, that no line of the look has.
-    bool find_free(std::size_t look, int& pattern) {
+    bool find_free_pattern(std::size_t look, int& pattern) {
         for (int k = pattern; k < dash_patterns; ++k) {
-            if (taken_patterns_[look].contains(k)) continue;
+            if (used_patterns_[look].contains(k)) continue;
             pattern = k;
             return true;
         }
         return false;
     }
 
-    std::set<std::size_t> requested_;
-    std::map<std::size_t, std::size_t> drawn_look_;  ///< drawn look of each requested look
-    std::map<std::string, std::size_t> families_;
-    std::map<std::size_t, std::set<int>> taken_patterns_;
-    std::size_t next_ = 0;
+    std::set<std::size_t> requested_looks_;
+    std::map<std::size_t, std::size_t> drawn_looks_;  ///< for each requested look, the look that is drawn
+    std::map<std::string, std::size_t> family_looks_;
+    std::map<std::size_t, std::set<int>> used_patterns_;
+    std::size_t next_look_ = 0;
 };
 
 }  // namespace
@@ -146,14 +150,14 @@ std::vector<PlotLine> plot_lines(std::span<const Series> series) {
             equal_line->label += ", " + current.label;
             equal_line->keys += " " + current.key;
             ++series_counts[static_cast<std::size_t>(equal_line - lines.begin())];
-            if (!current.dashed && equal_line->series->dashed) equal_line->series = &current;
+            if (!current.is_dashed && equal_line->series->is_dashed) equal_line->series = &current;
         }
     }
     for (std::size_t k = 0; k < lines.size(); ++k) {
         if (series_counts[k] > 1) lines[k].label = std::to_string(series_counts[k]) + " alike: " + lines[k].label;
     }
-    Looks looks(series);
-    for (PlotLine& line : lines) looks.assign_look(line);
+    LookAssigner assigner(series);
+    for (PlotLine& line : lines) assigner.assign_look(line);
     return lines;
 }
 

@@ -33,7 +33,7 @@ constexpr double triangle_pitch = 11;
 constexpr double band_opacity = 0.12;
 constexpr std::array<double, 2> limit_dashes{2, 4};
 
-/// Counts of what could not be drawn, for the footnotes.
+/// Numbers of values, points and marks that could not be drawn, for the footnotes.
 struct UndrawnCounts {
     int off_scale_x = 0, off_scale_y = 0, infinite_x = 0, infinite_y = 0, marks = 0;
 
@@ -55,13 +55,13 @@ struct UndrawnCounts {
     }
 };
 
-std::vector<double> values_of(const LinePlotSpec& spec, bool x_axis) {
+std::vector<double> collect_values(const LinePlotSpec& spec, bool is_x_axis) {
     std::vector<double> values;
     const auto add = [&](const Series& series) {
         for (std::size_t i = 0; i < series.x.size(); ++i) {
             if (!std::isfinite(series.x[i]) || std::isnan(series.y[i])) continue;
-            values.push_back(x_axis ? series.x[i] : series.y[i]);
-            if (x_axis || series.low.empty()) continue;
+            values.push_back(is_x_axis ? series.x[i] : series.y[i]);
+            if (is_x_axis || series.low.empty()) continue;
             values.push_back(series.low[i]);
             values.push_back(series.high[i]);
         }
@@ -69,11 +69,12 @@ std::vector<double> values_of(const LinePlotSpec& spec, bool x_axis) {
     for (const auto& series : spec.series) add(series);
     if (spec.envelope) add(*spec.envelope);
     for (const auto& mark : spec.marks) {
-        if (x_axis) values.push_back(mark.x);
+        if (is_x_axis) values.push_back(mark.x);
     }
     return values;
 }
 
+/// A line that ends left of this position counts as ending before the right edge of the plot.
 constexpr double least_end_position = 0.999;
 
 bool is_on_axis(const AxisRange& x, double value) { return std::isfinite(value) && x.can_show(value); }
@@ -86,15 +87,16 @@ std::optional<std::size_t> last_drawn_point(const Series& series, const AxisRang
     return {};
 }
 
-/// End of a drawn line, from the left and from the foot of the frame, each from 0 to 1; nothing if no point of the line
-/// is drawn.
-std::optional<std::pair<double, double>> end_of(const PlotLine& line, const AxisRange& x, const AxisRange& y) {
+/// Position of the end of a drawn line, from the left and from the foot of the frame, each from 0 to 1. Nothing if no
+/// point of the line is drawn.
+std::optional<std::pair<double, double>> line_end(const PlotLine& line, const AxisRange& x, const AxisRange& y) {
     const auto i = last_drawn_point(*line.series, x, y);
     if (!i) return {};
     return std::pair{x.position(line.series->x[*i]), std::clamp(y.position(line.series->y[*i]), 0.0, 1.0)};
 }
 
-/// ` (no values)`, ` (ends at 2^20.3)`; empty for a line with a value at its last parameter.
+/// Note for the legend on where a line ends: ` (no values)`, ` (ends at 2^20.3)`. Empty for a line with a value at its
+/// last parameter.
 std::string ending_note(const PlotLine& line, const LinePlotSpec& spec, const AxisRange& x, const AxisRange& y) {
     const Series& series = *line.series;
     const auto last = last_drawn_point(series, x, y);
@@ -106,17 +108,17 @@ std::string ending_note(const PlotLine& line, const LinePlotSpec& spec, const Ax
                                                  : fmt::format(" (ends at {})", file::short_decimal(last_x, 3));
 }
 
-std::vector<PlotArea> areas_of(const LinePlotSpec& spec) {
+std::vector<PlotArea> legend_areas(const LinePlotSpec& spec) {
     std::vector<PlotArea> areas;
     if (spec.envelope) areas.push_back({spec.envelope->label, envelope_fill, envelope_edge});
     for (const PlotShade& shade : spec.shades) areas.push_back({shade.label, shade_fill, shade_fill});
     return areas;
 }
 
-/// The plot with its axes; draws one layer per function.
-class Plot {
+/// Draws the inside of the frame. Each function draws one layer.
+class LinePlotter {
 public:
-    Plot(const LinePlotSpec& spec, const AxisRange& x, const AxisRange& y, const PlotFrame& frame)
+    LinePlotter(const LinePlotSpec& spec, const AxisRange& x, const AxisRange& y, const PlotFrame& frame)
         : spec_(spec), x_(x), y_(y), frame_(frame), stroke_({frame.x, frame.y, frame.width, frame.height}) {}
 
     void draw_shades(Canvas& canvas) const {
@@ -138,12 +140,12 @@ public:
     void draw_leaders(Canvas& canvas, std::span<const PlotLine> lines, const PlotLegend& legend, int legend_x) {
         image::Stroke stroke({frame_.x, frame_.y - 20, legend_x - frame_.x, frame_.height + 40});
         for (std::size_t k = 0; k < lines.size(); ++k) {
-            const auto end = end_of(lines[k], x_, y_);
-            const auto sample_y = legend.sample_of(k);
-            if (!end || !sample_y || end->first < least_end_position) continue;
+            const auto end = line_end(lines[k], x_, y_);
+            const auto label_y = legend.sample_y(k);
+            if (!end || !label_y || end->first < least_end_position) continue;
             const double y = frame_.up(end->second), right = frame_.x + frame_.width + 2.0;
             const std::array<Point, 3> path{
-                {{right, y}, {legend_x - 6.0, frame_.y + *sample_y}, {legend_x - 1.0, frame_.y + *sample_y}}};
+                {{right, y}, {legend_x - 6.0, frame_.y + *label_y}, {legend_x - 1.0, frame_.y + *label_y}}};
             stroke.polyline(path, 0.9);
             stroke.paint(canvas, lines[k].colour, 0.5);
         }
@@ -161,7 +163,7 @@ public:
 
     void draw_envelope(Canvas& canvas) {
         const Series& series = *spec_.envelope;
-        each_run(series, [&](std::size_t begin, std::size_t end) {
+        for_each_run(series, [&](std::size_t begin, std::size_t end) {
             const auto above = points(series, begin, end, series.y);
             std::vector<Point> below = above;
             for (auto& point : below) point.y = frame_.y + frame_.height;
@@ -172,7 +174,7 @@ public:
 
     void draw_envelope_line(Canvas& canvas) {
         const Series& series = *spec_.envelope;
-        each_run(series, [&](std::size_t begin, std::size_t end) {
+        for_each_run(series, [&](std::size_t begin, std::size_t end) {
             stroke_.polyline(points(series, begin, end, series.y), 1.2);
         });
         stroke_.paint(canvas, envelope_edge);
@@ -181,7 +183,7 @@ public:
     void draw_band(Canvas& canvas, const PlotLine& line) {
         const Series& series = *line.series;
         if (series.low.empty()) return;
-        each_run(series, [&](std::size_t begin, std::size_t end) {
+        for_each_run(series, [&](std::size_t begin, std::size_t end) {
             // A NaN in the band ends the band, but not the line.
             for (std::size_t valid_begin = begin; valid_begin < end; ++valid_begin) {
                 std::size_t valid_end = valid_begin;
@@ -195,7 +197,7 @@ public:
         stroke_.paint(canvas, line.colour, band_opacity);
     }
 
-    /// Positions of all steps, for a script.
+    /// Positions of the parameter values on the x axis, for a script.
     [[nodiscard]] image::MarkData step_positions() const {
         image::MarkData data{{}, {}};
         if (spec_.series.empty()) return data;
@@ -211,7 +213,7 @@ public:
         // Markers of different lines start at different positions, so that they do not pile up where lines meet.
         double next_marker_x = frame_.x + std::fmod(static_cast<double>(index) * 17, marker_pitch),
                next_triangle_x = -1e9;
-        each_run(series, [&](std::size_t begin, std::size_t end) {
+        for_each_run(series, [&](std::size_t begin, std::size_t end) {
             const auto run = points(series, begin, end, series.y);
             stroke_.polyline(run, line_thickness, line.dashes);
             for (std::size_t i = 0; i < run.size(); ++i) {
@@ -245,9 +247,9 @@ public:
     }
 
 private:
-    /// Calls `f(begin, end)` for each run of points that can be drawn.
+    /// Calls `f(begin, end)` for each run of consecutive points that can be drawn.
     template <class F>
-    void each_run(const Series& series, F f) {
+    void for_each_run(const Series& series, F f) {
         for (std::size_t begin = 0; begin < series.x.size(); ++begin) {
             std::size_t end = begin;
             while (end < series.x.size() && is_drawable(series, end)) ++end;
@@ -275,9 +277,9 @@ private:
 
 /// Page with the title, the subtitle, and a sentence that says why there is no plot.
 Canvas page_without_plot(const LinePlotSpec& spec) {
-    const int content = spec.width - 2 * image::style::margin;
-    const Canvas head = image::heading(spec.title, spec.subtitle, content),
-                 sentence = image::heading({}, std::span(&spec.empty_text, 1), content);
+    const int content_width = spec.width - 2 * image::style::margin;
+    const Canvas head = image::heading(spec.title, spec.subtitle, content_width),
+                 sentence = image::heading({}, std::span(&spec.empty_text, 1), content_width);
     Canvas page(spec.width, 2 * image::style::margin + head.height() + image::style::gap + sentence.height());
     page.draw_canvas(image::style::margin, image::style::margin, head);
     page.draw_canvas(image::style::margin, image::style::margin + head.height() + image::style::gap, sentence);
@@ -293,25 +295,27 @@ Canvas line_plot(const LinePlotSpec& spec) {
     auto lines = plot_lines(spec.series);
     if (spec.envelope)
         static_cast<void>(plot_lines({&*spec.envelope, 1}));  // checks its columns like those of any series
-    const AxisRange x(spec.x, values_of(spec, true)), y(spec.y, values_of(spec, false));
+    const AxisRange x(spec.x, collect_values(spec, true)), y(spec.y, collect_values(spec, false));
     for (auto& line : lines) line.label += ending_note(line, spec, x, y);
     std::vector<std::size_t> order(lines.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::vector<PlotLine> sorted = lines;
-    const auto height = [&](const PlotLine& line) { return end_of(line, x, y).value_or(std::pair{0.0, -1.0}).second; };
-    std::ranges::stable_sort(sorted, std::ranges::greater{}, height);
+    std::vector<PlotLine> lines_by_end_height = lines;
+    const auto end_height = [&](const PlotLine& line) {
+        return line_end(line, x, y).value_or(std::pair{0.0, -1.0}).second;
+    };
+    std::ranges::stable_sort(lines_by_end_height, std::ranges::greater{}, end_height);
     const bool has_markers =
         std::ranges::all_of(lines, [](const PlotLine& l) { return l.series->x.size() <= few_points; });
 
-    const int content = spec.width - 2 * image::style::margin;
-    const Canvas head = image::heading(spec.title, spec.subtitle, content);
+    const int content_width = spec.width - 2 * image::style::margin;
+    const Canvas head = image::heading(spec.title, spec.subtitle, content_width);
     const int top = image::style::margin + head.height() + (head.height() > 0 ? image::style::gap : 0);
     const int nominal_height = std::max(spec.height - top - image::style::margin - 60, 100);
-    const auto areas = areas_of(spec);
-    PlotLegend legend(sorted, areas, has_markers, {content, nominal_height});
+    const auto areas = legend_areas(spec);
+    PlotLegend legend(lines_by_end_height, areas, has_markers, {content_width, nominal_height});
     const int right_space =
         std::max(legend.width() > 0 ? legend_gap + legend.width() : 0, spec.marks.empty() ? 0 : least_right);
-    const PlotAxes axes(x, y, content - right_space - 60, nominal_height);
+    const PlotAxes axes(x, y, content_width - right_space - 60, nominal_height);
 
     PlotFrame frame{image::style::margin + axes.left(), 0, 1, 1, frame_pad};
     frame.width = spec.width - image::style::margin - std::max(right_space, axes.right()) - 1 - frame.x;
@@ -327,51 +331,51 @@ Canvas line_plot(const LinePlotSpec& spec) {
     }
     const MarkLabels labels(marks, spec.width - image::style::margin);
     frame.y = top + std::max(labels.height(), axes.above());
-    Plot counting_plot(spec, x, y, frame);
-    for (const auto& series : spec.series) counting_plot.count_undrawn(series, undrawn);
-    if (spec.envelope) counting_plot.count_undrawn(*spec.envelope, undrawn);
+    LinePlotter counting_plotter(spec, x, y, frame);
+    for (const auto& series : spec.series) counting_plotter.count_undrawn(series, undrawn);
+    if (spec.envelope) counting_plotter.count_undrawn(*spec.envelope, undrawn);
     std::vector<std::string> footnotes = undrawn.notes();
     if (lines.size() < spec.series.size())
         footnotes.push_back(fmt::format("{} for {} series: series with the same values share a line.",
                                         scene::toml::count_with_noun(lines.size(), "line"), spec.series.size()));
     footnotes.insert(footnotes.end(), spec.notes.begin(), spec.notes.end());
-    const Canvas notes = image::heading({}, footnotes, content);
+    const Canvas notes = image::heading({}, footnotes, content_width);
     const int foot =
         1 + axes.below() + (notes.height() > 0 ? image::style::gap + notes.height() : 0) + image::style::margin;
     frame.height = std::max({spec.height - frame.y - foot, nominal_height / 2, legend.height()});
 
     Canvas page(spec.width, frame.y + frame.height + foot);
     page.draw_canvas(image::style::margin, image::style::margin, head);
-    Plot plot(spec, x, y, frame);
-    plot.draw_shades(page);
-    if (spec.envelope) plot.draw_envelope(page);
+    LinePlotter plotter(spec, x, y, frame);
+    plotter.draw_shades(page);
+    if (spec.envelope) plotter.draw_envelope(page);
     axes.draw_grid(page, frame);
-    plot.draw_limit(page);
-    if (spec.envelope) plot.draw_envelope_line(page);
-    for (const auto& line : lines) plot.draw_band(page, line);
+    plotter.draw_limit(page);
+    if (spec.envelope) plotter.draw_envelope_line(page);
+    for (const auto& line : lines) plotter.draw_band(page, line);
     labels.draw(page, frame.y - 1, frame.y + frame.height);
     // Draw dashed lines over solid ones, so that both are visible where they agree.
     std::ranges::stable_sort(order, {}, [&](std::size_t i) { return !lines[i].dashes.empty(); });
     for (const auto i : order) {
         if (!lines[i].keys.empty()) page.set_mark_data({lines[i].keys, {}});
-        plot.draw_line(page, lines[i], has_markers, i);
+        plotter.draw_line(page, lines[i], has_markers, i);
     }
-    page.set_mark_data(plot.step_positions());
+    page.set_mark_data(plotter.step_positions());
     axes.draw(page, frame);
     page.clear_mark_data();
-    if (std::ranges::all_of(lines, [&](const PlotLine& line) { return !end_of(line, x, y); })) {
+    if (std::ranges::all_of(lines, [&](const PlotLine& line) { return !line_end(line, x, y); })) {
         const auto text = image::image_backend().render_text(spec.empty_text, image::style::text_size);
         page.text(frame.x + (frame.width - text.width) / 2, frame.y + (frame.height - text.height) / 2, text,
                   image::style::soft_ink);
     }
     std::vector<double> ends;
-    for (const auto& line : sorted) {
-        const auto end = end_of(line, x, y);
+    for (const auto& line : lines_by_end_height) {
+        const auto end = line_end(line, x, y);
         ends.push_back(end ? frame.up(end->second) - frame.y : std::numeric_limits<double>::quiet_NaN());
     }
     legend.align(ends, frame.height);
     const int legend_x = spec.width - image::style::margin - legend.width();
-    plot.draw_leaders(page, sorted, legend, legend_x);
+    plotter.draw_leaders(page, lines_by_end_height, legend, legend_x);
     legend.draw(page, legend_x, frame.y);
     page.draw_canvas(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
     return page;

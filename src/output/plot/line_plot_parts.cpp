@@ -46,10 +46,10 @@ void draw_edge_triangle(Stroke& stroke, Point tip, bool points_up) {
     stroke.polygon(std::array<Point, 3>{{tip, {tip.x + 4.5, base}, {tip.x - 4.5, base}}});
 }
 
-std::vector<double> places_near(std::span<const double> requests, std::span<const double> heights, double low,
-                                double high) {
-    // Subtracts from each request the heights before it. "In order and without overlap" then means "not falling".
-    // Falling neighbours take their common mean (pool adjacent violators), which minimizes the sum of squares.
+std::vector<double> positions_near(std::span<const double> requests, std::span<const double> heights, double low,
+                                   double high) {
+    // The heights before each request are subtracted from it. "In order and without overlap" then means "not falling".
+    // Neighbours that fall are set to their common mean (pool adjacent violators), which minimizes the sum of squares.
     struct Block {
         double sum;
         std::size_t n;
@@ -78,50 +78,51 @@ std::vector<double> places_near(std::span<const double> requests, std::span<cons
     return positions;
 }
 
-PlotLegend::PlotLegend(std::span<const PlotLine> lines, std::span<const PlotArea> areas, bool has_markers, Limits space)
+PlotLegend::PlotLegend(std::span<const PlotLine> lines, std::span<const PlotArea> areas, bool has_markers,
+                       Limits limits)
     : has_markers_(has_markers) {
     struct Attempt {
-        int size, columns, per_cent;  // share of the width for all columns, in percent
+        int font_size, columns, per_cent;  // the share of the width for all columns is in percent
     };
-    for (const auto& [size, columns, per_cent] :
+    for (const auto& [font_size, columns, per_cent] :
          {Attempt{image::style::text_size, 1, 26}, Attempt{12, 1, 26}, Attempt{image::style::small_size, 1, 26},
           Attempt{image::style::small_size, 2, 40}, Attempt{10, 2, 40}}) {
-        const int column_width = (space.width * per_cent / 100 - (columns - 1) * column_gap) / columns;
-        arrange(lines, areas, {size, columns, column_width});
-        if (height_ <= space.height) return;
+        const int column_width = (limits.width * per_cent / 100 - (columns - 1) * column_gap) / columns;
+        arrange(lines, areas, {font_size, columns, column_width});
+        if (height_ <= limits.height) return;
     }
 }
 
 int PlotLegend::height_of(const Entry& entry) const {
-    return std::max<int>(static_cast<int>(entry.text.size()), 1) * image::style::line_height(size_) + entry_gap;
+    return std::max<int>(static_cast<int>(entry.text.size()), 1) * image::style::line_height(font_size_) + entry_gap;
 }
 
 void PlotLegend::align(std::span<const double> ends, int space) {
     if (column_x_.size() != 1) return;
-    const double half = image::style::line_height(size_) / 2.0;
+    const double half = image::style::line_height(font_size_) / 2.0;
     std::vector<double> requests, heights;
     for (std::size_t k = 0; k < entries_.size(); ++k) {
         heights.push_back(height_of(entries_[k]));
         requests.push_back(k < ends.size() && !std::isnan(ends[k]) ? ends[k] - half : space);
     }
-    const auto positions = places_near(requests, heights, 0, std::max(space, height_));
+    const auto positions = positions_near(requests, heights, 0, std::max(space, height_));
     for (std::size_t k = 0; k < entries_.size(); ++k) entries_[k].y = static_cast<int>(std::lround(positions[k]));
     is_aligned_ = true;
 }
 
-std::optional<double> PlotLegend::sample_of(std::size_t line) const {
+std::optional<double> PlotLegend::sample_y(std::size_t line) const {
     if (!is_aligned_) return {};
-    return entries_[line].y + size_ - image::style::digit_rise(size_) + 0.5;
+    return entries_[line].y + font_size_ - image::style::digit_rise(font_size_) + 0.5;
 }
 
 void PlotLegend::arrange(std::span<const PlotLine> lines, std::span<const PlotArea> areas, const Layout& layout) {
-    const int size = layout.size, columns = layout.columns;
+    const int font_size = layout.font_size, columns = layout.columns;
     entries_.clear();
-    size_ = size;
+    font_size_ = font_size;
     const int text_width = std::max(layout.column_width - sample_width - sample_gap, 40);
     int total = 0, highest = 0;
     const auto add = [&](const std::string& label, const PlotLine* line, const PlotArea* area) {
-        Entry entry{image::wrap_text(label, size, false, text_width), line, area};
+        Entry entry{image::wrap_text(label, font_size, false, text_width), line, area};
         highest = std::max(highest, height_of(entry));
         total += height_of(entry);
         entries_.push_back(std::move(entry));
@@ -164,16 +165,16 @@ void PlotLegend::draw(image::Canvas& canvas, int x0, int y0) const {
         const int x = x0 + column_x_[static_cast<std::size_t>(entry.column)], y = y0 + entry.y;
         int text_y = y;
         for (const auto& text : entry.text) {
-            canvas.text(x + sample_width + sample_gap, text_y + size_ - text.baseline, text, image::style::ink);
-            text_y += image::style::line_height(size_);
+            canvas.text(x + sample_width + sample_gap, text_y + font_size_ - text.baseline, text, image::style::ink);
+            text_y += image::style::line_height(font_size_);
         }
-        const double middle = y + size_ - image::style::digit_rise(size_) + 0.5;
+        const double middle = y + font_size_ - image::style::digit_rise(font_size_) + 0.5;
         if (entry.line == nullptr) {
             canvas.fill(x, static_cast<int>(middle) - 5, sample_width, 11, entry.area->fill);
             canvas.fill(x, static_cast<int>(middle) - 5, sample_width, 1, entry.area->edge);
             continue;
         }
-        Stroke stroke({x, y - 6, sample_width, image::style::line_height(size_) + 12});
+        Stroke stroke({x, y - 6, sample_width, image::style::line_height(font_size_) + 12});
         stroke.polyline(std::array<Point, 2>{{{x + 1.5, middle}, {x + sample_width - 1.5, middle}}}, line_thickness,
                         entry.line->dashes);
         if (has_markers_ || entry.line->marker > 0) {
@@ -195,7 +196,7 @@ MarkLabels::MarkLabels(std::vector<Mark> marks, int limit) {
         }
         labels_.push_back(std::move(label));
     }
-    // From the right, each label clears the tops of all labels whose lines begin under it.
+    // Labels are placed from right to left. Each clears the tops of all labels whose lines begin under it.
     for (std::size_t i = labels_.size(); i-- > 0;) {
         PlacedLabel& label = labels_[i];
         label.rise = 3;

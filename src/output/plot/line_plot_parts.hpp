@@ -16,12 +16,12 @@ inline constexpr std::size_t line_colours = 8;
 inline constexpr std::size_t look_count = 6 * line_colours;
 [[nodiscard]] image::Rgb8 look_colour(std::size_t look);
 
-/// Series that agree in every point, drawn as one line.
+/// One line of the plot, which stands for all series that agree in every point.
 struct PlotLine {
     const Series* series;
     std::string label;  ///< `schoolbook`, `3 alike: schoolbook, half_b, press`
     image::Rgb8 colour;
-    int marker;  ///< 0 for the first eight families, which need no marker
+    int marker;  ///< kind of marker; 0 for the first eight looks, which need none
     std::span<const double> dashes;
     std::string keys = {};  ///< keys of its series
 };
@@ -47,11 +47,11 @@ struct PlotArea {
     image::Rgb8 fill, edge;
 };
 
-/// Positions from `low` on for things that stay in order and do not overlap. Thing k has height `heights[k]` and lies
-/// as near to `requests[k]` as the other things allow, by least squares. The last one ends at or before `high` if there
-/// is space for all.
-[[nodiscard]] std::vector<double> places_near(std::span<const double> requests, std::span<const double> heights,
-                                              double low, double high);
+/// Positions from `low` on for items that stay in order and do not overlap. Item k has height `heights[k]` and lies as
+/// near to `requests[k]` as the other items allow, by least squares. The last one ends at or before `high` if there is
+/// space for all.
+[[nodiscard]] std::vector<double> positions_near(std::span<const double> requests, std::span<const double> heights,
+                                                 double low, double high);
 
 /// The legend at the right: lines in the given order, areas last.
 class PlotLegend {
@@ -59,15 +59,15 @@ public:
     struct Limits {
         int width, height;
     };
-    /// Uses smaller letters and then a second column rather than exceed the height of `space`. Takes at most two fifths
-    /// of its width.
-    PlotLegend(std::span<const PlotLine> lines, std::span<const PlotArea> areas, bool has_markers, Limits space);
+    /// If the legend would exceed the height of `limits`, it gets smaller letters and then a second column. It takes at
+    /// most two fifths of the width of `limits`.
+    PlotLegend(std::span<const PlotLine> lines, std::span<const PlotArea> areas, bool has_markers, Limits limits);
 
-    /// Moves each line's entry to the end of its line, in pixels below the top of the legend and at most `space`. NaN
-    /// means no position. Does nothing if there are two columns.
+    /// Moves the entry of each line towards the end of the line. `ends` are in pixels below the top of the legend and
+    /// at most `space`; NaN means that a line has no end. Does nothing if there are two columns.
     void align(std::span<const double> ends, int space);
-    /// Position of the sample of line k below the top of the legend; nothing if entries are not aligned.
-    [[nodiscard]] std::optional<double> sample_of(std::size_t line) const;
+    /// Height of the sample of a line, in pixels below the top of the legend; nothing if entries are not aligned.
+    [[nodiscard]] std::optional<double> sample_y(std::size_t line) const;
 
     [[nodiscard]] int width() const noexcept { return width_; }
     [[nodiscard]] int height() const noexcept { return height_; }
@@ -81,7 +81,7 @@ private:
         int column = 0, y = 0;
     };
     struct Layout {
-        int size, columns, column_width;
+        int font_size, columns, column_width;
     };
     void arrange(std::span<const PlotLine> lines, std::span<const PlotArea> areas, const Layout& layout);
     [[nodiscard]] int height_of(const Entry& entry) const;
@@ -89,7 +89,7 @@ private:
     std::vector<Entry> entries_;
     bool has_markers_, is_aligned_ = false;
     std::vector<int> column_x_;
-    int size_ = 0, width_ = 0, height_ = 0;
+    int font_size_ = 0, width_ = 0, height_ = 0;
 };
 
 /// Labels of marks in rows above the frame. A label begins at its line and lies above every line that it spans, so

@@ -15,7 +15,7 @@ namespace {
 
 /// A range narrower than this, relative to its ends, has no round values that a double can tell apart.
 constexpr double least_extent = 1e-12;
-/// Smaller sizes count as 0, because steps between subnormal numbers are not round.
+/// Values below this size count as 0, because steps between subnormal numbers are not round.
 constexpr double least_size = 1e-300;
 /// Share of a log axis between 0 and its low end.
 constexpr double below_low_end = 0.08;
@@ -24,13 +24,13 @@ constexpr double least_share = 1.0 / 12;
 /// From this share on, the axis shows all possible values.
 constexpr double near_limit = 0.75;
 
-/// Multiples of 1, 2 or 5 times 10^k from `lo` to `hi`, at most `most` + 1 of them.
-std::vector<double> round_values(double lo, double hi, int most) {
-    return image::multiples(image::round_step((hi / 2 - lo / 2) / most * 2), lo, hi);
+/// Multiples of 1, 2 or 5 times 10^k from `lo` to `hi`, at most `tick_budget` + 1 of them.
+std::vector<double> round_values(double lo, double hi, int tick_budget) {
+    return image::multiples(image::round_step((hi / 2 - lo / 2) / tick_budget * 2), lo, hi);
 }
 
 /// Labels with enough digits to tell the ticks apart.
-std::vector<std::string> labels_of(const std::vector<double>& values) {
+std::vector<std::string> tick_labels(const std::vector<double>& values) {
     double largest = 0, step = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {
         largest = std::max(largest, std::fabs(values[i]));
@@ -50,7 +50,7 @@ AxisRange::AxisRange(const AxisSpec& axis, const std::vector<double>& values)
     : title_(axis.title),
       scale_(axis.scale),
       shows_zero_(axis.shows_zero && is_log()),
-      writes_decimals_(axis.has_decimal_ticks),
+      has_decimal_ticks_(axis.has_decimal_ticks),
       limit_(is_log() ? std::nullopt : axis.limit) {
     for (const auto& end : {axis.low, axis.high}) {
         if (end && (!std::isfinite(*end) || (is_log() && !(*end > 0)))) {
@@ -64,17 +64,17 @@ AxisRange::AxisRange(const AxisSpec& axis, const std::vector<double>& values)
     double lo = std::numeric_limits<double>::infinity(), hi = -lo;
     for (const double value : values) {
         if (!std::isfinite(value) || !can_show(value) || (shows_zero_ && value == 0)) continue;
-        lo = std::min(lo, scaled(value));
-        hi = std::max(hi, scaled(value));
+        lo = std::min(lo, scale_value(value));
+        hi = std::max(hi, scale_value(value));
     }
     if (lo > hi) lo = hi = 0;
     if (!is_log() && !axis.low && lo > 0 && lo < hi / 4) lo = 0;
-    lo_ = axis.low ? scaled(*axis.low) : lo;
-    hi_ = axis.high ? scaled(*axis.high) : limit_ ? fitted_high(hi) : hi;
+    lo_ = axis.low ? scale_value(*axis.low) : lo;
+    hi_ = axis.high ? scale_value(*axis.high) : limit_ ? fit_high_end(hi) : hi;
     widen(axis.low.has_value(), axis.high.has_value());
 }
 
-double AxisRange::fitted_high(double highest) const noexcept {
+double AxisRange::fit_high_end(double highest) const noexcept {
     const double extent = *limit_ - lo_, shown_extent = std::max(highest - lo_, extent * least_share);
     return shown_extent >= extent * near_limit ? *limit_ : lo_ + shown_extent;
 }
@@ -103,100 +103,100 @@ bool AxisRange::can_show(double value) const noexcept {
     return is_log() ? value > 0 || (shows_zero_ && value == 0) : !std::isnan(value);
 }
 
-double AxisRange::scaled(double value) const noexcept {
+double AxisRange::scale_value(double value) const noexcept {
     return scale_ == AxisSpec::Scale::linear ? value
            : scale_ == AxisSpec::Scale::log2 ? std::log2(value)
                                              : std::log10(value);
 }
 
-double AxisRange::position_of_scaled(double s) const noexcept {
+double AxisRange::scaled_position(double scaled_value) const noexcept {
     // Halve first, because hi - lo may overflow.
-    const double share = std::clamp((s / 2 - lo_ / 2) / (hi_ / 2 - lo_ / 2), -1e3, 1e3);
+    const double share = std::clamp((scaled_value / 2 - lo_ / 2) / (hi_ / 2 - lo_ / 2), -1e3, 1e3);
     return shows_zero_ ? below_low_end + (1 - below_low_end) * share : share;
 }
 
 double AxisRange::position(double value) const noexcept {
     if (std::isinf(value)) return value > 0 ? 1 : 0;
     if (shows_zero_ && value == 0) return 0;
-    return position_of_scaled(scaled(value));
+    return scaled_position(scale_value(value));
 }
 
-std::vector<AxisRange::Tick> AxisRange::ticks_of_short_range(int most) const {
+std::vector<AxisRange::Tick> AxisRange::short_range_ticks(int tick_budget) const {
     const bool is_log2 = scale_ == AxisSpec::Scale::log2;
     std::vector<Tick> ticks;
-    // Plain numbers: 2.4, not 2^1.26. A label has space for about six digits, and in a wider range equal steps would
-    // crowd at the upper end.
+    // A short range gets plain numbers: 2.4, not 2^1.26. A label has space for about six digits. In a wider range equal
+    // steps would crowd at the upper end.
     const double low = is_log2 ? std::exp2(lo_) : std::pow(10, lo_),
                  high = is_log2 ? std::exp2(hi_) : std::pow(10, hi_);
     if (low >= 1e-3 && high <= 1e5 && high <= 5 * low && high - low > high * least_extent) {
-        const auto values = round_values(low, high, most);
-        const auto labels = labels_of(values);
+        const auto values = round_values(low, high, tick_budget);
+        const auto labels = tick_labels(values);
         for (std::size_t i = 0; i < values.size(); ++i) ticks.push_back({position(values[i]), labels[i]});
         if (ticks.size() >= 2) return ticks;
         ticks.clear();
     }
-    const auto exponents = round_values(lo_, hi_, most);
-    const auto labels = labels_of(exponents);
+    const auto exponents = round_values(lo_, hi_, tick_budget);
+    const auto labels = tick_labels(exponents);
     for (std::size_t i = 0; i < labels.size(); ++i)
-        ticks.push_back({position_of_scaled(exponents[i]), power_label(exponents[i], labels[i])});
+        ticks.push_back({scaled_position(exponents[i]), power_label(exponents[i], labels[i])});
     return ticks;
 }
 
 std::string AxisRange::power_label(double exponent, const std::string& text) const {
     const bool is_log2 = scale_ == AxisSpec::Scale::log2;
     // Six digits: 2^-4 is 0.0625, 2^16 is 65536.
-    if (writes_decimals_)
+    if (has_decimal_ticks_)
         return file::short_decimal(is_log2 ? std::exp2(exponent) : std::pow(10, exponent), image::tick_digits);
     return (is_log2 ? "2^" : "10^") + text;
 }
 
-std::vector<AxisRange::Tick> AxisRange::exponent_ticks(int most) const {
+std::vector<AxisRange::Tick> AxisRange::exponent_ticks(int tick_budget) const {
     const bool is_log2 = scale_ == AxisSpec::Scale::log2;
     double step = 1;
     const std::vector<double> steps = is_log2 ? std::vector<double>{1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024}
                                               : std::vector<double>{1, 2, 5, 10, 20, 50, 100, 200, 500};
     for (const double s : steps) {
         step = s;
-        if (std::floor(hi_ / s + 1e-9) - std::ceil(lo_ / s - 1e-9) + 1 <= most) break;
+        if (std::floor(hi_ / s + 1e-9) - std::ceil(lo_ / s - 1e-9) + 1 <= tick_budget) break;
     }
     std::vector<double> exponents;
     for (double k = std::ceil(lo_ / step - 1e-9); k * step <= hi_ + 1e-9; k += 1) exponents.push_back(k * step);
-    if (exponents.size() < 2) return ticks_of_short_range(most);
+    if (exponents.size() < 2) return short_range_ticks(tick_budget);
     std::vector<Tick> ticks;
-    const auto labels = labels_of(exponents);
+    const auto labels = tick_labels(exponents);
     for (std::size_t i = 0; i < labels.size(); ++i) {
-        ticks.push_back({position_of_scaled(exponents[i]), power_label(exponents[i], labels[i])});
+        ticks.push_back({scaled_position(exponents[i]), power_label(exponents[i], labels[i])});
     }
     if (is_log2 || step != 1 || hi_ - lo_ > 12) return ticks;
     for (double decade = std::floor(lo_); decade <= hi_; decade += 1) {
         for (int m = 2; m < 10; ++m) {
             const double s = decade + std::log10(m);
-            if (s > lo_ && s < hi_) ticks.push_back({position_of_scaled(s), {}});
+            if (s > lo_ && s < hi_) ticks.push_back({scaled_position(s), {}});
         }
     }
     return ticks;
 }
 
-std::vector<AxisRange::Tick> AxisRange::ticks(int most) const {
-    most = std::max(most, 2);
+std::vector<AxisRange::Tick> AxisRange::ticks(int tick_budget) const {
+    tick_budget = std::max(tick_budget, 2);
     if (is_log()) {
-        auto ticks = exponent_ticks(most);
+        auto ticks = exponent_ticks(tick_budget);
         if (shows_zero_) ticks.insert(ticks.begin(), {0, "0"});
         return ticks;
     }
-    const auto values = round_values(lo_, hi_, most);
-    const auto labels = labels_of(values);
+    const auto values = round_values(lo_, hi_, tick_budget);
+    const auto labels = tick_labels(values);
     std::vector<Tick> ticks;
-    for (std::size_t i = 0; i < values.size(); ++i) ticks.push_back({position_of_scaled(values[i]), labels[i]});
-    label_limit(ticks, most);
+    for (std::size_t i = 0; i < values.size(); ++i) ticks.push_back({scaled_position(values[i]), labels[i]});
+    label_limit(ticks, tick_budget);
     return ticks;
 }
 
-/// Labels the limit itself; removes a round value that is so near that the labels would touch.
-void AxisRange::label_limit(std::vector<Tick>& ticks, int most) const {
+/// Adds a tick for the limit, and removes a round value that is so near that the labels would touch.
+void AxisRange::label_limit(std::vector<Tick>& ticks, int tick_budget) const {
     const auto limit_at = limit_position();
     if (!limit_at) return;
-    std::erase_if(ticks, [&](const Tick& tick) { return std::fabs(tick.position - *limit_at) < 0.4 / most; });
+    std::erase_if(ticks, [&](const Tick& tick) { return std::fabs(tick.position - *limit_at) < 0.4 / tick_budget; });
     ticks.push_back({*limit_at, file::short_decimal(*limit_, image::tick_digits)});
 }
 
@@ -208,7 +208,7 @@ constexpr int tick_pitch_x = 76, tick_pitch_y = 44;  // pixels per labelled tick
 
 }  // namespace
 
-TextBitmap turned(const TextBitmap& text) {
+TextBitmap rotate_left(const TextBitmap& text) {
     TextBitmap result{text.height, text.width, text.width, {}, text.runs, text.is_bold, true};
     result.coverage.resize(text.coverage.size());
     for (int y = 0; y < text.height; ++y) {
@@ -228,9 +228,9 @@ double PlotFrame::up(double position) const noexcept {
     return pad > 0 ? y + pad + 0.5 + (1 - position) * (height - 2 * pad - 1) : y + (1 - position) * height;
 }
 
-std::vector<PlotAxes::Tick> PlotAxes::render(const AxisRange& range, int most) {
+std::vector<PlotAxes::Tick> PlotAxes::render(const AxisRange& range, int tick_budget) {
     std::vector<Tick> ticks;
-    for (const auto& [position, label] : range.ticks(most)) {
+    for (const auto& [position, label] : range.ticks(tick_budget)) {
         ticks.push_back({position, label.empty() ? TextBitmap{}
                                                  : image::image_backend().render_text(label, image::style::text_size)});
     }
@@ -255,7 +255,7 @@ PlotAxes::PlotAxes(const AxisRange& x, const AxisRange& y, int width, int height
         below_ += title_gap + x_title_.height;
     }
     if (!y.title().empty()) {
-        y_title_ = turned(image::fit_text(y.title(), image::style::text_size, false, height));
+        y_title_ = rotate_left(image::fit_text(y.title(), image::style::text_size, false, height));
         left_ += title_gap + y_title_.width;
     }
 }

@@ -10,7 +10,7 @@
 
 namespace lostbits::output::plot {
 
-/// Description of an axis by the caller.
+/// Description of an axis, as the caller requests it.
 struct AxisSpec {
     enum class Scale { linear, log2, log10 };
     std::string title;
@@ -26,8 +26,8 @@ struct AxisSpec {
 /// An axis with known ends.
 class AxisRange {
 public:
-    /// The ends are those of `axis`, or else the least and greatest of `values` that the axis can show. A range without
-    /// extent is widened about its value, and a linear range that comes near 0 starts there. Throws
+    /// Takes the ends from `axis`. A missing end is the least or greatest of the `values` that the axis can show. A
+    /// range without extent is widened about its value, and a linear range that comes near 0 starts at 0. Throws
     /// std::invalid_argument for ends that are not finite, not in order, or not positive on a log scale.
     AxisRange(const AxisSpec& axis, const std::vector<double>& values);
 
@@ -39,14 +39,14 @@ public:
     /// pixels stay countable). An infinite value lies at its end. Undefined for a value that cannot be drawn.
     [[nodiscard]] double position(double value) const noexcept;
 
-    /// A tick; a tick without a label is minor.
+    /// A tick of the axis. A tick without a label is a minor one.
     struct Tick {
         double position;
         std::string label;  ///< `4`, `0.25`, `2^-10`, `10^3`
     };
 
-    /// Round values between the ends, with about `most` (at least 2) labels.
-    [[nodiscard]] std::vector<Tick> ticks(int most) const;
+    /// Round values between the ends, with about `tick_budget` (at least 2) labels.
+    [[nodiscard]] std::vector<Tick> ticks(int tick_budget) const;
 
     /// Position of the largest possible value if the axis reaches it.
     [[nodiscard]] std::optional<double> limit_position() const noexcept;
@@ -55,25 +55,25 @@ public:
     [[nodiscard]] bool is_log() const noexcept { return scale_ != AxisSpec::Scale::linear; }
 
 private:
-    [[nodiscard]] double scaled(double value) const noexcept;
-    [[nodiscard]] double position_of_scaled(double s) const noexcept;
+    [[nodiscard]] double scale_value(double value) const noexcept;
+    [[nodiscard]] double scaled_position(double scaled_value) const noexcept;
     [[nodiscard]] std::string power_label(double exponent, const std::string& text) const;
     void widen(bool is_low_fixed, bool is_high_fixed);
-    [[nodiscard]] double fitted_high(double highest) const noexcept;
-    void label_limit(std::vector<Tick>& ticks, int most) const;
-    [[nodiscard]] std::vector<Tick> exponent_ticks(int most) const;
+    [[nodiscard]] double fit_high_end(double highest) const noexcept;
+    void label_limit(std::vector<Tick>& ticks, int tick_budget) const;
+    [[nodiscard]] std::vector<Tick> exponent_ticks(int tick_budget) const;
     /// Ticks for less than two powers between the ends.
-    [[nodiscard]] std::vector<Tick> ticks_of_short_range(int most) const;
+    [[nodiscard]] std::vector<Tick> short_range_ticks(int tick_budget) const;
 
     std::string title_;
     AxisSpec::Scale scale_;
-    bool shows_zero_, writes_decimals_;
+    bool shows_zero_, has_decimal_ticks_;
     std::optional<double> limit_;
     double lo_ = 0, hi_ = 1;  // exponents on a log scale
 };
 
-/// Turns a text by 90 degrees counterclockwise, to be read from the right.
-[[nodiscard]] image::TextBitmap turned(const image::TextBitmap& text);
+/// Rotates a text by 90 degrees counterclockwise, so that it is read from the right.
+[[nodiscard]] image::TextBitmap rotate_left(const image::TextBitmap& text);
 
 /// Frame of a plot: positions of values in pixels.
 struct PlotFrame {
@@ -92,10 +92,10 @@ public:
     /// Renders the ticks for a frame of about `width` by `height` pixels.
     PlotAxes(const AxisRange& x, const AxisRange& y, int width, int height);
 
-    /// Pixels outside the frame for ticks, labels and title.
+    /// Pixels that ticks, labels and title need to the left of the frame and below it.
     [[nodiscard]] int left() const noexcept { return left_; }
     [[nodiscard]] int below() const noexcept { return below_; }
-    /// Half a label, which may stick out at the high ends.
+    /// Pixels that half a label needs above and to the right of the frame, at the high ends of the axes.
     [[nodiscard]] int above() const noexcept { return above_; }
     [[nodiscard]] int right() const noexcept { return right_; }
 
@@ -110,7 +110,7 @@ private:
         double position;
         image::TextBitmap label;
     };
-    static std::vector<Tick> render(const AxisRange& range, int most);
+    static std::vector<Tick> render(const AxisRange& range, int tick_budget);
 
     std::vector<Tick> x_ticks_, y_ticks_;
     image::TextBitmap x_title_, y_title_;

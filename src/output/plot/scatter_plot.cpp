@@ -20,26 +20,26 @@ using image::TextBitmap;
 namespace {
 
 constexpr int point_margin = 14;
-constexpr double marker_half = 5, hole_radius = 1.7, front_thickness = 1.6, least_leader_length = 13;
+constexpr double half_marker = 5, hole_radius = 1.7, front_thickness = 1.6, least_leader_length = 13;
 constexpr std::array<Rgb8, ink_colour + 1> point_colours{
     {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {136, 34, 85}, image::style::ink}};
 constexpr Rgb8 faint_colour{186, 186, 188}, front_colour{120, 120, 126};
 constexpr std::array<double, 2> dashes{5, 4};
 
-Rgb8 colour_of(std::size_t colour, bool faint) {
-    return faint ? faint_colour : point_colours[colour % point_colours.size()];
+Rgb8 point_colour(std::size_t colour, bool is_faint) {
+    return is_faint ? faint_colour : point_colours[colour % point_colours.size()];
 }
 
 struct Marker {
     int kind;
     Rgb8 colour;
-    bool hollow;
+    bool is_hollow;
 };
 
 void paint_marker(Canvas& canvas, Stroke& stroke, Point centre, const Marker& marker) {
     draw_marker(stroke, centre, marker.kind);
     stroke.paint(canvas, marker.colour);
-    if (!marker.hollow) return;
+    if (!marker.is_hollow) return;
     stroke.disc(centre, hole_radius);
     stroke.paint(canvas, image::style::page);
 }
@@ -60,28 +60,29 @@ public:
             const int entry_width = marker_width + text.width + key_gap;
             if (x > 0 && x + entry_width > width) {
                 x = 0;
-                y += line;
+                y += line_height;
             }
             entries_.push_back({&key, std::move(text), x, y});
             x += entry_width;
         }
-        if (!keys.empty()) height_ = y + line;
+        if (!keys.empty()) height_ = y + line_height;
     }
     [[nodiscard]] int height() const { return height_; }
 
     void draw(Canvas& canvas, int x, int y) const {
         Stroke stroke({0, 0, canvas.width(), canvas.height()});
         for (const auto& entry : entries_) {
-            const Point centre{x + entry.x + marker_width / 2.0, y + entry.y + line / 2.0};
-            paint_marker(canvas, stroke, centre,
-                         {entry.key->marker, colour_of(entry.key->colour, entry.key->faint), entry.key->hollow});
-            canvas.text(x + entry.x + marker_width, y + entry.y + (line - entry.text.height) / 2, entry.text,
+            const Point centre{x + entry.x + marker_width / 2.0, y + entry.y + line_height / 2.0};
+            paint_marker(
+                canvas, stroke, centre,
+                {entry.key->marker, point_colour(entry.key->colour, entry.key->is_faint), entry.key->is_hollow});
+            canvas.text(x + entry.x + marker_width, y + entry.y + (line_height - entry.text.height) / 2, entry.text,
                         image::style::ink);
         }
     }
 
 private:
-    static constexpr int marker_width = 18, key_gap = 20, line = 20;
+    static constexpr int marker_width = 18, key_gap = 20, line_height = 20;
     struct Entry {
         const ScatterPlotSpec::Key* key;
         TextBitmap text;
@@ -96,17 +97,17 @@ bool is_on_axes(const ScatterPoint& p, const AxisRange& x, const AxisRange& y) {
 }
 
 /// Draws the inside of the frame.
-class Scatter {
+class ScatterPlotter {
 public:
-    Scatter(const ScatterPlotSpec& spec, const AxisRange& x, const AxisRange& y, const PlotFrame& frame)
+    ScatterPlotter(const ScatterPlotSpec& spec, const AxisRange& x, const AxisRange& y, const PlotFrame& frame)
         : spec_(spec), x_(x), y_(y), frame_(frame), stroke_({frame.x, frame.y, frame.width, frame.height}) {}
 
     void draw_front(Canvas& canvas) {
         for (const bool is_solid : {true, false}) {
-            for (std::size_t i = 0; i + 1 < spec_.front.size(); ++i) {
-                if (spec_.front[i].is_solid != is_solid) continue;
-                const Point a = point_at(spec_.front[i].x, spec_.front[i].y),
-                            b = point_at(spec_.front[i + 1].x, spec_.front[i + 1].y);
+            for (std::size_t i = 0; i + 1 < spec_.pareto_front.size(); ++i) {
+                if (spec_.pareto_front[i].is_solid != is_solid) continue;
+                const Point a = point_at(spec_.pareto_front[i].x, spec_.pareto_front[i].y),
+                            b = point_at(spec_.pareto_front[i + 1].x, spec_.pareto_front[i + 1].y);
                 const std::array<Point, 3> corners{a, {b.x, a.y}, b};
                 stroke_.polyline(corners, front_thickness, is_solid ? std::span<const double>() : dashes);
             }
@@ -114,47 +115,47 @@ public:
         }
     }
 
-    void draw_points(Canvas& canvas, bool faint) {
+    void draw_points(Canvas& canvas, bool is_faint) {
         for (const auto& p : spec_.points) {
-            if (p.faint != faint || !is_on_axes(p, x_, y_)) continue;
-            const Rgb8 colour = colour_of(p.colour, p.faint);
+            if (p.is_faint != is_faint || !is_on_axes(p, x_, y_)) continue;
+            const Rgb8 colour = point_colour(p.colour, p.is_faint);
             const Point centre = point_at(p.x, p.y);
             if (!p.key.empty()) canvas.set_mark_data({p.key, {centre.x}, {centre.y}});
-            if (!faint) {
+            if (!is_faint) {
                 const std::array<Point, 2> spread{point_at(p.x_low, p.y), point_at(p.x_high, p.y)};
                 stroke_.polyline(spread, 1);
                 stroke_.paint(canvas, colour);
             }
-            paint_marker(canvas, stroke_, centre, {p.marker, colour, p.hollow});
+            paint_marker(canvas, stroke_, centre, {p.marker, colour, p.is_hollow});
             canvas.clear_mark_data();
         }
     }
 
     void draw_labels(Canvas& canvas) {
-        std::vector<Box2> taken, avoided;
+        std::vector<Box2> forbidden, avoided;
         std::vector<LabelRequest> requests;
         std::vector<TextBitmap> texts;
         std::vector<Rgb8> colours;
         for (const auto& p : spec_.points) {
             if (!is_on_axes(p, x_, y_)) continue;
-            (p.faint ? avoided : taken).push_back(box_around(point_at(p.x, p.y), marker_half));
-            if (!p.faint) avoided.push_back(box_around(point_at(p.x_low, p.y), point_at(p.x_high, p.y)));
-            if (p.faint || p.label.empty()) continue;
+            (p.is_faint ? avoided : forbidden).push_back(box_around(point_at(p.x, p.y), half_marker));
+            if (!p.is_faint) avoided.push_back(box_around(point_at(p.x_low, p.y), point_at(p.x_high, p.y)));
+            if (p.is_faint || p.label.empty()) continue;
             texts.push_back(image::image_backend().render_text(p.label, image::style::text_size));
             requests.push_back({point_at(p.x, p.y), static_cast<double>(texts.back().width),
                                 static_cast<double>(texts.back().height)});
-            colours.push_back(colour_of(p.colour, false));
+            colours.push_back(point_colour(p.colour, false));
         }
-        for (std::size_t i = 0; i + 1 < spec_.front.size(); ++i) {
-            const Point a = point_at(spec_.front[i].x, spec_.front[i].y),
-                        b = point_at(spec_.front[i + 1].x, spec_.front[i + 1].y);
+        for (std::size_t i = 0; i + 1 < spec_.pareto_front.size(); ++i) {
+            const Point a = point_at(spec_.pareto_front[i].x, spec_.pareto_front[i].y),
+                        b = point_at(spec_.pareto_front[i + 1].x, spec_.pareto_front[i + 1].y);
             avoided.push_back(box_around(a, {b.x, a.y}));
             avoided.push_back(box_around({b.x, a.y}, b));
         }
         const Box2 area{frame_.x + 2.0, frame_.y + 2.0, frame_.width - 4.0, frame_.height - 4.0};
-        const auto boxes = place_labels(requests, {area, taken, avoided});
+        const auto boxes = place_labels(requests, {area, forbidden, avoided});
         for (std::size_t i = 0; i < boxes.size(); ++i) {
-            if (boxes[i]) draw_label(canvas, requests[i].at, *boxes[i], texts[i], colours[i]);
+            if (boxes[i]) draw_label(canvas, requests[i].point, *boxes[i], texts[i], colours[i]);
         }
     }
 
@@ -179,7 +180,7 @@ private:
     Stroke stroke_;
 };
 
-AxisRange range_of(const ScatterPlotSpec& spec, const AxisSpec& axis, bool is_x) {
+AxisRange axis_range(const ScatterPlotSpec& spec, const AxisSpec& axis, bool is_x) {
     std::vector<double> values;
     for (const auto& p : spec.points) {
         if (std::isnan(p.x) || std::isnan(p.y)) continue;
@@ -191,35 +192,35 @@ AxisRange range_of(const ScatterPlotSpec& spec, const AxisSpec& axis, bool is_x)
 }  // namespace
 
 Canvas scatter_plot(const ScatterPlotSpec& spec) {
-    const AxisRange x = range_of(spec, spec.x, true), y = range_of(spec, spec.y, false);
-    const int content = spec.width - 2 * image::style::margin;
-    const Canvas head = image::heading(spec.title, spec.subtitle, content);
-    const KeyLegend keys(spec.keys, content);
-    const PlotAxes axes(x, y, content - 60, spec.height - 200);
+    const AxisRange x = axis_range(spec, spec.x, true), y = axis_range(spec, spec.y, false);
+    const int content_width = spec.width - 2 * image::style::margin;
+    const Canvas head = image::heading(spec.title, spec.subtitle, content_width);
+    const KeyLegend legend(spec.keys, content_width);
+    const PlotAxes axes(x, y, content_width - 60, spec.height - 200);
     const auto undrawn_count = static_cast<int>(
         std::ranges::count_if(spec.points, [&](const ScatterPoint& p) { return !is_on_axes(p, x, y); }));
     std::vector<std::string> footnotes;
     if (undrawn_count > 0)
         footnotes.push_back(scene::toml::count_with_noun(undrawn_count, "point has no value and is not drawn.",
                                                          "points have no value and are not drawn."));
-    const Canvas notes = image::heading({}, footnotes, content);
+    const Canvas notes = image::heading({}, footnotes, content_width);
 
     PlotFrame frame{image::style::margin + axes.left(), 0, 1, 1, point_margin};
     frame.width = spec.width - image::style::margin - axes.right() - 1 - frame.x;
     frame.y = image::style::margin + head.height() + image::style::gap + axes.above();
-    const int foot = 1 + axes.below() + image::style::gap + keys.height() + notes.height() + image::style::margin;
+    const int foot = 1 + axes.below() + image::style::gap + legend.height() + notes.height() + image::style::margin;
     frame.height = std::max(spec.height - frame.y - foot, 200);
 
     Canvas page(spec.width, frame.y + frame.height + foot);
     page.draw_canvas(image::style::margin, image::style::margin, head);
     axes.draw_grid(page, frame);
-    Scatter scatter(spec, x, y, frame);
-    scatter.draw_points(page, true);
-    scatter.draw_front(page);
-    scatter.draw_points(page, false);
-    scatter.draw_labels(page);
+    ScatterPlotter plotter(spec, x, y, frame);
+    plotter.draw_points(page, true);
+    plotter.draw_front(page);
+    plotter.draw_points(page, false);
+    plotter.draw_labels(page);
     axes.draw(page, frame);
-    keys.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.below() + image::style::gap);
+    legend.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.below() + image::style::gap);
     page.draw_canvas(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
     return page;
 }

@@ -1,4 +1,4 @@
-// Points with two properties. A stepped line joins the points on the Pareto front, which are named.
+// Plot of points with two properties. A stepped line joins the points on the Pareto front, which have labels.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace lostbits::output::plot {
 
-/// Index of ink in the palette, for keys of a property other than colour, such as a marker.
+/// Palette index of ink, for legend entries that explain another property than colour, such as a marker.
 inline constexpr std::size_t ink_colour = 4;
 
 struct ScatterPoint {
@@ -17,8 +17,8 @@ struct ScatterPoint {
     double x_low, x_high;    ///< spread of x, drawn as a thin bar
     int marker = 0;          ///< kind for `draw_marker`
     std::size_t colour = 0;  ///< index in the palette
-    bool faint = false;      ///< grey, small and without a name
-    bool hollow = false;
+    bool is_faint = false;   ///< grey, without a bar and a label
+    bool is_hollow = false;  ///< the marker has a hole
     std::string label = {};
     std::string key = {};  ///< for a script: what the point shows; see `MarkData`
 };
@@ -32,12 +32,13 @@ struct ScatterPlotSpec {
         double x, y;
         bool is_solid = true;  ///< the line to the next step is solid; otherwise dashed
     };
-    std::vector<Step> front;  ///< x does not fall; the line from a step goes right, then up or down
+    std::vector<Step> pareto_front;  ///< x does not fall; the line from a step goes right, then up or down
+    /// Entry of the legend.
     struct Key {
         std::string label;
         int marker;
         std::size_t colour;
-        bool faint = false, hollow = false;
+        bool is_faint = false, is_hollow = false;
     };
     std::vector<Key> keys;  ///< the legend below the frame
     int width = 1100, height = 760;

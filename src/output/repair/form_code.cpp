@@ -63,11 +63,11 @@ private:
     [[nodiscard]] std::string constant(NodeId i) const override {
         return fmt::format("{}({})", is_wide(i) ? "W" : "T", static_cast<int>(tape_[i].operands[0]));
     }
-    [[nodiscard]] int binding(NodeId i) const override {
+    [[nodiscard]] int precedence(NodeId i) const override {
         const TapeNode& n = tape_[i];
         return n.op == TapeOp::convert || is_square(n) ? 4 : measure::attribution::text_of(n.op).binds.level;
     }
-    // In sums and products of three without parentheses, the first two operands are combined first.
+    // C++ evaluates a sum or product without parentheses from left to right.
     [[nodiscard]] std::string expression(NodeId i) const override {
         const TapeNode& n = tape_[i];
         if (n.op == TapeOp::any) return operand(n.operands[0], 0);
@@ -104,7 +104,7 @@ std::string info_members(const intersect::Info& info, const FormTexts& texts) {
     add(info.touching == Touching::miss, ".touching = Touching::miss");
     add(info.at_origin != AtOrigin::hit,
         fmt::format(".at_origin = AtOrigin::{}", at_origin_names[static_cast<std::size_t>(info.at_origin)]));
-    add(texts.binary32_only, ".formats = Formats::binary32_only");
+    add(texts.is_binary32_only, ".formats = Formats::binary32_only");
     add(info.inside != Inside::usual,
         fmt::format(".inside = Inside::{}", inside_names[static_cast<std::size_t>(info.inside)]));
     add(info.facing != Facing::both,
@@ -123,16 +123,16 @@ std::vector<std::string> statements(const Tape& tape, const Intersector& form, c
 
 std::string head_comment(const FormTexts& texts) {
     std::string text;
-    for (const std::string& line : texts.head) text += "// " + file::line_comment(line) + "\n";
+    for (const std::string& line : texts.head_lines) text += "// " + file::line_comment(line) + "\n";
     return text;
 }
 
 namespace {
 
-/// True for names that the struct cannot have: names of the types in its code, and of macros of the C library, many of
-/// which are in capitals.
-bool is_taken(const std::string& type) {
-    static const std::set<std::string, std::less<>> taken_names = [] {
+/// True for names that the struct cannot have: names of the types in its code, and names without a lowercase letter,
+/// because many macros of the C library are in capitals.
+bool is_reserved_type_name(const std::string& type) {
+    static const std::set<std::string, std::less<>> reserved_names = [] {
         std::set<std::string, std::less<>> names{"Ray",   "Vec",       "Hit",      "Info",      "Primitive", "Range",
                                                  "Wider", "Direction", "Touching", "AtOrigin",  "Inside",    "Facing",
                                                  "Roots", "Key",       "ShapeRow", "Convention"};
@@ -143,7 +143,7 @@ bool is_taken(const std::string& type) {
         }
         return names;
     }();
-    return taken_names.contains(type) ||
+    return reserved_names.contains(type) ||
            std::ranges::none_of(type, [](char c) { return std::islower(static_cast<unsigned char>(c)) != 0; });
 }
 
@@ -157,7 +157,7 @@ std::string type_name(const std::string& form) {
             name += starts_word ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
         starts_word = std::isalnum(static_cast<unsigned char>(c)) == 0;
     }
-    return is_taken(name) ? name + "_" : name;
+    return is_reserved_type_name(name) ? name + "_" : name;
 }
 
 std::string form_header(const Tape& tape, const Intersector& form_row, const FormTexts& texts) {
@@ -172,14 +172,14 @@ std::string form_header(const Tape& tape, const Intersector& form_row, const For
     const auto uses = [&](const char* word) { return body.find(word) != std::string::npos; };
     std::string conversions;
     if (uses("W"))
-        conversions += texts.two_words ? "        using W = number::wide::TwoWords<T>;\n"
-                                       : "        using W = typename Wider<T>::type;\n";
+        conversions += texts.uses_two_words ? "        using W = number::wide::TwoWords<T>;\n"
+                                            : "        using W = typename Wider<T>::type;\n";
     if (uses("wide("))
         conversions += fmt::format("        const auto wide = [](const T& x) {{ return {}(x); }};\n",
-                                   texts.two_words ? "W" : "Wider<T>::widen");
+                                   texts.uses_two_words ? "W" : "Wider<T>::widen");
     if (uses("narrow("))
         conversions += fmt::format("        const auto narrow = [](const W& x) {{ return {}; }};\n",
-                                   texts.two_words ? "T(x.hi)" : "Wider<T>::narrow(x)");
+                                   texts.uses_two_words ? "T(x.hi)" : "Wider<T>::narrow(x)");
     return fmt::format(
         "{}#pragma once\n\n{}#include \"intersect/info.hpp\"\n{}#include \"shapes/{}/{}.hpp\"\n\n"
         "namespace lostbits::intersect::{} {{\n\nstruct {} {{\n    static constexpr Info info{{\n{}    }};\n\n"
@@ -187,7 +187,7 @@ std::string form_header(const Tape& tape, const Intersector& form_row, const For
         "        const Vec<T>&o = ray.origin, &d = ray.direction;\n{}{}    }}\n}};\n\n}}  // namespace "
         "lostbits::intersect::{}\n",
         head_comment(texts), form_row.is_placed ? "#include <array>\n\n" : "",
-        texts.two_words ? "#include \"number/wide/two_words.hpp\"\n" : "", shape.name, shape.name, shape.name,
+        texts.uses_two_words ? "#include \"number/wide/two_words.hpp\"\n" : "", shape.name, shape.name, shape.name,
         type_name(texts.name.substr(texts.name.find('.') + 1)), info_members(*form_row.info, texts), primitive,
         shape.name, form_row.is_placed ? ", const std::array<T, 12>& matrix" : "",
         shape.takes_tmax ? ", const T& tmax" : "", conversions, matrix, body, shape.name);

@@ -23,14 +23,14 @@ using table::when;
 
 namespace {
 
-/// Point of a row in the plane of bits and time, or of bits and number of wider operations.
+/// Point of a row in the plot: its kept bits against its time or, without a time, its number of wider operations.
 ParetoPoint point_of(const FormRow& row) {
-    return {row.price ? row.price->packed.median * 1e9 : static_cast<double>(row.wide), row.quality->wrong_fraction(),
-            row.quality->kept_bits};
+    return {row.price ? row.price->packed.median * 1e9 : static_cast<double>(row.wider_operations),
+            row.quality->wrong_fraction(), row.quality->kept_bits};
 }
 
-std::string bits_of(const RowQuality& quality, const measure::choice::Requirement& requirement) {
-    return std::isnan(quality.kept_bits) ? "no" : choice::bits_text_near(quality.kept_bits, requirement);
+std::string kept_bits_text(const RowQuality& quality, const measure::choice::Requirement& requirement) {
+    return std::isnan(quality.kept_bits) ? "no" : choice::kept_bits_text(quality.kept_bits, requirement);
 }
 
 int marker_of(const FormRow& row) {
@@ -39,102 +39,108 @@ int marker_of(const FormRow& row) {
 
 }  // namespace
 
-std::vector<FormRow> rows_of(const RepairSummary& r) {
-    const auto& repair = r.repair;
-    const auto& own_row = r.request.row;
-    const std::string wider = name_of_wider(repair.wider);
-    std::vector<FormRow> rows{{"own", std::string(own_row.form->info->name), own_row, repair.operations, 0, &repair.own,
-                               &repair.own_held_out, &repair.own_probed}};
+std::vector<FormRow> form_rows(const RepairSummary& summary) {
+    const auto& repair = summary.repair;
+    const auto& original_row = summary.request.row;
+    const std::string wider_format = wider_format_name(repair.wider);
+    std::vector<FormRow> rows{{"own", std::string(original_row.form->info->name), original_row, repair.operations, 0,
+                               &repair.own, &repair.own_held_out, &repair.own_probed}};
     const auto add_proposal = [&](const Proposal& proposal) {
         if (proposal.rewritten)
-            return rows.push_back({"rewritten", rules_of(*proposal.rewritten), own_row, proposal.rewritten->operations,
-                                   proposal.rewritten->set ? proposal.rewritten->set->operations.size() : 0,
-                                   proposal.quality, proposal.held_out, proposal.probed,
-                                   rules_of(*proposal.rewritten)});
-        const std::string name = fmt::format("{} of {} in {}", proposal.wider->size(), repair.operations, wider);
-        rows.push_back({proposal.symmetric ? "symmetric" : "wider", proposal.symmetric ? name + ", symmetric" : name,
-                        own_row, repair.operations, proposal.wider->size(), proposal.quality, proposal.held_out,
-                        proposal.probed});
-        rows.back().set = proposal.wider;
+            return rows.push_back(
+                {"rewritten", rule_names(*proposal.rewritten), original_row, proposal.rewritten->operations,
+                 proposal.rewritten->set ? proposal.rewritten->set->operations.size() : 0, proposal.quality,
+                 proposal.held_out_quality, proposal.probe_qualities, rule_names(*proposal.rewritten)});
+        const std::string name =
+            fmt::format("{} of {} in {}", proposal.wider_operations->size(), repair.operations, wider_format);
+        rows.push_back({proposal.is_symmetric_set ? "symmetric" : "wider",
+                        proposal.is_symmetric_set ? name + ", symmetric" : name, original_row, repair.operations,
+                        proposal.wider_operations->size(), proposal.quality, proposal.held_out_quality,
+                        proposal.probe_qualities});
+        rows.back().wider_set = proposal.wider_operations;
     };
-    const auto proposals = proposals_of(r);
+    const auto proposals = list_proposals(summary);
     const auto rewritten = std::ranges::find_if(proposals, [](const Proposal& p) { return p.rewritten != nullptr; });
     std::for_each(proposals.begin(), rewritten, add_proposal);
-    rows.push_back({"all_wider", fmt::format("all {} in {}", repair.operations, wider), own_row, repair.operations,
-                    repair.operations, &repair.all, repair.set ? nullptr : &repair.set_held_out,
+    rows.push_back({"all_wider", fmt::format("all {} in {}", repair.operations, wider_format), original_row,
+                    repair.operations, repair.operations, &repair.all, repair.set ? nullptr : &repair.set_held_out,
                     repair.set ? nullptr : &repair.set_probed});
     std::for_each(rewritten, proposals.end(), add_proposal);
-    for (FormRow& row : rows) row.wider = row.wide == 0 ? "" : wider;
+    for (FormRow& row : rows) row.wider_format = row.wider_operations == 0 ? "" : wider_format;
     const std::size_t first_of_catalogue = rows.size();
-    for (std::size_t k = 0; k < r.catalogue.size(); ++k)
+    for (std::size_t k = 0; k < summary.catalogue.size(); ++k)
         rows.push_back({.kind = "catalogue",
-                        .name = std::string(r.catalogue[k].form->info->name),
-                        .row = r.catalogue[k],
-                        .quality = &r.catalogue_quality[k]});
-    for (FormRow& row : rows) row.meets_requirement = row.quality->meets(r.request.requirement);
+                        .name = std::string(summary.catalogue[k].form->info->name),
+                        .form_row = summary.catalogue[k],
+                        .quality = &summary.catalogue_quality[k]});
+    for (FormRow& row : rows) row.meets_requirement = row.quality->meets(summary.request.requirement);
     std::vector<FormRow*> timed_rows;
     std::vector<ParetoPoint> points;
     for (FormRow& row : rows) {
-        if (timed_rows.size() == r.prices.size() || row.kind == "all_wider") continue;
-        row.price = &r.prices[timed_rows.size()];
+        if (timed_rows.size() == summary.prices.size() || row.kind == "all_wider") continue;
+        row.price = &summary.prices[timed_rows.size()];
         timed_rows.push_back(&row);
         points.push_back(point_of(row));
     }
     const auto is_dominated = dominated(points);
-    for (std::size_t k = 0; k < timed_rows.size(); ++k) timed_rows[k]->front = !is_dominated[k];
+    for (std::size_t k = 0; k < timed_rows.size(); ++k) timed_rows[k]->is_on_front = !is_dominated[k];
     for (std::size_t k = first_of_catalogue; k < rows.size(); ++k)
-        rows[k].is_shown = (rows[k].front || k == first_of_catalogue) && rows[k].row.form != own_row.form;
+        rows[k].is_shown =
+            (rows[k].is_on_front || k == first_of_catalogue) && rows[k].form_row.form != original_row.form;
     return rows;
 }
 
-std::string change_text(const RepairSummary& r, const FormRow& row) {
-    const RowQuality &old_quality = r.repair.own, &new_quality = *row.quality;
-    const auto& requirement = r.request.requirement;
+std::string change_text(const RepairSummary& summary, const FormRow& row) {
+    const RowQuality &old_quality = summary.repair.own, &new_quality = *row.quality;
+    const auto& requirement = summary.request.requirement;
     std::string text = fmt::format(
         "{}: {} → {} bits, {}",
-        row.set ? fmt::format("{} in {}", names_of(r, *row.set), name_of_wider(r.repair.wider)) : row.name,
-        bits_of(old_quality, requirement), bits_of(new_quality, requirement),
+        row.wider_set
+            ? fmt::format("{} in {}", statement_names(summary, *row.wider_set), wider_format_name(summary.repair.wider))
+            : row.name,
+        kept_bits_text(old_quality, requirement), kept_bits_text(new_quality, requirement),
         new_quality.wrong == 0 ? "no wrong decision" : fmt::format("{} wrong decisions", new_quality.wrong));
     if (old_quality.wrong != new_quality.wrong) text += fmt::format(" instead of {}", old_quality.wrong);
     if (row.price)
-        text += fmt::format(", {:+.2g} ns a ray", (row.price->packed.median - r.prices.front().packed.median) * 1e9);
+        text +=
+            fmt::format(", {:+.2g} ns a ray", (row.price->packed.median - summary.prices.front().packed.median) * 1e9);
     return text;
 }
 
-image::Canvas front_plot(const RepairSummary& r) {
-    const auto& requirement = r.request.requirement;
-    const bool is_timed = !r.prices.empty();
+image::Canvas pareto_plot(const RepairSummary& summary) {
+    const auto& requirement = summary.request.requirement;
+    const bool is_timed = !summary.prices.empty();
     plot::ScatterPlotSpec spec;
     spec.title = fmt::format("{} against kept bits: {} on {}", is_timed ? "Time" : "Wider operations",
-                             r.request.row.form->info->name, r.request.id());
+                             summary.request.row.form->info->name, summary.request.id());
     spec.subtitle = {
-        fmt::format("Required: {}.", choice::in_words(requirement)),
+        fmt::format("Required: {}.", choice::requirement_text(requirement)),
         "Named: the form, its repairs, and the Pareto front, on which fewer wrong decisions count before more bits." +
-            (is_timed ? std::string() : " The catalogue: only forms in " + r.request.row.format.name + ".")};
+            (is_timed ? std::string() : " The catalogue: only forms in " + summary.request.row.format.name + ".")};
     if (is_timed)
         spec.x = {"time per ray and primitive in packs, ns", plot::AxisSpec::Scale::log2, {}, {}, false, true};
-    else spec.x = {"operations in " + name_of_wider(r.repair.wider), plot::AxisSpec::Scale::linear, 0.0, {}};
+    else spec.x = {"operations in " + wider_format_name(summary.repair.wider), plot::AxisSpec::Scale::linear, 0.0, {}};
     spec.y = {"bits kept", plot::AxisSpec::Scale::linear, {}, {}};
-    const std::vector<FormRow> rows = rows_of(r);
-    std::vector<speed::FrontPoint> points;
+    const std::vector<FormRow> rows = form_rows(summary);
+    std::vector<speed::KernelPoint> points;
     for (const FormRow& row : rows) {
-        const bool is_own = row.kind != "catalogue";
-        // The operations inside a form of the catalogue that are already wider are not counted.
-        const bool can_be_drawn = is_timed
-                                      ? row.price != nullptr
-                                      : is_own || measure::choice::computes_in(row.row).name == row.row.format.name;
-        if (!can_be_drawn || (!is_own && row.row.form == r.request.row.form)) continue;
-        points.push_back({.row = row.row,
+        const bool is_of_repair = row.kind != "catalogue";
+        // Forms of the catalogue that compute in a wider format have no count of wider operations.
+        const bool can_be_drawn =
+            is_timed ? row.price != nullptr
+                     : is_of_repair || measure::choice::computes_in(row.form_row).name == row.form_row.format.name;
+        if (!can_be_drawn || (!is_of_repair && row.form_row.form == summary.request.row.form)) continue;
+        points.push_back({.form_row = row.form_row,
                           .quality = point_of(row),
                           .time = row.price ? std::optional(row.price->packed) : std::nullopt,
                           .marker = marker_of(row),
-                          .named = is_own,
-                          .hollow = !row.quality->decides(requirement),
-                          .label = is_own ? row.name : map::short_name(*row.row.form->info)});
+                          .is_named = is_of_repair,
+                          .is_hollow = !row.quality->decides(requirement),
+                          .label = is_of_repair ? row.name : map::short_name(*row.form_row.form->info)});
     }
-    speed::add_front(spec, points);
+    speed::add_kernel_points(spec, points);
     spec.keys = {{"the form", 3, plot::ink_colour},
-                 {"operations in " + name_of_wider(r.repair.wider), 1, plot::ink_colour},
+                 {"operations in " + wider_format_name(summary.repair.wider), 1, plot::ink_colour},
                  {"written another way", 2, plot::ink_colour},
                  {"catalogue", 0, plot::ink_colour},
                  {"decides more rays wrongly than allowed", 0, plot::ink_colour, false, true},
@@ -149,10 +155,10 @@ Table<FormRow> form_table() {
          "own: the form; wider: with a minimal set of its operations wider; symmetric: with a set that treats x, y and "
          "z alike; all_wider: with all of them wider; rewritten: the form written another way; catalogue",
          &R::kind}};
-    table.add(table::subject_columns("form", "of its inputs and answers"), &R::row);
-    table.add({{"wider", "format of the wider operations; missing if there are none", &R::wider},
+    table.add(table::subject_columns("form", "of its inputs and answers"), &R::form_row);
+    table.add({{"wider", "format of the wider operations; missing if there are none", &R::wider_format},
                {"wider_operations", "number of its operations that are done wider; missing for the catalogue",
-                [](const R& r) { return when(r.operations != 0, r.wide); }},
+                [](const R& r) { return when(r.operations != 0, r.wider_operations); }},
                {"operations", "number of its rounding operations; missing for the catalogue",
                 [](const R& r) { return when(r.operations != 0, r.operations); }},
                {"rules", "rules that rewrote it, in order; missing if it was not rewritten", &R::rules}});
@@ -162,7 +168,7 @@ Table<FormRow> form_table() {
         {{"apart_rays", "rays that the search did not use; missing if they were not measured", &RowQuality::rays},
          {"apart_wrong", "number of these that are decided wrongly", &RowQuality::wrong},
          {"apart_kept_bits", "bits", "bits kept on these", or_missing(&RowQuality::kept_bits)}},
-        &R::held_out);
+        &R::held_out_quality);
     using P = Price;
     table.add<P>(
         {{"isa", "registers of `time_ns`; missing, like the times, if nothing was compiled", &P::isa},
@@ -172,7 +178,7 @@ Table<FormRow> form_table() {
         &R::price);
     return table.add(
         {"front", "true if no other form is at least as accurate and as fast in packs, and better in one of the two",
-         [](const R& r) { return when(r.price != nullptr, r.front); }});
+         [](const R& r) { return when(r.price != nullptr, r.is_on_front); }});
 }
 
 Table<MinimalRow> minimal_table() {
@@ -184,17 +190,18 @@ Table<MinimalRow> minimal_table() {
          &R::operation},
         {"step", "its index among the form's operations, from 1; operations on constants alone are not counted",
          &R::step},
-        {"rays", "rays whose truth is known", [](const R& r) { return r.without->rays; }},
-        {"wrong", "rays decided wrongly without it", [](const R& r) { return r.without->wrong; }},
-        {"kept_bits", "bits", "bits kept without it", or_missing([](const R& r) { return r.without->kept_bits; })},
+        {"rays", "rays whose truth is known", [](const R& r) { return r.quality_without->rays; }},
+        {"wrong", "rays decided wrongly without it", [](const R& r) { return r.quality_without->wrong; }},
+        {"kept_bits", "bits", "bits kept without it",
+         or_missing([](const R& r) { return r.quality_without->kept_bits; })},
         {"meets", "true if the requirement is met without it: always 0, or the set would not be minimal",
          &R::meets_requirement}};
 }
 
 namespace {
 
-/// For each node, the number of operations up to it on values that are not constant.
-std::vector<int> steps_of(const Tape& tape) {
+/// For each node, the number of operations up to it that do not depend only on constants.
+std::vector<int> count_steps(const Tape& tape) {
     std::vector<int> steps;
     std::vector<bool> is_constant;
     int step = 0;
@@ -213,14 +220,15 @@ std::vector<int> steps_of(const Tape& tape) {
 
 }  // namespace
 
-std::vector<MinimalRow> minimal_rows(const RepairSummary& r) {
+std::vector<MinimalRow> minimal_rows(const RepairSummary& summary) {
     std::vector<MinimalRow> rows;
-    if (!r.has_set()) return rows;
-    const auto& set = *r.repair.set;
-    const std::vector<int> steps = steps_of(r.repair.tape);
-    for (std::size_t k = 0; k < set.operations.size(); ++k)
-        rows.push_back({operation_text(r, set.operations[k]), steps[static_cast<std::size_t>(set.operations[k])],
-                        &set.without[k], set.without[k].meets(r.request.requirement)});
+    if (!summary.has_wider_set()) return rows;
+    const measure::repair::WiderSet& wider_set = *summary.repair.set;
+    const std::vector<int> steps = count_steps(summary.repair.tape);
+    for (std::size_t k = 0; k < wider_set.operations.size(); ++k)
+        rows.push_back({operation_text(summary, wider_set.operations[k]),
+                        steps[static_cast<std::size_t>(wider_set.operations[k])], &wider_set.without[k],
+                        wider_set.without[k].meets(summary.request.requirement)});
     return rows;
 }
 
@@ -240,12 +248,12 @@ Table<ProbeRow> probe_table() {
     return table.add({"meets", "true if it meets the requirement there", &R::meets_requirement});
 }
 
-std::vector<ProbeRow> probe_rows(const RepairSummary& r) {
+std::vector<ProbeRow> probe_rows(const RepairSummary& summary) {
     std::vector<ProbeRow> rows;
-    for (const FormRow& form : rows_of(r))
-        for (std::size_t k = 0; form.probed && k < form.probed->size(); ++k)
-            rows.push_back(
-                {form, r.repair.probes[k]->name, &(*form.probed)[k], (*form.probed)[k].meets(r.request.requirement)});
+    for (const FormRow& form : form_rows(summary))
+        for (std::size_t k = 0; form.probe_qualities && k < form.probe_qualities->size(); ++k)
+            rows.push_back({form, summary.repair.probes[k]->name, &(*form.probe_qualities)[k],
+                            (*form.probe_qualities)[k].meets(summary.request.requirement)});
     return rows;
 }
 
@@ -257,68 +265,70 @@ RepairFiles::RepairFiles(const std::filesystem::path& folder)
       probes_(folder, "probes.csv", "One row per form and probe: the scene with axes exchanged, mirrored or rotated",
               probe_table()) {}
 
-void RepairFiles::finish(const RepairSummary& r) {
-    forms_.add_all(rows_of(r));
-    minimal_.add_all(minimal_rows(r));
-    probes_.add_all(probe_rows(r));
-    file::write_file(folder_ / "mend.txt", in_words(r));
-    table::close_tables(folder_, fmt::format("Mended: {}", r.request.id()), forms_, minimal_, probes_);
+void RepairFiles::finish(const RepairSummary& summary) {
+    forms_.add_all(form_rows(summary));
+    minimal_.add_all(minimal_rows(summary));
+    probes_.add_all(probe_rows(summary));
+    file::write_file(folder_ / "mend.txt", repair_text(summary));
+    table::close_tables(folder_, fmt::format("Mended: {}", summary.request.id()), forms_, minimal_, probes_);
 }
 
 namespace {
 
-FormTexts texts_of(const RepairSummary& r, const Proposal& proposal, const std::string& name,
+FormTexts texts_of(const RepairSummary& summary, const Proposal& proposal, const std::string& name,
                    const std::string& command) {
-    const auto& repair = r.repair;
-    const std::string form_name(r.request.row.form->info->name), method = method_text(r, proposal);
-    std::vector<std::string> head_lines{fmt::format("{}, {}:", form_name, method),
-                                        fmt::format("{} on every {} of {}.", choice::in_words(r.request.requirement),
-                                                    r.request.scene ? "pixel" : "ray kept", r.request.id()),
-                                        "Made by " + command};
-    if (r.request.row.form->is_placed)
-        head_lines.emplace_back(are_inverses(r.request)
+    const auto& repair = summary.repair;
+    const std::string form_name(summary.request.row.form->info->name), method = method_text(summary, proposal);
+    std::vector<std::string> head_lines{
+        fmt::format("{}, {}:", form_name, method),
+        fmt::format("{} on every {} of {}.", choice::requirement_text(summary.request.requirement),
+                    summary.request.scene ? "pixel" : "ray kept", summary.request.id()),
+        "Made by " + command};
+    if (summary.request.row.form->is_placed)
+        head_lines.emplace_back(are_inverses(summary.request)
                                     ? "The matrix maps from the world to the primitive, row by row."
                                     : "The matrix maps from the primitive to the world, row by row.");
     return {.name = name,
             .title = form_name + ", " + method,
             .source = command,
-            .head = std::move(head_lines),
-            .two_words = repair.wider != binary64,
-            .binary32_only = repair.wider == binary64 && (!proposal.rewritten || proposal.rewritten->set)};
+            .head_lines = std::move(head_lines),
+            .uses_two_words = repair.wider != binary64,
+            .is_binary32_only = repair.wider == binary64 && (!proposal.rewritten || proposal.rewritten->set)};
 }
 
 }  // namespace
 
-measure::repair::RepairedSource written(const RepairSummary& r, const Proposal& proposal, const std::string& name,
-                                        const std::string& command) {
-    const FormTexts texts = texts_of(r, proposal, "mended." + name, command);
-    return {&proposal.tape, form_header(proposal.tape, *r.request.row.form, texts),
-            fmt::format("lostbits::intersect::{}::{}", row_of(r.request.row.form->shape).name, type_name(name)),
-            r.request.row};
+measure::repair::RepairedSource make_repaired_source(const RepairSummary& summary, const Proposal& proposal,
+                                                     const std::string& name, const std::string& command) {
+    const FormTexts texts = texts_of(summary, proposal, "mended." + name, command);
+    return {&proposal.tape, form_header(proposal.tape, *summary.request.row.form, texts),
+            fmt::format("lostbits::intersect::{}::{}", row_of(summary.request.row.form->shape).name, type_name(name)),
+            summary.request.row};
 }
 
-std::string emitted(const RepairSummary& r, const std::filesystem::path& file, const std::string& command) {
-    const auto proposals = proposals_of(r);
-    const Proposal* const best = best_of(proposals, r);
+std::string emitted_file_text(const RepairSummary& summary, const std::filesystem::path& file,
+                              const std::string& command) {
+    const auto proposals = list_proposals(summary);
+    const Proposal* const best = best_proposal(proposals, summary);
     if (!best)
         throw InputError(fmt::format(
             "--emit {}: no other form of {} was found that meets the requirement, so there is nothing to write; {}",
-            file.string(), r.request.row.form->info->name,
-            r.repair.set ? "it meets the requirement as it is" : "it also fails with all operations wider"));
+            file.string(), summary.request.row.form->info->name,
+            summary.repair.set ? "it meets the requirement as it is" : "it also fails with all operations wider"));
     if (file.extension() == ".patch") {
-        if (r.patches.empty())
+        if (summary.patches.empty())
             throw InputError(fmt::format("--emit {}: {} is not a function of --function; write .hpp or .glsl",
-                                         file.string(), r.request.row.form->info->name));
-        const auto& patch = r.patches[static_cast<std::size_t>(best - proposals.data())];
+                                         file.string(), summary.request.row.form->info->name));
+        const auto& patch = summary.patches[static_cast<std::size_t>(best - proposals.data())];
         if (patch.diff.empty())
             throw InputError(fmt::format("--emit {}: there is no patch of {}: {}; write .hpp", file.string(),
                                          patch.file, patch.why_not));
         return patch.diff;
     }
     const bool is_shader = file.extension() == ".glsl";
-    const FormTexts texts = texts_of(r, *best, (is_shader ? "" : "mended.") + file.stem().string(), command);
-    return is_shader ? shader_code(best->tape, *r.request.row.form, texts)
-                     : form_header(best->tape, *r.request.row.form, texts);
+    const FormTexts texts = texts_of(summary, *best, (is_shader ? "" : "mended.") + file.stem().string(), command);
+    return is_shader ? shader_code(best->tape, *summary.request.row.form, texts)
+                     : form_header(best->tape, *summary.request.row.form, texts);
 }
 
 }  // namespace lostbits::output::repair

@@ -17,12 +17,12 @@ namespace lostbits::output::repair {
 
 namespace {
 
-/// A function that the shader may call. The functions that a helper calls itself are defined before it.
+/// A function that the shader may call. In `helpers`, a helper stands after those that it calls.
 struct Helper {
     std::string_view name, text;
 };
 
-/// `number::wide::TwoWords` of floats, operation by operation; x is the high word. `fused` is Boldo and Melquiond's fma
+/// The operations of `number::wide::TwoWords` on floats; x is the high word. `fused` is Boldo and Melquiond's fma
 /// ("Emulation of a FMA and correctly rounded sums: proved algorithms using rounding to odd", 2008), which is correct
 /// to the last bit if nothing underflows and no product exceeds 2^115.
 constexpr std::array helpers{
@@ -143,9 +143,9 @@ std::set<std::string, std::less<>> reserved_names_of_glsl(const ShapeRow& shape)
     return reserved;
 }
 
-/// Name of the function for the name of its file. Names that GLSL reserves get an underscore or a prefix: its own words
-/// and functions, names that begin with gl_, and names with two adjacent underscores. Names with lb_ are reserved for
-/// the program around a shader.
+/// Name of the function, made from the name of its file. GLSL reserves its keywords and functions, names that begin
+/// with gl_, and names with two adjacent underscores. The program around a shader reserves names that begin with lb_.
+/// Such names are changed: adjacent underscores become one, and the others get an underscore or a prefix.
 std::string function_name(const std::string& file, const ShapeRow& shape) {
     static const std::set<std::string, std::less<>> glsl_words = [] {
         std::istringstream words(R"(
@@ -178,7 +178,7 @@ public:
 private:
     [[nodiscard]] bool is_pair(NodeId i) const { return tape_.format_of(i).precision == 48; }
     [[nodiscard]] bool is_double(NodeId i) const { return tape_.format_of(i) == binary64; }
-    /// Operand whose format is that of the operation.
+    /// Operand that has the format of the operation.
     [[nodiscard]] NodeId typed_operand(NodeId i) const {
         return tape_[i].operands[tape_[i].op == TapeOp::select ? 1 : 0];
     }
@@ -194,7 +194,7 @@ private:
         const std::string number = fmt::format("{}.0", static_cast<int>(tape_[i].operands[0]));
         return is_pair(i) ? fmt::format("vec2({}, 0.0)", number) : is_double(i) ? number + "LF" : number;
     }
-    [[nodiscard]] int binding(NodeId i) const override {
+    [[nodiscard]] int precedence(NodeId i) const override {
         const TapeNode& n = tape_[i];
         const bool is_pair_choice = (n.op == TapeOp::min || n.op == TapeOp::max) && is_pair(i);
         if (n.op == TapeOp::select || is_pair_choice) return -1;
@@ -219,11 +219,13 @@ private:
             case TapeOp::add: return "$1:1 + $2:2";
             case TapeOp::min: return is_double(typed_node) ? "least_of_doubles($1, $2)" : "least($1, $2)";
             case TapeOp::max: return is_double(typed_node) ? "most_of_doubles($1, $2)" : "most($1, $2)";
-            case TapeOp::fma: return is_double(typed_node) ? missing("an fma of doubles") : "fused($1, $2, $3)";
+            case TapeOp::fma:
+                return is_double(typed_node) ? refuse_operation("an fma of doubles") : "fused($1, $2, $3)";
             case TapeOp::copysign:
-                return is_double(typed_node) ? missing("the sign of a double on another") : "with_sign($1, $2)";
+                return is_double(typed_node) ? refuse_operation("the sign of a double on another")
+                                             : "with_sign($1, $2)";
             case TapeOp::next_up:
-            case TapeOp::next_down: return missing("the number next to another");
+            case TapeOp::next_down: return refuse_operation("the number next to another");
             default: return measure::attribution::text_of(op).plain.text;
         }
     }
@@ -248,10 +250,10 @@ private:
             case TapeOp::greater_equal: return "not_above($2, $1)";
             case TapeOp::min: return "below($1, $2) ? $1 : $2";
             case TapeOp::max: return "below($2, $1) ? $1 : $2";
-            default: return missing("this operation of two floats");
+            default: return refuse_operation("this operation of two floats");
         }
     }
-    [[noreturn]] static std::string_view missing(const char* what) {
+    [[noreturn]] static std::string_view refuse_operation(const char* what) {
         throw InputError(std::string("GLSL does not have ") + what +
                          ", which the repaired form needs; use --emit NAME.hpp to write it as C++");
     }
@@ -276,12 +278,11 @@ std::string contract_of(const intersect::Info& info, const FormTexts& texts) {
         text += fmt::format(" facing={}", facing_names[static_cast<std::size_t>(info.facing)]);
     if (info.endless) text += " flags=no_end";
     std::string title = file::line_comment(texts.title);
-    std::ranges::replace(title, '"',
-                         '\'');  // quotation marks hold the words of a value together, and nothing escapes one
+    std::ranges::replace(title, '"', '\'');  // quotation marks delimit the value and cannot be escaped
     return fmt::format("// lostbits: {}\n// lostbits: title=\"{}\"\n", text, title);
 }
 
-/// Comment at the top, without the mark after which `--shader` reads properties of the function.
+/// Comment at the top. A blank breaks each `lostbits:` in it, the mark after which `--shader` reads properties.
 std::string head_without_mark(const FormTexts& texts) {
     std::string head = head_comment(texts);
     const std::string mark = "lostbits:";

@@ -30,8 +30,8 @@ TapeCode::TapeCode(const Tape& tape, const Intersector& form, std::vector<NodeId
       outputs_(std::move(outputs)),
       slice_(tape, outputs_),
       language_(std::move(language)),
-      own_format_(tape.format_of(tape.outputs.t)),
-      inputs_(input_names_of(form)),
+      form_format_(tape.format_of(tape.outputs.t)),
+      input_names_(input_names_of(form)),
       primitive_numbers_(row_of(form.shape).numbers) {
     assign_names(reference);
     choose_inlined();
@@ -44,12 +44,12 @@ std::vector<std::string> TapeCode::statements() const {
     return lines;
 }
 
-std::string TapeCode::operand(NodeId i, int binds) const {
+std::string TapeCode::operand(NodeId i, int least_precedence) const {
     const TapeNode& n = tape_[i];
     if (n.op == TapeOp::constant) return constant(i);
     if (n.op == TapeOp::input || !is_inlined(i)) return name(i);
     const std::string text = expression(i);
-    return binding(i) < binds ? fmt::format("({})", text) : text;
+    return precedence(i) < least_precedence ? fmt::format("({})", text) : text;
 }
 
 std::string TapeCode::identifier(std::string_view label) const {
@@ -74,9 +74,9 @@ void TapeCode::assign_names(const TapeCode* reference) {
         const TapeNode& n = tape_[i];
         std::string name;
         if (n.op == TapeOp::input) {
-            name = inputs_.at(static_cast<std::size_t>(n.operands[0]));
+            name = input_names_.at(static_cast<std::size_t>(n.operands[0]));
             if (name == "ray.tmax") name = "tmax";
-            else if (n.operands[0] >= 6 && n.operands[0] < first_of_matrix) name.insert(0, language_.primitive);
+            else if (n.operands[0] >= 6 && n.operands[0] < first_of_matrix) name.insert(0, language_.primitive_prefix);
         } else if (n.op != TapeOp::constant && n.op != TapeOp::convert) {
             name = name_operation(n, reference, used);
         }
@@ -86,24 +86,24 @@ void TapeCode::assign_names(const TapeCode* reference) {
 }
 
 std::string TapeCode::name_operation(const TapeNode& n, const TapeCode* reference, std::set<std::string>& used) {
-    const std::string own_name = !n.label.empty() ? identifier(n.label) : input_difference_name(n), key = key_of(n);
-    std::string name = own_name;
-    if (std::vector<std::string>& equal_names = names_by_key_[key]; own_name.empty()) {
+    const std::string proper_name = !n.label.empty() ? identifier(n.label) : input_difference_name(n), key = key_of(n);
+    std::string name = proper_name;
+    if (std::vector<std::string>& equal_names = names_by_key_[key]; proper_name.empty()) {
         const auto reference_names = reference ? reference->names_by_key_.find(key) : names_by_key_.end();
         if (reference && reference_names != reference->names_by_key_.end() &&
             reference_names->second.size() > equal_names.size())
             name = reference_names->second[equal_names.size()];
         while (name.empty()) {
-            name = fmt::format("{}{}", is_decision(n.op) ? "m" : "s", ++unnamed_);
+            name = fmt::format("{}{}", is_decision(n.op) ? "m" : "s", ++unnamed_count_);
             if (!used.insert(name).second) name.clear();
         }
         equal_names.push_back(name);
     } else {
-        const char* const separator = std::isdigit(static_cast<unsigned char>(own_name.back())) != 0 ? "_" : "";
+        const char* const separator = std::isdigit(static_cast<unsigned char>(proper_name.back())) != 0 ? "_" : "";
         for (int repetition = 2; !used.insert(name).second; ++repetition)
-            name = fmt::format("{}{}{}", own_name, separator, repetition);
+            name = fmt::format("{}{}{}", proper_name, separator, repetition);
     }
-    first_names_.push_back(own_name.empty() ? names_by_key_[key].front() : name);
+    first_names_.push_back(proper_name.empty() ? names_by_key_[key].front() : name);
     return name;
 }
 
@@ -126,7 +126,7 @@ std::string TapeCode::input_difference_name(const TapeNode& n) const {
         const TapeNode* operand = &tape_[n.operands[k]];
         if (operand->op == TapeOp::convert) operand = &tape_[operand->operands[0]];
         if (operand->op != TapeOp::input) return "";
-        names[k] = inputs_.at(static_cast<std::size_t>(operand->operands[0]));
+        names[k] = input_names_.at(static_cast<std::size_t>(operand->operands[0]));
     }
     const auto dot = names[0].find('.');
     if (dot == std::string::npos || !names[1].ends_with(names[0].substr(dot))) return "";
@@ -134,12 +134,12 @@ std::string TapeCode::input_difference_name(const TapeNode& n) const {
                        names[0].substr(dot + 1));
 }
 
-int TapeCode::uses(NodeId i) const {
+int TapeCode::count_uses(NodeId i) const {
     int count = 0;
     for (NodeId k = i + 1; k < tape_.size(); ++k) {
         if (!slice_.is_needed(k) || is_given(tape_[k].op)) continue;
         for (const NodeId operand : tape_[k].operands) {
-            if (operand == i) count += tape_[k].op == TapeOp::convert ? uses(k) : 1;
+            if (operand == i) count += tape_[k].op == TapeOp::convert ? count_uses(k) : 1;
         }
     }
     for (const NodeId output : outputs_)
@@ -159,10 +159,10 @@ void TapeCode::choose_inlined() {
             characters += length[static_cast<std::size_t>(operand)] + (n.op == TapeOp::convert ? 0 : 3);
         }
         const bool needs_no_statement = is_given(n.op) || n.op == TapeOp::convert;
-        const bool fits_inside = n.label.empty() && characters <= most_inlined_characters && uses(i) == 1 &&
+        const bool fits_inside = n.label.empty() && characters <= most_inlined_characters && count_uses(i) == 1 &&
                                  input_difference_name(n).empty();
-        inlined_.push_back(needs_no_statement || fits_inside);
-        length.push_back(inlined_.back() ? characters : name(i).size());
+        is_inlined_.push_back(needs_no_statement || fits_inside);
+        length.push_back(is_inlined_.back() ? characters : name(i).size());
     }
 }
 

@@ -1,4 +1,4 @@
-// Writes a tape as statements of any language: decides which operations have statements of their own, and their names.
+// Writes a tape as statements of C++ or GLSL: decides which operations get a statement of their own, and names them.
 #pragma once
 
 #include <map>
@@ -15,15 +15,17 @@ namespace lostbits::output::repair {
 
 using intersect::table::Intersector;
 
-/// Prefix of the numbers of the primitive in a language, and names that the code must not use there.
+/// Names in a target language.
 struct LanguageNames {
-    std::string primitive;  ///< prefix of names such as `centre.x`
-    std::set<std::string, std::less<>> reserved;
+    std::string primitive_prefix;  ///< stands before names of the primitive's numbers, such as `centre.x`
+    std::set<std::string, std::less<>> reserved;  ///< names that the code must not use
 };
 
-/// Names of the inputs on the tape of a form: of a ray, of a primitive, and of its matrix if it has one.
+/// Names of the inputs on the tape of a form: the numbers of the ray, of the primitive, and of its matrix if it has
+/// one.
 std::vector<std::string> input_names_of(const Intersector& form);
 
+/// Base of the writers: derived classes write statements, expressions and constants of their language.
 class TapeCode {
 public:
     virtual ~TapeCode() = default;
@@ -32,8 +34,8 @@ public:
 
     /// Statements of the operations that are not written inside another expression, in order.
     [[nodiscard]] std::vector<std::string> statements() const;
-    /// Node i as an operand, in parentheses if its expression binds less tightly than `binds`.
-    [[nodiscard]] std::string operand(NodeId i, int binds) const;
+    /// Node i as an operand, in parentheses if the precedence of its expression is below `least_precedence`.
+    [[nodiscard]] std::string operand(NodeId i, int least_precedence) const;
 
 protected:
     /// Code for everything that `outputs` are computed from. Operations without a name of their own have the names of
@@ -44,10 +46,10 @@ protected:
     [[nodiscard]] virtual std::string statement(NodeId i) const = 0;
     [[nodiscard]] virtual std::string expression(NodeId i) const = 0;
     [[nodiscard]] virtual std::string constant(NodeId i) const = 0;
-    /// Precedence of the node's expression.
-    [[nodiscard]] virtual int binding(NodeId i) const = 0;
+    /// Precedence of the node's expression; a larger number binds more tightly.
+    [[nodiscard]] virtual int precedence(NodeId i) const = 0;
 
-    [[nodiscard]] bool is_wide(NodeId i) const { return tape_.format_of(i) != own_format_; }
+    [[nodiscard]] bool is_wide(NodeId i) const { return tape_.format_of(i) != form_format_; }
     [[nodiscard]] const std::string& name(NodeId i) const { return names_[static_cast<std::size_t>(i)]; }
 
     const Tape& tape_;
@@ -60,22 +62,25 @@ private:
     /// Name of a difference of two inputs: `o_minus_centre_x` for `o.x - centre.x`; empty for other operations.
     [[nodiscard]] std::string input_difference_name(const TapeNode& n) const;
     [[nodiscard]] std::string identifier(std::string_view label) const;
-    /// Number of operations that use a result. A conversion counts as often as its own result is used.
-    [[nodiscard]] int uses(NodeId i) const;
-    [[nodiscard]] bool is_inlined(NodeId i) const { return inlined_[static_cast<std::size_t>(i)]; }
+    /// Counts the operations that use a result. A conversion counts as often as its own result is used.
+    [[nodiscard]] int count_uses(NodeId i) const;
+    [[nodiscard]] bool is_inlined(NodeId i) const { return is_inlined_[static_cast<std::size_t>(i)]; }
+    /// Decides which expressions are written inside others.
     void choose_inlined();
 
     std::vector<NodeId> outputs_;
     attribution::TapeSlice slice_;
     LanguageNames language_;
-    FloatFormat own_format_;
-    std::vector<std::string> inputs_, names_;
-    std::size_t primitive_numbers_;  ///< number of inputs after the ray; those of the matrix follow
-    /// Names of operations without a label, by their key; equal operations are called by the first name.
+    FloatFormat form_format_;
+    std::vector<std::string> input_names_;
+    std::vector<std::string> names_;  ///< one per node
+    std::size_t primitive_numbers_;   ///< number of inputs that describe the primitive, between the ray and the matrix
+    /// Names of operations without a label, by their key (`key_of`). Equal operations have the same key.
     std::map<std::string, std::vector<std::string>> names_by_key_;
-    std::vector<std::string> first_names_;
-    int unnamed_ = 0;
-    std::vector<bool> inlined_;
+    std::vector<std::string>
+        first_names_;  ///< one per node: its name; without a label, that of the first equal operation
+    int unnamed_count_ = 0;
+    std::vector<bool> is_inlined_;  ///< one per node
 };
 
 }  // namespace lostbits::output::repair

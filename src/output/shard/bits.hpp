@@ -22,9 +22,9 @@ template <class T>
 concept PlainBits = std::is_arithmetic_v<T> || std::is_enum_v<T> ||
     (std::is_trivially_copyable_v<T>&& std::has_unique_object_representations_v<T> && alignof(T) == 1);
 
-/// Writes values: `out(a, b, c)` writes one after the other. For a struct it calls `fields(out, struct)`, from the
-/// namespace of the struct or from this one, which lists the fields once for both directions. A list is preceded by its
-/// size.
+/// Writes values as bits: `writer(a, b, c)` writes one after the other. For a struct it calls `fields(writer, struct)`,
+/// from the namespace of the struct or from this one. That function lists the fields, for writing and for reading. A
+/// list is preceded by its size.
 class BitWriter {
 public:
     template <class... T>
@@ -58,7 +58,7 @@ private:
     void write(const std::array<T, n>& x) {
         write_list(x.data(), n);
     }
-    /// Pointers and optionals: a bool, and the value if there is one.
+    /// Writes a pointer or an optional as a bool, followed by the value if there is one.
     template <class T>
     requires requires(const T& x) { *x, static_cast<bool>(x); }
     void write(const T& x) {
@@ -95,7 +95,7 @@ private:
     /// Refuses every byte but 0 and 1: another value in a bool is undefined behaviour.
     void read(bool& x) {
         const char byte = *take_bytes(1);
-        if (byte != 0 && byte != 1) throw std::out_of_range("a bool of a shard is neither yes nor no");
+        if (byte != 0 && byte != 1) throw std::out_of_range("a bool of a shard is neither 0 nor 1");
         x = byte == 1;
     }
     std::uint64_t read_size() {

@@ -1,4 +1,5 @@
-// Lists the fields of the results of shards, see LOSTBITS_FIELDS.
+// Lists the fields of the results that shards store. `LOSTBITS_FIELDS(Type, members…)` defines the function `fields`
+// that `BitWriter` and `BitReader` call.
 #pragma once
 
 #include "measure/claim/claim.hpp"
@@ -16,7 +17,7 @@
 
 namespace lostbits::output::shard {
 
-/// A type with a member function that lists its fields.
+/// For a type with a member function that lists its fields.
 template <class Bits, class T>
 requires requires(Bits& bits, T& value) { value.fields(bits); }
 void fields(Bits& bits, T& value) { value.fields(bits); }
@@ -71,7 +72,7 @@ LOSTBITS_FIELDS(measure::metric::Bounds, low, high)
 LOSTBITS_FIELDS(measure::claim::ClaimResult, state, measured, reason, witness, samples, floats, evaluations, further,
                 bounds, seconds)
 
-/// Returns values as bits.
+/// Returns the bits of values, as `BitWriter` writes them.
 template <class... T>
 std::string bits_of(const T&... values) {
     BitWriter out;

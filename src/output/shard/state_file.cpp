@@ -87,44 +87,45 @@ void StateFileWriter::close() {
     file_.commit();
 }
 
-StateFileReader::StateFileReader(fs::path path, std::string damaged)
-    : path_(std::move(path)), damaged_(std::move(damaged)), in_(path_, std::ios::binary) {
+StateFileReader::StateFileReader(fs::path path, std::string damage_text)
+    : path_(std::move(path)), damage_text_(std::move(damage_text)), in_(path_, std::ios::binary) {
     if (!in_) throw InputError(path_.string() + ": cannot be read; check the path and its permissions");
     require_matching_hash();
     read_head();
     read_names();
-    rest();
+    pause();
 }
 
-void StateFileReader::damaged() const { throw InputError(path_.string() + ": " + damaged_); }
+void StateFileReader::refuse_damaged() const { throw InputError(path_.string() + ": " + damage_text_); }
 
 void StateFileReader::require_matching_hash() {
     std::error_code ignored;
     const std::uint64_t size = fs::file_size(path_, ignored);
-    if (ignored || size < heading.size() + sizeof(std::uint64_t)) damaged();
+    if (ignored || size < heading.size() + sizeof(std::uint64_t)) refuse_damaged();
     end_ = size - sizeof(std::uint64_t);
     InputHash hash;
     while (position_ < end_) hash.add(read_bytes(std::min<std::uint64_t>(end_ - position_, 1 << 16)));
     std::uint64_t stored_hash = 0;
-    if (!in_.read(reinterpret_cast<char*>(&stored_hash), sizeof stored_hash) || stored_hash != hash.value()) damaged();
+    if (!in_.read(reinterpret_cast<char*>(&stored_hash), sizeof stored_hash) || stored_hash != hash.value())
+        refuse_damaged();
     in_.seekg(0);
     position_ = 0;
 }
 
 std::string StateFileReader::read_bytes(std::uint64_t size) {
-    if (size > end_ - position_) damaged();
+    if (size > end_ - position_) refuse_damaged();
     std::string text(size, '\0');
-    if (!in_.read(text.data(), static_cast<std::streamsize>(size))) damaged();
+    if (!in_.read(text.data(), static_cast<std::streamsize>(size))) refuse_damaged();
     position_ += size;
     return text;
 }
 
 std::string StateFileReader::read_line(std::string_view name) {
     std::string text;
-    if (!std::getline(in_, text)) damaged();
+    if (!std::getline(in_, text)) refuse_damaged();
     position_ += text.size() + 1;
     if (position_ > end_ || !text.starts_with(name))
-        damaged();  // a head that never ends would run into the hash behind it
+        refuse_damaged();  // a head without an end would run into the hash behind it
     return text.substr(std::min(text.size(), name.size() + 1));
 }
 
@@ -132,15 +133,15 @@ void StateFileReader::read_head() {
     const std::string excess = read_line(heading);
     head_.program = read_line("program");
     head_.command = from_one_line(read_line("command"));
-    if (!excess.empty() || !parse_integer(read_line("inputs"), head_.inputs, 16)) damaged();
+    if (!excess.empty() || !parse_integer(read_line("inputs"), head_.inputs, 16)) refuse_damaged();
     const std::string shard = read_line("shard");
     const std::size_t slash = std::min(shard.find('/'), shard.size() - 1);
     if (!parse_integer(std::string_view(shard).substr(0, slash), head_.share.number) ||
         !parse_integer(std::string_view(shard).substr(slash + 1), head_.share.count))
-        damaged();
+        refuse_damaged();
     const auto [number, count] = head_.share;
-    if (number < 1 || number > count || count > measure::shard::Share::max_count) damaged();
-    if (!read_line("").empty()) damaged();
+    if (number < 1 || number > count || count > measure::shard::Share::max_count) refuse_damaged();
+    if (!read_line("").empty()) refuse_damaged();
 }
 
 void StateFileReader::read_names() {
@@ -149,7 +150,7 @@ void StateFileReader::read_names() {
         const std::string name = read_bytes(read_number());
         if (names_.empty() || names_.back() != name) names_.push_back(name);
         const std::uint64_t size = read_number();
-        if (size > end_ - position_ || !in_.seekg(static_cast<std::streamoff>(size), std::ios::cur)) damaged();
+        if (size > end_ - position_ || !in_.seekg(static_cast<std::streamoff>(size), std::ios::cur)) refuse_damaged();
         position_ += size;
     }
     position_ = start;
@@ -178,9 +179,9 @@ bool StateFileReader::next(std::string_view name, const std::function<void(BitRe
     try {
         BitReader reader(read_bytes(read_number()));
         read_record(reader);
-        if (!reader.is_at_end()) damaged();
+        if (!reader.is_at_end()) refuse_damaged();
     } catch (const std::out_of_range&) {
-        damaged();
+        refuse_damaged();
     }
     return true;
 }
@@ -193,7 +194,7 @@ void UnfinishedFile::write(std::string_view bits) const {
 
 void UnfinishedFile::read(const std::function<void(BitReader&)>& read_record) const {
     const auto refuse = [this](const std::string& reason) { throw InputError(path_.string() + ": " + reason); };
-    if (!is_there()) refuse("does not exist, so there is no unfinished run to continue; leave out --resume");
+    if (!exists()) refuse("does not exist, so there is no unfinished run to continue; leave out --resume");
     StateFileReader file(path_,
                          "is damaged or from another version, so the run cannot continue from it; leave out --resume "
                          "to start over");
@@ -212,7 +213,7 @@ void UnfinishedFile::read(const std::function<void(BitReader&)>& read_record) co
         refuse(
             "belongs to a run that read other files: the sweep, its scene or a library has changed since; leave out "
             "--resume to start over");
-    if (!file.next(job_, read_record) || !file.is_at_end()) file.damaged();
+    if (!file.next(job_, read_record) || !file.is_at_end()) file.refuse_damaged();
 }
 
 }  // namespace lostbits::output::shard

@@ -58,13 +58,13 @@ private:
     std::mutex mutex_;
 };
 
-/// Reads a state file record by record. Throws InputError, with the path and the text `damaged`, if the file is not a
-/// state file or was changed. The file is open only from the first call of `next` until `rest`, so that a thousand
-/// readers do not keep a thousand files open.
+/// Reads a state file record by record. Throws InputError, with the path and `damage_text`, if the file is
+/// not a state file or was changed. The file is open only from the first call of `next` until `pause`, so that a
+/// thousand readers do not keep a thousand files open.
 class StateFileReader {
 public:
     explicit StateFileReader(std::filesystem::path path,
-                             std::string damaged = "is damaged, or not the file of a shard; run that shard again");
+                             std::string damage_text = "is damaged, or not the file of a shard; run that shard again");
     [[nodiscard]] const std::filesystem::path& path() const { return path_; }
     [[nodiscard]] const StateHead& head() const { return head_; }
 
@@ -75,10 +75,11 @@ public:
     /// Throws InputError if `read_record` needs more bits, leaves some, or throws std::out_of_range.
     [[nodiscard]] bool next(std::string_view name, const std::function<void(BitReader&)>& read_record);
     /// Closes the file until the next call of `next`, which continues at the same record.
-    void rest() { in_.close(); }
+    void pause() { in_.close(); }
     /// True if all records were read.
     [[nodiscard]] bool is_at_end() const { return position_ == end_; }
-    [[noreturn]] void damaged() const;
+    /// Throws the InputError for a damaged file.
+    [[noreturn]] void refuse_damaged() const;
 
 private:
     void require_matching_hash();
@@ -89,7 +90,7 @@ private:
     std::string read_bytes(std::uint64_t size);
 
     std::filesystem::path path_;
-    std::string damaged_;
+    std::string damage_text_;
     std::ifstream in_;
     StateHead head_;
     std::vector<std::string> names_;
@@ -104,7 +105,7 @@ public:
     UnfinishedFile(const std::filesystem::path& folder, StateHead head, std::string job)
         : path_(folder / "unfinished.state"), head_(std::move(head)), job_(std::move(job)) {}
     [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-    [[nodiscard]] bool is_there() const { return std::filesystem::exists(path_); }
+    [[nodiscard]] bool exists() const { return std::filesystem::exists(path_); }
 
     void write(std::string_view bits) const;
     /// Passes the bits to `read_record`, as `StateFileReader::next` does. Throws InputError if the file does not

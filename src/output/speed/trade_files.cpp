@@ -34,7 +34,7 @@ Table<TimeRow> time_table() {
     using R = TimeRow;
     using Timed = TradeResult::Timed;
     Table<R> table;
-    table.add(kernel_columns(form_meaning), &R::name);
+    table.add(kernel_columns(form_meaning), &R::kernel);
     table.add({"working_set",
                "location of rays and answers: l1, l2 (half of the cache), memory (read again and again); scene: rays "
                "of the scene, taken evenly from its picture",
@@ -78,17 +78,17 @@ Table<ParetoRow> pareto_table() {
     const auto quantile = [](const measure::metric::Distribution* R::*metric, double q) {
         return or_missing([metric, q](const R& r) { return (r.*metric)->quantile(q); });
     };
-    Table<R> table{{"ray_set", "set of rays on which accuracy is measured", &R::set}};
-    table.add(kernel_columns(form_meaning), &R::name);
+    Table<R> table{{"ray_set", "set of rays on which accuracy is measured", &R::ray_set}};
+    table.add(kernel_columns(form_meaning), &R::kernel);
     table.add({{"time_ns", "ns",
                 "median, per ray, where half of the rays hit as in the easy set and half miss; working set l1; for a "
                 "scene, per ray and primitive of the scene",
                 [](const R& r) { return r.quality.time_ns; }},
                {"rays", "number of rays in the set", [](const R& r) { return r.accuracy->rays; }},
-               {"lost_bits_p50", "bits", "median over the correct hits", quantile(&R::lost, 0.5)},
-               {"lost_bits_p99", "bits", "99th percentile over the correct hits", quantile(&R::lost, 0.99)},
+               {"lost_bits_p50", "bits", "median over the correct hits", quantile(&R::lost_bits, 0.5)},
+               {"lost_bits_p99", "bits", "99th percentile over the correct hits", quantile(&R::lost_bits, 0.99)},
                {"excess_bits_p99", "bits", "99th percentile of the bits lost beyond what the problem itself costs",
-                quantile(&R::excess, 0.99)},
+                quantile(&R::excess_bits, 0.99)},
                {"kept_bits_p99", "bits", "significand bits of the format minus lost_bits_p99",
                 or_missing([](const R& r) { return r.quality.kept_bits; })},
                {"false_hit_fraction", "1", "false hits among the rays that truly miss",
@@ -103,7 +103,7 @@ Table<ParetoRow> pareto_table() {
                 "true if another entry of the set is at least as fast and at least as accurate, and better in one of "
                 "the two; the more accurate entry has the smaller wrong_fraction or, if these are equal, the greater "
                 "kept_bits_p99",
-                &R::dominated}});
+                &R::is_dominated}});
     return table;
 }
 
@@ -114,12 +114,11 @@ const measure::metric::Distribution& metric_of(const TradeRequest& request, cons
     return s.metrics[measure::metric::index_of(request.metrics, name)];
 }
 
-/// Conditions under which the times were measured.
+/// Sentences on how the times were measured.
 std::string timing_text(const TradeRequest& request, const TradeResult& result) {
     if (!request.scene)
         return "Time per ray: half of the timed rays hit, like those of the set `easy`; the other half miss. The data "
-               "fill half of "
-               "the L1 "
+               "fill half of the L1 "
                "cache (`l1`). The times are from this run, and vary from run to run.\n";
     const auto& timed = result.times.front().front();
     return fmt::format(
@@ -139,19 +138,19 @@ std::string kernel_phrase(const TradeKernel& kernel) {
 
 }  // namespace
 
-std::vector<ParetoPoint> pareto_points_of(const TradeRequest& request, const TradeResult& result, std::size_t set) {
+std::vector<ParetoPoint> pareto_points(const TradeRequest& request, const TradeResult& result, std::size_t set_index) {
     std::vector<ParetoPoint> points;
     const std::size_t load = measure::speed::reference_load(request.loads);
     for (std::size_t k = 0; k < request.kernels.size(); ++k) {
         points.push_back(measure::speed::pareto_point(result.times[k][load].timing, request.kernels[k].measured,
-                                                      result.accuracy(set, k), request.metrics));
+                                                      result.accuracy(set_index, k), request.metrics));
     }
     return points;
 }
 
 namespace {
 
-/// Marker of a kernel.
+/// Marker of the kernels with one register width.
 struct KernelMarker {
     std::string_view isa;
     int marker;
@@ -168,7 +167,7 @@ int marker_of(const TradeKernel& kernel) {
     return entry == std::end(kernel_markers) ? 0 : entry->marker;
 }
 
-std::vector<ScatterPlotSpec::Key> keys_of(const TradeRequest& request) {
+std::vector<ScatterPlotSpec::Key> legend_keys(const TradeRequest& request) {
     std::vector<ScatterPlotSpec::Key> keys;
     for (const auto& [engine, name] : {std::pair{Format::Engine::native32, "f32"}, {Format::Engine::native64, "f64"}}) {
         const auto has_engine = [engine = engine](const TradeKernel& k) { return k.measured.format.engine == engine; };
@@ -184,13 +183,13 @@ std::vector<ScatterPlotSpec::Key> keys_of(const TradeRequest& request) {
     return keys;
 }
 
-/// Sentence on the rays whose accuracy and time a picture shows.
-std::string shown_rays(const TradeRequest& request, const TradeResult& result, std::size_t set) {
+/// Subtitle of a plot: the rays on which accuracy and time were measured.
+std::string rays_text(const TradeRequest& request, const TradeResult& result, std::size_t set_index) {
     const auto& timed = result.times.front()[measure::speed::reference_load(request.loads)];
     const std::string repetition_text =
         fmt::format("median of {}, bars from quartile to quartile.",
                     scene::toml::count_with_noun(request.plan.repetitions, "interleaved repetition"));
-    const std::uint64_t judged_rays = result.accuracy(set, 0).rays;
+    const std::uint64_t judged_rays = result.accuracy(set_index, 0).rays;
     if (request.scene)
         return fmt::format("Accuracy: {} of the scene. Time: {} of its rays against {} of its primitives; {}",
                            scene::toml::count_with_noun(judged_rays, "ray"), timed.rays, timed.primitives,
@@ -199,45 +198,45 @@ std::string shown_rays(const TradeRequest& request, const TradeResult& result, s
     return fmt::format(
         "Accuracy: {} rays of the set {}. Time{}: rays like those of the set {}, {:.0f} KiB of them and of answers in "
         "the L1 cache, every other ray a hit; {}",
-        judged_rays, sets[set].name, set == 0 ? "" : ", the same in the pictures of all sets", sets.front().name,
-        static_cast<double>(timed.bytes) / 1024, repetition_text);
+        judged_rays, sets[set_index].name, set_index == 0 ? "" : ", the same in the pictures of all sets",
+        sets.front().name, static_cast<double>(timed.bytes) / 1024, repetition_text);
 }
 
 }  // namespace
 
-std::string registers_of(const TradeKernel& kernel) {
+std::string register_text(const TradeKernel& kernel) {
     return kernel.isa == "scalar" ? "one ray at a time" : fmt::format("{}-bit registers", kernel.isa);
 }
 
-ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& result, std::size_t set) {
-    const auto qualities = pareto_points_of(request, result, set);
+ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& result, std::size_t set_index) {
+    const auto qualities = pareto_points(request, result, set_index);
     const std::size_t load = measure::speed::reference_load(request.loads);
     ScatterPlotSpec spec;
-    spec.title = fmt::format("Time against kept bits: {}", measure::speed::trade_sets(request)[set].title);
-    spec.subtitle = {shown_rays(request, result, set),
+    spec.title = fmt::format("Time against kept bits: {}", measure::speed::trade_sets(request)[set_index].title);
+    spec.subtitle = {rays_text(request, result, set_index),
                      "Named: the Pareto front, and every form from outside lostbits. Fewer wrong decisions count "
                      "before more bits, so the front may step down to a form that is never wrong."};
     spec.x = {request.scene ? scene_time_title : time_title, plot::AxisSpec::Scale::log2, {}, {}, false, true};
     spec.y = {kept_title, plot::AxisSpec::Scale::linear, {}, {}};
-    std::vector<FrontPoint> points;
+    std::vector<KernelPoint> points;
     for (std::size_t k = 0; k < qualities.size(); ++k) {
         const TradeKernel& kernel = request.kernels[k];
-        points.push_back({.row = kernel.measured,
+        points.push_back({.form_row = kernel.measured,
                           .quality = qualities[k],
                           .time = result.times[k][load].timing,
                           .marker = marker_of(kernel),
                           // A form from outside is always named, because its author looks for it.
-                          .named = !map::is_of_catalogue(*kernel.measured.form->info),
-                          .hollow = !qualities[k].never_wrong()});
+                          .is_named = !map::is_of_catalogue(*kernel.measured.form->info),
+                          .is_hollow = !qualities[k].never_wrong()});
     }
-    add_front(spec, points);
-    spec.keys = keys_of(request);
+    add_kernel_points(spec, points);
+    spec.keys = legend_keys(request);
     return spec;
 }
 
 namespace {
 
-/// Table of the kernels on a set of rays by time, with the fastest register width of each form and format.
+/// Table of the kernels on a set of rays by time. Each form and format is listed once, with its fastest register width.
 std::string ranking_text(const TradeRequest& request, const TradeResult& result,
                          const std::vector<ParetoPoint>& qualities) {
     const auto is_dominated = measure::speed::dominated(qualities);
@@ -247,12 +246,12 @@ std::string ranking_text(const TradeRequest& request, const TradeResult& result,
     std::vector<std::size_t> order(qualities.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order, {}, [&qualities](std::size_t k) { return qualities[k].time_ns; });
-    std::set<std::pair<std::string_view, std::string_view>> listed;
+    std::set<std::pair<std::string_view, std::string_view>> listed_forms;
     std::string text = fmt::format("    {:<28} {:<5} {:>9} {:>9} {:>6} {:>15} {:>8}\n", "form", "fmt", "registers",
                                    "ns", "+-", "bits kept (p99)", "wrong");
     for (const std::size_t k : order) {
         const auto [form, format, isa] = kernel_key(request.kernels[k]);
-        if (!listed.emplace(form, format).second) continue;
+        if (!listed_forms.emplace(form, format).second) continue;
         const Timing t = timing(k);
         const double kept_bits = qualities[k].kept_bits;
         text += fmt::format(
@@ -285,7 +284,7 @@ std::string trade_text(const TradeRequest& request, const TradeResult& result) {
     std::string text;
     const auto sets = measure::speed::trade_sets(request);
     for (std::size_t s = 0; s < sets.size(); ++s) {
-        const auto qualities = pareto_points_of(request, result, s);
+        const auto qualities = pareto_points(request, result, s);
         text += fmt::format("{}: {}, {}\n", sets[s].name, sets[s].title,
                             scene::toml::count_with_noun(result.accuracy(s, 0).rays, "ray"));
         text += ranking_text(request, result, qualities) + cheapest_text(request, qualities) + "\n";
@@ -305,8 +304,8 @@ TradeFiles::TradeFiles(const TradeRequest& request, const std::filesystem::path&
 std::vector<TimeRow> time_rows(const TradeRequest& request, const TradeResult& result) {
     std::vector<TimeRow> rows;
     for (std::size_t k = 0; k < request.kernels.size(); ++k)
-        for (std::size_t l = 0; l < request.loads.size(); ++l)
-            rows.push_back({kernel_key(request.kernels[k]), &request.loads[l], &result.times[k][l],
+        for (std::size_t load = 0; load < request.loads.size(); ++load)
+            rows.push_back({kernel_key(request.kernels[k]), &request.loads[load], &result.times[k][load],
                             request.plan.repetitions, &result.operations[k]});
     return rows;
 }
@@ -315,7 +314,7 @@ std::vector<ParetoRow> pareto_rows(const TradeRequest& request, const TradeResul
     std::vector<ParetoRow> rows;
     const auto sets = measure::speed::trade_sets(request);
     for (std::size_t s = 0; s < sets.size(); ++s) {
-        const auto qualities = pareto_points_of(request, result, s);
+        const auto qualities = pareto_points(request, result, s);
         const auto is_dominated = measure::speed::dominated(qualities);
         for (std::size_t k = 0; k < qualities.size(); ++k) {
             const measure::evaluate::FormSummary& accuracy = result.accuracy(s, k);

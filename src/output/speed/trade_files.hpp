@@ -1,7 +1,7 @@
 // Files of a trade: trade.csv (time), pareto.csv (time against accuracy), a scatter plot per set of rays, trade.txt
 // (the answer in words) and datapackage.json. Times are measured, so these files differ from run to run; their columns
-// of accuracy and of operations do not. Also the parts common to all tables and pictures of time against accuracy: the
-// columns that name a kernel, and the points.
+// of accuracy and of operations do not. Also holds what all tables and pictures of time against accuracy share: the
+// columns that name a kernel, and the points. A kernel is a form in a format, compiled for one register width.
 #pragma once
 
 #include <filesystem>
@@ -21,49 +21,51 @@ using measure::speed::Timing;
 using measure::speed::TradeRequest;
 using measure::speed::TradeResult;
 
-/// Name of a kernel in tables.
+/// Cells that name a kernel in tables. `isa` is its register width in bits, or `scalar`.
 struct KernelKey {
     std::string_view form, format, isa;
 };
-/// The columns form, format and isa. `form` is the meaning of the column form.
-table::Table<KernelKey> kernel_columns(const std::string& form);
+/// The columns form, format and isa. `meaning_of_form` is the meaning of the first one.
+table::Table<KernelKey> kernel_columns(const std::string& meaning_of_form);
 
-/// The columns time_ns, time_ns_q1 and time_ns_q3.
-table::Table<Timing> time_columns(const std::string& median, const std::string& quartiles_of = "");
+/// The columns time_ns, time_ns_q1 and time_ns_q3. `median_meaning` is the meaning of the first one, and
+/// `quartile_prefix` precedes the meanings of the other two.
+table::Table<Timing> time_columns(const std::string& median_meaning, const std::string& quartile_prefix = "");
 
 /// A kernel in the plane of time and kept bits.
-struct FrontPoint {
-    const measure::evaluate::TestedForm& row;
+struct KernelPoint {
+    const measure::evaluate::TestedForm& form_row;
     ParetoPoint quality;
     std::optional<Timing> time;  ///< missing: the time has no quartiles
     int marker = 0;
-    bool named = false;      ///< named wherever the point lies; points on the front are always named
-    bool hollow = false;     ///< the kernel decides too many rays wrongly
+    bool is_named = false;   ///< the point has a label even if it is not on the Pareto front
+    bool is_hollow = false;  ///< the kernel decides too many rays wrongly
     std::string label = {};  ///< replaces the form's name
 };
 
-/// Adds points with the quartiles of their times. Points that are neither on the Pareto front nor named are grey, and
-/// the colour shows the format. A stepped line joins the front; it is dashed between points that are sometimes wrong.
-void add_front(plot::ScatterPlotSpec& spec, const std::vector<FrontPoint>& points);
-/// Colour of points in a format.
+/// Adds points with the quartiles of their times to a plot. The colour of a point shows the format. Points that are
+/// neither on the Pareto front nor named are grey. A stepped line joins the points on the front; it is dashed after a
+/// point that is sometimes wrong.
+void add_kernel_points(plot::ScatterPlotSpec& spec, const std::vector<KernelPoint>& points);
+/// Palette index of the colour of points in a format.
 std::size_t colour_of(const Format& format);
 
-/// Time of a kernel with one of the loads.
+/// A row of trade.csv: the time of a kernel under one load.
 struct TimeRow {
-    KernelKey name;
+    KernelKey kernel;
     const measure::speed::TradeLoad* load;
     const measure::speed::TradeResult::Timed* timed;
     int repetitions;
     const OperationCounts* operations;
 };
-/// Accuracy of a kernel on one of the sets of rays, and its time.
+/// A row of pareto.csv: the accuracy of a kernel on a set of rays, and its time.
 struct ParetoRow {
-    std::string set;
-    KernelKey name;
+    std::string ray_set;
+    KernelKey kernel;
     ParetoPoint quality;
     const measure::evaluate::FormSummary* accuracy;
-    const measure::metric::Distribution *lost, *excess;
-    bool dominated;
+    const measure::metric::Distribution *lost_bits, *excess_bits;
+    bool is_dominated;
 };
 
 [[nodiscard]] table::Table<TimeRow> time_table();
@@ -85,23 +87,23 @@ private:
 };
 
 /// Accuracy of every kernel on a set of rays, with its time under the reference load.
-std::vector<ParetoPoint> pareto_points_of(const TradeRequest& request, const TradeResult& result, std::size_t set);
+std::vector<ParetoPoint> pareto_points(const TradeRequest& request, const TradeResult& result, std::size_t set_index);
 
-/// Lists for each set of rays the forms by time, and the cheapest form that keeps each number of bits. Ends with how
-/// the times were measured.
+/// Lists for each set of rays the forms by time, and the cheapest form that keeps each number of bits. The last
+/// sentence says how the times were measured.
 std::string trade_text(const TradeRequest& request, const TradeResult& result);
 
-/// Titles of the axes of the picture, here and on the page.
+/// Titles of the axes of the plot, also on the page of `lostbits report`.
 inline constexpr const char *time_title = "time per ray of the easy set, ns",
                             *scene_time_title = "time per ray and primitive on the scene, ns",
                             *kept_title = "bits that 99 % of the hits keep";
 
-/// `one ray at a time`, `256-bit registers`
-std::string registers_of(const measure::speed::TradeKernel& kernel);
+/// Register width of a kernel: `one ray at a time`, `256-bit registers`.
+std::string register_text(const measure::speed::TradeKernel& kernel);
 
 /// Plot of a trade: markers by register width, colours by format. Dominated kernels are grey, and kernels that decide
-/// any ray wrongly are hollow. A stepped line joins the kernels that are not dominated; the line is dashed between
-/// kernels that are sometimes wrong.
-plot::ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& result, std::size_t set);
+/// any ray wrongly are hollow. A stepped line joins the kernels that are not dominated; the line is dashed after a
+/// kernel that is sometimes wrong.
+plot::ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& result, std::size_t set_index);
 
 }  // namespace lostbits::output::speed

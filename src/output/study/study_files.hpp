@@ -1,5 +1,5 @@
-// Files of a study of one scene: the contact sheet and its pictures, one row per pixel, an EXR of each series (a form
-// in a format), and summary.csv. A view describes the files. A view is a struct with
+// Files of a study of one scene: the contact sheet and its pictures, a table with one row per pixel, an EXR of each
+// series (a form in a format), and summary.csv. A view describes the files. It is a struct with these members:
 //
 //   Study, SummaryRow                     the study, and a row of its summary.csv
 //   summary_title, summary_table(), summary_rows(study, summaries)
@@ -35,38 +35,39 @@ struct PixelInBand {
 
 /// The columns x and y of a pixel.
 template <class Band>
-table::Table<PixelInBand<Band>> place_columns() {
+table::Table<PixelInBand<Band>> position_columns() {
     using R = PixelInBand<Band>;
     return {{"x", "column of the pixel", [](const R& r) { return static_cast<int>(r.i) % r.band->width; }},
             {"y", "row of the pixel", [](const R& r) { return r.band->y0 + static_cast<int>(r.i) / r.band->width; }}};
 }
 
-/// A text below a cell of the sheet.
+/// A text below a cell of the sheet, and the position of the cell.
 struct Note {
-    pixel::SheetPosition place;
+    pixel::SheetPosition position;
     std::string text;
 };
 
-/// Opens all files before the work starts. `finish` gives them their final names.
+/// Writes the files of a study as its view describes them. Opens all files before the work starts; `finish` gives them
+/// their final names.
 template <class View>
 class StudyFiles {
 public:
     using Study = typename View::Study;
     using Band = typename Study::Band;
 
-    /// `study` must outlive the object. If `keep` is not empty, it receives the pieces of a shard, and no file is
+    /// `study` must outlive the object. If `keep_piece` is set, it receives the pieces of a shard, and no file is
     /// opened.
-    StudyFiles(const Study& study, pixel::SceneFilesOptions options, pixel::PieceReceiver keep = {})
+    StudyFiles(const Study& study, pixel::SceneFilesOptions options, pixel::PieceReceiver keep_piece = {})
         : study_(study),
           options_(std::move(options)),
-          keep_(std::move(keep)),
+          keep_piece_(std::move(keep_piece)),
           pictures_({.scene = study.scene,
                      .sheets = {View::sheet(study, options_.sheet())},
                      .single_picture_folder = options_.folder_of_single_pictures(),
                      .stop = study.limit.stop,
-                     .opens_files = !keep_},
+                     .opens_files = !keep_piece_},
                     View::columns(study)) {
-        if (!keep_) table_.emplace(options_.folder, "summary.csv", View::summary_title, View::summary_table());
+        if (!keep_piece_) table_.emplace(options_.folder, "summary.csv", View::summary_title, View::summary_table());
         for (std::size_t r = 0; r < study.rows.size(); ++r) add_row(r);
     }
     StudyFiles(const StudyFiles&) = delete;
@@ -76,12 +77,13 @@ public:
     [[nodiscard]] measure::study::ShowBand<Study> show() {
         return [this](std::size_t row_index, const Band& band) { rows_[row_index].add_band(band); };
     }
-    /// Writes the next piece of a row. Another run kept the piece.
+    /// Writes the next piece of a row, which another run (a shard) kept.
     void put(std::size_t row_index, pixel::Piece&& piece) { rows_.at(row_index).write_piece(piece); }
 
     void finish(const std::vector<typename Study::Summary>& summaries) {
         for (const auto& book : books_) book->close();
-        for (Note& note : View::notes(study_, summaries)) pictures_.writer().set_note(note.place, std::move(note.text));
+        for (Note& note : View::notes(study_, summaries))
+            pictures_.writer().set_note(note.position, std::move(note.text));
         pictures_.writer().finish();
         if (options_.folder.empty()) return;
         table_->add_all(View::summary_rows(study_, summaries));
@@ -94,11 +96,11 @@ private:
 
     void add_row(std::size_t r) {
         typename Rows::Writers writers{.pixels = View::pixels};
-        pixel::BandFiles<Band> files{pictures_, {}, keep_};
+        pixel::BandFiles<Band> files{pictures_, {}, keep_piece_};
         std::unique_ptr<table::TableFile<Pixel>> table;
         if constexpr (requires { View::pixel_table(study_); }) {
             if (options_.pixels_csv)
-                table = std::make_unique<table::TableFile<Pixel>>(keep_ ? "" : options_.folder,
+                table = std::make_unique<table::TableFile<Pixel>>(keep_piece_ ? "" : options_.folder,
                                                                   View::row_name(study_, r) + ".csv", View::pixel_title,
                                                                   View::pixel_table(study_));
             writers.add_pixel = [](table::TableFile<Pixel>& file, const Band& band, std::size_t i) {
@@ -118,7 +120,7 @@ private:
         writers.exr_rows = [layers](const Band& band, std::span<const image::Rgb8>) {
             return std::vector{pixel::ExrRows{0, band.y0, band.rows, layers->samples(band, View::pixels(band))}};
         };
-        if (keep_) return;
+        if (keep_piece_) return;
         books_.push_back(std::make_unique<image::ExrBook>(
             options_.folder / (View::row_name(study_, r) + ".exr"),
             std::vector{image::ExrPart{"", View::exr_spec(study_, r, layers->channels(), options_.command)}}));
@@ -130,7 +132,7 @@ private:
 
     const Study& study_;
     pixel::SceneFilesOptions options_;
-    pixel::PieceReceiver keep_;
+    pixel::PieceReceiver keep_piece_;
     pixel::ColumnFiles<Band> pictures_;
     std::optional<table::TableFile<typename View::SummaryRow>> table_;  ///< none in a shard
     std::deque<Rows> rows_;

@@ -40,7 +40,7 @@ table::Table<CaseRow> case_table(const CaseRequest& request) {
          "convention by which touching and t = 0 are judged: the form's own (own); touching is a hit (closed) or a "
          "miss (open); "
          "t = 0 is a hit in both",
-         [](const R& r) { return intersect::convention_name(r.summary.row.touching); }},
+         [](const R& r) { return intersect::convention_name(r.summary.form_row.touching); }},
         {"verdict",
          fmt::format(
              "right ({}), within_inputs (every decision is right, and every answer is {}: half an ulp in each input "
@@ -82,7 +82,7 @@ private:
         const double lost_bits = s.metrics[measure::metric::index_of(metrics, "lost_bits")].quantile(1);
         const std::size_t inherent_index = measure::metric::index_of(metrics, "inherent_bits");
         if (!is_within_inputs) return {scale.colour(lost_bits, format), fmt::format("{:.0f} b", lost_bits)};
-        return {map::paler(scale.colour(lost_bits, format)),
+        return {map::make_paler(scale.colour(lost_bits, format)),
                 inherent_index < metrics.size()
                     ? fmt::format("{:.0f}/{:.0f} b", lost_bits, s.metrics[inherent_index].quantile(1))
                     : fmt::format("{:.0f} b", lost_bits)};
@@ -122,7 +122,7 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
             return std::ranges::any_of(row_order, [&](std::size_t r) { return rows[r].count(o) > 0; });
         });
         if (occurs)
-            spec.legend.push_back({map::plain_name(o), image::outcome_colours[static_cast<std::size_t>(o)], {}});
+            spec.legend.push_back({map::outcome_in_words(o), image::outcome_colours[static_cast<std::size_t>(o)], {}});
     }
     const auto cell_of = [&](const FormSummary& s, Verdict verdict, const FloatFormat& format) {
         return CellLook{request.metrics, scale, format}.cell(s, verdict);
@@ -140,7 +140,7 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
     }
     if (has_within_inputs) {
         spec.legend.insert(spec.legend.begin() + 1,
-                           {within_meaning(request.file), map::paler(scale.bar().at(0.5)), {}});
+                           {within_meaning(request.file), map::make_paler(scale.bar().at(0.5)), {}});
     }
     if (!has_wrong_value && !has_within_inputs) spec.scale.reset();
     return plot::matrix_plot(spec);

@@ -239,7 +239,7 @@ std::string kinds_text(const FloatTally& tally) {
     std::vector<std::string> kinds;
     for (const Outcome o : measure::answer::wrong_decisions) {
         if (tally.count(o) == 0) continue;
-        kinds.push_back(fmt::format("{} {}", tally.count(o), map::in_words(outcome_name(o))));
+        kinds.push_back(fmt::format("{} {}", tally.count(o), map::name_in_words(outcome_name(o))));
     }
     return fmt::format(" ({})", fmt::join(kinds, ", "));
 }

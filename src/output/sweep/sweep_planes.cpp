@@ -129,9 +129,9 @@ DrawnPlane draw_plane(const SweepRequest& request, const SweepGrid& plane, std::
                 cell.value = drawn_quantile(s, lost_index, 0.99);
                 drawn.has_withheld_cells |= s.true_hits > 0 && !s.agreement().is_enough();
                 const double excess_bits = s.metrics[excess_index].quantile(0.99);
-                cell.outlined = cell.value >= 1 && excess_bits >= 1;
+                cell.is_outlined = cell.value >= 1 && excess_bits >= 1;
                 is_explained = map::is_inside_envelope(cell.value, excess_bits);
-                drawn.has_outlined_cells |= cell.outlined;
+                drawn.has_outlined_cells |= cell.is_outlined;
             } else {
                 const Outcome worst_outcome = s.wrong().value();
                 cell.colour = pixel::colour_of(worst_outcome);
@@ -157,7 +157,7 @@ std::vector<image::Rgb8> colours_of(const DrawnPlane& drawn, std::size_t width, 
             const image::Rgb8 colour = cell.colour              ? *cell.colour
                                        : std::isnan(cell.value) ? no_value_colour
                                                                 : scale.colour(cell.value, format);
-            colours.push_back(drawn.is_explained[k] ? map::paler(colour) : colour);
+            colours.push_back(drawn.is_explained[k] ? map::make_paler(colour) : colour);
         }
     }
     return colours;
@@ -196,7 +196,7 @@ image::Canvas plane_picture(const SweepRequest& request, const std::vector<Sweep
          .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), tested.format.parameters),
          .unit = "lost bits",
          .legend = map::outcome_legend(drawn.counts.outcomes, drawn.counts.cells),
-         .hatching_means = drawn.has_withheld_cells ? gap_text() : "no value"});
+         .hatching_meaning = drawn.has_withheld_cells ? gap_text() : "no value"});
 }
 
 void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& request,
@@ -217,7 +217,7 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
     std::vector<image::LegendEntry> legend = map::outcome_legend(total.outcomes, total.cells);
     for (image::LegendEntry& entry : legend) entry.count.clear();
     if (has_gap) legend.push_back({gap_text(), no_value_colour, ""});
-    if (has_explained) legend.push_back({map::paler_means, map::paler(scale.bar().at(0.5)), ""});
+    if (has_explained) legend.push_back({map::paler_colour_meaning, map::make_paler(scale.bar().at(0.5)), ""});
     const auto axis_text = [](const scene::sweep::Axis& axis, const std::vector<double>& values) {
         return fmt::format("{}, from {} to {}", plot_axis(axis).title, file::short_decimal(values.front(), 3),
                            file::short_decimal(values.back(), 3));

@@ -261,7 +261,7 @@ std::string NearestFiles::sentence(std::size_t r) const {
     const std::string counts = census_phrase(findings[r]);
     if (!counts.empty()) text += " " + counts + ";";
     for (std::size_t k = 0; k < searched_outcomes.size(); ++k) {
-        const std::string outcome_phrase = map::in_words(searched_name(k));
+        const std::string outcome_phrase = map::name_in_words(searched_name(k));
         const auto& nearest = findings[r].nearest.at(k);
         text += nearest ? fmt::format("{} the nearest {} of {} rays is {:.4g} edge lengths away", k > 0 ? "," : "",
                                       outcome_phrase, findings[r].rays.at(k), nearest->distance)

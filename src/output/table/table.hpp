@@ -24,10 +24,10 @@ using file::Cell;
 template <class R>
 using CellOf = std::function<Cell(const R&)>;
 
-/// Type of a column whose values are of type T or optional values of type T.
+/// Type of a column in `datapackage.json`, for values of type T or optional values of type T.
 template <class T>
-constexpr const char* type_of_values() {
-    if constexpr (requires(T x) { x.value(); }) return type_of_values<typename T::value_type>();
+constexpr const char* column_type() {
+    if constexpr (requires(T x) { x.value(); }) return column_type<typename T::value_type>();
     else
         return std::is_same_v<T, bool>                   ? "boolean"
                : std::is_integral_v<T>                   ? "integer"
@@ -36,14 +36,15 @@ constexpr const char* type_of_values() {
                                                          : nullptr;
 }
 
-/// A column: its name, unit and meaning, and how its value is computed from a row. Its type is the type of the values.
+/// A column: its name, unit and meaning, and how its value is computed from a row. The type of the values gives its
+/// type.
 template <class R>
 struct TableColumn {
     /// `compute` is a function of a row or a pointer to a member of a row.
     template <class Value>
     requires std::invocable<Value, const R&> TableColumn(std::string name, std::string unit, std::string meaning,
                                                          Value compute)
-        : TableColumn({std::move(name), type_of_values<std::remove_cvref_t<std::invoke_result_t<Value, const R&>>>(),
+        : TableColumn({std::move(name), column_type<std::remove_cvref_t<std::invoke_result_t<Value, const R&>>>(),
                        std::move(unit), std::move(meaning)},
                       [compute](const R& row) { return Cell(std::invoke(compute, row)); }) {}
     template <class Value>
@@ -57,24 +58,24 @@ struct TableColumn {
     CellOf<R> value;
 };
 
-/// `x` if `is_present`, otherwise a missing cell.
+/// The value `x` if `is_present`, otherwise a missing cell.
 template <class T>
 std::optional<T> when(bool is_present, const T& x) {
     return is_present ? std::optional(x) : std::nullopt;
 }
 
-/// Returns a function that gives the number that `value` finds in a row; missing if the number is NaN.
+/// Returns a function that computes the cell of a number: `value(row)`, or a missing cell if that is NaN.
 template <class Value>
 auto or_missing(Value value) {
     return [value](const auto& row) { return file::number_or_missing(std::invoke(value, row)); };
 }
 
-/// A cell as a C hexadecimal float. A missing number stays missing.
-inline std::optional<std::string> exactly(const Cell& cell) {
+/// Text of a number as a C hexadecimal float. A missing number stays missing.
+inline std::optional<std::string> hex_text(const Cell& cell) {
     return cell.is_missing() ? std::nullopt : std::optional(file::hex(cell.number()));
 }
 
-/// A column of numbers from the description `column` of a measured quantity, which must outlive the returned column. A
+/// Makes a column of numbers from the description `column` of a measured quantity, which must outlive the result. A
 /// cell is `value(column, row)`; NaN is missing.
 template <class R, class Measured, class Value>
 TableColumn<R> measured_column(const Measured& column, const Value& value) {
@@ -108,7 +109,7 @@ public:
     Table& add(const Table<Part>& columns, const Find& find) {
         for (const TableColumn<Part>& column : columns) {
             add({column.about, [find, value = column.value](const R& row) {
-                     const Part* const part = address(std::invoke(find, row));
+                     const Part* const part = pointer_to(std::invoke(find, row));
                      return part != nullptr ? value(*part) : Cell();
                  }});
         }
@@ -118,7 +119,7 @@ public:
     Table& add_exact(const TableColumn<R>& column) {
         add(column);
         return add({column.about.name + "_hex", column.about.unit, "the same, exactly",
-                    [value = column.value](const R& row) { return exactly(value(row)); }});
+                    [value = column.value](const R& row) { return hex_text(value(row)); }});
     }
 
     /// The column of this name; null if there is none.
@@ -137,7 +138,7 @@ public:
         for (const TableColumn<R>& column : columns_) descriptions.push_back(column.about);
         return descriptions;
     }
-    /// Replaces the meaning of a column, if there is such a column.
+    /// Replaces the meaning of the column of this name, if there is one.
     void set_meaning(const std::string& name, const std::string& meaning) {
         if (TableColumn<R>* const column = find(name)) column->about.meaning = meaning;
     }
@@ -148,22 +149,22 @@ public:
 
 private:
     template <class Part>
-    static const Part* address(const Part& part) {
+    static const Part* pointer_to(const Part& part) {
         return &part;
     }
     template <class Part>
-    static const Part* address(const Part* part) {
+    static const Part* pointer_to(const Part* part) {
         return part;
     }
     template <class Part>
-    static const Part* address(const std::optional<Part>& part) {
+    static const Part* pointer_to(const std::optional<Part>& part) {
         return part ? &*part : nullptr;
     }
 
     std::vector<TableColumn<R>> columns_;
 };
 
-/// A CSV file of a table. It is opened at once and gets its final name in `close`.
+/// A CSV file of a table. The constructor opens it, and `close` gives it its final name.
 template <class R>
 class TableFile {
 public:
@@ -179,7 +180,7 @@ public:
     }
     [[nodiscard]] const file::DataResource& about() const { return about_; }
     void add_lines(const std::string& lines) { csv_.add_lines(lines); }
-    /// Returns the rows that were added since the last call, if there is no file.
+    /// Returns the lines of the rows that were added since the last call. Only for a table without a file.
     [[nodiscard]] std::string take_lines() { return csv_.take_lines(); }
     void close() { csv_.close(); }
 
@@ -190,7 +191,8 @@ private:
 };
 
 /// Closes a part of a folder and adds its description to `resources`. A part is a table, an optional table, a list of
-/// tables, or an object with `table()`. A DataResource describes a table that somebody else writes; it is only added.
+/// parts, or an object with a function `table()`. A DataResource describes a table that another object writes; it is
+/// only added.
 template <class Part>
 void close_part(Part& part, std::vector<file::DataResource>& resources) {
     if constexpr (std::is_same_v<std::remove_const_t<Part>, file::DataResource>) {

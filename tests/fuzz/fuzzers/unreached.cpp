@@ -40,6 +40,6 @@ namespace image {
 std::pair<std::string, std::string> compiler_attribute() { unreached(); }
 }  // namespace image
 namespace claim {
-std::string quantity(const scene::claim::Claim& /*claim*/) { unreached(); }
+std::string quantity_text(const scene::claim::Claim& /*claim*/) { unreached(); }
 }  // namespace claim
 }  // namespace lostbits::output

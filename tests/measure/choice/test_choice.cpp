@@ -86,7 +86,7 @@ TEST_CASE("a form is called the fastest only beyond the noise, and scalar forms 
             c.time.high_quartile = c.time.median * (1 + spread);
         }
         all[1].isa = isa;
-        return output::choice::in_words({request, all, {2000, 1}, cheapest(all, request.requirement)});
+        return output::choice::choice_text({request, all, {2000, 1}, cheapest(all, request.requirement)});
     };
     const std::string near = said(1, 1.002, 0.02, "512"), apart = said(1, 1.5, 0.02, "512");
     CHECK(near.find("It is the fastest of all") == std::string::npos);

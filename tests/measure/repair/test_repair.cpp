@@ -137,7 +137,7 @@ TEST_CASE("a form that meets the requirement has an empty set, one that double d
     const RepairResult none = repair_form(hard);
     CHECK_FALSE(none.set);
     const std::string words =
-        output::repair::in_words({.request = hard, .repair = none, .catalogue = {}, .catalogue_quality = {}});
+        output::repair::repair_text({.request = hard, .repair = none, .catalogue = {}, .catalogue_quality = {}});
     CHECK_THAT(words, Catch::Contains("does not meet the requirement"));
     CHECK_THAT(words, Catch::Contains("assumes directions of length one"));
     // No precision helps, but directions of length one do.
@@ -245,10 +245,10 @@ TEST_CASE("a set that helps one axis is measured on others, and made symmetric",
     for (const RowQuality& quality : m.symmetric->probed) CHECK(meets(quality));
     const output::repair::RepairSummary result{
         .request = request, .repair = m, .catalogue = {}, .catalogue_quality = {}};
-    const auto proposals = proposals_of(result);
-    CHECK_FALSE(proposals.front().is_symmetric(result));
-    REQUIRE(best_of(proposals, result) != nullptr);
-    CHECK(best_of(proposals, result)->symmetric);
+    const auto proposals = list_proposals(result);
+    CHECK_FALSE(proposals.front().meets_on_exact_probes(result));
+    REQUIRE(best_proposal(proposals, result) != nullptr);
+    CHECK(best_proposal(proposals, result)->is_symmetric_set);
     CHECK(probe_rows(result).size() == m.probes.size() * (3 + m.rewriting.found.size()));
 }
 

@@ -43,7 +43,7 @@ output::diff::Comparison cells(const std::string& a, const std::string& b, const
 }
 
 bool says(const output::diff::Comparison& c, const std::string& what) {
-    return std::ranges::any_of(c.differences, [&](const output::diff::Difference& d) { return d.what == what; });
+    return std::ranges::any_of(c.differences, [&](const output::diff::Difference& d) { return d.text == what; });
 }
 
 output::image::ExrImage image_of(std::vector<float> x, std::vector<std::uint32_t> id = {1, 2, 3, 4}) {
@@ -78,7 +78,7 @@ TEST_CASE("diff: without a tolerance, numbers are compared by exact value and te
         CHECK(cells(a, b).count == 1);
         CHECK(cells(b, a).count == 1);
     }
-    CHECK(cells("a", "A").columns[0].not_finite == 0);
+    CHECK(cells("a", "A").columns[0].not_finite_count == 0);
 }
 
 TEST_CASE("diff: a tolerance never covers NaN, infinities, missing values and text", "[difference]") {
@@ -90,8 +90,8 @@ TEST_CASE("diff: a tolerance never covers NaN, infinities, missing values and te
             INFO('"' << a << "\" \"" << b << '"');
             const output::diff::Comparison c = cells(a, b, generous);
             CHECK(c.same() == (std::string_view(a) == b));
-            CHECK(c.columns[0].not_finite == (c.same() ? 0 : 1));
-            CHECK(c.columns[0].absolute.at.empty());
+            CHECK(c.columns[0].not_finite_count == (c.same() ? 0 : 1));
+            CHECK(c.columns[0].absolute.position.empty());
         }
     }
 }
@@ -227,7 +227,7 @@ TEST_CASE("diff: rows of claims are matched by their id, wherever they stand", "
     const output::diff::Comparison c = compare(before, table("id,measured\nnew,7\nc,4\na,1\n"), {});
     CHECK(c.count == 3);
     CHECK(c.rows == 2);
-    CHECK(c.rows_differ == 1);
+    CHECK(c.differing_rows == 1);
     CHECK(says(c, "\"c\": measured: 3 != 4 (abs 1, rel 0.25)"));
     CHECK(says(c, "\"b\": missing in the second"));
     CHECK(says(c, "\"new\": added in the second"));
@@ -239,9 +239,9 @@ TEST_CASE("diff: line numbers are those of the first file, and text is shown on 
     const output::diff::Comparison c = compare(table("t,x\n\"a\nb\",1\nc,2\n"), table("t,x\n\"a\nB\",1\nc,\n"), {});
     REQUIRE(c.count == 2);
     CHECK(c.differences[0].line == 2);
-    CHECK(c.differences[0].what == "t: \"a\\nb\" != \"a\\nB\"");
+    CHECK(c.differences[0].text == "t: \"a\\nb\" != \"a\\nB\"");
     CHECK(c.differences[1].line == 4);
-    CHECK(c.differences[1].what == "x: 2 != (empty)");
+    CHECK(c.differences[1].text == "x: 2 != (empty)");
 }
 
 TEST_CASE("diff: the largest differences and their places are shown, up to the requested number of lines",
@@ -253,17 +253,17 @@ TEST_CASE("diff: the largest differences and their places are shown, up to the r
     }
     output::diff::CompareOptions options;
     for (const std::uint64_t most : {0, 20, 50, 60}) {
-        options.max_kept = most;
+        options.max_listed = most;
         const output::diff::Comparison c = compare(table(a), table(b), options);
         CHECK(c.count == 50);
         CHECK(c.differences.size() == std::min<std::uint64_t>(most, 50));
         REQUIRE(c.columns.size() == 2);
         CHECK(c.columns[0].count == 50);
         CHECK(c.columns[0].absolute.value == 60);
-        CHECK(c.columns[0].absolute.at == "line 31");
+        CHECK(c.columns[0].absolute.position == "line 31");
         CHECK(c.columns[0].relative.value == Approx(60.0 / 90));
         CHECK(c.columns[1].count == 0);
-        CHECK(c.columns[1].absolute.at.empty());
+        CHECK(c.columns[1].absolute.position.empty());
     }
     // A difference within the tolerance is measured all the same.
     const output::diff::Comparison c = compare(table(a), table(b), within({"x=60"}));
@@ -281,8 +281,8 @@ TEST_CASE("diff: EXR samples are compared bit by bit, NaNs are equal, and a tole
     CHECK(compare(image_of({1, not_a_number, inf, 0}), image_of({1, payload, inf, 0}), {}).same());
     const output::diff::Comparison c = compare(image_of({1, 2, 3, 4}), image_of({1, 2, 3.5, 4}), {});
     REQUIRE(c.count == 1);
-    CHECK(c.differences[0].what == "err.ulp at 0,1: 3 != 3.5 (abs 0.5, rel 0.1429)");
-    CHECK(c.columns[1].absolute.at == "0,1");
+    CHECK(c.differences[0].text == "err.ulp at 0,1: 3 != 3.5 (abs 0.5, rel 0.1429)");
+    CHECK(c.columns[1].absolute.position == "0,1");
     const auto half = within({"err.*=0.5"});
     CHECK(compare(image_of({1, 2, 3, 0.0F}), image_of({1, 2, 3.5, -0.0F}), half).same());
     CHECK(compare(image_of({1, 2, 3, 0.0F}), image_of({1, 2, 3, -0.0F}), {}).count == 1);
@@ -290,14 +290,14 @@ TEST_CASE("diff: EXR samples are compared bit by bit, NaNs are equal, and a tole
     CHECK(compare(image_of({1, 2, 3, 4}), image_of({1, 2, 3.75, 4}), within({"err.*=0,0.25"})).same());
     const auto generous = within({"*=1e30,1e30"});
     for (const float other : {inf, -inf, not_a_number}) {
-        CHECK(compare(image_of({1, 2, 3, 4}), image_of({1, 2, other, 4}), generous).columns[1].not_finite == 1);
+        CHECK(compare(image_of({1, 2, 3, 4}), image_of({1, 2, other, 4}), generous).columns[1].not_finite_count == 1);
         CHECK(compare(image_of({1, 2, other, 4}), image_of({1, 2, 3, 4}), generous).count == 1);
     }
     CHECK(compare(image_of({inf, 0, 0, 0}), image_of({-inf, 0, 0, 0}), generous).count == 1);
     const output::diff::Comparison codes =
         compare(image_of({1, 2, 3, 4}), image_of({1, 2, 3, 4}, {1, 7, 3, 4}), generous);
     REQUIRE(codes.count == 1);
-    CHECK(codes.differences[0].what == "class.id at 1,0: 2 != 7");
+    CHECK(codes.differences[0].text == "class.id at 1,0: 2 != 7");
     CHECK(compare(image_of({1, 2, 3, 4}), image_of({1, 2, 3, 4}, {1, 7, 3, 4}), within({}, {"class.*"})).same());
 }
 
@@ -336,7 +336,7 @@ TEST_CASE("diff: PNG files are compared by pixels and other files by bytes", "[d
     CHECK(compare(a, a, {}).same());
     const output::diff::Comparison c = compare(a, {2, 1, {{1, 2, 3}, {4, 5, 57}}}, {});
     REQUIRE(c.count == 1);
-    CHECK(c.differences[0].what == "pixel at 1,0: 4,5,6 != 4,5,57");
+    CHECK(c.differences[0].text == "pixel at 1,0: 4,5,6 != 4,5,57");
     CHECK(c.columns[0].absolute.value == 51);
     CHECK(c.columns[0].relative.value == Approx(0.2));
     CHECK(says(compare(a, {1, 2, a.pixels}, {}), "size: 2x1 != 1x2"));
@@ -345,8 +345,8 @@ TEST_CASE("diff: PNG files are compared by pixels and other files by bytes", "[d
     const output::diff::Comparison bytes = compare_bytes("a\nbc", "a\nbx!");
     REQUIRE(bytes.count == 1);
     CHECK(bytes.differences[0].line == 2);
-    CHECK(bytes.differences[0].what == "bytes differ from byte 3 on; 4 != 5 bytes in total");
-    CHECK(compare_bytes("ab", "ac").differences[0].what == "bytes differ from byte 1 on");
+    CHECK(bytes.differences[0].text == "bytes differ from byte 3 on; 4 != 5 bytes in total");
+    CHECK(compare_bytes("ab", "ac").differences[0].text == "bytes differ from byte 1 on");
     CHECK(compare_bytes("abc", "ab").count == 1);
     CHECK(compare_bytes("", "a").count == 1);
 }

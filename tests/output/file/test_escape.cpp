@@ -363,13 +363,13 @@ TEST_CASE("untrusted names of operations and texts of forms are plain text in al
     for (const std::string& words : hostile) {
         name_anew(made, static_cast<std::size_t>(&words - hostile.data()));
         const output::repair::FormTexts said{
-            .name = "mended.f", .title = words, .source = words, .head = {words, words}};
+            .name = "mended.f", .title = words, .source = words, .head_lines = {words, words}};
         const std::string header = output::repair::form_header(made, form, said);
         no_code("header", header, lostbits::test::c_code, 2);
         keywords += header.find("named(\"class\", ") != std::string::npos;
         CHECK(header.find(" class = ") == std::string::npos);
-        const std::string shader =
-            output::repair::shader_code(made, form, {.name = "f", .title = words, .source = words, .head = {words}});
+        const std::string shader = output::repair::shader_code(
+            made, form, {.name = "f", .title = words, .source = words, .head_lines = {words}});
         no_code("shader", shader, lostbits::test::c_code, 0);
         std::size_t marks = 0;
         for (std::size_t at = 0; (at = shader.find("lostbits:", at)) != std::string::npos; ++at) ++marks;

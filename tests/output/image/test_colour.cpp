@@ -255,7 +255,7 @@ TEST_CASE("every outcome has a colour and a name", "[colour]") {
     REQUIRE(legend.size() == outcome_colours.size());
     CHECK(legend[legend.size() - 2].label == "out of order");
     CHECK(legend[legend.size() - 2].colour == outcome_colours.back());
-    CHECK(map::plain_name(Outcome::agree_hit) == "correct hit");
+    CHECK(map::outcome_in_words(Outcome::agree_hit) == "correct hit");
 }
 
 }  // namespace test_colour

@@ -27,7 +27,7 @@ Canvas drawing() {
     canvas.fill(10, 10, 20, 5, style::line);
     canvas.fill(-5, 30, 10, 5, style::line);
     canvas.text(10, 20, backend().render_text("at 2^-10 bits", 13), style::ink);
-    canvas.text(5, 5, plot::turned(backend().render_text("upwards", 13)), style::ink);
+    canvas.text(5, 5, plot::rotate_left(backend().render_text("upwards", 13)), style::ink);
     canvas.text(10, 60, backend().render_text(hostile, 9, true), style::soft_ink);
     canvas.field({100, 20, 40, 20}, 2, {{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {9, 9, 9}});
     Stroke stroke({20, 20, 100, 60});

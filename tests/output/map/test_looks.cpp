@@ -134,7 +134,7 @@ TEST_CASE("every key in speed-accuracy plots has its own style, and the plot say
     std::set<std::tuple<int, std::size_t, bool, bool>> seen;
     for (const auto& key : spec.keys) {
         CAPTURE(key.label);
-        CHECK(seen.insert({key.marker, key.faint ? 0 : key.colour, key.faint, key.hollow}).second);
+        CHECK(seen.insert({key.marker, key.is_faint ? 0 : key.colour, key.is_faint, key.is_hollow}).second);
     }
     CHECK(spec.keys.size() == 8);
     CHECK(spec.x.has_decimal_ticks);

@@ -78,7 +78,7 @@ TEST_CASE("the colour of lost bits is a share of the significand in every format
     CHECK(wide.map(23) != wide.map(53));  // not as bad as it gets: 30 are kept
     // Kept bits are not a loss, so their scale is even.
     CHECK(metric_scale(*find_metric("correct_bits"), binary32).map(12) == single.at(0.5));
-    CHECK_FALSE(MetricPaint(lost, binary32).shares_with(*find_metric("correct_bits")));
+    CHECK_FALSE(MetricPaint(lost, binary32).shares_bar_with(*find_metric("correct_bits")));
 }
 
 TEST_CASE("scales of magnitudes fit the format", "[metric_paint]") {

@@ -199,7 +199,7 @@ TEST_CASE("an outline runs around marked cells and not between them", "[plane_pl
     const Scratch folder;
     auto spec = plane(4, 3);
     const auto bare = plotted(folder, spec);
-    spec.cells[5].outlined = spec.cells[6].outlined = true;  // two neighbours in the middle
+    spec.cells[5].is_outlined = spec.cells[6].is_outlined = true;  // two neighbours in the middle
     const auto png = plotted(folder, spec);
     // A cell is 140 by 140: the line takes two pixels of an outlined one along the border, and a light one outside.
     const int w = 140, h = 140;

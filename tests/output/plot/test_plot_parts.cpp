@@ -124,14 +124,14 @@ TEST_CASE("every range has distinct ticks that lie on it", "[plot]") {
 TEST_CASE("labels keep their order and do not overlap", "[plot]") {
     using Places = std::vector<double>;
     const Places tens(3, 10.0);
-    CHECK(places_near(Places{5, 40, 90}, tens, 0, 200) == Places{5, 40, 90});
+    CHECK(positions_near(Places{5, 40, 90}, tens, 0, 200) == Places{5, 40, 90});
     // Three labels that want the same position: the middle one gets it.
-    CHECK(places_near(Places{50, 50, 50}, tens, 0, 200) == Places{40, 50, 60});
-    CHECK(places_near(Places{0, 0, 100}, tens, 0, 200) == Places{0, 10, 100});
-    CHECK(places_near(Places{500, 500, 500}, tens, 0, 100) == Places{70, 80, 90});
+    CHECK(positions_near(Places{50, 50, 50}, tens, 0, 200) == Places{40, 50, 60});
+    CHECK(positions_near(Places{0, 0, 100}, tens, 0, 200) == Places{0, 10, 100});
+    CHECK(positions_near(Places{500, 500, 500}, tens, 0, 100) == Places{70, 80, 90});
     // Too little space for all: one below the other from the top.
-    CHECK(places_near(Places{3, 3, 3}, tens, 0, 20) == Places{0, 10, 20});
-    CHECK(places_near(Places{}, Places{}, 0, 20).empty());
+    CHECK(positions_near(Places{3, 3, 3}, tens, 0, 20) == Places{0, 10, 20});
+    CHECK(positions_near(Places{}, Places{}, 0, 20).empty());
 }
 
 namespace {

@@ -154,7 +154,7 @@ TEST_CASE("equal series share a line and a legend entry, and different ones have
     // A form in two formats.
     auto solid = level("f32", 3), dashed = level("f64", 4);
     solid.family = dashed.family = "form";
-    dashed.dashed = true;
+    dashed.is_dashed = true;
     const auto family = plot_lines(std::vector{level("a", 10), solid, level("b", 12), dashed});
     CHECK((family[1].colour == family[3].colour && family[1].marker == family[3].marker));
     CHECK(family[1].dashes.size() != family[3].dashes.size());

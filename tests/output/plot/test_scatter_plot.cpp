@@ -28,9 +28,9 @@ ScatterPlotSpec small() {
     spec.y = {"bits", AxisSpec::Scale::linear, 0.0, {}};
     spec.points = {
         {.x = 1, .y = 10, .x_low = 0.9, .x_high = 1.1, .marker = 1, .label = "one"},
-        {.x = 4, .y = 20, .x_low = 3.5, .x_high = 5, .marker = 3, .colour = 1, .hollow = true, .label = "four"},
-        {.x = 6, .y = 5, .x_low = 6, .x_high = 6, .faint = true}};
-    spec.front = {{1, 10, true}, {4, 20, false}};
+        {.x = 4, .y = 20, .x_low = 3.5, .x_high = 5, .marker = 3, .colour = 1, .is_hollow = true, .label = "four"},
+        {.x = 6, .y = 5, .x_low = 6, .x_high = 6, .is_faint = true}};
+    spec.pareto_front = {{1, 10, true}, {4, 20, false}};
     spec.keys = {{"f32", 0, 0}, {"dominated", 0, 0, true}};
     return spec;
 }
@@ -103,7 +103,7 @@ TEST_CASE("a label is beside its point where it covers least, and left out where
     const LabelRequest request{{150, 50}, 50, 14};
     const auto free = place_labels({&request, 1}, {limits, {}, {}});
     REQUIRE(free[0].has_value());
-    const Point near = free[0]->nearest(request.at);
+    const Point near = free[0]->nearest(request.point);
     CHECK(std::hypot(near.x - 150, near.y - 50) == Approx(6));
     const Box2 right{151, 0, 149, 100};
     const auto left = place_labels({&request, 1}, {limits, {}, {&right, 1}});
@@ -136,7 +136,7 @@ TEST_CASE("a scatter plot shows points, names and the Pareto front where they be
     auto without = small();
     for (auto& p : without.points) p.label.clear();
     CHECK(count_of(plotted(folder, without), first) < count_of(image, first));
-    without.front.clear();
+    without.pareto_front.clear();
     const auto bare = plotted(folder, without);
     CHECK(bare.width == image.width);
     CHECK(count_of(bare, {120, 120, 126}) < count_of(image, {120, 120, 126}));
@@ -153,7 +153,7 @@ TEST_CASE("a point without a value is left out and counted", "[scatter_plot]") {
     CHECK(image.pixels != with.pixels);
     CHECK(count_of(image, second) == count_of(with, second));
     spec.points.clear();
-    spec.front.clear();
+    spec.pareto_front.clear();
     CHECK(plotted(folder, spec).width == with.width);
 }
 

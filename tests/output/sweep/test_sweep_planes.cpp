@@ -170,7 +170,7 @@ TEST_CASE("a plane's picture marks wrong forms by outline and outcome colour, an
                 const bool plain = p99 >= 1 && s.metrics[excess].quantile(0.99) < 1;
                 expected = scale.map(p99);
                 small = on_sheet.colour(p99, what.format.parameters);
-                if (plain) small = paler(*small);
+                if (plain) small = make_paler(*small);
                 plain_cells += plain;
             }
             if (expected) CHECK(find_block(image, *expected, 40, 40).has_value());
