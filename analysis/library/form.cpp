@@ -135,7 +135,7 @@ int lostbits_form_function(const char* named, lostbits_form** form, const lostbi
             .writer()
             .add(function.answers->info.name)
             .add(name_of(function.row.shape))
-            .add(function.shown)
+            .add(function.signature_text)
             .end_row();
         hand_over(std::move(found), result);
         *form = created.release();

@@ -298,7 +298,7 @@ std::unique_ptr<intersect::function::UserFunction> load_shown_function(const std
     auto function =
         intersect::function::load_function(function_name, {.seconds = options.seconds, .stop = options.stop});
     scene::toml::note_read(function->path);
-    if (!options.quiet) fmt::print(stderr, "lostbits: {}\n", function->shown);
+    if (!options.quiet) fmt::print(stderr, "lostbits: {}\n", function->signature_text);
     return function;
 }
 
