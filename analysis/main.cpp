@@ -206,7 +206,7 @@ Exit run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<sh
     table.write();
     // `plugin` prints these notes itself, or its caller does.
     if (!common.quiet && !is_command("plugin")) {
-        for (const std::string& note : intersect::external::changes_noted())
+        for (const std::string& note : intersect::external::noted_changes())
             fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(note));
     }
     return code;
@@ -222,7 +222,7 @@ namespace {
 [[noreturn]] void on_terminate() {
     lostbits::output::file::remove_partial_files();
     // Without foreign code in the process, an uncaught exception is a bug of lostbits.
-    const char* const foreign_code = lostbits::intersect::external::foreign_code_here();
+    const char* const foreign_code = lostbits::intersect::external::running_foreign_code();
     const bool is_foreign = lostbits::intersect::process::has_foreign_code();
     auto code = lostbits::Exit::environment;
     try {

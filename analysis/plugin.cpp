@@ -88,10 +88,10 @@ Exit try_forms(const std::string& library, const Common& common) {
             "plugin check: nothing to check; name a library, a command by --pipe, or a function by --function");
     bool all_kept = true;
     for (const ForeignForm& form : forms)
-        all_kept = print_trial(form, intersect::external::first_of(formulas, form), common.quiet) && all_kept;
+        all_kept = print_trial(form, intersect::external::first_root_form_of(formulas, form), common.quiet) && all_kept;
     for (const std::string& function_name : options.functions) {
         const auto function = selection::load_shown_function(function_name, options);
-        const auto& answers = function->answers->of32 ? function->answers->of32 : function->answers->of64;
+        const auto& answers = function->answers->batch32 ? function->answers->batch32 : function->answers->batch64;
         all_kept = print_trial(answers->form(), {}, common.quiet) && all_kept;
     }
     return all_kept ? Exit::done : Exit::answer_is_no;

@@ -107,7 +107,7 @@ int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation*
                                           .operands = {o.operands[0], o.operands[1], o.operands[2]},
                                           .value = o.value,
                                           .label = o.label ? o.label : ""});
-        require_sense(formula);
+        require_valid(formula);
         form->formulas[bits == 32 ? 0 : 1] = std::make_shared<const WrittenFormula>(std::move(formula));
         update_rows(*form);
         return Exit::done;

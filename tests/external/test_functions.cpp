@@ -301,7 +301,7 @@ void compare_random(std::uint64_t seed, int count, RandomCounts& counts) {
     for (int k = 0; k < count; ++k) {
         ++counts.functions;
         const std::string entry = "lostbits_entry_" + std::to_string(k);
-        const auto compiled = intersect::external::entry_of<void (*)(const S*, S*, int*)>(library, entry.c_str());
+        const auto compiled = intersect::external::find_symbol<void (*)(const S*, S*, int*)>(library, entry.c_str());
         REQUIRE(compiled != nullptr);
         std::shared_ptr<table::WrittenFormula> formula;
         try {
@@ -315,7 +315,7 @@ void compare_random(std::uint64_t seed, int count, RandomCounts& counts) {
             continue;
         }
         formula->name = entry, formula->shape = Shape::sphere;
-        table::require_sense(*formula);
+        table::require_valid(*formula);
         table::WrittenForm form(formula, formula);
         const table::Intersector* some = nullptr;
         for (const auto& row : table::catalogue())

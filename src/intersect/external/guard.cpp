@@ -70,7 +70,7 @@ void clean_up() {
 }
 
 [[noreturn]] void exit_program(Exit code) {
-    if (terms().ends_with) terms().ends_with(static_cast<int>(code));
+    if (terms().exit_with) terms().exit_with(static_cast<int>(code));
     _exit(static_cast<int>(code));
 }
 
@@ -216,7 +216,7 @@ ProbeScope::~ProbeScope() {
 LoadsForeignCode::~LoadsForeignCode() {
     fp_state_.set();
     process::put_back_after_loading();
-    restore_limits_or_end(foreign_code_here());
+    restore_limits_or_end(running_foreign_code());
     uselocale(LC_GLOBAL_LOCALE);
     std::locale::global(std::locale::classic());  // sets the C locale, too
 }
@@ -226,20 +226,20 @@ void note_change(const std::string& who, const std::string& change) {
     state_changes().by_name.try_emplace(who, change);
 }
 
-std::vector<std::string> changes_noted() {
+std::vector<std::string> noted_changes() {
     const std::scoped_lock lock(state_changes().lock);
     std::vector<std::string> sentences;
     for (const auto& [who, change] : state_changes().by_name) sentences.push_back(who + ": " + change);
     return sentences;
 }
 
-std::string change_noted(const std::string& who) {
+std::string noted_change_of(const std::string& who) {
     const std::scoped_lock lock(state_changes().lock);
     const auto entry = state_changes().by_name.find(who);
     return entry == state_changes().by_name.end() ? "" : entry->second;
 }
 
-const char* foreign_code_here() noexcept { return running_code.load(); }
+const char* running_foreign_code() noexcept { return running_code.load(); }
 
 void guard_foreign_code(const GuardTerms& new_terms) {
     static bool is_guarding = false;

@@ -334,7 +334,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
     if (contract.name.empty()) contract.name = default_form_name(parts.function);
     contract.source = parts.file.filename().string();
     if (contract.title.empty()) contract.title = parts.function + " of " + parts.file.filename().string();
-    external::require_sense(contract, subject);
+    external::require_valid(contract, subject);
     Mask hit = answer.hit;
     if (signature.miss_value.kind == MissValue::Kind::crossed && answer.far == no_node)
         throw InputError(
@@ -348,7 +348,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
     Nodes::FormulaWithPlaces recorded = nodes.to_formula(outputs.hit, outputs.t, outputs.near, outputs.far);
     recorded.formula.name = contract.name;
     recorded.formula.shape = contract.shape;
-    table::require_sense(recorded.formula);
+    table::require_valid(recorded.formula);
     user_function->names = names_of(signature, walk, recorded.operation_of);
     user_function->places = walk.places();
     for (SourcePlace& p : user_function->places)
@@ -366,11 +366,11 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
     external::ForeignForm form{contract, user_function->path, {}};
     const char* const name = external::lasting_text(external::name_in_messages(form));
     const auto bind = [&]<class S>(S) {
-        const auto entry = external::entry_of<void (*)(const S*, S*, int*)>(library, "lostbits_entry");
+        const auto entry = external::find_symbol<void (*)(const S*, S*, int*)>(library, "lostbits_entry");
         if (entry == nullptr) throw InputError(subject + ": the compiled function has no entry");
         form.answer = [entry, name, number_count, miss_value = signature.miss_value,
                        fp_state = library.fp_state](const lb_batch& batch) {
-            external::call_of(name, [&] {
+            external::call_foreign(name, [&] {
                 const external::InForeignCode foreign_code(name, fp_state);
                 answer_batch<S>(entry, miss_value, number_count, batch);
                 return 0;

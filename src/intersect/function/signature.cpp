@@ -172,7 +172,7 @@ Shape guess_shape(const UserSignature& signature, const StatedSignature& stated,
             std::string all_names;
             for (const std::string_view name : shape_names)
                 if (name != "sdf") all_names += (all_names.empty() ? "" : ", ") + std::string(name);
-            throw InputError(stated.where + ": " + external::shown_text(stated.shape) + " is not one of " + all_names);
+            throw InputError(stated.where + ": " + external::quote_text(stated.shape) + " is not one of " + all_names);
         }
         return static_cast<Shape>(shape_name - shape_names.begin());
     }
@@ -299,7 +299,7 @@ void apply_stated_roles(std::vector<Part>& parts, Shape shape, const StatedSigna
         for (std::size_t k = 0; k < keys.size() && role.empty(); ++k)
             if (is_common_name_of_key(role_name, keys[k], k, shape)) role = "k" + std::to_string(k);
         if (role.empty())
-            throw InputError(stated.where + ": " + external::shown_text(stated.roles[i]) +
+            throw InputError(stated.where + ": " + external::quote_text(stated.roles[i]) +
                              " is not one of o, d, 1/d, tmin, "
                              "tmax, t, far, hit, -, or a part of " +
                              with_article(shape) + ": " + key_list(shape));
@@ -453,12 +453,12 @@ void guess_signature(UserSignature& signature, const StatedSignature& stated, co
                 if (std::from_chars(text.data(), text.data() + text.size(), signature.miss_value.bound).ec !=
                     std::errc())
                     throw InputError(
-                        stated.where + ": miss is " + external::shown_text(text) +
+                        stated.where + ": miss is " + external::quote_text(text) +
                         "; it must be -1, 0, inf, nan, crossed, none, or the number from which on t means a miss");
             }
         } else if (!external::set_property(c, key, text, stated.where)) {
             throw InputError(
-                stated.where + ": unknown property " + external::shown_text(key) +
+                stated.where + ": unknown property " + external::quote_text(key) +
                 "; known properties are miss, roots, direction, touching, at_origin, inside, facing and flags");
         }
     }

@@ -274,10 +274,10 @@ std::string missing_function_message(const std::string& ir, const std::string& p
     std::size_t listed = 0;
     for (const std::string& function_name : names) {
         if (listed++ < max_listed)
-            text += (text.empty() ? "; it defines " : ", ") + external::shown_text(function_name);
+            text += (text.empty() ? "; it defines " : ", ") + external::quote_text(function_name);
     }
     if (listed > max_listed) text += " and " + std::to_string(listed - max_listed) + " more";
-    return path + ": has no function " + external::shown_text(name) + text;
+    return path + ": has no function " + external::quote_text(name) + text;
 }
 
 UserSignature signature_of(Module& module, const std::string& path, const std::string& name, SourceLanguage language) {
@@ -321,7 +321,7 @@ UserSignature signature_of(Module& module, const std::string& path, const std::s
     }
     if (best_function == nullptr) throw InputError(missing_function_message(module.text(), path, name, language));
     if (is_overloaded)
-        throw InputError(path + ": has several functions " + external::shown_text(function_name) +
+        throw InputError(path + ": has several functions " + external::quote_text(function_name) +
                          "; name one by its line: " + candidate_lines);
     UserSignature signature;
     signature.language = language;
@@ -424,7 +424,7 @@ StatedSignature stated_signature(const std::string& text, const std::string& whe
             result.properties.emplace_back(trimmed(std::string_view(property).substr(0, equals)),
                                            trimmed(std::string_view(property).substr(equals + 1)));
         else if (!property.empty() && !property.starts_with("->"))
-            throw InputError(where + ": " + external::shown_text(property) +
+            throw InputError(where + ": " + external::quote_text(property) +
                              " is not understood; write, for example, sphere(o, d, c, r), miss = -1, roots = near");
     }
     return result;

@@ -79,14 +79,14 @@ std::string errors_of(const std::string& log, const ShaderSource& shader) {
     for (std::string line; std::getline(lines, line);) {
         LogMessage c;
         if (!read_message(line, c)) {
-            if (!line.empty()) lines_without_position += "\n  " + external::shown_text(line, 200);
+            if (!line.empty()) lines_without_position += "\n  " + external::quote_text(line, 200);
             continue;
         }
         if (is_warning(line) || error_count == max_errors ||
             c.content.find("compilation terminated") != std::string::npos)
             continue;
         ++error_count;
-        const std::string message_text = external::plain_text(c.content);
+        const std::string message_text = external::escape_text(c.content);
         const Function& f = shader.signature.function;
         if (!messages.empty()) messages += "\n";
         if (c.line < our_first_line)

@@ -97,7 +97,7 @@ Sentinel sentinel_of(const Property& property) {
     const auto [end, error] =
         std::from_chars(property.value.data(), property.value.data() + property.value.size(), above.bound);
     if (error == std::errc() && end == property.value.data() + property.value.size() && above.bound > 0) return above;
-    throw InputError(property.where + ": miss is " + external::shown_text(property.value) +
+    throw InputError(property.where + ": miss is " + external::quote_text(property.value) +
                      "; it must be negative (t < 0 means a miss), crossed (near > far), zero (t <= 0), infinite, or a "
                      "number from which on t means a miss, such as 1e20");
 }
@@ -143,7 +143,7 @@ Signature choose(const std::string& path, const std::vector<Function>& functions
                              [&](const Function& f) { return f.name == function_property->value; });
     }
     if (chosen.empty() && function_property)
-        throw InputError(function_property->where + ": no function " + external::shown_text(function_property->value) +
+        throw InputError(function_property->where + ": no function " + external::quote_text(function_property->value) +
                          " in " + path + "; its functions are:" + list_text(functions));
     if (chosen.empty())
         throw InputError(path + ": no function has the types of an intersector, which are " +
@@ -199,14 +199,14 @@ double positive_number(const Property& property) {
     const char* const end = property.value.data() + property.value.size();
     const auto [stop, error] = std::from_chars(property.value.data(), end, number);
     if (error != std::errc() || stop != end || !(number > 0) || !(number < 1e30))
-        throw InputError(property.where + ": " + property.key + " is " + external::shown_text(property.value) +
+        throw InputError(property.where + ": " + property.key + " is " + external::quote_text(property.value) +
                          "; it must be a number above 0 and below 1e30");
     return number;
 }
 
 void set_formats(const Property& property, ShaderSource& shader) {
     if (property.value != "f32" && property.value != "f64" && property.value != "both")
-        throw InputError(property.where + ": format is " + external::shown_text(property.value) +
+        throw InputError(property.where + ": format is " + external::quote_text(property.value) +
                          "; it must be f32, f64 or both");
     shader.f32 = property.value != "f64";
     shader.f64 = property.value != "f32";
@@ -224,7 +224,7 @@ void apply_property(const Property& property, ShaderSource& shader) {
         shader.march.max_steps = static_cast<int>(std::min(positive_number(property), 1e9));
     else if ((property.key == "shape" && !own_primitives) || property.key == "source" ||
              !external::set_property(shader.contract, property.key, property.value, property.where))
-        throw InputError(property.where + ": unknown key " + external::shown_text(property.key) +
+        throw InputError(property.where + ": unknown key " + external::quote_text(property.key) +
                          "; known keys are function, name, title, direction, roots, touching, at_origin, inside, "
                          "facing, flags, miss "
                          "and format; for a field also hit_eps, max_dist and max_steps; for a march or field with its "
@@ -290,7 +290,7 @@ ShaderSource read_shader(const std::string& argument) {
     shader.signature.shape = shader.contract.shape;
     const bool takes_end = takes_tmax(shader.contract.shape) && shader.contract.roots != Roots::none;
     if (takes_end && !shader.signature.knows_end) shader.contract.flags |= LB_NO_END;
-    external::require_sense(shader.contract, path);
+    external::require_valid(shader.contract, path);
     shader.loops = loops_of(tokens, code);
     if (shader.signature.kind == Signature::Kind::field)
         shader.loops.push_back({shader.signature.function.line, shader.march.max_steps, shader.march.max_steps});

@@ -275,7 +275,7 @@ bool takes_decision(TapeOp op, std::size_t k) {
 
 }  // namespace
 
-void require_sense(const WrittenFormula& f) {
+void require_valid(const WrittenFormula& f) {
     const auto fail = [&f](std::size_t i, const std::string& why) {
         throw InputError(f.name + ": operation " + std::to_string(i) + ", " + std::string(name_of(f.operations[i].op)) +
                          ", " + why);
@@ -332,7 +332,7 @@ WrittenFormula written(const Tape& tape, Shape shape, std::string name) {
     for (const NodeId decision : tape.sides) formula.operations[static_cast<std::size_t>(decision)].has_sides = true;
     const auto [hit, t, near, far] = tape.outputs;
     formula.hit = hit, formula.t = t, formula.near = near, formula.far = far;
-    require_sense(formula);
+    require_valid(formula);
     return formula;
 }
 

@@ -42,10 +42,10 @@ struct WrittenFormula {
 
 /// Throws InputError, which names the operation, for an unknown operation, for an operand that does not come earlier,
 /// or for a decision in place of a number or a number in place of a decision.
-void require_sense(const WrittenFormula& formula);
+void require_valid(const WrittenFormula& formula);
 
 /// Converts a tape to a formula, for the primitives of a shape. The form must perform the same operations for every
-/// ray, without calls and loops. Throws as `require_sense` does.
+/// ray, without calls and loops. Throws as `require_valid` does.
 WrittenFormula written(const Tape& tape, Shape shape, std::string name);
 
 /// The formulas of a form in binary32 and in binary64. They may differ, because array libraries add the same numbers in
