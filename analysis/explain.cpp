@@ -92,7 +92,7 @@ template <class Subject>
 const intersect::table::Intersector* form_for(const intersect::table::Intersector& form, const Subject& subject) {
     if (subject.meets(form.shapes())) return &form;
     if (subject.meets(form.shapes().placed()) && is_primitive(form.shape) && !form.is_placed)
-        return &intersect::transform::through(intersect::transform::usual_transform_method(), form);
+        return &intersect::transform::transformed_form(intersect::transform::default_transform_method(), form);
     throw NothingSelected(fmt::format("{} is not a form for the primitives of {}; `lostbits list forms` lists all",
                                       form.info->name, subject.id));
 }

@@ -83,7 +83,7 @@ Listing intersectors(const Common& /*common*/) {
                                   is_flat(i.shape)
                                       ? std::string(intersect::facing_names[static_cast<std::size_t>(info.facing)])
                                       : "none",
-                                  intersect::tells_next_crossing(info, i.shape) ? "yes" : "no",
+                                  intersect::yields_next_crossing(info, i.shape) ? "yes" : "no",
                                   selection::formats_of(i),
                                   std::string(info.source)};
                    });

@@ -185,7 +185,7 @@ Exit run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<sh
     common.typed_command = selection::typed_command(program);
     selection::find_in_data(program.given().back(), common.data);
     selection::refuse_other_kinds(program, selection::data_folder(common.data));
-    if (const auto isa = intersect::simd::isa_named(common.isa)) intersect::simd::set_isa(*isa);
+    if (const auto isa = intersect::simd::find_isa(common.isa)) intersect::simd::set_isa(*isa);
     const auto is_command = [name = program.given().at(1).name()](const char* command) { return name == command; };
     if (!is_command("shader") && !is_command("devices"))
         selection::decide_isolation(common.external, is_command("check"));
@@ -260,7 +260,7 @@ int run_program(int argc, char** argv) {
         const scene::toml::FilesOfRun files;
         const Exit code = analysis::run_arguments(arguments, nullptr);
         // A failed write to stdout (to a full disk, by redirection) loses results, as a failed write to a file does.
-        intersect::process::put_back_limits();
+        intersect::process::restore_limits();
         if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
             return fail(Exit::environment, "standard output: cannot write");
         return static_cast<int>(code);

@@ -49,7 +49,7 @@ measure::evaluate::TestedForm row_of(const MendOptions& o, const std::string& id
     selection::refuse_generators(forms, "mend");
     const auto* form = forms.front();
     if (meets(form->shapes().placed()) && is_primitive(form->shape) && !form->is_placed)
-        form = &intersect::transform::through(intersect::transform::usual_transform_method(), *form);
+        form = &intersect::transform::transformed_form(intersect::transform::default_transform_method(), *form);
     if (!meets(form->shapes()))
         throw NothingSelected(fmt::format("{} is not a form for the primitives of {}{}", o.form, id,
                                           selection::fitting_forms_advice({{form, *find_format(o.format)}}, meets)));
@@ -198,7 +198,7 @@ Exit run(const MendOptions& o, const Common& common) {
         throw InputError("--emit " + o.emit +
                          ": a shader cannot be written for a form with a transform; write --emit NAME.hpp, or mend the "
                          "form without its transform, -i " +
-                         std::string(intersect::bounding_box::innermost(*request.row.form).info->name));
+                         std::string(intersect::bounding_box::innermost_form(*request.row.form).info->name));
     request.requirement = {.bits = o.bits, .wrong = o.wrong, .quantile = parse_quantile(o.at)};
     request.limit.stop = common.stop;
     const selection::ThreadLimit limit(common.threads);

@@ -59,7 +59,7 @@ const char* verdict_text(Observation::Verdict verdict) {
 bool print_trial(const ForeignForm& form, const std::optional<ForeignForm>& first, bool quiet) {
     std::vector<Observation> findings = measure::contract::try_contract(form, first ? &*first : nullptr);
     findings.push_back(measure::contract::observe_state(form));
-    intersect::process::put_back_limits();  // the form may have lowered the limits, which the following output may need
+    intersect::process::restore_limits();  // the form may have lowered the limits, which the following output may need
     const auto count = [&](Observation::Verdict v) { return std::ranges::count(findings, v, &Observation::verdict); };
     const auto broken = count(Observation::Verdict::broken), warned = count(Observation::Verdict::warned);
     const Contract& c = form.contract;

@@ -75,6 +75,6 @@ std::span<const BoxMethod> box_methods() {
     return methods;
 }
 
-const BoxMethod& usual_box_method() { return box_methods().front(); }
+const BoxMethod& default_box_method() { return box_methods().front(); }
 
 }  // namespace lostbits::intersect::bounding_box

@@ -20,6 +20,6 @@ struct BoxMethod {
 /// All methods, in the order of list.hpp.
 std::span<const BoxMethod> box_methods();
 /// The method used if none is named: the exact box rounded outward.
-const BoxMethod& usual_box_method();
+const BoxMethod& default_box_method();
 
 }  // namespace lostbits::intersect::bounding_box

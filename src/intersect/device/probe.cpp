@@ -240,7 +240,7 @@ void probe_loops(Device& device, Arithmetic& arithmetic) {
 
 }  // namespace
 
-const std::string_view probed_set =
+const std::string_view probed_inputs =
     "16379 sets of six numbers with random significands, exponents from -16 to 16 and both signs; and five sets for "
     "subnormals, infinities and NaN";
 
@@ -255,7 +255,7 @@ Arithmetic probe(Device& device) {
     const FormatProbe<float> floats(device);
     floats.add_to(arithmetic);
     floats.add_digest(arithmetic.digest);
-    if (device.limits().doubles) {
+    if (device.limits().has_doubles) {
         const FormatProbe<double> doubles(device);
         doubles.add_to(arithmetic);
         doubles.add_digest(arithmetic.digest);

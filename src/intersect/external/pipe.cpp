@@ -184,7 +184,7 @@ void evaluate_in_shared_memory(AnsweringProcess& answerer, const std::string& co
 void evaluate(AnsweringProcess& answerer, std::uint32_t form, const std::string& code_name, const Contract& contract,
               const lb_batch& batch) {
     const PipeRequest request = request_of(form, batch);
-    answerer.child.about("form \"" + contract.name + "\"");
+    answerer.child.set_subject("form \"" + contract.name + "\"");
     const ColumnBytes bytes = column_bytes(request, contract);
     if (answerer.memory) evaluate_in_shared_memory(answerer, code_name, request, bytes, batch);
     else evaluate_by_pipe(answerer.child, request, bytes, batch);

@@ -29,7 +29,7 @@ bool read_all(int descriptor, void* buffer, std::size_t bytes) {
         if (received < 0 && errno == EINTR) continue;
         if (received < 0 && errno == EAGAIN) {
             pollfd polled_input{descriptor, POLLIN, 0};
-            if (++poll_count < process::looks_before_sleep) sched_yield();
+            if (++poll_count < process::polls_before_sleep) sched_yield();
             else poll(&polled_input, 1, -1);
             continue;
         }

@@ -121,7 +121,7 @@ auto Compiler::ir_of_shader() -> FileText {
     run({"spirv-dis", "--no-color", "--no-header", "--no-indent"}, code, text);
     const std::string assembly = read_file(text);
     if (is_binary) output.source = assembly;
-    const fs::path source_file = file_.parent_path() / spirv::source_name(assembly);
+    const fs::path source_file = file_.parent_path() / spirv::source_file_name(assembly);
     if (std::error_code error; is_binary && fs::is_regular_file(source_file, error)) {
         lines.file = source_file.string();
         output.source = read_file(source_file);

@@ -195,7 +195,7 @@ std::optional<Value> Walk::run_call_instruction(Frame& frame, State& state, Curs
         arguments.push_back(value(state, *types.back(), argument_cursor));
         if (!argument_cursor.take(",")) break;
     }
-    if (name.starts_with(spirv::refusal)) fail(name.substr(std::string_view(spirv::refusal).size()));
+    if (name.starts_with(spirv::refusal_prefix)) fail(name.substr(std::string_view(spirv::refusal_prefix).size()));
     if (auto known_result = run_known_function(state, name, *type, arguments, types)) return known_result;
     if (const IrFunction* const f = module_.find_function(name)) {
         auto result = run_function(*f, std::move(arguments), std::move(state), call_place);

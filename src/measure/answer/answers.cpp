@@ -200,7 +200,7 @@ OneToMany<S> kernel_per_sphere(const Intersector& form, const Kernel& kernel) {
             for (std::size_t k = 0; k < primitive.used().size(); ++k) primitive.numbers[k] = spheres.numbers[k][i];
             const HitBatch<S> hits{t.subspan(i, 1), std::span(&near, 1), std::span(&far, 1), hit.subspan(i, 1)};
             kernel(rays, Target<S>(primitive), hits);
-            intersect::table::keep_in_range(*form.info, form.shape, rays, hits);
+            intersect::table::limit_batch_to_range(*form.info, form.shape, rays, hits);
         }
     };
 }
@@ -299,7 +299,7 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
         const auto kernel = [&](const RayBatch<S>& batch, const Target<S>& target, const HitBatch<S>& hits) {
             whole_ray(batch, target, hits);
             const Intersector& shape_form = marches ? form : form.of(target.primitives.front().shape);
-            intersect::table::keep_in_range(*shape_form.info, shape_form.shape, batch, hits);
+            intersect::table::limit_batch_to_range(*shape_form.info, shape_form.shape, batch, hits);
         };
         if (inputs.candidates && !marches) return test_candidates<S>(kernel, rays, inputs, takes_many, answers);
         RayChunk<S> chunk(rays);

@@ -131,7 +131,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), final_(
         if (error) refuse(path, "cannot follow the link", error.value());
     }
     require_own(path);
-    intersect::process::put_back_limits();
+    intersect::process::restore_limits();
     make_parent(final_);
     if (::stat(final_.c_str(), &info) == 0) {
         if (S_ISDIR(info.st_mode)) refuse(path, "cannot write", EISDIR);
@@ -186,7 +186,7 @@ void AtomicFile::fail(const char* failure, int error_number) {
 }
 
 void AtomicFile::flush() {
-    if (buffered_ > 0) intersect::process::put_back_limits();
+    if (buffered_ > 0) intersect::process::restore_limits();
     std::size_t done = 0;
     while (done < buffered_) {
         const ssize_t n = ::write(fd_, buffer_.get() + done, buffered_ - done);
