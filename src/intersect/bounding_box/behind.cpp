@@ -36,8 +36,8 @@ BoxedFormParts parts_of_row(void* context) { return parts_in(static_cast<const R
 
 template <class S>
 Primitive<S> box_around(const BoxedFormParts& form_parts, const Format& format, const Primitive<S>& primitive) {
-    const BoundingBox<double> box =
-        form_parts.method->in(format, transformed(primitive, [](const S& x) { return static_cast<double>(x); }));
+    const BoundingBox<double> box = form_parts.method->compute_box(
+        format, transformed(primitive, [](const S& x) { return static_cast<double>(x); }));
     return lift_primitive<S>(Primitive<double>(box));
 }
 

@@ -240,9 +240,8 @@ Value Walk::join(Mask when, const Value& a, const Value& b) {
         }
         return result;
     };
-    const Value x = cut_like(a, b), y = cut_like(b, a);
-    Value joined = x;
-    for (const auto& [offset, cell] : y) {
+    Value joined = cut_like(a, b);
+    for (const auto& [offset, cell] : cut_like(b, a)) {
         const auto counterpart = joined.find(offset);
         if (counterpart == joined.end()) joined[offset] = cell;
         else counterpart->second.scalar = join(when, counterpart->second.scalar, cell.scalar, cell.size);
@@ -258,37 +257,36 @@ Value Walk::zero_value(const Type& type) {
 
 // States
 
-void Walk::join(State& target_state, State&& other) {
+void Walk::join(State& state, State&& other) {
     std::size_t common = 0;
-    while (common < std::min(target_state.path.size(), other.path.size()) &&
-           target_state.path[common] == other.path[common])
+    while (common < std::min(state.path.size(), other.path.size()) && state.path[common] == other.path[common])
         ++common;
     const auto decisions_after_fork = [&](const State& s) {
         Mask conjunction = yes;
         for (std::size_t k = common; k < s.path.size(); ++k) conjunction = nodes_.logical_and(conjunction, s.path[k]);
         return conjunction;
     };
-    const Mask target_decision = decisions_after_fork(target_state), other_decision = decisions_after_fork(other);
+    const Mask target_decision = decisions_after_fork(state), other_decision = decisions_after_fork(other);
     // If the two paths separate at one decision, that decision alone selects between them.
     Mask when = target_decision;
-    if (common < target_state.path.size() && common < other.path.size() &&
-        nodes_.logical_not(target_state.path[common]) == other.path[common])
-        when = target_state.path[common];
-    else if (other.path.size() - common < target_state.path.size() - common) when = nodes_.logical_not(other_decision);
+    if (common < state.path.size() && common < other.path.size() &&
+        nodes_.logical_not(state.path[common]) == other.path[common])
+        when = state.path[common];
+    else if (other.path.size() - common < state.path.size() - common) when = nodes_.logical_not(other_decision);
     const Mask either_path = nodes_.logical_or(target_decision, other_decision);
-    target_state.path.resize(common);
-    if (either_path != yes) target_state.path.push_back(either_path);
-    target_state.memory.resize(std::max(target_state.memory.size(), other.memory.size()));
+    state.path.resize(common);
+    if (either_path != yes) state.path.push_back(either_path);
+    state.memory.resize(std::max(state.memory.size(), other.memory.size()));
     for (std::size_t k = 0; k < other.memory.size(); ++k) {
-        if (target_state.memory[k] == other.memory[k] || other.memory[k] == nullptr) continue;
-        if (target_state.memory[k] == nullptr) target_state.memory[k] = other.memory[k];
-        else target_state.memory[k] = std::make_shared<Value>(join(when, *target_state.memory[k], *other.memory[k]));
+        if (state.memory[k] == other.memory[k] || other.memory[k] == nullptr) continue;
+        if (state.memory[k] == nullptr) state.memory[k] = other.memory[k];
+        else state.memory[k] = std::make_shared<Value>(join(when, *state.memory[k], *other.memory[k]));
     }
     // A register that is set on only one of the two paths is not read after they join.
-    for (auto r = target_state.registers.begin(); r != target_state.registers.end();) {
+    for (auto r = state.registers.begin(); r != state.registers.end();) {
         const auto other_register = other.registers.find(r->first);
         if (other_register == other.registers.end()) {
-            r = target_state.registers.erase(r);
+            r = state.registers.erase(r);
             continue;
         }
         if (r->second != other_register->second) r->second = join(when, r->second, other_register->second);

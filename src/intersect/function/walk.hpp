@@ -113,7 +113,7 @@ private:
     std::optional<NodeId> number_from_bits(const Scalar& scalar, std::size_t size);
 
     // States
-    void join(State& target_state, State&& other);
+    void join(State& state, State&& other);
     int new_object(State& state, bool is_written = true);
     Value load(State& state, const Value& pointer, std::size_t size);
     void store(State& state, const Value& pointer, std::size_t size, const Value& value);

@@ -28,7 +28,7 @@ public:
           program_(std::move(program)),
           shape_(shader.signature.shape),
           answers_(shader.signature.answers),
-          miss_value_(shader.miss_value) {}
+          miss_sentinel_(shader.miss_sentinel) {}
 
     template <class S>
     void answer(const lb_batch& batch) {
@@ -75,15 +75,15 @@ private:
         const bool returns_hit = answers_ != Signature::Answers::t && answers_ != Signature::Answers::near_far;
         for (std::size_t i = 0; i < n; ++i)
             batch.hit[begin + i] = returns_hit ? hits_[i] != 0
-                                               : !miss_value_.means_miss(static_cast<double>(near_far[2 * i]),
-                                                                         static_cast<double>(near_far[2 * i + 1]));
+                                               : !miss_sentinel_.means_miss(static_cast<double>(near_far[2 * i]),
+                                                                            static_cast<double>(near_far[2 * i + 1]));
     }
 
     std::shared_ptr<Device> device_;
     std::shared_ptr<Program> program_;
     Shape shape_;
     Signature::Answers answers_;
-    MissValue miss_value_;
+    MissSentinel miss_sentinel_;
     std::vector<std::uint32_t> hits_;
 };
 

@@ -88,12 +88,12 @@ void add_comment_properties(const std::string& path, const std::vector<Token>& t
     }
 }
 
-MissValue read_miss_value(const Property& property) {
-    using Kind = MissValue::Kind;
+MissSentinel read_miss_sentinel(const Property& property) {
+    using Kind = MissSentinel::Kind;
     constexpr std::array<std::string_view, 4> kinds{"negative", "crossed", "zero", "infinite"};
     const auto kind = std::ranges::find(kinds, property.value);
     if (kind != kinds.end()) return {static_cast<Kind>(kind - kinds.begin()), 0};
-    MissValue above{Kind::above, 0};
+    MissSentinel above{Kind::above, 0};
     const auto [end, error] =
         std::from_chars(property.value.data(), property.value.data() + property.value.size(), above.bound);
     if (error == std::errc() && end == property.value.data() + property.value.size() && above.bound > 0) return above;
@@ -217,7 +217,7 @@ void apply_property(const Property& property, ShaderSource& shader) {
     const bool own_primitives =
         shader.signature.kind == Signature::Kind::march || shader.signature.arguments.size() == 1;
     if (property.key == "function") return;
-    if (property.key == "miss") shader.miss_value = read_miss_value(property);
+    if (property.key == "miss") shader.miss_sentinel = read_miss_sentinel(property);
     else if (property.key == "format") set_formats(property, shader);
     else if (property.key == "hit_eps") shader.march.hit_eps = positive_number(property);
     else if (property.key == "max_dist") shader.march.max_dist = positive_number(property);
@@ -250,7 +250,7 @@ void require_range(const std::string& path, const Signature& s) {
 
 }  // namespace
 
-bool MissValue::means_miss(double near, double far) const {
+bool MissSentinel::means_miss(double near, double far) const {
     switch (kind) {
         case Kind::negative: return far < 0;
         case Kind::crossed: return near > far || far < 0;
@@ -267,7 +267,7 @@ ShaderSource read_shader(const std::string& argument) {
                         .text = read_text(path),
                         .signature = {},
                         .contract = {},
-                        .miss_value = {},
+                        .miss_sentinel = {},
                         .march = {},
                         .is_hlsl = fs::path(path).extension() == ".hlsl",
                         .loops = {}};
@@ -281,7 +281,8 @@ ShaderSource read_shader(const std::string& argument) {
     shader.contract = default_contract(path, shader.signature);
     if (function != properties.rend() && function->where.starts_with("--shader"))
         shader.contract.name = function->value;
-    if (shader.signature.answers == Signature::Answers::near_far) shader.miss_value.kind = MissValue::Kind::crossed;
+    if (shader.signature.answers == Signature::Answers::near_far)
+        shader.miss_sentinel.kind = MissSentinel::Kind::crossed;
     shader.f32 = !shader.signature.is_double;
     shader.f64 = shader.signature.is_double;
     for (const Property& property : properties) apply_property(property, shader);

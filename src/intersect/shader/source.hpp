@@ -11,7 +11,7 @@
 namespace lostbits::intersect::shader {
 
 /// The answers by which a function that returns only numbers reports a miss.
-struct MissValue {
+struct MissSentinel {
     enum class Kind {
         negative,  ///< t < 0; for near and far, far < 0
         crossed,   ///< near > far, or far < 0
@@ -38,7 +38,7 @@ struct ShaderSource {
     std::string path, text;
     Signature signature;
     external::Contract contract;  ///< `bits` is the number of bits of the file's floating-point type
-    MissValue miss_value;
+    MissSentinel miss_sentinel;
     ShaderMarch march;  ///< used only for a field
     /// True for each requested format. If the file is written for the other format, it is rewritten for this one.
     bool f32 = true, f64 = false;

@@ -76,7 +76,7 @@ struct TransformMethod {
 
 /// The steps of a method in the arithmetic of a format.
 template <class T>
-const StepFunctions<T>& steps_in(const TransformMethod& method) {
+const StepFunctions<T>& step_functions(const TransformMethod& method) {
     if constexpr (std::same_as<T, float>) return method.f32;
     else if constexpr (std::same_as<T, double>) return method.f64;
     else return method.rounded;

@@ -228,7 +228,7 @@ Levels levels_of(const Intersector& catalogue_row, const Format& format, const R
     const Intersector* current = &catalogue_row;
     for (;;) {
         if (const auto boxed_parts = intersect::bounding_box::boxed_parts_of(*current); boxed_parts.form != nullptr) {
-            const BoundingBox<double> box = boxed_parts.method->in(format, problem.primitive);
+            const BoundingBox<double> box = boxed_parts.method->compute_box(format, problem.primitive);
             levels.boxes.push_back({problem.ray, box});
             if (!evaluate_one(*boxed_parts.box, format, problem.ray, box, problem.range.tmax))
                 lose_to(problem.primitive.placed ? Level::world_box : Level::box);

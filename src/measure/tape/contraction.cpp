@@ -233,13 +233,13 @@ Rows& rows() {
     return composed_rows;
 }
 
-void fill(Rows::Made& composed) {
+void fill(Rows::ComposedRow& composed) {
     static std::deque<Contracted> contractions;  // rows point to its elements
     const Intersector& form = *std::get<0>(composed.parts);
     composed.name = std::string(form.info->name) + std::string(contracted_suffix);
     composed.title = std::string(form.info->title) + "; each added product is rounded together with its sum";
     composed.source = form.info->source;
-    composed.take_contract(*form.info);
+    composed.copy_contract(*form.info);
     const Contracted& contraction = contractions.emplace_back(form, composed.name);
     composed.row = {.info = &composed.info, .shape = form.shape, .native32 = nullptr, .native64 = nullptr};
     if (contraction.written) contraction.written->fill(composed.row);

@@ -249,7 +249,7 @@ TEST_CASE("each level that can lose a hit is reported separately", "[hull]") {
         for (int j = 0; j < 16; ++j) {
             const Primitive<double> primitive = moved_by(
                 round_primitive(Box<double>{{0.25 + j / 999.0, 0.25, 0.25}, Vec<double>(0.75)}, binary32), 7401.1);
-            const BoundingBox<double> box = box_method_named(box_method).in(f32, primitive);
+            const BoundingBox<double> box = box_method_named(box_method).compute_box(f32, primitive);
             for (int k = -16; k <= 16; ++k) {
                 const Ray<double> ray{{box.lo.x, 0.5, -4}, {k * 0x1p-17, 0, 1}};
                 if (!measure::truth::find_truth(ray, primitive).is_hit()) continue;
@@ -326,7 +326,7 @@ TEST_CASE("one primitive for all rays and one for each ray give the same answers
         if (alone) REQUIRE(static_cast<float>(*alone) == t[i]);
         hits += hit[i];
         for (const Format& format : {f64, p9}) {
-            const BoundingBox<double> box = box_method_named("nearest").in(format, primitive);
+            const BoundingBox<double> box = box_method_named("nearest").compute_box(format, primitive);
             const bool both = evaluate_one(form("sphere.unified"), format, ray, primitive, HUGE_VAL) &&
                               evaluate_one(form("box.pbrt_padded"), format, ray, Primitive<double>(box), HUGE_VAL);
             REQUIRE(evaluate_one(row, format, ray, primitive, HUGE_VAL).has_value() == both);
