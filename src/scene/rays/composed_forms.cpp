@@ -37,7 +37,7 @@ const Intersector& with_generator(const RayGenerator& generator, const Intersect
         made.name = name;
         made.title = std::string(form.info->title) + "; rays: " + std::string(generator.info->title);
         made.source = std::string(form.info->source) + "; " + std::string(generator.info->source);
-        made.take_contract(*form.info);
+        made.copy_contract(*form.info);
         made.row = form;
         made.row.info = &made.info;
     });
