@@ -33,7 +33,7 @@ const Intersector& with_generator(const RayGenerator& generator, const Intersect
                         "scene, or use --set camera.rays={}",
                         name, form.info->name, std::string(generator_prefix) + std::string(generator.info->name),
                         generator.info->name, generator.info->name));
-    return composed_forms().row_of({&generator, &form}, [&](FormTable::Made& made) {
+    return composed_forms().row_of({&generator, &form}, [&](FormTable::ComposedRow& made) {
         made.name = name;
         made.title = std::string(form.info->title) + "; rays: " + std::string(generator.info->title);
         made.source = std::string(form.info->source) + "; " + std::string(generator.info->source);
