@@ -94,7 +94,7 @@ const intersect::table::Intersector* form_for_primitives(const intersect::table:
                                                          const Subject& subject) {
     if (subject.meets(form.shapes())) return &form;
     if (subject.meets(form.shapes().placed()) && is_primitive(form.shape) && !form.is_placed)
-        return &intersect::transform::through(intersect::transform::usual_transform_method(), form);
+        return &intersect::transform::transformed_form(intersect::transform::default_transform_method(), form);
     throw NothingSelected(fmt::format("{} is not a form for the primitives of {}; `lostbits list forms` lists all",
                                       form.info->name, subject.id));
 }

@@ -204,7 +204,7 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
     intersect::Info contract = selection::answer_contract(options, *dump);
     if (dump->layout().decides_only()) contract.roots = intersect::Roots::none;
     const Shape shape = dump->layout().primitive() ? *dump->layout().primitive() : representatives.front().shape;
-    intersect::external::require_front(contract.facing, shape, options.file);
+    intersect::external::require_valid_facing(contract.facing, shape, options.file);
     if (!shapes.are_several()) intersect::require_origin(contract.at_origin, contract.inside, shape, options.file);
     const measure::judge::FileForm answers(stem, shape, contract);
     if (dump->layout().has_answers()) request.file_form = &answers.form();

@@ -83,7 +83,7 @@ Listing intersectors(const CommonOptions& /*common*/) {
                                        is_flat(form.shape)
                                            ? std::string(intersect::facing_names[static_cast<std::size_t>(info.facing)])
                                            : "none",
-                                       intersect::tells_next_crossing(info, form.shape) ? "yes" : "no",
+                                       intersect::yields_next_crossing(info, form.shape) ? "yes" : "no",
                                        selection::formats_of(form),
                                        std::string(info.source)};
                         });

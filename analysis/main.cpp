@@ -186,7 +186,7 @@ Exit run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<sh
     common.typed_command = selection::typed_command(program);
     selection::find_in_data(program.given_commands().back(), common.data);
     selection::refuse_other_kinds(program, selection::data_folder(common.data));
-    if (const auto isa = intersect::simd::isa_named(common.isa)) intersect::simd::set_isa(*isa);
+    if (const auto isa = intersect::simd::find_isa(common.isa)) intersect::simd::set_isa(*isa);
     const auto is_command = [name = program.given_commands().at(1).name()](const char* command) {
         return name == command;
     };
@@ -209,7 +209,7 @@ Exit run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<sh
     table.write();
     // `plugin` prints these notes itself, or its caller does.
     if (!common.quiet && !is_command("plugin")) {
-        for (const std::string& note : intersect::external::changes_noted())
+        for (const std::string& note : intersect::external::noted_changes())
             fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(note));
     }
     return code;
@@ -225,7 +225,7 @@ namespace {
 [[noreturn]] void on_terminate() {
     lostbits::output::file::remove_partial_files();
     // Without foreign code in the process, an uncaught exception is a bug of lostbits.
-    const char* const foreign_code = lostbits::intersect::external::foreign_code_here();
+    const char* const foreign_code = lostbits::intersect::external::running_foreign_code();
     const bool is_foreign = lostbits::intersect::process::has_foreign_code();
     auto code = lostbits::Exit::environment;
     try {
@@ -263,7 +263,7 @@ int run_program(int argc, char** argv) {
         const scene::toml::FilesOfRun files;
         const Exit code = analysis::run_arguments(arguments, nullptr);
         // A failed write to stdout (to a full disk, by redirection) loses results, as a failed write to a file does.
-        intersect::process::put_back_limits();
+        intersect::process::restore_limits();
         if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
             return fail(Exit::environment, "standard output: cannot write");
         return static_cast<int>(code);

@@ -131,7 +131,7 @@ void note_lost_crossings(const SceneWork& work, const std::vector<measure::evalu
         const TestedForm& form_row = work.map.rows[r];
         const std::uint64_t missed = summaries[r].count(Outcome::false_miss);
         if (missed == 0 || form_row.form->is_set() ||
-            intersect::tells_next_crossing(*form_row.form->info, form_row.form->shape))
+            intersect::yields_next_crossing(*form_row.form->info, form_row.form->shape))
             continue;
         losing_forms +=
             fmt::format("{}{} {} ({} of {})", losing_forms.empty() ? "" : ", ", form_row.form->info->name,

@@ -49,7 +49,7 @@ measure::evaluate::TestedForm select_row(const MendOptions& options, const std::
     selection::refuse_generators(forms, "mend");
     const auto* form = forms.front();
     if (meets(form->shapes().placed()) && is_primitive(form->shape) && !form->is_placed)
-        form = &intersect::transform::through(intersect::transform::usual_transform_method(), *form);
+        form = &intersect::transform::transformed_form(intersect::transform::default_transform_method(), *form);
     if (!meets(form->shapes()))
         throw NothingSelected(
             fmt::format("{} is not a form for the primitives of {}{}", options.form, id,
@@ -201,7 +201,7 @@ Exit run(const MendOptions& options, const CommonOptions& common) {
         throw InputError("--emit " + options.emit +
                          ": a shader cannot be written for a form with a transform; write --emit NAME.hpp, or mend the "
                          "form without its transform, -i " +
-                         std::string(intersect::bounding_box::innermost(*request.row.form).info->name));
+                         std::string(intersect::bounding_box::innermost_form(*request.row.form).info->name));
     request.requirement = {.bits = options.bits, .wrong = options.wrong, .quantile = parse_quantile(options.at)};
     request.limit.stop = common.stop;
     const selection::ThreadLimit limit(common.threads);

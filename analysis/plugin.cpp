@@ -59,7 +59,7 @@ const char* verdict_text(Observation::Verdict verdict) {
 bool print_trial(const ForeignForm& form, const std::optional<ForeignForm>& first, bool quiet) {
     std::vector<Observation> findings = measure::contract::try_contract(form, first ? &*first : nullptr);
     findings.push_back(measure::contract::observe_state(form));
-    intersect::process::put_back_limits();  // the form may have lowered the limits, which the following output may need
+    intersect::process::restore_limits();  // the form may have lowered the limits, which the following output may need
     const auto count = [&](Observation::Verdict v) { return std::ranges::count(findings, v, &Observation::verdict); };
     const auto broken = count(Observation::Verdict::broken), warned = count(Observation::Verdict::warned);
     const Contract& contract = form.contract;
@@ -88,10 +88,10 @@ Exit try_forms(const std::string& library, const CommonOptions& common) {
             "plugin check: nothing to check; name a library, a command by --pipe, or a function by --function");
     bool all_kept = true;
     for (const ForeignForm& form : forms)
-        all_kept = print_trial(form, intersect::external::first_of(formulas, form), common.quiet) && all_kept;
+        all_kept = print_trial(form, intersect::external::first_root_form_of(formulas, form), common.quiet) && all_kept;
     for (const std::string& function_name : options.functions) {
         const auto function = selection::load_shown_function(function_name, options);
-        const auto& answers = function->answers->of32 ? function->answers->of32 : function->answers->of64;
+        const auto& answers = function->answers->batch32 ? function->answers->batch32 : function->answers->batch64;
         all_kept = print_trial(answers->form(), {}, common.quiet) && all_kept;
     }
     return all_kept ? Exit::done : Exit::answer_is_no;

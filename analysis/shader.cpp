@@ -58,7 +58,7 @@ Exit serve_shader(const std::string& shader_name, const std::string& kind) {
         const auto device = open_named_or_any(kind.empty() && shader.hlsl ? "vulkan" : kind);  // HLSL needs Vulkan
         const Arithmetic arithmetic = probe(*device);
         warn_about_loops(shader, arithmetic);
-        if (shader.f32 && shader.f64 && !device->limits().doubles)
+        if (shader.f32 && shader.f64 && !device->limits().has_doubles)
             fmt::print(stderr, "lostbits: {}: {} has no doubles in shaders; its form exists in f32 only\n", shader.path,
                        device->description().renderer);
         forms = forms_of(shader, device, !kind.empty(), line_of(device->description(), arithmetic));
@@ -120,7 +120,7 @@ Exit show_devices(bool json, const CommonOptions& common) {
         if (!json) print_device(report);
     }
     if (json) fmt::print("{}\n", array.dump(2));
-    else if (any_available && !common.quiet) fmt::print("tried on {}\n", probed_set);
+    else if (any_available && !common.quiet) fmt::print("tried on {}\n", probed_inputs);
     if (!any_available) throw EnvironmentError("no driver can run shaders here; docs/shader.md says what to install");
     return Exit::done;
 }

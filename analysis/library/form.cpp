@@ -108,7 +108,7 @@ int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation*
                  .operands = {operation.operands[0], operation.operands[1], operation.operands[2]},
                  .value = operation.value,
                  .label = operation.label ? operation.label : ""});
-        require_sense(formula);
+        require_valid(formula);
         form->formulas[bits == 32 ? 0 : 1] = std::make_shared<const WrittenFormula>(std::move(formula));
         update_rows(*form);
         return Exit::done;
@@ -136,7 +136,7 @@ int lostbits_form_function(const char* named, lostbits_form** form, const lostbi
             .writer()
             .add(function.answers->info.name)
             .add(name_of(function.row.shape))
-            .add(function.shown)
+            .add(function.signature_text)
             .end_row();
         hand_over(std::move(signature_result), result);
         *form = created.release();

@@ -189,8 +189,8 @@ ExternalForms load_external_forms(const ExternalOptions& options, int threads) {
         auto formulas = is_in_own_process ? std::vector<intersect::external::Formula>()
                                           : intersect::external::load_formulas(library);
         if (const std::string prefix = intersect::external::prefix_of_plugin(plugin); !prefix.empty()) {
-            for (auto& form : forms) intersect::external::rename(form, prefix);
-            for (auto& formula : formulas) intersect::external::rename(formula, prefix);
+            for (auto& form : forms) intersect::external::add_prefix(form, prefix);
+            for (auto& formula : formulas) intersect::external::add_prefix(formula, prefix);
         }
         for (const auto& formula : formulas) {
             const std::string form(formula.row.info->name);
@@ -244,7 +244,7 @@ void note_driver_differences(const intersect::function::UserFunction& function) 
     // one.
     const auto returns_both = [](intersect::Roots roots) { return roots == intersect::Roots::both; };
     for (const auto& catalogue_row : intersect::table::intersectors()) {
-        for (const ForeignForm* const form : intersect::external::behind(catalogue_row)) {
+        for (const ForeignForm* const form : intersect::external::foreign_forms_of(catalogue_row)) {
             if (!form->contract.source.starts_with(source_prefix) || form->contract.bits != 32 || function.bits != 32 ||
                 catalogue_row.shape != program.shape ||
                 returns_both(form->contract.roots) != returns_both(program.info->roots))
@@ -299,15 +299,15 @@ std::unique_ptr<intersect::function::UserFunction> load_shown_function(const std
     auto function =
         intersect::function::load_function(function_name, {.seconds = options.seconds, .stop = options.stop});
     scene::toml::note_read(function->path);
-    if (!options.quiet) fmt::print(stderr, "lostbits: {}\n", function->shown);
+    if (!options.quiet) fmt::print(stderr, "lostbits: {}\n", function->signature_text);
     return function;
 }
 
 void note_processor_states() {
     std::map<std::string, std::string> states;  // by library
     for (const auto& catalogue_row : intersect::table::intersectors()) {
-        for (const ForeignForm* const form : intersect::external::behind(catalogue_row))
-            if (!form->contract.state.empty()) states.try_emplace(form->from, form->contract.state);
+        for (const ForeignForm* const form : intersect::external::foreign_forms_of(catalogue_row))
+            if (!form->contract.state.empty()) states.try_emplace(form->provider, form->contract.state);
     }
     for (const auto& [library, state] : states)
         fmt::print(stderr,

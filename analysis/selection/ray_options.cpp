@@ -69,7 +69,8 @@ TestedForm row_for_primitives(const TestedForm& form_row, const std::string& sub
     if (is_primitive(shape) && !form_row.form->is_set() && !scene::rays::generator_of(*form_row.form) &&
         meets(form_row.form->shapes().placed())) {
         TestedForm placed = form_row;
-        placed.form = &intersect::transform::through(intersect::transform::usual_transform_method(), *form_row.form);
+        placed.form =
+            &intersect::transform::transformed_form(intersect::transform::default_transform_method(), *form_row.form);
         return placed;
     }
     if (form_row.form->shapes().are_placed() && meets(form_row.form->shapes().placed(false)))

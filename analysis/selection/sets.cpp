@@ -101,11 +101,12 @@ void add_placed(std::vector<TestedForm>& rows, Shapes shapes) {
     for (TestedForm form_row : original_rows) {
         if (form_row.form->is_set() || form_row.form->is_placed || !shapes.has(form_row.form->shape)) continue;
         if (scene::rays::generator_of(*form_row.form)) continue;
-        form_row.form = &intersect::transform::through(intersect::transform::usual_transform_method(), *form_row.form);
+        form_row.form =
+            &intersect::transform::transformed_form(intersect::transform::default_transform_method(), *form_row.form);
         if (form_row.against != nullptr && !form_row.against->is_set() && !form_row.against->is_placed &&
             is_primitive(form_row.against->shape))
-            form_row.against =
-                &intersect::transform::through(intersect::transform::usual_transform_method(), *form_row.against);
+            form_row.against = &intersect::transform::transformed_form(intersect::transform::default_transform_method(),
+                                                                       *form_row.against);
         if (std::ranges::find(rows, form_row) == rows.end()) rows.push_back(form_row);
     }
 }
@@ -218,9 +219,9 @@ const Intersector& plain_set(Shapes shapes) {
     Forms parts;
     for (const Shape shape : list_shapes(shapes)) {
         const Intersector& plain = plain_form(shape);
-        parts.push_back(shapes.are_placed()
-                            ? &intersect::transform::through(intersect::transform::usual_transform_method(), plain)
-                            : &plain);
+        parts.push_back(shapes.are_placed() ? &intersect::transform::transformed_form(
+                                                  intersect::transform::default_transform_method(), plain)
+                                            : &plain);
     }
     return intersect::table::set_of(parts);
 }
@@ -291,7 +292,7 @@ void refuse_generators(const std::vector<TestedForm>& rows, const char* command)
 
 void refuse_contracted(const std::vector<TestedForm>& rows, const char* command) {
     const auto contracted = [](const Intersector& form) {
-        return measure::tape::is_contracted(intersect::bounding_box::innermost(form));
+        return measure::tape::is_contracted(intersect::bounding_box::innermost_form(form));
     };
     for (const TestedForm& form_row : rows) {
         const auto& parts = form_row.form->parts;

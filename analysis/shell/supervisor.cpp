@@ -168,7 +168,7 @@ private:
         while (Clock::now() < deadline) {
             while (waitpid(-1, nullptr, WNOHANG) > 0) {}
             if (errno == ECHILD) return;
-            for (const int child : intersect::process::children()) kill(child, SIGKILL);
+            for (const int child : intersect::process::child_processes()) kill(child, SIGKILL);
             std::this_thread::sleep_for(std::chrono::milliseconds(2));
         }
     }

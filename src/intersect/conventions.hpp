@@ -1,4 +1,4 @@
-// The right answer in the cases that geometry leaves open, one by one: the only table of conventions. It decides which
+// The right answer in each case that geometry leaves open. This is the only table of conventions. It decides which
 // contracts are refused, docs/truth.md shows it, and a test compares the truth with it in every combination of
 // properties.
 #pragma once
@@ -127,7 +127,7 @@ inline void require_origin(AtOrigin at_origin, Inside inside, Shape shape, const
 /// True if a form yields the next crossing when the range of a ray excludes its first one: it yields both roots, or it
 /// takes the range itself. A form of a single root loses the crossings behind that root. A form that counts all points
 /// inside, and a surface that a line crosses once, have no next crossing to lose.
-constexpr bool tells_next_crossing(const Info& info, Shape shape) {
+constexpr bool yields_next_crossing(const Info& info, Shape shape) {
     return info.ranged || info.roots == Roots::both || info.roots == Roots::none || is_flat(shape) || takes_tmax(shape);
 }
 

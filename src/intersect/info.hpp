@@ -37,7 +37,7 @@ enum class AtOrigin {
            ///< it goes out
 };
 
-/// The true answer for a ray that starts inside a primitive.
+/// The right answer for a ray that starts inside a primitive.
 enum class Inside {
     usual,  ///< the exit for a sphere, 0 for a box
     exit,   ///< the t at which the ray leaves

@@ -76,9 +76,9 @@ private:
 struct MarchStep {
     double t;
     Vec<double> p;
-    double size;          ///< |p|, computed in the format
-    double d;             ///< field value at p
-    bool stands = false;  ///< true if the step after this sample changed nothing
+    double size;               ///< |p|, computed in the format
+    double d;                  ///< field value at p
+    bool is_stagnant = false;  ///< true if the step after this sample changed nothing
 };
 
 /// Keeps every sample.
@@ -94,7 +94,7 @@ public:
     template <class... Position>
     void stepped(bool active, const T& t, const Position&... position) {
         LastStep<T>::stepped(active, t, position...);
-        if (active) steps_.back().stands = this->is_stagnant();
+        if (active) steps_.back().is_stagnant = this->is_stagnant();
     }
     [[nodiscard]] std::vector<MarchStep> take() { return std::move(steps_); }
 

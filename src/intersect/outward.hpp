@@ -1,5 +1,5 @@
-// Interval arithmetic inside a form, as in pbrt-v4 on the CPU: each bound is computed to nearest and then moved one
-// neighbour outward. This is arithmetic under test; the laboratory's own enclosures are in number/.
+// Interval arithmetic inside a form, as in pbrt-v4 on the CPU: each bound is rounded to nearest and then replaced by
+// its neighbour outward. This arithmetic is itself under test; the enclosures of lostbits are in number/.
 #pragma once
 
 #include "geometry/vec.hpp"

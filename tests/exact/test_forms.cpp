@@ -150,7 +150,7 @@ struct Tally {
 };
 
 /// True if this problem is among those for which a form promises an answer without rounding.
-bool is_asked(const intersect::Info& form, const Shaped& shape, const Problem& p, bool made) {
+bool is_requested(const intersect::Info& form, const Shaped& shape, const Problem& p, bool made) {
     // This form treats a root d1 with |d1| < 1e-4 as 0: test_tori has the consequences.
     if (form.name == "torus.quilez") return false;
     // If two real roots are equal, the last remainder is 0. Rounded in any precision, it has a sign, which decides.
@@ -295,7 +295,7 @@ TEST_CASE("exact: every form is right when nothing is rounded", "[exact][forms]"
             Tally tally;
             for (const std::vector<Problem>* const all : {&random, &made})
                 for (const Problem& p : *all)
-                    if (is_asked(*form.info, shape, p, all == &made)) ask(form, shape, p, tally);
+                    if (is_requested(*form.info, shape, p, all == &made)) ask(form, shape, p, tally);
             if (tally.asked == 0) continue;
             const Findings f = check(shape, tally.problems, tally.answers, 1, 50);
             INFO(form.info->name << ": asked " << tally.asked << ", hits " << tally.hits << "; differ " << f.differ

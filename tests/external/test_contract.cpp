@@ -72,7 +72,7 @@ ForeignForm renamed(const intersect::table::Intersector& row, int bits, bool fir
                       .flags = LB_ONE_THREAD | (takes_tmax(row.shape) ? 0U : unsigned{LB_NO_END})};
     if (first && contract.inside == intersect::Inside::near) contract.inside = intersect::Inside::usual;
     const intersect::Roots roots = contract.roots;
-    return {.contract = contract, .from = "catalogue", .answer = [&row, bits, roots](const lb_batch& batch) {
+    return {.contract = contract, .provider = "catalogue", .answer = [&row, bits, roots](const lb_batch& batch) {
                 if (bits == 32) answer_by_row<float>(row, roots, batch);
                 else answer_by_row<double>(row, roots, batch);
             }};

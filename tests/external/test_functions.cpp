@@ -46,7 +46,7 @@ TEST_CASE("functions: the operations give the bits of the compiled function", "[
           Case{"sphere.cpp:scene::intersect_sphere", "hit where its hit is not 0, t = its t"},
           Case{"box.c:hit_box", "lo = b.bounds[0], hi = b.bounds[1]"}, Case{"box.c:slabs", "1/direction = inv_dir"},
           Case{"triangle.cpp:hit_triangle", "triangle: origin = orig, direction = dir, a = v0, b = v1, c = v2"},
-          Case{"sphere.rs:hit_sphere", "hit where the result is there"}, Case{"sphere.rs:hit_box", "far = its __1"},
+          Case{"sphere.rs:hit_sphere", "hit where the result has a value"}, Case{"sphere.rs:hit_box", "far = its __1"},
           Case{"public.c:ray_triangle", "c = v2; hit where the result is not 0, t = d"},
           Case{"public.c:HitBoundingBox",
                "lo = minB, hi = maxB, origin = origin, direction = dir; hit where the result"},
@@ -54,13 +54,13 @@ TEST_CASE("functions: the operations give the bits of the compiled function", "[
                "origin = orig, direction = dir; hit where the result is not 0, t = t0"},
           Case{"public.cpp:sphere::hit",
                "tmin = ray_t.min, tmax = ray_t.max; hit where the result is not 0, t = rec.t"},
-          Case{"public.rs:Sphere::intersect", "hit where the result is there, t = the result"},
+          Case{"public.rs:Sphere::intersect", "hit where the result has a value, t = the result"},
           Case{"public.rs:intersects_triangle", "c = c; t = its distance; hit where t is not infinite"},
           Case{"public.rs:intersection_slice_for_aabb", "1/direction = inv_direction, lo = aabb.min, hi = aabb.max"}}) {
         CAPTURE(named);
         if (std::string(named).find(".rs:") != std::string::npos && !has_rustc()) continue;
         const auto f = intersect::function::load_function(folder + named, {});
-        CHECK(f->shown.find(says) != std::string::npos);
+        CHECK(f->signature_text.find(says) != std::string::npos);
         CHECK(differences(*f) == 0);
         if (!std::string(named).starts_with("public")) continue;
         in_both += agrees_in_other_format(folder + named, f->bits) ? 1 : 0;
@@ -152,8 +152,8 @@ TEST_CASE("functions: each member of a struct has its own meaning and place", "[
             made.write("struct.c", std::string("#include <math.h>\nstruct sphere { ") + members +
                                        " };\nfloat hit(const float o[3], const float d[3], struct sphere s) " + body);
         const auto f = intersect::function::load_function(file + ":hit", {});
-        CHECK(f->shown.find("centre = s.c") != std::string::npos);
-        CHECK(f->shown.find("radius = s.r") != std::string::npos);
+        CHECK(f->signature_text.find("centre = s.c") != std::string::npos);
+        CHECK(f->signature_text.find("radius = s.r") != std::string::npos);
         const Outcome map =
             must("map near-benign --size 16x16 -f f32 -i function.hit -o out --force --function " + file + ":hit",
                  made.path());
@@ -233,7 +233,7 @@ TEST_CASE("functions: LLVM IR as text and as bitcode, with and without debug inf
           Case{"none.bc:precise", "origin = p0, direction = p1, centre = p2, radius = p3"}}) {
         CAPTURE(named);
         const auto f = intersect::function::load_function(to + named, {});
-        CHECK(f->shown.find(says) != std::string::npos);
+        CHECK(f->signature_text.find(says) != std::string::npos);
         CHECK(differences(*f) == 0);
     }
     const auto culprit = [&](const std::string& file) {
@@ -301,21 +301,21 @@ void compare_random(std::uint64_t seed, int count, RandomCounts& counts) {
     for (int k = 0; k < count; ++k) {
         ++counts.functions;
         const std::string entry = "lostbits_entry_" + std::to_string(k);
-        const auto compiled = intersect::external::entry_of<void (*)(const S*, S*, int*)>(library, entry.c_str());
+        const auto compiled = intersect::external::find_symbol<void (*)(const S*, S*, int*)>(library, entry.c_str());
         REQUIRE(compiled != nullptr);
         std::shared_ptr<table::WrittenFormula> formula;
         try {
             intersect::function::Nodes nodes(8 * sizeof(S));
             const auto answer = intersect::function::Walk(module, nodes, made.path().string()).run(entry, inputs);
             formula = std::make_shared<table::WrittenFormula>(
-                nodes.written(answer.hit, answer.t, answer.t, answer.t).formula);
+                nodes.to_formula(answer.hit, answer.t, answer.t, answer.t).formula);
         } catch (const InputError& error) {
             ++counts.refused;
             fail(k, error.what());
             continue;
         }
         formula->name = entry, formula->shape = Shape::sphere;
-        table::require_sense(*formula);
+        table::require_valid(*formula);
         table::WrittenForm form(formula, formula);
         const table::Intersector* some = nullptr;
         for (const auto& row : table::catalogue())

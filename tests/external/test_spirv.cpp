@@ -67,7 +67,7 @@ TEST_CASE("spirv: signatures of GLSL and HLSL, and bits in both formats", "[exte
                "t = its x, far = its y; hit where t <= far and far is not"}}) {
         CAPTURE(named);
         const auto f = load_function(folder + named, {});
-        CHECK(f->shown.find(says) != std::string::npos);
+        CHECK(f->signature_text.find(says) != std::string::npos);
         CHECK(differences(*f) == 0);
         if (!std::string(named).starts_with("public")) continue;
         in_both += agrees_in_other_format(folder + named, f->bits) ? 1 : 0;
@@ -156,7 +156,7 @@ TEST_CASE("spirv: damaged SPIR-V and GLSL give a sentence", "[external]") {
             intersect::function::Module module(text);
             auto s =
                 intersect::function::signature_of(module, "own.spv", "ball", intersect::function::SourceLanguage::llvm);
-            intersect::function::guess(s, {}, "own.spv:ball");
+            intersect::function::guess_signature(s, {}, "own.spv:ball");
             return true;
         } catch (const InputError&) {
             return false;

@@ -34,7 +34,7 @@ inline ForeignForm solved_by(Shape shape, const Solves& solve) {
     contract.bits = 64;
     contract.roots = intersect::Roots::first_only;
     contract.flags = LB_ONE_THREAD | LB_NO_END;
-    return {.contract = contract, .from = "test", .answer = [shape, solve](const lb_batch& batch) {
+    return {.contract = contract, .provider = "test", .answer = [shape, solve](const lb_batch& batch) {
                 for (std::size_t i = 0; i < batch.size; ++i) {
                     const double* const r = static_cast<const double*>(batch.rays) + 6 * i;
                     Primitive<double> primitive(shape);

@@ -82,7 +82,7 @@ void read_record(unsigned kind, output::shard::BitReader& bits) {
 void fuzz_headers(std::string_view bytes) {
     using intersect::external::read_greeting;
     const intersect::external::PipeTerms terms{.message_prefix = "a pipe"};
-    static_cast<void>(intersect::external::shown_text(bytes));
+    static_cast<void>(intersect::external::quote_text(bytes));
     answer_or_error([&] {
         const auto contracts = read_greeting(speaker_of(bytes), terms);
         const std::string written = intersect::external::pipe_header_of(contracts);

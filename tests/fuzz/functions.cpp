@@ -18,13 +18,13 @@ using namespace intersect::function;
 void follow(const std::string& ir, const std::string& name) {
     Module probe(ir);
     UserSignature signature = signature_of(probe, "own.ll", name, SourceLanguage::llvm);
-    guess(signature, {}, "own.ll");
+    guess_signature(signature, {}, "own.ll");
     Module module(ir_wrapper_of(signature, probe, "own.ll"));
     Nodes nodes(signature.bits);
     const std::size_t numbers = row_of(signature.contract.shape).numbers;
     Walk walk(module, nodes, "/x", "own.ll");
     const auto answer = walk.run("lostbits_entry", static_cast<int>(6 + numbers + 1));
-    if (answer.t != no_node) static_cast<void>(nodes.written(answer.hit, answer.t, answer.t, answer.t));
+    if (answer.t != no_node) static_cast<void>(nodes.to_formula(answer.hit, answer.t, answer.t, answer.t));
 }
 
 /// The text of a module of SPIR-V; other bytes are taken as a text.

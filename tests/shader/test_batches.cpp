@@ -24,10 +24,10 @@ public:
     explicit Echo(DeviceLimits limits) : limits_(limits) {}
     [[nodiscard]] const DeviceDescription& description() const override { return description_; }
     [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
-    [[nodiscard]] std::unique_ptr<device::Program> compile_here(const std::string&, device::Language) override {
+    [[nodiscard]] std::unique_ptr<device::Program> compile_program(const std::string&, device::Language) override {
         return std::make_unique<device::Program>();
     }
-    void run_here(device::Program&, std::span<const Buffer> buffers, std::size_t groups) override {
+    void run_program(device::Program&, std::span<const Buffer> buffers, std::size_t groups) override {
         KernelHead head;
         std::memcpy(&head, buffers[BufferBinding::head].bytes.data(), sizeof head);
         for (const Buffer& b : buffers) {

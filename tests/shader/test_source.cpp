@@ -147,8 +147,8 @@ float f(vec3 ro, vec3 rd, vec4 s) { return 1.0; }
     CHECK(shader.contract.touching == Touching::miss);
     CHECK(shader.contract.title == "two words");
     CHECK((shader.f32 && shader.f64));
-    CHECK(shader.sentinel.kind == Sentinel::Kind::above);
-    CHECK(shader.sentinel.bound == 1e20);
+    CHECK(shader.miss_sentinel.kind == MissSentinel::Kind::above);
+    CHECK(shader.miss_sentinel.bound == 1e20);
     const ShaderSource other = read_shader(file.path() + ":roots=near,touching=hit,format=f64");
     CHECK(other.contract.roots == Roots::near_only);
     CHECK(other.contract.touching == Touching::hit);
@@ -184,22 +184,22 @@ TEST_CASE("shader: errors are reported with their place", "[shader]") {
 }
 
 TEST_CASE("shader: numbers mean a miss by the chosen convention", "[shader]") {
-    using Kind = Sentinel::Kind;
+    using Kind = MissSentinel::Kind;
     const double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
-    CHECK(Sentinel{Kind::negative}.means_miss(-1, -1));
-    CHECK_FALSE(Sentinel{Kind::negative}.means_miss(-1, 1));  // from inside
-    CHECK_FALSE(Sentinel{Kind::negative}.means_miss(0, 0));
-    CHECK_FALSE(Sentinel{Kind::negative}.means_miss(nan, nan));  // an answer, if a bad one
+    CHECK(MissSentinel{Kind::negative}.means_miss(-1, -1));
+    CHECK_FALSE(MissSentinel{Kind::negative}.means_miss(-1, 1));  // from inside
+    CHECK_FALSE(MissSentinel{Kind::negative}.means_miss(0, 0));
+    CHECK_FALSE(MissSentinel{Kind::negative}.means_miss(nan, nan));  // an answer, if a bad one
     // A slab test that returns its two numbers unchanged reports a miss by their order.
     const File slabs("vec2 f(vec3 ro, vec3 rd, vec3 lo, vec3 hi) { return vec2(2, 1); }");
-    CHECK(read_shader(slabs.path()).sentinel.kind == Kind::crossed);
-    CHECK(Sentinel{Kind::crossed}.means_miss(2, 1));
-    CHECK(Sentinel{Kind::crossed}.means_miss(-2, -1));
-    CHECK_FALSE(Sentinel{Kind::crossed}.means_miss(1, 1));
-    CHECK(Sentinel{Kind::zero}.means_miss(0, 0));
-    CHECK(Sentinel{Kind::infinite}.means_miss(infinity, infinity));
-    CHECK(Sentinel{Kind::above, 1e20}.means_miss(1e20, 1e20));
-    CHECK_FALSE(Sentinel{Kind::above, 1e20}.means_miss(9e19, 9e19));
+    CHECK(read_shader(slabs.path()).miss_sentinel.kind == Kind::crossed);
+    CHECK(MissSentinel{Kind::crossed}.means_miss(2, 1));
+    CHECK(MissSentinel{Kind::crossed}.means_miss(-2, -1));
+    CHECK_FALSE(MissSentinel{Kind::crossed}.means_miss(1, 1));
+    CHECK(MissSentinel{Kind::zero}.means_miss(0, 0));
+    CHECK(MissSentinel{Kind::infinite}.means_miss(infinity, infinity));
+    CHECK(MissSentinel{Kind::above, 1e20}.means_miss(1e20, 1e20));
+    CHECK_FALSE(MissSentinel{Kind::above, 1e20}.means_miss(9e19, 9e19));
 }
 
 TEST_CASE("shader: loops are found together with their bounds", "[shader]") {

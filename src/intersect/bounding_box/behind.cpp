@@ -32,16 +32,16 @@ Rows& rows() {
 BoxedFormParts parts_in(const Parts& parts) {
     return std::apply([](auto... part) { return BoxedFormParts{part...}; }, parts);
 }
-BoxedFormParts parts_of_row(void* context) { return parts_in(static_cast<const Rows::Made*>(context)->parts); }
+BoxedFormParts parts_of_row(void* context) { return parts_in(static_cast<const Rows::ComposedRow*>(context)->parts); }
 
 template <class S>
 Primitive<S> box_around(const BoxedFormParts& form_parts, const Format& format, const Primitive<S>& primitive) {
-    const BoundingBox<double> box =
-        form_parts.method->in(format, transformed(primitive, [](const S& x) { return static_cast<double>(x); }));
+    const BoundingBox<double> box = form_parts.method->compute_box(
+        format, transformed(primitive, [](const S& x) { return static_cast<double>(x); }));
     return lift_primitive<S>(Primitive<double>(box));
 }
 
-/// Buffers for the answers of the box form. Only its decisions are used.
+/// Buffers for the answers of the box form, of which only the decisions are used.
 template <class S>
 struct Decisions {
     std::vector<S> t;
@@ -121,7 +121,7 @@ void record_with(const BoxedFormParts& form_parts, const Format& format, const R
         Tape row_tape;
         row_tape.runs_every_loop = runs_every_loop;
         record_row(form, part_target, row_tape);
-        return table::append(row_tape, inputs, tape);
+        return table::append_tape(row_tape, inputs, tape);
     };
     const TapeOutputs box_outcome = append_row(*form_parts.box, Target<double>(box), box_inputs);
     TapeOutputs answer = append_row(*form_parts.form, target, form_inputs);
@@ -143,22 +143,22 @@ void record_all(void* context, const Target<double>& target, Tape& tape) {
                 });
 }
 
-std::string text(auto... parts) {
+std::string join_text(auto... parts) {
     std::string result;
     ((result += parts), ...);
     return result;
 }
 
-void fill(Rows::Made& composed) {
+void fill_row(Rows::ComposedRow& composed) {
     const BoxedFormParts parts = parts_of_row(&composed);
     const Info &form = *parts.form->info, &box = *parts.box->info;
     const BoxMethodInfo& box_method = *parts.method->info;
-    composed.name = text(form.name, "^", box.name);
-    if (parts.method != &usual_box_method()) composed.name += text("~", box_method.name);
-    composed.title = text(form.title, "; behind a box: ", box.title, "; ", box_method.title);
-    composed.source = text(form.source, "; ", box.source);
-    if (box_method.source != "-") composed.source += text("; ", box_method.source);
-    composed.take_contract(form);
+    composed.name = join_text(form.name, "^", box.name);
+    if (parts.method != &default_box_method()) composed.name += join_text("~", box_method.name);
+    composed.title = join_text(form.title, "; behind a box: ", box.title, "; ", box_method.title);
+    composed.source = join_text(form.source, "; ", box.source);
+    if (box_method.source != "-") composed.source += join_text("; ", box_method.source);
+    composed.copy_contract(form);
     composed.row = {.info = &composed.info, .shape = parts.form->shape, .native32 = nullptr, .native64 = nullptr};
     if (parts.form->native32 && parts.box->native32) composed.row.native32 = {evaluate_natively<float>, &composed};
     if (parts.form->native64 && parts.box->native64) composed.row.native64 = {evaluate_natively<double>, &composed};
@@ -170,27 +170,27 @@ void fill(Rows::Made& composed) {
     composed.row.is_placed = parts.form->is_placed;
 }
 
-/// Reason why a form cannot stand behind a box; empty if it can.
+/// Returns the reason why a form cannot have such a box; empty if it can.
 std::string refusal(const Intersector& box, const Intersector& form) {
     if (form.is_set()) return "write ^BOX after each form of a set";
     if (!is_primitive(form.shape))
         return "a form that marches takes all primitives at once, so no single one has a bounding box; leave ^BOX out";
     if (!has_bounding_box(form.shape))
-        return text(with_article(form.shape), " has no end, so it has no bounding box; leave ^BOX out");
+        return join_text(with_article(form.shape), " has no end, so it has no bounding box; leave ^BOX out");
     if (box.is_set() || box.shape != bounding_box_shape || box.is_placed || boxed_parts_of(box).form != nullptr)
-        return text(box.info->name, " is not a form of boxes; write one after the ^, such as box.signs");
+        return join_text(box.info->name, " is not a form of boxes; write one after the ^, such as box.signs");
     if (box.info->direction == Direction::unit && form.info->direction != Direction::unit)
-        return text(box.info->name, " needs unit directions, but ", form.info->name,
-                    " takes any; choose another form of boxes");
+        return join_text(box.info->name, " needs unit directions, but ", form.info->name,
+                         " takes any; choose another form of boxes");
     return "";
 }
 
 }  // namespace
 
-const Intersector& behind(const BoxMethod& method, const Intersector& box, const Intersector& form) {
+const Intersector& boxed_form(const BoxMethod& method, const Intersector& box, const Intersector& form) {
     if (const std::string reason = refusal(box, form); !reason.empty())
-        throw InputError(text(form.info->name, "^", box.info->name, ": ", reason));
-    return rows().row_of({&method, &box, &form}, fill);
+        throw InputError(join_text(form.info->name, "^", box.info->name, ": ", reason));
+    return rows().row_of({&method, &box, &form}, fill_row);
 }
 
 BoxedFormParts boxed_parts_of(const Intersector& catalogue_row) { return parts_in(rows().parts_of(catalogue_row)); }
@@ -214,7 +214,7 @@ std::vector<std::string> names_on_tape(const Intersector& catalogue_row, const T
     for (bool in_world = !target.primitives.empty() && target.primitives.front().placed;;) {
         if (const BoxedFormParts parts = boxed_parts_of(*current); parts.form != nullptr) {
             for (const char* const coordinate : {"lo.x", "lo.y", "lo.z", "hi.x", "hi.y", "hi.z"})
-                names.push_back(text(in_world ? "world_box." : "box.", coordinate));
+                names.push_back(join_text(in_world ? "world_box." : "box.", coordinate));
             current = parts.form;
         } else if (const auto placed = transform::transformed_parts_of(*current); placed.form != nullptr) {
             in_world = false;
@@ -225,18 +225,19 @@ std::vector<std::string> names_on_tape(const Intersector& catalogue_row, const T
     }
 }
 
-const Intersector& innermost(const Intersector& catalogue_row) {
+const Intersector& innermost_form(const Intersector& catalogue_row) {
     if (const BoxedFormParts parts = boxed_parts_of(catalogue_row); parts.form != nullptr)
-        return innermost(*parts.form);
+        return innermost_form(*parts.form);
     const auto placed = transform::transformed_parts_of(catalogue_row);
-    return placed.form != nullptr ? innermost(*placed.form) : catalogue_row;
+    return placed.form != nullptr ? innermost_form(*placed.form) : catalogue_row;
 }
 
 const Intersector& with_other_form(const Intersector& catalogue_row, const Intersector& form) {
     if (const BoxedFormParts parts = boxed_parts_of(catalogue_row); parts.form != nullptr)
-        return behind(*parts.method, *parts.box, with_other_form(*parts.form, form));
+        return boxed_form(*parts.method, *parts.box, with_other_form(*parts.form, form));
     const auto placed = transform::transformed_parts_of(catalogue_row);
-    return placed.form != nullptr ? transform::through(*placed.method, with_other_form(*placed.form, form)) : form;
+    return placed.form != nullptr ? transform::transformed_form(*placed.method, with_other_form(*placed.form, form))
+                                  : form;
 }
 
 }  // namespace lostbits::intersect::bounding_box

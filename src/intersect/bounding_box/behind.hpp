@@ -14,36 +14,37 @@ namespace lostbits::intersect::bounding_box {
 /// default box method is not named). Each row is created once and kept, as registered rows are.
 ///
 /// - The row hits if the form hits the primitive and the box form hits the bounding box, both in the format. Its t is
-/// that of the form. Only the ray's own end limits both, not a hit found before.
-/// - `through(method, behind(…))` has its box in the space of the primitive, `behind(…, through(…))` in the world.
+/// that of the form. Both are tested up to the end of the ray, not up to a closer hit on another primitive.
+/// - `transformed_form(method, boxed_form(…))` has its box in the space of the primitive, `boxed_form(…,
+/// transformed_form(…))` in the world.
 /// - Its tape has the operations of the box form, with the stored numbers of the box as inputs, and those of the form.
-/// - Without rounding its answers are those of the form.
+/// - In exact arithmetic, its answers are those of the form.
 ///
 /// Throws InputError if the primitive has no bounding box, or if `box` is not a form of boxes.
-const table::Intersector& behind(const BoxMethod& method, const table::Intersector& box,
-                                 const table::Intersector& form);
+const table::Intersector& boxed_form(const BoxMethod& method, const table::Intersector& box,
+                                     const table::Intersector& form);
 
-/// The parts of a row that `behind` created.
+/// The parts of a row that `boxed_form` created.
 struct BoxedFormParts {
     const BoxMethod* method;
     const table::Intersector *box, *form;
 };
-/// The parts of a row; null pointers if `behind` did not create it.
+/// The parts of a row; null pointers if `boxed_form` did not create it.
 BoxedFormParts boxed_parts_of(const table::Intersector& catalogue_row);
 
 /// True if a row has a box, in the space of its primitive or in the world. A set has a box if any of its forms has one.
 bool has_box(const table::Intersector& catalogue_row);
 
-/// The row without its boxes in the world. For primitives under matrices, the result is a row that `transform::through`
-/// created.
+/// Returns the row without its boxes in the world. For primitives under matrices, the result is a row that
+/// `transform::transformed_form` created.
 const table::Intersector& without_world_boxes(const table::Intersector& catalogue_row);
 
 /// Names of the inputs on a row's tape: those of the form, then the numbers of each box, the outermost box first.
 std::vector<std::string> names_on_tape(const table::Intersector& catalogue_row, const Target<double>& target);
 
-/// The form itself, without boxes and transforms.
-const table::Intersector& innermost(const table::Intersector& catalogue_row);
-/// The row with the same boxes and transforms around another form of the same shape.
+/// Returns the form itself, without boxes and transforms.
+const table::Intersector& innermost_form(const table::Intersector& catalogue_row);
+/// Returns the row with the same boxes and transforms around another form of the same shape.
 const table::Intersector& with_other_form(const table::Intersector& catalogue_row, const table::Intersector& form);
 
 }  // namespace lostbits::intersect::bounding_box

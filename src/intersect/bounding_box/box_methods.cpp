@@ -20,34 +20,35 @@ BoundingBox<T> world_box(const Primitive<T>& primitive) {
     return bounding_box_of_corners(object_box, [&](const Vec<T>& p) { return Method::point(to_world, p); });
 }
 
-/// `down` returns the largest number of the format that is not above x, `up` the smallest that is not below x.
-double down(mpfr_srcptr x, const FloatFormat& format) {
+/// `round_down` returns the largest number of the format that is not above x, `round_up` the smallest that is not below
+/// x.
+double round_down(mpfr_srcptr x, const FloatFormat& format) {
     const double d = mpfr_get_d(x, MPFR_RNDD), nearest = rounding::to_format(d, 0, format);
     return nearest > d ? -rounding::next_up(-nearest, format) : nearest;
 }
-double up(mpfr_srcptr x, const FloatFormat& format) {
+double round_up(mpfr_srcptr x, const FloatFormat& format) {
     const double d = mpfr_get_d(x, MPFR_RNDU), nearest = rounding::to_format(d, 0, format);
     return nearest < d ? rounding::next_up(nearest, format) : nearest;
 }
 
 template <class Method>
-BoundingBox<double> outward(const Format& format, const Primitive<double>& primitive) {
+BoundingBox<double> compute_outward_box(const Format& format, const Primitive<double>& primitive) {
     const Interval::Precision precision(256);
     const auto bounding_box = world_box<Method>(lift_primitive<Interval>(primitive));
     BoundingBox<double> box;
     for (int i = 0; i < 3; ++i) {
-        box.lo[i] = down(bounding_box.lo[i].lower(), format.parameters);
-        box.hi[i] = up(bounding_box.hi[i].upper(), format.parameters);
+        box.lo[i] = round_down(bounding_box.lo[i].lower(), format.parameters);
+        box.hi[i] = round_up(bounding_box.hi[i].upper(), format.parameters);
     }
     return box;
 }
 
 template <class Method>
-BoundingBox<double> in_format(const Format& format, const Primitive<double>& stored) {
+BoundingBox<double> compute_box_in_format(const Format& format, const Primitive<double>& stored) {
     return with_number(format, [&]<class T>() {
         const auto primitive = lift_primitive<T>(stored);
         if constexpr (Method::info.outward) {
-            return outward<Method>(format, transformed(primitive, [](const T& x) { return as_double(x); }));
+            return compute_outward_box<Method>(format, transformed(primitive, [](const T& x) { return as_double(x); }));
         } else {
             auto bounding_box = world_box<Method>(primitive);
             BoundingBox<double> box;
@@ -69,12 +70,14 @@ BoundingBox<double> in_format(const Format& format, const Primitive<double>& sto
 std::span<const BoxMethod> box_methods() {
     static const std::vector<BoxMethod> methods = [] {
         std::vector<BoxMethod> rows;
-        for_each_box_method([&rows]<class Method>() { rows.push_back({&Method::info, in_format<Method>}); });
+        for_each_box_method([&rows]<class Method>() {
+            rows.push_back({&Method::info, compute_box_in_format<Method>});
+        });
         return rows;
     }();
     return methods;
 }
 
-const BoxMethod& usual_box_method() { return box_methods().front(); }
+const BoxMethod& default_box_method() { return box_methods().front(); }
 
 }  // namespace lostbits::intersect::bounding_box

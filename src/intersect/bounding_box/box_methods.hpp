@@ -14,12 +14,12 @@ struct BoxMethod {
     /// Computes the box of a primitive whose numbers are first rounded to the format. The numbers of the box are of the
     /// format too. Under a matrix the box is in the world, around the corners of the box in the space of the primitive.
     /// The primitive must have a bounding box (`has_bounding_box`).
-    BoundingBox<double> (*in)(const Format&, const Primitive<double>&);
+    BoundingBox<double> (*compute_box)(const Format&, const Primitive<double>&);
 };
 
 /// All methods, in the order of list.hpp.
 std::span<const BoxMethod> box_methods();
 /// The method used if none is named: the exact box rounded outward.
-const BoxMethod& usual_box_method();
+const BoxMethod& default_box_method();
 
 }  // namespace lostbits::intersect::bounding_box

@@ -22,7 +22,7 @@ struct DeviceDescription {
 struct DeviceLimits {
     std::size_t buffer_bytes = 0;  ///< largest size of one buffer
     std::size_t groups = 0;        ///< largest number of work groups in one run
-    bool doubles = false;
+    bool has_doubles = false;
     int glsl = 430;  ///< version of GLSL that programs for the device state
 };
 
@@ -31,13 +31,13 @@ struct CompileError : InputError {
     using InputError::InputError;
 };
 
-/// Number of elements that one work group of our programs answers.
+/// Number of elements (rays, for a shader) that one work group of a program answers.
 inline constexpr std::size_t group_size = 64;
 
-/// A buffer of a run. It is read before the run, and written back after the run if the program writes it.
+/// A buffer of a run. Its bytes go to the device before the run, and come back after it if the program writes them.
 struct Buffer {
     std::span<std::byte> bytes;
-    bool written = false;
+    bool is_written = false;  ///< true if the program writes the buffer
 };
 
 class Program {
@@ -66,18 +66,18 @@ public:
     /// compiler itself fails or does not know the language.
     [[nodiscard]] std::unique_ptr<Program> compile(const std::string& text, Language language) {
         const process::FloatingPointGuard guard;
-        return compile_here(text, language);
+        return compile_program(text, language);
     }
     /// Runs this many work groups. Buffer k has binding k, and no buffer is empty. Throws EnvironmentError for a lost
     /// device.
     void run(Program& program, std::span<const Buffer> buffers, std::size_t groups) {
         const process::FloatingPointGuard guard;
-        run_here(program, buffers, groups);
+        run_program(program, buffers, groups);
     }
 
 protected:
-    [[nodiscard]] virtual std::unique_ptr<Program> compile_here(const std::string& text, Language language) = 0;
-    virtual void run_here(Program& program, std::span<const Buffer> buffers, std::size_t groups) = 0;
+    [[nodiscard]] virtual std::unique_ptr<Program> compile_program(const std::string& text, Language language) = 0;
+    virtual void run_program(Program& program, std::span<const Buffer> buffers, std::size_t groups) = 0;
 };
 
 /// The kinds of driver interfaces, the default first.

@@ -13,8 +13,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Returns the path of the module of a kind: in $LOSTBITS_DEVICE_MODULES, in the program's own folder (a build folder),
-/// or in the installed `lib/lostbits`. Throws EnvironmentError if none of these folders has the module.
+/// Returns the path of the module of a kind, from the first folder that has it: $LOSTBITS_DEVICE_MODULES, the program's
+/// own folder (a build folder), the installed `lib/lostbits`. Throws EnvironmentError if none of these folders has the
+/// module.
 fs::path module_of(std::string_view kind) {
     const std::string name = "lostbits_" + std::string(kind) + ".so";
     std::error_code error;

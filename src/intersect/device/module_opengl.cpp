@@ -19,8 +19,8 @@ namespace {
 
 [[noreturn]] void fail(const std::string& problem) { throw EnvironmentError("opengl: " + problem); }
 
-/// The displays that need no window, in the order in which they are tried: one for each device, Mesa's surfaceless
-/// platform, the default display.
+/// Returns the displays that need no window, in the order in which they are tried: one for each device, Mesa's
+/// surfaceless platform, the default display.
 std::vector<std::function<EGLDisplay()>> displays() {
     std::vector<std::function<EGLDisplay()>> result;
     const char* const extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
@@ -111,14 +111,14 @@ public:
         glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &groups);
         limits_ = {.buffer_bytes = static_cast<std::size_t>(std::max(bytes, 1 << 20)),
                    .groups = static_cast<std::size_t>(std::max(groups, 1)),
-                   .doubles = true,  // part of OpenGL since 4.0
+                   .has_doubles = true,  // part of OpenGL since 4.0
                    .glsl = 430};
     }
 
     [[nodiscard]] const DeviceDescription& description() const override { return description_; }
     [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
 
-    [[nodiscard]] std::unique_ptr<Program> compile_here(const std::string& glsl, Language language) override {
+    [[nodiscard]] std::unique_ptr<Program> compile_program(const std::string& glsl, Language language) override {
         if (language != Language::glsl)
             throw EnvironmentError("opengl: takes only GLSL; --device vulkan takes HLSL too");
         const GLuint shader = glCreateShader(GL_COMPUTE_SHADER);
@@ -141,7 +141,7 @@ public:
         return program;
     }
 
-    void run_here(Program& program, std::span<const Buffer> buffers, std::size_t groups) override {
+    void run_program(Program& program, std::span<const Buffer> buffers, std::size_t groups) override {
         while (buffer_names_.size() < buffers.size()) glGenBuffers(1, &buffer_names_.emplace_back());
         for (std::size_t k = 0; k < buffers.size(); ++k) {
             const auto bytes = static_cast<GLsizeiptr>(buffers[k].bytes.size());
@@ -153,7 +153,7 @@ public:
         glDispatchCompute(static_cast<GLuint>(groups), 1, 1);
         glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
         for (std::size_t k = 0; k < buffers.size(); ++k) {
-            if (!buffers[k].written) continue;
+            if (!buffers[k].is_written) continue;
             glBindBuffer(GL_SHADER_STORAGE_BUFFER, buffer_names_[k]);
             glGetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, static_cast<GLsizeiptr>(buffers[k].bytes.size()),
                                buffers[k].bytes.data());

@@ -167,7 +167,7 @@ public:
                         std::string(driver.driverName) + " " + driver.driverInfo};
         limits_ = {.buffer_bytes = properties.limits.maxStorageBufferRange,
                    .groups = properties.limits.maxComputeWorkGroupCount[0],
-                   .doubles = available_features.shaderFloat64 == VK_TRUE,
+                   .has_doubles = available_features.shaderFloat64 == VK_TRUE,
                    .glsl = 450};
         make_device(available_features);
         make_layout();
@@ -177,7 +177,7 @@ public:
     [[nodiscard]] const DeviceDescription& description() const override { return description_; }
     [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
 
-    [[nodiscard]] std::unique_ptr<Program> compile_here(const std::string& text, Language language) override {
+    [[nodiscard]] std::unique_ptr<Program> compile_program(const std::string& text, Language language) override {
         const std::vector<std::uint32_t> code = spirv_of(text, language);
         VkShaderModuleCreateInfo info{};
         info.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
@@ -200,7 +200,7 @@ public:
         return std::make_unique<VkProgram>(device_, pipeline_handle);
     }
 
-    void run_here(Program& program, std::span<const Buffer> buffers, std::size_t groups) override {
+    void run_program(Program& program, std::span<const Buffer> buffers, std::size_t groups) override {
         std::array<VkDescriptorBufferInfo, max_buffers> buffer_infos{};
         std::array<VkWriteDescriptorSet, max_buffers> writes{};
         for (std::size_t k = 0; k < buffers.size(); ++k) {
@@ -217,7 +217,8 @@ public:
         vkUpdateDescriptorSets(device_, static_cast<std::uint32_t>(buffers.size()), writes.data(), 0, nullptr);
         submit(static_cast<VkProgram&>(program).pipeline(), static_cast<std::uint32_t>(groups));
         for (std::size_t k = 0; k < buffers.size(); ++k) {
-            if (buffers[k].written) std::memcpy(buffers[k].bytes.data(), buffers_[k].mapped(), buffers[k].bytes.size());
+            if (buffers[k].is_written)
+                std::memcpy(buffers[k].bytes.data(), buffers_[k].mapped(), buffers[k].bytes.size());
         }
     }
 

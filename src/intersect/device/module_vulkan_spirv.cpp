@@ -101,7 +101,8 @@ void require_no_foreign_resources(const std::vector<std::uint32_t>& code) {
             continue;
         if (const std::string& name = names[code[position + 2]]; !name.starts_with("lb_"))
             throw CompileError((name.empty() ? "a variable outside of functions" : name) +
-                               " is read, but nothing sets it here; declare it `static const` with its value");
+                               " is read, but no host program sets it when lostbits runs the shader; declare it "
+                               "`static const` with its value");
     }
 }
 

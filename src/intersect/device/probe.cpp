@@ -14,7 +14,7 @@ namespace lostbits::intersect::device {
 namespace {
 
 /// Number of inputs; each input is six numbers.
-constexpr std::size_t elements = 1 << 14;
+constexpr std::size_t input_count = 1 << 14;
 
 template <class S>
 using SixNumbers = std::array<S, 6>;
@@ -32,7 +32,7 @@ std::vector<SixNumbers<S>> probe_inputs() {
                                       {infinity, 1, -infinity, 1, 1, 1}};
     std::uint64_t state = 1;
     const auto random = [&state] { return (state = state * 6364136223846793005U + 1442695040888963407U) >> 11; };
-    while (inputs.size() < elements) {
+    while (inputs.size() < input_count) {
         SixNumbers<S> numbers;
         for (S& x : numbers) {
             const S significand = 1 + static_cast<S>(std::ldexp(static_cast<long double>(random()), -53));
@@ -66,11 +66,11 @@ S kahan_sum(const SixNumbers<S>& numbers) {
 template <class S>
 class FormatProbe {
 public:
-    explicit FormatProbe(Device& device) : inputs_(probe_inputs<S>()), answers_(elements) {
+    explicit FormatProbe(Device& device) : inputs_(probe_inputs<S>()), answers_(input_count) {
         const auto program = device.compile(probe_program(8 * sizeof(S), device.limits().glsl), Language::glsl);
         const std::array<Buffer, 2> buffers{
             {{std::as_writable_bytes(std::span(inputs_))}, {std::as_writable_bytes(std::span(answers_)), true}}};
-        device.run(*program, buffers, elements / group_size);
+        device.run(*program, buffers, input_count / group_size);
     }
 
     void add_to(Arithmetic& arithmetic) const {
@@ -143,7 +143,7 @@ private:
         const std::function<S(const SixNumbers<S>&)>& correctly_rounded = {}) const {
         std::size_t wrong_count = 0;
         long double worst_error = 0;
-        for (std::size_t i = fixed_count; i < elements; ++i) {
+        for (std::size_t i = fixed_count; i < input_count; ++i) {
             const long double truth = exact(inputs_[i]);
             const S rounded = correctly_rounded          ? correctly_rounded(inputs_[i])
                               : operation == Probed::add ? inputs_[i][0] + inputs_[i][1]
@@ -156,7 +156,7 @@ private:
         if (wrong_count == 0) return "correctly rounded";
         std::array<char, 80> text{};
         std::snprintf(text.data(), text.size(), "up to %.2Lf ulp; %.1f %% not correctly rounded", worst_error,
-                      100.0 * static_cast<double>(wrong_count) / static_cast<double>(elements - fixed_count));
+                      100.0 * static_cast<double>(wrong_count) / static_cast<double>(input_count - fixed_count));
         return text.data();
     }
 
@@ -165,9 +165,9 @@ private:
     [[nodiscard]] double share_as_written(Probed operation,
                                           const std::function<S(const SixNumbers<S>&)>& as_written) const {
         std::size_t same_count = 0;
-        for (std::size_t i = fixed_count; i < elements; ++i)
+        for (std::size_t i = fixed_count; i < input_count; ++i)
             same_count += answer_to(i, operation) == as_written(inputs_[i]);
-        return static_cast<double>(same_count) / static_cast<double>(elements - fixed_count);
+        return static_cast<double>(same_count) / static_cast<double>(input_count - fixed_count);
     }
 
     [[nodiscard]] std::string rewriting_text(Probed operation,
@@ -240,7 +240,7 @@ void probe_loops(Device& device, Arithmetic& arithmetic) {
 
 }  // namespace
 
-const std::string_view probed_set =
+const std::string_view probed_inputs =
     "16379 sets of six numbers with random significands, exponents from -16 to 16 and both signs; and five sets for "
     "subnormals, infinities and NaN";
 
@@ -255,7 +255,7 @@ Arithmetic probe(Device& device) {
     const FormatProbe<float> floats(device);
     floats.add_to(arithmetic);
     floats.add_digest(arithmetic.digest);
-    if (device.limits().doubles) {
+    if (device.limits().has_doubles) {
         const FormatProbe<double> doubles(device);
         doubles.add_to(arithmetic);
         doubles.add_digest(arithmetic.digest);

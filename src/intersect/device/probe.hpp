@@ -14,8 +14,8 @@ struct Fact {
     std::string value;  ///< `x+(y+z)`
 };
 
-/// Description of the numbers on which the operations are tried.
-extern const std::string_view probed_set;
+/// Description of the inputs on which the operations are tried.
+extern const std::string_view probed_inputs;
 
 struct Arithmetic {
     std::vector<Fact> facts;

@@ -37,36 +37,36 @@ R kahan_precise(R numbers[6]) {
     return sum;
 }
 layout(local_size_x = 64) in;
-layout(std430, binding = 0) readonly buffer Given { R given[]; };
-layout(std430, binding = 1) writeonly buffer Told { R told[]; };
+layout(std430, binding = 0) readonly buffer Inputs { R inputs[]; };
+layout(std430, binding = 1) writeonly buffer Answers { R answers[]; };
 void main() {
     uint i = gl_GlobalInvocationID.x;
     R n[6];
-    for (uint k = 0u; k < 6u; ++k) n[k] = given[6u * i + k];
+    for (uint k = 0u; k < 6u; ++k) n[k] = inputs[6u * i + k];
     R x = n[0], y = n[1], z = n[2];
     V a = V(n[0], n[1], n[2]), b = V(n[3], n[4], n[5]);
     precise R fused = fma(x, y, z);
-    precise R kept = x * y + z;
+    precise R unfused = x * y + z;
     uint o = COUNTu * i;
-    told[o++] = x + y;
-    told[o++] = x - y;
-    told[o++] = x * y;
-    told[o++] = x / y;
-    told[o++] = sqrt(abs(x));
-    told[o++] = inversesqrt(abs(x));
-    told[o++] = length(a);
-    told[o++] = normalize(a).x;
-    told[o++] = fma(x, y, z);
-    told[o++] = fused;
-    told[o++] = x * y + z;
-    told[o++] = kept;
-    told[o++] = dot(a, b);
-    told[o++] = two_sum_plain(x, y);
-    told[o++] = two_sum_precise(x, y);
-    told[o++] = kahan_plain(n);
-    told[o++] = kahan_precise(n);
-    told[o++] = x * y + x * z;
-    told[o++] = sqrt(abs(x)) * sqrt(abs(x));
+    answers[o++] = x + y;
+    answers[o++] = x - y;
+    answers[o++] = x * y;
+    answers[o++] = x / y;
+    answers[o++] = sqrt(abs(x));
+    answers[o++] = inversesqrt(abs(x));
+    answers[o++] = length(a);
+    answers[o++] = normalize(a).x;
+    answers[o++] = fma(x, y, z);
+    answers[o++] = fused;
+    answers[o++] = x * y + z;
+    answers[o++] = unfused;
+    answers[o++] = dot(a, b);
+    answers[o++] = two_sum_plain(x, y);
+    answers[o++] = two_sum_precise(x, y);
+    answers[o++] = kahan_plain(n);
+    answers[o++] = kahan_precise(n);
+    answers[o++] = x * y + x * z;
+    answers[o++] = sqrt(abs(x)) * sqrt(abs(x));
 }
 )";
 
@@ -81,18 +81,18 @@ std::string probe_program(int bits, int version) {
 }
 
 std::string loop_program(int version, bool nested) {
-    return version_line(version) + "#define AGAIN " + (nested ? "for (uint r = 0u; r < given[2]; ++r)" : "") + R"(
+    return version_line(version) + "#define OUTER_LOOP " + (nested ? "for (uint r = 0u; r < inputs[2]; ++r)" : "") + R"(
 layout(local_size_x = 1) in;
-layout(std430, binding = 0) readonly buffer Given { uint given[]; };
-layout(std430, binding = 1) writeonly buffer Told { uint told[]; };
+layout(std430, binding = 0) readonly buffer Inputs { uint inputs[]; };
+layout(std430, binding = 1) writeonly buffer Answers { uint answers[]; };
 void main() {
-    uint n = 0u, state = given[1];
-    AGAIN for (uint k = 0u; k < given[0]; ++k) {
+    uint n = 0u, state = inputs[1];
+    OUTER_LOOP for (uint k = 0u; k < inputs[0]; ++k) {
         state = state * 1664525u + 1013904223u;
         if (state != 12345u) ++n;
     }
-    told[0] = n;
-    told[1] = state;
+    answers[0] = n;
+    answers[1] = state;
 }
 )";
 }

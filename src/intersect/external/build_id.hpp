@@ -1,4 +1,5 @@
-// Identifies the build of the headers: two builds that differ may lay out their rows differently.
+// Identifies the build of the headers. The layout of a table row may differ between builds, so a library and a program
+// of different builds cannot share rows.
 #pragma once
 
 #include <lostbits_build.hpp>
@@ -10,13 +11,13 @@ namespace lostbits::intersect::external {
 #define LOSTBITS_QUOTED(x) LOSTBITS_QUOTED_OF(x)
 #define LOSTBITS_QUOTED_OF(x) #x
 #if defined(_GLIBCXX_RELEASE)
-#define LOSTBITS_LIBRARY_WORDS "libstdc++ " LOSTBITS_QUOTED(_GLIBCXX_RELEASE)
+#define LOSTBITS_LIBRARY_VERSION "libstdc++ " LOSTBITS_QUOTED(_GLIBCXX_RELEASE)
 #else
-#define LOSTBITS_LIBRARY_WORDS "libc++ " LOSTBITS_QUOTED(_LIBCPP_VERSION)
+#define LOSTBITS_LIBRARY_VERSION "libc++ " LOSTBITS_QUOTED(_LIBCPP_VERSION)
 #endif
 inline constexpr const char* build_id =
-    "lostbits " LOSTBITS_BUILD ", " LOSTBITS_LIBRARY_WORDS ", GLM " LOSTBITS_QUOTED(GLM_VERSION);
-#undef LOSTBITS_LIBRARY_WORDS
+    "lostbits " LOSTBITS_BUILD ", " LOSTBITS_LIBRARY_VERSION ", GLM " LOSTBITS_QUOTED(GLM_VERSION);
+#undef LOSTBITS_LIBRARY_VERSION
 #undef LOSTBITS_QUOTED_OF
 #undef LOSTBITS_QUOTED
 

@@ -31,7 +31,7 @@ std::string text_of(const char* text) { return text == nullptr ? std::string() :
 
 /// True if the name is safe as part of a folder, a column and a shell command: at most 64 ASCII letters, digits, dots,
 /// underscores and hyphens, a letter first, no dot at the end and no two dots in a row.
-bool is_plain(const std::string& name) {
+bool is_safe_name(const std::string& name) {
     const auto is_allowed = [](char c) {
         return (std::isalnum(static_cast<unsigned char>(c)) != 0 && static_cast<unsigned char>(c) < 128) || c == '.' ||
                c == '_' || c == '-';
@@ -81,7 +81,7 @@ void require_roots(const Contract& c, const std::string& subject) {
 
 }  // namespace
 
-void require_front(Facing facing, Shape shape, const std::string& subject) {
+void require_valid_facing(Facing facing, Shape shape, const std::string& subject) {
     if (facing == Facing::both || is_flat(shape)) return;
     std::string flat_shapes;
     for (const ShapeRow& shape_row : shape_rows)
@@ -106,12 +106,12 @@ Contract contract_of(const lb_form& form, const std::string& library) {
         enum_of<Facing>(static_cast<int>((form.flags & LB_FACING) / LB_FACING_FRONT), 3, "LB_FACING in flags", subject);
     c.flags = form.flags & ~static_cast<unsigned>(LB_INSIDE | LB_FACING);
     if (form.run == nullptr) throw InputError(subject + ": run is NULL; set it to the function that answers a batch");
-    require_sense(c, library);
+    require_valid(c, library);
     return c;
 }
 
-void require_sense(const Contract& c, const std::string& library) {
-    if (!is_plain(c.name))
+void require_valid(const Contract& c, const std::string& library) {
+    if (!is_safe_name(c.name))
         throw InputError(
             library +
             ": a form's name must begin with a letter and consist of at most 64 letters, digits and . _ -, "
@@ -135,7 +135,7 @@ void require_sense(const Contract& c, const std::string& library) {
                          ": flags has bits that this version does not know; rebuild the library with this version's "
                          "lostbits_plugin.h");
     require_roots(c, subject);
-    require_front(c.facing, c.shape, subject);
+    require_valid_facing(c.facing, c.shape, subject);
     require_origin(c.at_origin, inside_of(c), c.shape, subject);
 }
 
@@ -155,7 +155,7 @@ Info info_of(const Contract& c) {
 }
 
 Inside inside_of(const Contract& c) {
-    const bool is_zero = inside_returns_zero(c.shape);  // if the contract does not say
+    const bool is_zero = inside_returns_zero(c.shape);  // the usual answer of the shape
     if (c.inside == Inside::usual) return c.roots == Roots::near_only ? Inside::miss : Inside::usual;
     return c.inside == (is_zero ? Inside::zero : Inside::exit) ? Inside::usual : c.inside;
 }

@@ -32,29 +32,31 @@ struct Contract {
 /// A contract and the function that answers for it.
 struct ForeignForm {
     Contract contract;
-    std::string from;  ///< the library or the command, for messages
+    std::string provider;  ///< the library or the command that provides the form, for messages
     /// Fills `near_far` and `hit` of a batch. Throws an Error that names `from` if the form cannot answer.
     std::function<void(const lb_batch&)> answer;
-    bool isolated = false;  ///< true if the form answers from another process, so that its crash does not end this one
+    bool is_isolated = false;  ///< true if the form runs in another process, so that its crash does not end this one
 };
 
 /// Returns `LIBRARY: form "NAME"`, for messages.
 inline std::string name_in_messages(const ForeignForm& form) {
-    return form.from + ": form \"" + form.contract.name + "\"";
+    return form.provider + ": form \"" + form.contract.name + "\"";
 }
 
 /// Converts the contract that a library states. Throws InputError, which begins with `library`, for an invalid
 /// contract.
 Contract contract_of(const lb_form& form, const std::string& library);
 
-/// Throws InputError if the properties of a contract contradict each other; `library` begins the message.
-void require_sense(const Contract& contract, const std::string& library);
+/// Throws InputError if a property of a contract is not valid, or if two of them contradict each other; `library`
+/// begins the message.
+void require_valid(const Contract& contract, const std::string& library);
 
-/// Throws InputError if only hits from one side count and the shape has no front; `subject` begins the message.
-void require_front(Facing facing, Shape shape, const std::string& subject);
+/// Throws InputError if only hits from one side count but the shape has no front and back; `subject` begins the
+/// message.
+void require_valid_facing(Facing facing, Shape shape, const std::string& subject);
 
-/// The true answer for a ray from inside: the contract's property `inside`, or else what follows from its roots.
-/// `usual` if the primitive has the same answer anyway.
+/// Returns the correct answer for a ray from inside: the contract's property `inside`, or else the answer that follows
+/// from its roots. Returns `usual` if that answer is the usual one of the shape.
 Inside inside_of(const Contract& contract);
 
 /// Converts the contract to the `Info` of a form of the catalogue, which points to the texts of the contract.
@@ -65,10 +67,10 @@ Info info_of(const Contract& contract);
 /// the table already has the name.
 void register_forms(std::vector<ForeignForm> forms);
 
-/// The external forms of a row: one, or one for each of two formats. Empty for a row of the catalogue.
-std::vector<const ForeignForm*> behind(const table::Intersector& catalogue_row);
+/// Returns the external forms of a row: one, or one for each of two formats. Empty for a row of the catalogue.
+std::vector<const ForeignForm*> foreign_forms_of(const table::Intersector& catalogue_row);
 
-/// True if a call of the row can do no harm to this process: for a row of the catalogue, or of isolated forms.
+/// True if a call of the row cannot crash or hang this process: for a row of the catalogue, or of isolated forms.
 bool is_safe_to_run(const table::Intersector& catalogue_row);
 
 }  // namespace lostbits::intersect::external

@@ -86,14 +86,15 @@ Hit<S> hit_of(const Contract& contract, std::uint8_t hit_byte, const S* near_far
         const bool near_is_behind = contract.roots == Roots::near_only && near < 0;
         return {!near_is_behind && ((contract.flags & LB_NO_END) == 0 || !(near > end)), near, near, far};
     }
-    const bool hit_at_0 = contract.at_origin == AtOrigin::hit, passes_0 = contract.at_origin == AtOrigin::miss;
-    const bool near_is_ahead = std::isnan(near) || (hit_at_0 ? near >= 0 : near > 0);
+    const bool hits_at_origin = contract.at_origin == AtOrigin::hit,
+               misses_at_origin = contract.at_origin == AtOrigin::miss;
+    const bool near_is_ahead = std::isnan(near) || (hits_at_origin ? near >= 0 : near > 0);
     const Inside inside = inside_of(contract);
     const bool inside_gives_zero =
         inside == Inside::zero || (inside == Inside::usual && inside_returns_zero(contract.shape));
     const S t = near_is_ahead ? near : inside_gives_zero ? S(0) : far;
     bool hit = near_is_ahead || inside != Inside::miss;
-    if (passes_0 && far <= 0) hit = false;
+    if (misses_at_origin && far <= 0) hit = false;
     if ((contract.flags & LB_LINE) != 0 && far < 0) hit = false;
     if ((contract.flags & LB_NO_END) != 0) hit = hit && !(t > end);
     return {hit, t, near, far};
@@ -108,7 +109,8 @@ void ForeignBatch::evaluate(const lb_batch& batch) {
 }
 
 template <class S>
-void ForeignBatch::answer_in(const table::RayBatch<S>& rays, const Target<S>& target, const table::HitBatch<S>& hits) {
+void ForeignBatch::answer_in_format(const table::RayBatch<S>& rays, const Target<S>& target,
+                                    const table::HitBatch<S>& hits) {
     thread_local Interleaved<S> buffers;
     const std::size_t n = rays.size();
     if (n == 0) return;
@@ -129,7 +131,7 @@ void ForeignBatch::answer_in(const table::RayBatch<S>& rays, const Target<S>& ta
               .starts = has_ranges ? buffers.starts.data() : nullptr});
     const Contract& contract = form_.contract;
     const auto fail = [&](std::size_t i, const std::string& problem) {
-        throw EnvironmentError(form_.from + ": form \"" + contract.name + "\" " + problem + " (ray " +
+        throw EnvironmentError(form_.provider + ": form \"" + contract.name + "\" " + problem + " (ray " +
                                std::to_string(i) + " of " + std::to_string(n) + " in a batch)");
     };
     for (std::size_t i = 0; i < n; ++i) {
@@ -153,12 +155,12 @@ void ForeignBatch::answer_in(const table::RayBatch<S>& rays, const Target<S>& ta
 
 void ForeignBatch::answer(const table::RayBatch<float>& rays, const Target<float>& target,
                           const table::HitBatch<float>& hits) {
-    answer_in(rays, target, hits);
+    answer_in_format(rays, target, hits);
 }
 
 void ForeignBatch::answer(const table::RayBatch<double>& rays, const Target<double>& target,
                           const table::HitBatch<double>& hits) {
-    answer_in(rays, target, hits);
+    answer_in_format(rays, target, hits);
 }
 
 }  // namespace lostbits::intersect::external

@@ -10,7 +10,7 @@
 
 namespace lostbits::intersect::external {
 
-/// Fills the answer buffers with a marker that no form writes, so that a missing answer is detected.
+/// Fills the answer buffers with values that no form writes, so that a missing answer is detected.
 template <class S>
 void mark_unwritten(std::span<S> near_far, std::span<std::uint8_t> hit);
 
@@ -33,18 +33,18 @@ public:
 
 private:
     template <class S>
-    void answer_in(const table::RayBatch<S>& rays, const Target<S>& target, const table::HitBatch<S>& hits);
+    void answer_in_format(const table::RayBatch<S>& rays, const Target<S>& target, const table::HitBatch<S>& hits);
     void evaluate(const lb_batch& batch);
 
     ForeignForm form_;
     std::mutex one_at_a_time_;
 };
 
-/// The forms of one name, in one format or in both, as a row of the table. It must not move, since the row points into
-/// it.
+/// The forms of one name, in one format or in both, as a row of the table. A `ForeignRow` must not move in memory,
+/// since the row points into it.
 struct ForeignRow {
     Info info = {};
-    std::unique_ptr<ForeignBatch> of32 = {}, of64 = {};
+    std::unique_ptr<ForeignBatch> batch32 = {}, batch64 = {};
 
     explicit ForeignRow(ForeignForm first);
     ForeignRow(const ForeignRow&) = delete;

@@ -13,7 +13,7 @@ namespace lostbits::intersect::external {
 /// Functions of the program by which a library reports that a form begins and ends, so that a crash or a hang can be
 /// attributed to the form.
 struct FormulaWatch {
-    void (*enter)(const char* who);
+    void (*enter)(const char* who);  ///< `who` is the name of the form for messages
     void (*leave)();
 };
 
@@ -22,8 +22,8 @@ struct Formula {
     table::Intersector row;
     std::array<simd::RawRow, 3> packed;  ///< registers of 128, 256 and 512 bits; null where not compiled
     const char** who;                    ///< the name passed to `FormulaWatch::enter`, set by the program
-    /// The t of the hits as a form of its own, in float and in double: the C interface has no field for t beside near
-    /// and far. Null if the form yields only t.
+    /// Forms of the C interface that yield the t of the hits as their root, in float and in double; the C interface has
+    /// no field for t beside near and far. Null if the form yields only t.
     std::array<const lb_form*, 2> first;
 };
 

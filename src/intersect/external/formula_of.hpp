@@ -1,5 +1,5 @@
-// Converts a form that is written once for every number into a library's row in every arithmetic, and into answers
-// through the C interface. It is compiled into the library with all that it needs; nothing here refers to the program.
+// Makes a form template of a library available to the program: as a row in every arithmetic, and as functions of the C
+// interface. This header is compiled into the library, and nothing in it refers to the program.
 #pragma once
 
 #include <exception>
@@ -44,7 +44,7 @@ struct ReportingCall<Form, function, R (*)(A...)> {
     }
 };
 
-/// A distance field, to test which arguments a form takes.
+/// A distance field that serves only to test which arguments a form takes.
 struct AnyField {
     template <class T>
     T operator()(const Vec<T>& p) const {
@@ -67,9 +67,9 @@ inline bool is_contracted() {
     return x * x - y != 0;
 }
 
-/// Compiled but never run. A formula must not use operations that no number of the laboratory has: a constant that is
-/// not whole, a call of std::, a number without a value. Some of these operations would compile over all numbers, but
-/// not over the archetype.
+/// Compiles the form over the archetype; never called. A formula must not use an operation that the number types do not
+/// have in common: a constant that is not whole, a call of std::, a number without a value. Some of these operations
+/// compile over every number type, but not over the archetype.
 template <class Form>
 void compile_with_archetype(const Ray<Archetype>* ray, const Primitive<Archetype>* primitive,
                             const MarchConstants<Archetype>* c) {
@@ -83,15 +83,15 @@ void compile_with_archetype(const Ray<Archetype>* ray, const Primitive<Archetype
     }
 }
 
-/// Computes with the program's precision of intervals. The precision is a thread variable in each binary; the library
-/// sets its own from the precision of the numbers that the program passes.
+/// Computes with the program's precision of intervals. The precision is a thread-local variable, and the program and
+/// the library each have one. So the library sets its own from the precision of the numbers that the program passes.
 template <class Form>
 Hit<Interval> enclosed_by_intervals(const Ray<Interval>& ray, const Target<Interval>& target) {
     const Interval::Precision precision(mpfr_get_prec(ray.origin.x.lower()));
     return table::enclosed<Form, Interval>(ray, target);
 }
 
-/// Kernels from the object files of the register widths.
+/// Kernels of the form for each register width, from the object files that are compiled for that width.
 template <class Form>
 inline std::array<simd::RawRow, 3> compiled_packs{};
 
@@ -108,16 +108,16 @@ simd::RawRow reporting_pack() {
             compiled.f64 ? ReportingCall<Form, run_pack<Form, width, double>>::run : nullptr};
 }
 
-/// Compiles the form with the archetype, behind this many nested calls. Compilers report last what is called last, and
-/// for an `if` on a comparison the message of the masks (see `NotABool`) should come before the archetype's errors.
+/// Compiles the form with the archetype at the end of `calls` nested calls. Compilers report last what is instantiated
+/// last, and for an `if` on a comparison the message of the masks (see `NotABool`) should precede the archetype's
+/// errors.
 template <class Form, int calls = 12>
 void check_rules_last() {
     if constexpr (calls > 0) check_rules_last<Form, calls - 1>();
     else compile_with_archetype<Form>(nullptr, nullptr, nullptr);
 }
 
-/// Answers a batch in S through the C interface. `stated_roots` selects the roots that the form states: only t, or near
-/// and far.
+/// Answers a batch in S through the C interface. `stated_roots` selects what the form returns: only t, or near and far.
 template <class Form, class S, Roots stated_roots = Form::info.roots>
 const char* answer_batch_of(const lb_batch* batch) {
     const auto* const rays = static_cast<const S*>(batch->rays);
@@ -156,7 +156,7 @@ constexpr lb_form plain_form() {
             .run = answer_batch_of<Form, S, stated_roots>};
 }
 
-/// The t of a form's hits, as a form of the first root.
+/// A form of the C interface that yields the t of the form's hits as its first root.
 template <class Form, class S>
 inline constexpr lb_form first_form = plain_form<Form, S, Roots::first_only>();
 

@@ -39,13 +39,13 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
     const std::string path = library.string();
     const char* const lasting_path = lasting_text(path);
     const Library loaded = load_library(library);
-    const auto list_formulas = entry_of<FormulasFunction>(loaded, "lostbits_formulas");
+    const auto list_formulas = find_symbol<FormulasFunction>(loaded, "lostbits_formulas");
     if (list_formulas == nullptr) return {};
     // Formulas also run in arithmetics that prove and record, which need the standard state.
     if (const std::string changes = loaded.fp_state.differences(); !changes.empty())
         note_change(lasting_path, "changes how the processor computes (" + changes +
                                       ") when it is loaded; its formulas are still evaluated as IEEE 754 requires");
-    const FormulaList* const list = call_of(lasting_path, [&] {
+    const FormulaList* const list = call_foreign(lasting_path, [&] {
         const LoadsForeignCode loading(lasting_path);
         return list_formulas(&running_formula_watch);
     });
@@ -64,17 +64,17 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
                          " forms; the number must be from 1 to 4096");
     std::vector<Formula> formulas(list->all, list->all + list->count);
     for (Formula& formula : formulas) {
-        require_sense(contract_of_formula(formula), path);
+        require_valid(contract_of_formula(formula), path);
         *formula.who = lasting_text(path + ": form \"" + std::string(formula.row.info->name) + "\"");
     }
     return formulas;
 }
 
-std::optional<ForeignForm> first_of(const std::vector<Formula>& formulas, const ForeignForm& form) {
+std::optional<ForeignForm> first_root_form_of(const std::vector<Formula>& formulas, const ForeignForm& form) {
     for (const Formula& formula : formulas) {
         const lb_form* const c_form = formula.first[form.contract.bits == 64 ? 1 : 0];
         if (formula.row.info->name != form.contract.name || c_form == nullptr) continue;
-        ForeignForm first_root_form = foreign(*c_form, form.from, process::FloatingPoint::standard());
+        ForeignForm first_root_form = foreign_form_of(*c_form, form.provider, process::FloatingPoint::standard());
         first_root_form.contract = form.contract;
         first_root_form.contract.roots = Roots::first_only;
         first_root_form.contract.inside = formula.row.info->inside;
@@ -83,7 +83,7 @@ std::optional<ForeignForm> first_of(const std::vector<Formula>& formulas, const 
     return {};
 }
 
-void rename(Formula& formula, const std::string& prefix) {
+void add_prefix(Formula& formula, const std::string& prefix) {
     Info* const info = new Info(*formula.row.info);  // never freed, like `lasting_text`: exit handlers may read it
     info->name = lasting_text(prefix + std::string(info->name));
     formula.row.info = info;

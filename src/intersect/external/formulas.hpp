@@ -16,12 +16,12 @@ namespace lostbits::intersect::external {
 /// InputError if the library was compiled with other headers than this program, or states an invalid contract.
 std::vector<Formula> load_formulas(const std::filesystem::path& library);
 
-/// The form that yields as its root the t of the formula that also answers through the C interface as `form`. Empty if
-/// the formula yields only t, so that near is already t.
-std::optional<ForeignForm> first_of(const std::vector<Formula>& formulas, const ForeignForm& form);
+/// `form` is a formula as it answers through the C interface. Returns a form whose root is the t of that formula. Empty
+/// if the formula yields only t, so that the near of `form` is already t.
+std::optional<ForeignForm> first_root_form_of(const std::vector<Formula>& formulas, const ForeignForm& form);
 
 /// Puts a prefix in front of the formula's name; see `prefix_of_plugin`.
-void rename(Formula& formula, const std::string& prefix);
+void add_prefix(Formula& formula, const std::string& prefix);
 
 /// Adds the formulas as rows of the table and of the packs. Throws InputError for a name that is taken.
 void register_formulas(const std::vector<Formula>& formulas);

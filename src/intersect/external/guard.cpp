@@ -66,11 +66,11 @@ void print_message(const char* who, const char* problem, const char* remedy) {
 
 /// Removes unfinished files. A copy of the process (fork) that foreign code made leaves them: they are not its own.
 void clean_up() {
-    if (terms().clean_up && !process::is_a_copy()) terms().clean_up();
+    if (terms().clean_up && !process::is_forked_copy()) terms().clean_up();
 }
 
 [[noreturn]] void exit_program(Exit code) {
-    if (terms().ends_with) terms().ends_with(static_cast<int>(code));
+    if (terms().exit_with) terms().exit_with(static_cast<int>(code));
     _exit(static_cast<int>(code));
 }
 
@@ -130,7 +130,7 @@ void set_up_signal_stack() { thread_local const SignalStack signal_stack; }
 /// Restores lowered limits; ends the program if the system refuses. If `who` is null, the message names some code that
 /// is running now, which need not be the code that lowered the limit.
 void restore_limits_or_end(const char* who) {
-    const char* const lowered_limit = process::put_back_limits();
+    const char* const lowered_limit = process::restore_limits();
     if (lowered_limit == nullptr) return;
     for (const WatchedCall& call : watched_calls)
         if (who == nullptr) who = call.who.load();
@@ -156,7 +156,7 @@ void restore_limits_sometimes(const char* who) {
             const char* const who = call.who.load();
             if (who == nullptr) continue;
             const std::chrono::duration<double> duration = Clock::duration(now - call.start_time.load());
-            if (terms().stop.is_asked() && duration.count() > 1) {
+            if (terms().stop.is_requested() && duration.count() > 1) {
                 clean_up();
                 print_message(who, "was interrupted in the middle of a batch", "finished files are kept");
                 exit_program(Exit::interrupted);
@@ -191,7 +191,7 @@ InForeignCode::InForeignCode(const char* who, const process::FloatingPoint& fp_s
 }
 
 InForeignCode::~InForeignCode() {
-    if (!process::put_back_own_state(who_))
+    if (!process::restore_own_state(who_))
         end_with_message(who_, "closed descriptors that are the program's own",
                          "close only what it opened, each descriptor by its number");
     restore_limits_sometimes(who_);
@@ -215,8 +215,8 @@ ProbeScope::~ProbeScope() {
 
 LoadsForeignCode::~LoadsForeignCode() {
     fp_state_.set();
-    process::put_back_after_loading();
-    restore_limits_or_end(foreign_code_here());
+    process::restore_after_loading();
+    restore_limits_or_end(running_foreign_code());
     uselocale(LC_GLOBAL_LOCALE);
     std::locale::global(std::locale::classic());  // sets the C locale, too
 }
@@ -226,20 +226,20 @@ void note_change(const std::string& who, const std::string& change) {
     state_changes().by_name.try_emplace(who, change);
 }
 
-std::vector<std::string> changes_noted() {
+std::vector<std::string> noted_changes() {
     const std::scoped_lock lock(state_changes().lock);
     std::vector<std::string> sentences;
     for (const auto& [who, change] : state_changes().by_name) sentences.push_back(who + ": " + change);
     return sentences;
 }
 
-std::string change_noted(const std::string& who) {
+std::string noted_change_of(const std::string& who) {
     const std::scoped_lock lock(state_changes().lock);
     const auto entry = state_changes().by_name.find(who);
     return entry == state_changes().by_name.end() ? "" : entry->second;
 }
 
-const char* foreign_code_here() noexcept { return running_code.load(); }
+const char* running_foreign_code() noexcept { return running_code.load(); }
 
 void guard_foreign_code(const GuardTerms& new_terms) {
     static bool is_guarding = false;

@@ -10,9 +10,9 @@
 
 namespace lostbits::intersect::external {
 
-/// While a guard lives, this thread is inside foreign code and computes as the users of that code do. Guards may be
-/// nested. Afterwards the thread computes as before. If the code left another state, the change is noted (see
-/// `changes_noted`). `who` must outlive the guard.
+/// While a guard lives, this thread is inside foreign code, and its floating-point state is the one in which the users
+/// of that code compute. Guards may be nested. The destructor restores the earlier state. If the code left another
+/// state, the change is noted (see `noted_changes`). `who`, the name of the code for messages, must outlive the guard.
 class InForeignCode {
 public:
     explicit InForeignCode(const char* who,
@@ -29,10 +29,11 @@ private:
 
 /// While a guard lives, this thread loads foreign code or calls the function that returns its list. The guard restores
 /// what the code sets for the process: the locale (with a decimal comma, strtod() would read 0.5 as 0, and %g would
-/// write it as two cells of a table), and the processor's state, which `left` returns until the guard ends.
+/// write it as two cells of a table), and the floating-point state, which `current_state` returns until the
+/// guard ends.
 class LoadsForeignCode {
 public:
-    /// `fp_state` is the state that loading the library left, if loading is over.
+    /// `fp_state` is the state that the loading of the library left, if the library is already loaded.
     explicit LoadsForeignCode(const char* who,
                               const process::FloatingPoint& fp_state = process::FloatingPoint::standard())
         : inside_(who, fp_state), fp_state_(fp_state) {}
@@ -41,7 +42,7 @@ public:
     LoadsForeignCode& operator=(const LoadsForeignCode&) = delete;
 
     /// Returns the current floating-point state of this thread.
-    [[nodiscard]] static process::FloatingPoint left() { return process::FloatingPoint::current(); }
+    [[nodiscard]] static process::FloatingPoint current_state() { return process::FloatingPoint::current(); }
 
 private:
     InForeignCode inside_;
@@ -58,10 +59,10 @@ public:
     ProbeScope& operator=(const ProbeScope&) = delete;
 };
 
-/// Runs `call` of foreign code through a C interface, which must throw nothing. Throws EnvironmentError, which begins
-/// with `who`, if the code throws.
+/// Runs `call`, which calls foreign code through a C interface and must not throw. Throws EnvironmentError, which
+/// begins with `who`, if the code throws.
 template <class Call>
-auto call_of(const char* who, Call&& call) {
+auto call_foreign(const char* who, Call&& call) {
     try {
         return call();
     } catch (const Error&) {
@@ -72,16 +73,16 @@ auto call_of(const char* who, Call&& call) {
     }
 }
 
-/// Notes how `who` changes the state of the processor; only the first change of each library or form is kept. The guard
-/// of a call notes a call that leaves another state than it found.
+/// Notes how `who` changes the floating-point state of the processor; only the first change of each library or form is
+/// kept. `InForeignCode` notes a call that does not restore the state.
 void note_change(const std::string& who, const std::string& change);
 /// Returns the noted changes as sentences that begin with the name of the library or form.
-std::vector<std::string> changes_noted();
+std::vector<std::string> noted_changes();
 /// Returns the change noted for one library or form; empty if no change was noted.
-std::string change_noted(const std::string& who);
+std::string noted_change_of(const std::string& who);
 
 /// Name of the foreign code that runs in this thread, for messages; null if there is none.
-const char* foreign_code_here() noexcept;
+const char* running_foreign_code() noexcept;
 
 struct GuardTerms {
     double seconds = 30;  ///< limit for one batch
@@ -90,7 +91,7 @@ struct GuardTerms {
     process::StopToken stop = {};
     /// Called, possibly from a signal handler, before the program ends for a fault of foreign code.
     void (*clean_up)() = nullptr;
-    void (*ends_with)(int status) = nullptr;  ///< called last, with the exit status, before the program ends for a
+    void (*exit_with)(int status) = nullptr;  ///< called last, with the exit status, before the program ends for a
                                               ///< fault of foreign code
 };
 

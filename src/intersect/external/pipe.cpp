@@ -40,8 +40,8 @@ std::span<std::byte> bytes_of(T& value) {
 }
 
 /// A process that answers, and, if it is a process of this program, the memory that it shares with this process.
-struct Partner {
-    Partner(const std::string& command, const PipeTerms& terms)
+struct AnsweringProcess {
+    AnsweringProcess(const std::string& command, const PipeTerms& terms)
         : memory(terms.is_lostbits ? std::make_unique<SharedMemory>() : nullptr),
           child(command, {terms.message_prefix, author_advice(terms), terms.seconds, memory ? memory->descriptor() : -1,
                           terms.stop}),
@@ -49,7 +49,7 @@ struct Partner {
         if (memory && memory->descriptor() < 0) memory.reset();
         if (!memory) return;
         PipeRequest memory_request;
-        std::memcpy(memory_request.magic, shares_memory, sizeof memory_request.magic);
+        std::memcpy(memory_request.magic, shared_memory_magic, sizeof memory_request.magic);
         child.exchange(bytes_of(memory_request), {});
     }
 
@@ -62,7 +62,7 @@ struct Partner {
 class Pool {
 public:
     Pool(std::string command, const PipeTerms& terms) : command_(std::move(command)), terms_(terms) {
-        free_.push_back(std::make_unique<Partner>(command_, terms_));
+        free_.push_back(std::make_unique<AnsweringProcess>(command_, terms_));
         contracts_ = free_.back()->contracts;
         running_ = 1;
         const auto needs_one_thread = [](const Contract& c) { return (c.flags & LB_ONE_THREAD) != 0; };
@@ -72,10 +72,10 @@ public:
     [[nodiscard]] const std::vector<Contract>& contracts() const { return contracts_; }
 
     template <class Evaluate>
-    void with_partner(const Evaluate& evaluate) {
-        std::unique_ptr<Partner> partner = take_partner();
+    void with_process(const Evaluate& evaluate) {
+        std::unique_ptr<AnsweringProcess> answerer = take_process();
         try {
-            evaluate(*partner);
+            evaluate(*answerer);
         } catch (...) {  // drops the process: what it may still write would be taken for a later answer
             const std::scoped_lock lock(mutex_);
             --running_;
@@ -83,27 +83,27 @@ public:
             throw;
         }
         const std::scoped_lock lock(mutex_);
-        free_.push_back(std::move(partner));
+        free_.push_back(std::move(answerer));
         freed_.notify_one();
     }
 
 private:
-    std::unique_ptr<Partner> take_partner() {
+    std::unique_ptr<AnsweringProcess> take_process() {
         std::unique_lock lock(mutex_);
         freed_.wait(lock, [this] { return !free_.empty() || running_ < std::max(1U, terms_.processes); });
         if (!free_.empty()) {
-            std::unique_ptr<Partner> partner = std::move(free_.back());
+            std::unique_ptr<AnsweringProcess> answerer = std::move(free_.back());
             free_.pop_back();
-            return partner;
+            return answerer;
         }
         ++running_;
         lock.unlock();
-        auto partner = std::make_unique<Partner>(command_, terms_);
-        if (partner->contracts != contracts_)
-            partner->child.fail(
+        auto answerer = std::make_unique<AnsweringProcess>(command_, terms_);
+        if (answerer->contracts != contracts_)
+            answerer->child.fail(
                 "sent a different header when it was started a second time; let it send the same header, or add "
                 "flags=one_thread");
-        return partner;
+        return answerer;
     }
 
     std::string command_;
@@ -111,28 +111,28 @@ private:
     std::vector<Contract> contracts_;
     std::mutex mutex_;
     std::condition_variable freed_;
-    std::vector<std::unique_ptr<Partner>> free_;
+    std::vector<std::unique_ptr<AnsweringProcess>> free_;
     unsigned running_ = 0;
 };
 
 /// Sends a request and reads the header of the answer. Throws if the answer is an error. Returns true if the process
-/// belongs to this program and reports `changes_state`.
+/// belongs to this program and reports `state_changed_bit`.
 bool exchange_headers(Child& child, std::span<const std::byte> request, bool is_lostbits) {
     PipeAnswer answer;
     child.exchange(request, bytes_of(answer));
     if (std::memcmp(answer.magic, PipeAnswer{}.magic, sizeof answer.magic) != 0) {
         const std::string answer_start(reinterpret_cast<const char*>(&answer), sizeof answer);
         child.fail(
-            "answered " + shown_text(answer_start) +
+            "answered " + quote_text(answer_start) +
             ", but an answer begins with LBA1; it must answer every batch exactly once, and whatever it prints must "
             "go to standard error");
     }
-    const bool state_changed = is_lostbits && (answer.error_bytes & changes_state) != 0;
-    if (state_changed) answer.error_bytes &= ~changes_state;
+    const bool state_changed = is_lostbits && (answer.error_bytes & state_changed_bit) != 0;
+    if (state_changed) answer.error_bytes &= ~state_changed_bit;
     if (answer.error_bytes == 0) return state_changed;
     std::string text(std::min<std::size_t>(answer.error_bytes, 1000), ' ');
     child.read(std::as_writable_bytes(std::span(text)));
-    child.fail("refuses: " + shown_text(text, 400));
+    child.fail("refuses: " + quote_text(text, 400));
 }
 
 PipeRequest request_of(std::uint32_t form, const lb_batch& batch) {
@@ -165,14 +165,14 @@ void evaluate_by_pipe(Child& child, const PipeRequest& request, const ColumnByte
     child.read({reinterpret_cast<std::byte*>(batch.hit), bytes[BatchColumn::hit]});
 }
 
-void evaluate_in_memory(Partner& partner, const std::string& code_name, const PipeRequest& request,
-                        const ColumnBytes& bytes, const lb_batch& batch) {
+void evaluate_in_shared_memory(AnsweringProcess& answerer, const std::string& code_name, const PipeRequest& request,
+                               const ColumnBytes& bytes, const lb_batch& batch) {
     const auto offsets = column_offsets(bytes);
-    std::byte* const memory = partner.memory->with_bytes(offsets.back());
+    std::byte* const memory = answerer.memory->with_bytes(offsets.back());
     if (memory == nullptr) throw std::bad_alloc();
     const auto request_columns = request_columns_of(batch, bytes);
     for (std::size_t k = 0; k < request_columns.size(); ++k) std::ranges::copy(request_columns[k], memory + offsets[k]);
-    if (exchange_headers(partner.child, std::as_bytes(std::span(&request, 1)), true))
+    if (exchange_headers(answerer.child, std::as_bytes(std::span(&request, 1)), true))
         note_change(
             code_name,
             "changes how the processor computes during a call; lostbits undoes that after each call; let the code call "
@@ -181,13 +181,13 @@ void evaluate_in_memory(Partner& partner, const std::string& code_name, const Pi
     std::memcpy(batch.hit, memory + offsets[BatchColumn::hit], bytes[BatchColumn::hit]);
 }
 
-void evaluate(Partner& partner, std::uint32_t form, const std::string& code_name, const Contract& contract,
+void evaluate(AnsweringProcess& answerer, std::uint32_t form, const std::string& code_name, const Contract& contract,
               const lb_batch& batch) {
     const PipeRequest request = request_of(form, batch);
-    partner.child.about("form \"" + contract.name + "\"");
+    answerer.child.set_subject("form \"" + contract.name + "\"");
     const ColumnBytes bytes = column_bytes(request, contract);
-    if (partner.memory) evaluate_in_memory(partner, code_name, request, bytes, batch);
-    else evaluate_by_pipe(partner.child, request, bytes, batch);
+    if (answerer.memory) evaluate_in_shared_memory(answerer, code_name, request, bytes, batch);
+    else evaluate_by_pipe(answerer.child, request, bytes, batch);
 }
 
 }  // namespace
@@ -214,7 +214,8 @@ std::vector<ForeignForm> open_pipe(const std::string& command, const PipeTerms& 
     for (const Contract& contract : pool->contracts()) {
         ForeignForm& form = forms.emplace_back(ForeignForm{contract, named_terms.message_prefix, {}, true});
         form.answer = [pool, contract, form_index, code_name = name_in_messages(form)](const lb_batch& batch) {
-            pool->with_partner([&](Partner& partner) { evaluate(partner, form_index, code_name, contract, batch); });
+            pool->with_process(
+                [&](AnsweringProcess& answerer) { evaluate(answerer, form_index, code_name, contract, batch); });
         };
         ++form_index;
     }

@@ -35,15 +35,15 @@ static_assert(sizeof(PipeAnswer) == 8);
 
 /// Bit in `error_bytes` that only processes of this program set. It says that the form changed the floating-point state
 /// of the processor and did not restore it.
-inline constexpr std::uint32_t changes_state = 1U << 31;
+inline constexpr std::uint32_t state_changed_bit = 1U << 31;
 
 /// Magic of a message that this program sends to another process of this program in place of a request. From then on
 /// the columns of a batch and of its answer are in memory that both share (process/shared_memory.hpp); only the headers
 /// go through the pipe.
-inline constexpr char shares_memory[4] = {'L', 'B', 'M', '1'};
+inline constexpr char shared_memory_magic[4] = {'L', 'B', 'M', '1'};
 
-/// The columns of a batch in the order in which they go through the pipe: first the columns of the request, then those
-/// of the answer.
+/// Indices of the columns of a batch, in the order in which they go through the pipe: first the columns of the request,
+/// then those of the answer.
 struct BatchColumn {
     enum : std::size_t { rays, starts, ends, primitives, near_far, hit, count, request_columns = near_far };
 };
@@ -66,7 +66,7 @@ struct PipeTerms {
 /// EnvironmentError if the process does not answer, or says `missing=`. The processes end with the program.
 std::vector<ForeignForm> open_pipe(const std::string& command, const PipeTerms& terms);
 
-/// Text that is sent in place of a header: why the program cannot serve, line by line.
+/// Returns the text that is sent in place of a header: the lines of the error, which say why the program cannot serve.
 std::string refusal_of(const Error& error);
 
 /// Serves a pipe: answers requests on `input` with these forms until the input ends. Returns false if a message on the

@@ -12,11 +12,11 @@
 namespace lostbits::intersect::external {
 namespace {
 
-/// The texts that one key allows, in the order of the values for which they stand.
+/// The texts that a key allows. The index of a text is the value of the enumerator that it names.
 using Texts = std::span<const std::string_view>;
 
 constexpr Texts shapes = std::span(shape_names).first(shape_rows.size());  // without sdf
-constexpr std::array<std::string_view, 2> formats{"f32", "f64"}, directions{"any", "unit"}, counts{"hit", "miss"};
+constexpr std::array<std::string_view, 2> formats{"f32", "f64"}, directions{"any", "unit"}, touchings{"hit", "miss"};
 constexpr Texts at_origins = at_origin_names, insides = inside_names, facings = facing_names;
 constexpr std::array<std::string_view, 4> roots{"both", "near", "first", "none"};
 constexpr std::array<std::string_view, 5> flags{"line", "no_end", "one_thread", "clipped", "range"};
@@ -62,7 +62,7 @@ const std::vector<Key>& keys() {
          [](const Contract& c) { return std::string(formats[c.bits == 32 ? 0 : 1]); }},
         enumeration_key("direction", directions, &Contract::direction),
         enumeration_key("roots", roots, &Contract::roots),
-        enumeration_key("touching", counts, &Contract::touching),
+        enumeration_key("touching", touchings, &Contract::touching),
         enumeration_key("at_origin", at_origins, &Contract::at_origin),
         enumeration_key("inside", insides, &Contract::inside),
         enumeration_key("facing", facings, &Contract::facing),
@@ -70,7 +70,7 @@ const std::vector<Key>& keys() {
     return key_list;
 }
 
-std::string joined(Texts texts) {
+std::string join_texts(Texts texts) {
     std::string list;
     for (const std::string_view text : texts) list += (list.empty() ? "" : ", ") + std::string(text);
     return list;
@@ -79,10 +79,10 @@ std::string joined(Texts texts) {
 /// Returns the index of a text among the texts that its key allows. Throws InputError, which lists these texts, for any
 /// other text.
 std::size_t index_of(Texts texts, const std::string& text, const std::string& where, const std::string& key) {
-    const auto found = std::ranges::find(texts, text);
-    if (found == texts.end())
-        throw InputError(where + ": " + key + " is " + shown_text(text) + "; it must be one of " + joined(texts));
-    return static_cast<std::size_t>(found - texts.begin());
+    const auto allowed_text = std::ranges::find(texts, text);
+    if (allowed_text == texts.end())
+        throw InputError(where + ": " + key + " is " + quote_text(text) + "; it must be one of " + join_texts(texts));
+    return static_cast<std::size_t>(allowed_text - texts.begin());
 }
 
 void set_flags(Contract& contract, const std::string& value, const std::string& where) {
@@ -103,7 +103,7 @@ void throw_refusal(const std::vector<std::string>& lines, const PipeTerms& terms
         if (!is_missing && !line.starts_with("error=")) continue;
         is_environment = is_environment || is_missing;
         const std::string_view reason = line.substr(line.find('=') + 1);
-        refusal += (refusal.empty() ? "" : "\n") + (terms.is_lostbits ? std::string(reason) : plain_text(reason));
+        refusal += (refusal.empty() ? "" : "\n") + (terms.is_lostbits ? std::string(reason) : escape_text(reason));
     }
     if (refusal.empty()) return;
     if (!terms.is_lostbits) refusal = terms.message_prefix + ": refuses: " + refusal;
@@ -113,7 +113,7 @@ void throw_refusal(const std::vector<std::string>& lines, const PipeTerms& terms
 
 }  // namespace
 
-std::string plain_text(std::string_view text) {
+std::string escape_text(std::string_view text) {
     constexpr std::string_view digits = "0123456789abcdef";
     std::string shown;
     for (const char c : text) {
@@ -124,8 +124,8 @@ std::string plain_text(std::string_view text) {
     return shown;
 }
 
-std::string shown_text(std::string_view text, std::size_t max_bytes) {
-    return "\"" + plain_text(text.substr(0, max_bytes)) + (text.size() > max_bytes ? "…\"" : "\"");
+std::string quote_text(std::string_view text, std::size_t max_bytes) {
+    return "\"" + escape_text(text.substr(0, max_bytes)) + (text.size() > max_bytes ? "…\"" : "\"");
 }
 
 bool set_property(Contract& contract, const std::string& key, const std::string& value, const std::string& where) {
@@ -144,14 +144,14 @@ std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, co
     for (std::size_t i = 1; i < lines.size(); ++i) {
         const std::string where = subject + ": header line " + std::to_string(i + 1);
         const std::size_t equals = lines[i].find('=');
-        if (equals == std::string::npos) throw InputError(where + ": " + shown_text(lines[i]) + " is not key=value");
+        if (equals == std::string::npos) throw InputError(where + ": " + quote_text(lines[i]) + " is not key=value");
         const std::string key = lines[i].substr(0, equals), value = lines[i].substr(equals + 1);
         if (key == "name") contracts.emplace_back();
         if (contracts.empty())
-            throw InputError(where + ": a form begins with name=; write it before " + shown_text(key));
+            throw InputError(where + ": a form begins with name=; write it before " + quote_text(key));
         if (!set_property(contracts.back(), key, value, where))
             throw InputError(
-                where + ": unknown key " + shown_text(key) +
+                where + ": unknown key " + quote_text(key) +
                 "; known keys are name, title, source, shape, format, direction, roots, touching, at_origin, "
                 "inside, facing, state, flags");
     }
@@ -159,7 +159,7 @@ std::vector<Contract> read_pipe_header(const std::vector<std::string>& lines, co
         throw InputError(
             subject +
             ": its header names no form; write name=, shape= and format=, or see what it printed on standard error");
-    for (const Contract& contract : contracts) require_sense(contract, subject);
+    for (const Contract& contract : contracts) require_valid(contract, subject);
     return contracts;
 }
 
@@ -181,7 +181,7 @@ std::vector<Contract> read_greeting(const LineSource& source, const PipeTerms& t
     for (std::size_t bytes = 0;;) {
         lines.push_back(source.next_line());
         if (lines.size() == 1 && lines.front() != pipe_version)
-            source.fail("printed " + shown_text(lines.front()) +
+            source.fail("printed " + quote_text(lines.front()) +
                         " first; the first line of its standard output must be " + std::string(pipe_version) +
                         ", and whatever else it prints must go to standard error");
         if (lines.back().empty()) break;

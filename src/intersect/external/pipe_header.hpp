@@ -27,11 +27,11 @@ bool set_property(Contract& contract, const std::string& key, const std::string&
 /// Writes contracts as a header.
 std::string pipe_header_of(const std::vector<Contract>& contracts);
 
-/// Quotes a text that a process wrote, for a message: in quotation marks, cut to `max_bytes` bytes, control characters
-/// as \xNN.
-std::string shown_text(std::string_view text, std::size_t max_bytes = 60);
-/// Returns the whole text with control characters as \xNN, without quotation marks.
-std::string plain_text(std::string_view text);
+/// Quotes a text that a user or a process wrote, for a message: in quotation marks, cut to `max_bytes` bytes, with
+/// control and non-ASCII characters as \xNN.
+std::string quote_text(std::string_view text, std::size_t max_bytes = 60);
+/// Returns the whole text with control and non-ASCII characters as \xNN, without quotation marks.
+std::string escape_text(std::string_view text);
 
 /// A process that sends lines, and a function that throws the error for invalid lines.
 struct LineSource {

@@ -52,18 +52,18 @@ std::string loader_error(const fs::path& library) {
 
 }  // namespace
 
-ForeignForm foreign(const lb_form& form, const std::string& from, const process::FloatingPoint& fp_state) {
+ForeignForm foreign_form_of(const lb_form& form, const std::string& from, const process::FloatingPoint& fp_state) {
     ForeignForm result{contract_of(form, from), from, {}};
     result.contract.state = fp_state.differences();
     const char* const lasting_name = lasting_text(name_in_messages(result));
     result.answer = [&form, lasting_name, fp_state](const lb_batch& request) {
         lb_batch batch = request;
         batch.own = form.own;
-        const char* const refusal = call_of(lasting_name, [&] {
+        const char* const refusal = call_foreign(lasting_name, [&] {
             const InForeignCode guard(lasting_name, fp_state);
             return form.run(&batch);
         });
-        if (refusal != nullptr) throw EnvironmentError(std::string(lasting_name) + ": " + shown_text(refusal, 400));
+        if (refusal != nullptr) throw EnvironmentError(std::string(lasting_name) + ": " + quote_text(refusal, 400));
     };
     return result;
 }
@@ -77,9 +77,9 @@ std::string prefix_of_plugin(const std::string& option) {
     return option.substr(0, end) + ".";
 }
 
-void rename(ForeignForm& form, const std::string& prefix) {
+void add_prefix(ForeignForm& form, const std::string& prefix) {
     form.contract.name = prefix + form.contract.name;
-    require_sense(form.contract, "--plugin " + prefix.substr(0, prefix.size() - 1) + "=" + form.from);
+    require_valid(form.contract, "--plugin " + prefix.substr(0, prefix.size() - 1) + "=" + form.provider);
 }
 
 fs::path find_plugin(const std::string& option) {
@@ -88,8 +88,8 @@ fs::path find_plugin(const std::string& option) {
     if (library_name.empty() && !option.empty())
         throw InputError("--plugin " + option + ": names no library; write its path after the =, as in " + option +
                          "mine.so");
-    const fs::path path_as_given(library_name);
-    if (fs::is_regular_file(path_as_given, ignored)) return path_as_given;
+    const fs::path library_path(library_name);
+    if (fs::is_regular_file(library_path, ignored)) return library_path;
     if (library_name.find('/') != std::string::npos) throw InputError(library_name + ": no such file");
     std::string searched = "in the current folder";
     for (const fs::path& folder : search_path()) {
@@ -140,10 +140,10 @@ Library load_library(const fs::path& library) {
                                              : "give one that a compiler made (c++ -O2 -shared -fPIC mine.cpp -o "
                                                "mine.so), or a program with --pipe"));
     // The path is absolute: for a name without a slash the loader would search its own folders.
-    const auto [library_handle, state_after_load] = call_of(lasting_path, [&] {
+    const auto [library_handle, state_after_load] = call_foreign(lasting_path, [&] {
         const LoadsForeignCode loading(lasting_path);
         void* const handle = dlopen(fs::absolute(library).c_str(), RTLD_NOW | RTLD_LOCAL);
-        return std::pair(handle, loading.left());
+        return std::pair(handle, loading.current_state());
     });
     if (library_handle == nullptr)
         throw InputError(path + ": cannot be loaded: " + loader_error(fs::absolute(library)));
@@ -155,7 +155,7 @@ std::vector<ForeignForm> load_plugin(const fs::path& library) {
     const char* const lasting_path = lasting_text(path);
     const Library loaded = load_library(library);
     using FormsFunction = const lb_form* (*)(int, std::size_t*);
-    const auto list_forms = entry_of<FormsFunction>(loaded, "lostbits_forms");
+    const auto list_forms = find_symbol<FormsFunction>(loaded, "lostbits_forms");
     if (list_forms == nullptr)
         throw InputError(path +
                          ": exports no lostbits_forms; write LOSTBITS_FORMS(...) of lostbits_plugin.hpp or "
@@ -164,10 +164,10 @@ std::vector<ForeignForm> load_plugin(const fs::path& library) {
     std::size_t count = 0;
     // The call that returns the list belongs to loading: the processor state that it leaves is the one in which the
     // library's users compute.
-    const auto [forms, fp_state] = call_of(lasting_path, [&] {
+    const auto [forms, fp_state] = call_foreign(lasting_path, [&] {
         const LoadsForeignCode loading(lasting_path, loaded.fp_state);
         const lb_form* const list = list_forms(LOSTBITS_PLUGIN_ABI, &count);
-        return std::pair(list, loading.left());
+        return std::pair(list, loading.current_state());
     });
     // A library may have only forms that march, which the C interface does not know.
     if (count == 0 && dlsym(loaded.handle, "lostbits_formulas") != nullptr) return {};
@@ -177,7 +177,7 @@ std::vector<ForeignForm> load_plugin(const fs::path& library) {
     if (count == 0 || count > 4096)
         throw InputError(path + ": states " + std::to_string(count) + " forms; the number must be from 1 to 4096");
     std::vector<ForeignForm> result;
-    for (std::size_t i = 0; i < count; ++i) result.push_back(foreign(forms[i], path, fp_state));
+    for (std::size_t i = 0; i < count; ++i) result.push_back(foreign_form_of(forms[i], path, fp_state));
     return result;
 }
 

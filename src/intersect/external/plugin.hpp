@@ -23,7 +23,7 @@ std::filesystem::path find_plugin(const std::string& option);
 std::string prefix_of_plugin(const std::string& option);
 
 /// Puts a prefix in front of the form's name. Throws InputError if the result is not a valid name.
-void rename(ForeignForm& form, const std::string& prefix);
+void add_prefix(ForeignForm& form, const std::string& prefix);
 
 /// A library that is loaded and stays loaded.
 struct Library {
@@ -36,19 +36,19 @@ struct Library {
 /// Loads a library. Throws InputError if the file is not a library.
 Library load_library(const std::filesystem::path& library);
 
-/// Returns the address of the function of that name, by which a library gives its list. Null if the library exports no
-/// such function.
+/// Returns the address of the function with that name, such as the one that returns a library's list of forms. Null if
+/// the library exports no such function.
 template <class Function>
-Function entry_of(const Library& library, const char* name) {
+Function find_symbol(const Library& library, const char* name) {
     return reinterpret_cast<Function>(dlsym(library.handle, name));
 }
 
 /// Returns a copy of a text that is never freed: exit handlers may read it after the end of main().
 const char* lasting_text(const std::string& text);
 
-/// A form as a library states it. `form` must live as long as the library is loaded. `fp_state` is the floating-point
-/// environment of the library. Throws InputError, which begins with `from`, for an invalid contract.
-ForeignForm foreign(const lb_form& form, const std::string& from, const process::FloatingPoint& fp_state);
+/// Returns a form as a library states it. `form` must live as long as the library is loaded. `fp_state` is the
+/// floating-point environment of the library. Throws InputError, which begins with `from`, for an invalid contract.
+ForeignForm foreign_form_of(const lb_form& form, const std::string& from, const process::FloatingPoint& fp_state);
 
 /// Loads a library, which stays loaded, and calls it for its forms. Throws InputError if the file is not a library,
 /// exports no `lostbits_forms`, is of another version, or states invalid contracts.

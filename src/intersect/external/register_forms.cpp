@@ -25,7 +25,7 @@ void answer_batch(void* context, const table::RayBatch<S>& rays, const Target<S>
 
 ForeignRow::ForeignRow(ForeignForm first) {
     store(std::move(first));
-    info = info_of((of32 ? of32 : of64)->form().contract);
+    info = info_of((batch32 ? batch32 : batch64)->form().contract);
 }
 
 void ForeignRow::add(ForeignForm other) {
@@ -34,30 +34,30 @@ void ForeignRow::add(ForeignForm other) {
 }
 
 void ForeignRow::store(ForeignForm form) {
-    std::unique_ptr<ForeignBatch>& own_batch = form.contract.bits == 32 ? of32 : of64;
-    const std::unique_ptr<ForeignBatch>& other_batch = form.contract.bits == 32 ? of64 : of32;
-    if (own_batch)
-        throw InputError(form.from + ": " + form.contract.name + " is defined twice in binary" +
-                         std::to_string(form.contract.bits) + ", first in " + own_batch->form().from +
+    std::unique_ptr<ForeignBatch>& same_format = form.contract.bits == 32 ? batch32 : batch64;
+    const std::unique_ptr<ForeignBatch>& other_format = form.contract.bits == 32 ? batch64 : batch32;
+    if (same_format)
+        throw InputError(form.provider + ": " + form.contract.name + " is defined twice in binary" +
+                         std::to_string(form.contract.bits) + ", first in " + same_format->form().provider +
                          "; give each form its own name, or add a prefix to the names of one library: --plugin new=" +
-                         form.from + " calls this form new." + form.contract.name);
-    if (other_batch) {
-        Contract expected = other_batch->form().contract;
+                         form.provider + " calls this form new." + form.contract.name);
+    if (other_format) {
+        Contract expected = other_format->form().contract;
         expected.bits = form.contract.bits;
         expected.title = form.contract.title, expected.source = form.contract.source,
         expected.flags = form.contract.flags;
         if (expected != form.contract)
-            throw InputError(form.from + ": " + form.contract.name +
+            throw InputError(form.provider + ": " + form.contract.name +
                              " has different contracts in binary32 and binary64; give the two forms different names");
     }
-    own_batch = std::make_unique<ForeignBatch>(std::move(form));
+    same_format = std::make_unique<ForeignBatch>(std::move(form));
 }
 
 table::Intersector ForeignRow::row() const {
-    const Contract& contract = (of32 ? of32 : of64)->form().contract;
+    const Contract& contract = (batch32 ? batch32 : batch64)->form().contract;
     table::Intersector catalogue_row{.info = &info, .shape = contract.shape, .native32 = {}, .native64 = {}};
-    if (of32) catalogue_row.native32 = {answer_batch<float>, of32.get()};
-    if (of64) catalogue_row.native64 = {answer_batch<double>, of64.get()};
+    if (batch32) catalogue_row.native32 = {answer_batch<float>, batch32.get()};
+    if (batch64) catalogue_row.native64 = {answer_batch<double>, batch64.get()};
     return catalogue_row;
 }
 
@@ -78,12 +78,12 @@ void register_forms(std::vector<ForeignForm> forms) {
     table::register_rows(rows);
 }
 
-std::vector<const ForeignForm*> behind(const table::Intersector& catalogue_row) {
+std::vector<const ForeignForm*> foreign_forms_of(const table::Intersector& catalogue_row) {
     std::vector<const ForeignForm*> forms;
     for (const ForeignRow& e : all_registered()) {
         if (&e.info != catalogue_row.info) continue;
-        if (e.of32) forms.push_back(&e.of32->form());
-        if (e.of64) forms.push_back(&e.of64->form());
+        if (e.batch32) forms.push_back(&e.batch32->form());
+        if (e.batch64) forms.push_back(&e.batch64->form());
     }
     return forms;
 }
@@ -91,8 +91,8 @@ std::vector<const ForeignForm*> behind(const table::Intersector& catalogue_row) 
 bool is_safe_to_run(const table::Intersector& catalogue_row) {
     const auto catalogue = table::catalogue();
     if (&catalogue_row >= catalogue.data() && &catalogue_row < catalogue.data() + catalogue.size()) return true;
-    const auto forms = behind(catalogue_row);  // empty for a formula of a library, which runs in this process
-    return !forms.empty() && std::ranges::all_of(forms, &ForeignForm::isolated);
+    const auto forms = foreign_forms_of(catalogue_row);  // empty for a formula of a library, which runs in this process
+    return !forms.empty() && std::ranges::all_of(forms, &ForeignForm::is_isolated);
 }
 
 }  // namespace lostbits::intersect::external

@@ -29,7 +29,7 @@ bool read_all(int descriptor, void* buffer, std::size_t bytes) {
         if (received < 0 && errno == EINTR) continue;
         if (received < 0 && errno == EAGAIN) {
             pollfd polled_input{descriptor, POLLIN, 0};
-            if (++poll_count < process::looks_before_sleep) sched_yield();
+            if (++poll_count < process::polls_before_sleep) sched_yield();
             else poll(&polled_input, 1, -1);
             continue;
         }
@@ -131,7 +131,7 @@ std::optional<BatchColumns> read_batch(int input, const PipeRequest& request, co
 bool write_answer(int output, const std::string& error_text, const ForeignForm& form, const ColumnMemory& buffers) {
     PipeAnswer answer;
     answer.error_bytes = static_cast<std::uint32_t>(error_text.size());
-    if (buffers.shared && !change_noted(name_in_messages(form)).empty()) answer.error_bytes |= changes_state;
+    if (buffers.shared && !noted_change_of(name_in_messages(form)).empty()) answer.error_bytes |= state_changed_bit;
     if (!write_all(output, &answer, sizeof answer)) return false;
     if (!error_text.empty()) return write_all(output, error_text.data(), error_text.size());
     const auto write_column = [&](std::size_t k) {
@@ -174,7 +174,7 @@ bool serve_pipe(const std::vector<ForeignForm>& forms, int input, int output) {
     if (!write_all(output, header.data(), header.size())) return throw_unless_client_ended(input), true;
     ColumnMemory buffers;
     for (PipeRequest request; read_all(input, &request, sizeof request);) {
-        if (std::memcmp(request.magic, shares_memory, sizeof request.magic) == 0) {
+        if (std::memcmp(request.magic, shared_memory_magic, sizeof request.magic) == 0) {
             buffers.shared.emplace(process::SharedMemory::inherited);
             fcntl(input, F_SETFL, fcntl(input, F_GETFL) | O_NONBLOCK);  // no other process reads from this end
             continue;

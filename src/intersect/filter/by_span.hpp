@@ -13,7 +13,7 @@
 
 namespace lostbits::intersect::filter {
 
-/// The decision and t, and whether they are proved. P is T without recording.
+/// The decision and t of a filter, and whether they are proved. P is the number type T without recording.
 template <class T, class P>
 struct FirstStep {
     mask_t<P> proved, hit;
@@ -49,7 +49,7 @@ Hit<T> single_root_hit(const mask_t<T>& hit, const T& t) {
     return {hit, t, t, t};
 }
 
-/// Decides the lanes of a pack that are not proved, each by itself in wider arithmetic.
+/// Decides each lane of a pack that is not proved in wider arithmetic, one lane at a time.
 template <Number T, std::size_t n, class Watch>
 requires number::wide::InRegisters<T> Hit<T> decide_in_wider(std::string_view, Shape shape,
                                                              const std::array<T, n>& numbers,

@@ -18,8 +18,8 @@ struct FirstSpanHit {
     E t;
 };
 
-/// Limits of the arithmetics that compute the first hit of a span again, if the form's own numbers do not prove the
-/// decision.
+/// Limits of the wider arithmetics that compute the first hit of a span again if the form's own arithmetic does not
+/// prove the decision.
 template <class Span>
 struct Deciding {
     /// The deciding polynomials are of degree at most 12 in the inputs, so this many bits hold them exactly.

@@ -17,15 +17,15 @@ public:
         std::vector<bool> every_block(successors_.size(), true);
         arrange(0, every_block);
         for (int& p : position_)
-            if (p < 0) p = count_++;  // cannot be reached
+            if (p < 0) p = next_position_++;  // a block that cannot be reached
     }
     [[nodiscard]] const std::vector<int>& positions() const { return position_; }
 
 private:
-    /// Gives positions to the blocks of `inside` that `entry` reaches. The strongly connected components follow one
-    /// another, and the blocks of each component are arranged again without its head. Tarjan's algorithm without
-    /// recursion into blocks.
-    void arrange(int entry, const std::vector<bool>& inside) {
+    /// Gives positions to those of the `allowed` blocks that `entry` reaches. Finds the strongly connected components
+    /// by Tarjan's algorithm, with a stack in place of recursion. The components follow one another, and the blocks of
+    /// each component are arranged again without its head.
+    void arrange(int entry, const std::vector<bool>& allowed) {
         const std::size_t n = successors_.size();
         std::vector<int> visit_index(n, -1), low_link(n, 0), stack;
         std::vector<bool> on_stack(n, false);
@@ -38,21 +38,22 @@ private:
         int visit_count = 0;
         while (!visits.empty()) {
             auto& [block, edge] = visits.back();
-            const auto b = static_cast<std::size_t>(block);
-            if (edge == 0 && visit_index[b] < 0) {
-                visit_index[b] = low_link[b] = visit_count++;
+            const auto block_index = static_cast<std::size_t>(block);
+            if (edge == 0 && visit_index[block_index] < 0) {
+                visit_index[block_index] = low_link[block_index] = visit_count++;
                 stack.push_back(block);
-                on_stack[b] = true;
+                on_stack[block_index] = true;
             }
-            if (edge < successors_[b].size()) {
-                const int successor = successors_[b][edge++];
-                const auto t = static_cast<std::size_t>(successor);
-                if (!inside[t]) continue;
-                if (visit_index[t] < 0) visits.push_back({successor, 0});
-                else if (on_stack[t]) low_link[b] = std::min(low_link[b], visit_index[t]);
+            if (edge < successors_[block_index].size()) {
+                const int successor = successors_[block_index][edge++];
+                const auto successor_index = static_cast<std::size_t>(successor);
+                if (!allowed[successor_index]) continue;
+                if (visit_index[successor_index] < 0) visits.push_back({successor, 0});
+                else if (on_stack[successor_index])
+                    low_link[block_index] = std::min(low_link[block_index], visit_index[successor_index]);
                 continue;
             }
-            if (low_link[b] == visit_index[b]) {
+            if (low_link[block_index] == visit_index[block_index]) {
                 components.emplace_back();
                 int top = -1;
                 do {
@@ -62,7 +63,7 @@ private:
                     components.back().push_back(top);
                 } while (top != block);
             }
-            const int block_low_link = low_link[b];
+            const int block_low_link = low_link[block_index];
             visits.pop_back();
             if (!visits.empty()) {
                 int& parent_low_link = low_link[static_cast<std::size_t>(visits.back().block)];
@@ -71,26 +72,27 @@ private:
         }
         for (std::size_t c = components.size(); c-- > 0;) {
             const int head = components[c].back();  // the block by which the component is entered first
-            position_[static_cast<std::size_t>(head)] = count_++;
+            position_[static_cast<std::size_t>(head)] = next_position_++;
             if (components[c].size() == 1) continue;
             std::vector<bool> without_head(n, false);
             for (const int b : components[c]) without_head[static_cast<std::size_t>(b)] = b != head;
             for (const int successor : successors_[static_cast<std::size_t>(head)])
                 if (without_head[static_cast<std::size_t>(successor)] &&
                     position_[static_cast<std::size_t>(successor)] < 0)
-                    arrange_once(successor, without_head);
+                    arrange_and_remove(successor, without_head);
             for (const int b : components[c])
-                if (position_[static_cast<std::size_t>(b)] < 0) arrange_once(b, without_head);
+                if (position_[static_cast<std::size_t>(b)] < 0) arrange_and_remove(b, without_head);
         }
     }
-    void arrange_once(int entry, std::vector<bool>& inside) {
-        arrange(entry, inside);
-        for (std::size_t b = 0; b < inside.size(); ++b) inside[b] = inside[b] && position_[b] < 0;
+    /// Arranges the blocks that `entry` reaches, and removes every block that has a position from `allowed`.
+    void arrange_and_remove(int entry, std::vector<bool>& allowed) {
+        arrange(entry, allowed);
+        for (std::size_t b = 0; b < allowed.size(); ++b) allowed[b] = allowed[b] && position_[b] < 0;
     }
 
     std::vector<std::vector<int>> successors_;
     std::vector<int> position_;
-    int count_ = 0;
+    int next_position_ = 0;
 };
 
 }  // namespace lostbits::intersect::function

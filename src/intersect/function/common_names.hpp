@@ -13,6 +13,7 @@
 
 namespace lostbits::intersect::function {
 
+/// Returns the name in lower case and without underscores.
 inline std::string normalized_name(std::string_view name) {
     std::string normalized;
     for (const char c : name)
@@ -43,8 +44,8 @@ inline bool is_tmax_name(std::string_view name) {
     return is_one_of(name, {"tmax", "maxt", "tend", "tfar", "raytmax", "far", "maxdist", "maxdistance", "length"});
 }
 
-/// True if a name is common for the key (the k-th one) of a shape. `name` is normalized.
-inline bool fits_key(std::string_view name, const Key& key, std::size_t k, Shape shape) {
+/// True if users commonly give this name to the key with index `k` of a shape. `name` is normalized.
+inline bool is_common_name_of_key(std::string_view name, const Key& key, std::size_t k, Shape shape) {
     if (name == normalized_name(key.name) || std::ranges::find(key.aliases, name) != key.aliases.end()) return true;
     if (key.name == "centre")
         return is_one_of(name, {"c", "center", "centre", "pos", "position", "sc", "cen", "ctr", "p", "origin", "ce",
@@ -69,7 +70,8 @@ inline bool fits_key(std::string_view name, const Key& key, std::size_t k, Shape
     return name == key.letter;
 }
 
-inline std::optional<Shape> shape_named(std::string_view text) {
+/// Returns the shape whose name, or another usual word for it, is part of the text. `text` is normalized.
+inline std::optional<Shape> find_shape(std::string_view text) {
     struct ShapeWord {
         std::string_view word;
         Shape shape;

@@ -31,7 +31,7 @@ bool is_in_path(const std::string& program) {
 
 /// Returns the messages of a compiler without the name of our temporary folder, and without the lines that glslang adds
 /// when a file has errors.
-std::string cleaned_messages(const std::string& messages, const std::string& folder) {
+std::string clean_messages(const std::string& messages, const std::string& folder) {
     std::string text;
     std::istringstream lines(messages.substr(0, 3000));
     for (std::string line; std::getline(lines, line);) {
@@ -48,7 +48,7 @@ std::string cleaned_messages(const std::string& messages, const std::string& fol
 
 }  // namespace
 
-std::string text_of(const fs::path& path) {
+std::string read_file(const fs::path& path) {
     std::ifstream in(path, std::ios::binary);
     std::ostringstream text;
     text << in.rdbuf();
@@ -72,24 +72,24 @@ Compiler::Compiler(const fs::path& file, SourceLanguage language, const CompileT
 
 auto Compiler::ir_of_file() -> FileText {
     if (is_shader(file_)) return ir_of_shader();
-    const std::string text = file_.extension() == ".ll" ? text_of(file_) : ir_of_bitcode();
+    const std::string text = file_.extension() == ".ll" ? read_file(file_) : ir_of_bitcode();
     return {text, text};
 }
 
-std::string Compiler::ir(const std::string& text, bool optimised) {
-    const fs::path source = write(text), output = folder_.path / "function.ll";
+std::string Compiler::compile_to_ir(const std::string& text, bool with_optimisation) {
+    const fs::path source = write_source(text), output = folder_.path / "function.ll";
     process::ProgramArguments arguments = language_ == SourceLanguage::rust ? rust_arguments("lib") : c_arguments();
     if (language_ == SourceLanguage::rust)
         arguments.insert(arguments.end(),
-                         {"--emit=llvm-ir", "-Cdebuginfo=2", optimised ? "-Copt-level=1" : "-Copt-level=0",
+                         {"--emit=llvm-ir", "-Cdebuginfo=2", with_optimisation ? "-Copt-level=1" : "-Copt-level=0",
                           "-Cno-vectorize-loops", "-Cno-vectorize-slp"});
     else arguments.insert(arguments.end(), {"-O0", "-g", "-fno-discard-value-names", "-S", "-emit-llvm"});
     run(std::move(arguments), source, output);
-    return text_of(output);
+    return read_file(output);
 }
 
 external::Library Compiler::compile_library(const std::string& text, bool without_optimisation) {
-    const fs::path source = write(text), output = folder_.path / "function.so";
+    const fs::path source = write_source(text), output = folder_.path / "function.so";
     if (language_ == SourceLanguage::rust) {
         process::ProgramArguments arguments = rust_arguments("cdylib");
         arguments.emplace_back(without_optimisation ? "-Copt-level=0" : "-Copt-level=3");
@@ -107,7 +107,7 @@ std::string Compiler::ir_of_bitcode() {
     require_in_path("llvm-dis", "the Debian package llvm");
     const fs::path output = folder_.path / "function.ll";
     run({"llvm-dis"}, file_, output);
-    return text_of(output);
+    return read_file(output);
 }
 
 auto Compiler::ir_of_shader() -> FileText {
@@ -119,12 +119,12 @@ auto Compiler::ir_of_shader() -> FileText {
     const fs::path code = is_binary ? file_ : spirv_of_shader(output.source, lines);
     const fs::path text = folder_.path / "function.spvasm";
     run({"spirv-dis", "--no-color", "--no-header", "--no-indent"}, code, text);
-    const std::string assembly = text_of(text);
+    const std::string assembly = read_file(text);
     if (is_binary) output.source = assembly;
-    const fs::path source_file = file_.parent_path() / spirv::source_name(assembly);
+    const fs::path source_file = file_.parent_path() / spirv::source_file_name(assembly);
     if (std::error_code error; is_binary && fs::is_regular_file(source_file, error)) {
         lines.file = source_file.string();
-        output.source = text_of(source_file);
+        output.source = read_file(source_file);
         std::istringstream in(output.source);
         for (std::string line; std::getline(in, line);) lines.lines.push_back(line);
     }
@@ -135,7 +135,7 @@ auto Compiler::ir_of_shader() -> FileText {
 fs::path Compiler::spirv_of_shader(std::string& source, spirv::ShaderLines& lines) {
     using device::Language;
     const Language language = file_.extension() == ".hlsl" ? Language::hlsl : Language::glsl;
-    source = text_of(file_);
+    source = read_file(file_);
     lines.file = file_.string();
     const std::string program = is_in_path("glslang") ? "glslang" : "glslangValidator";
     require_in_path(program, "the Debian package glslang-tools");
@@ -161,10 +161,10 @@ bool Compiler::has_opaque_pointers() {
     const fs::path source = folder_.path / "pointer.c", output = folder_.path / "pointer.ll";
     write_text(source, "void f(float* p) { *p = 0; }\n");
     run({program_, "-S", "-emit-llvm"}, source, output);
-    return text_of(output).find("ptr ") != std::string::npos;
+    return read_file(output).find("ptr ") != std::string::npos;
 }
 
-fs::path Compiler::write(const std::string& text) {
+fs::path Compiler::write_source(const std::string& text) {
     const std::string ending = language_ == SourceLanguage::c      ? ".c"
                                : language_ == SourceLanguage::llvm ? ".ll"
                                                                    : ".cpp";
@@ -205,8 +205,9 @@ void Compiler::run(process::ProgramArguments arguments, const fs::path& source, 
                          {.who = subject, .timeout_advice = "", .seconds = terms_.seconds, .stop = terms_.stop});
     const process::Child::EndResult result = child.read_to_end();
     if (result.status == 0 && (output.empty() || fs::exists(output))) return;
-    std::string messages = cleaned_messages(result.output, folder_.path.string());
-    if (WIFSIGNALED(result.status)) messages += "\nit crashed (signal " + std::to_string(WTERMSIG(result.status)) + ")";
+    std::string messages = clean_messages(result.output, folder_.path.string());
+    if (WIFSIGNALED(result.status))
+        messages += "\nthe compiler crashed (signal " + std::to_string(WTERMSIG(result.status)) + ")";
     throw InputError(subject + " does not compile it:\n" + messages +
                      (language_ == SourceLanguage::llvm && !is_shader(file_)
                           ? "\nLLVM IR can be read by the same major version of LLVM or a newer one; put its " +

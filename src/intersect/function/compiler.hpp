@@ -1,4 +1,4 @@
-// The compilers of users' functions: clang and rustc, run without a shell in a folder of their own.
+// Compiles users' functions with clang and rustc, which run without a shell in a temporary folder.
 #pragma once
 
 #include <filesystem>
@@ -15,12 +15,12 @@ namespace lostbits::intersect::function {
 
 namespace fs = std::filesystem;
 
-/// Returns the text of a user's file. Throws InputError if the file cannot be read or is longer than 50 MB.
-std::string text_of(const fs::path& path);
+/// Reads the text of a user's file. Throws InputError if the file cannot be read or is longer than 50 MB.
+std::string read_file(const fs::path& path);
 /// True for a file of GLSL, HLSL or SPIR-V.
 bool is_shader(const fs::path& file);
 
-/// Compiles the user's file in a folder of its own.
+/// Compiles the user's file in a temporary folder.
 class Compiler {
 public:
     Compiler(const fs::path& file, SourceLanguage language, const CompileTerms& terms);
@@ -32,7 +32,7 @@ public:
     /// Returns the LLVM IR of a file that holds LLVM IR, bitcode (read by llvm-dis) or a shader.
     FileText ir_of_file();
     /// Compiles the user's file with `text` appended, and returns the LLVM IR.
-    std::string ir(const std::string& text, bool optimised);
+    std::string compile_to_ir(const std::string& text, bool with_optimisation);
     /// Compiles the user's file with `text` appended into a library. `without_optimisation` is for long functions,
     /// since the time of an optimising compiler grows with the square of a function's length. The answers have the same
     /// bits.
@@ -44,7 +44,7 @@ private:
     FileText ir_of_shader();
     fs::path spirv_of_shader(std::string& source, spirv::ShaderLines& lines);
     bool has_opaque_pointers();
-    fs::path write(const std::string& text);
+    fs::path write_source(const std::string& text);
     [[nodiscard]] process::ProgramArguments c_arguments() const;
     [[nodiscard]] process::ProgramArguments rust_arguments(const std::string& kind) const;
     void run(process::ProgramArguments arguments, const fs::path& source, const fs::path& output,

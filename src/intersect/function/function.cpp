@@ -23,8 +23,9 @@ namespace lostbits::intersect::function {
 
 namespace {
 
-/// Most operations of a compiled function that is optimised: clang takes more than a minute for 20,000.
-constexpr std::size_t most_optimised = 4000;
+/// A function with more operations than this is compiled without optimisation: clang takes more than a minute for
+/// 20,000 operations.
+constexpr std::size_t max_optimised_operations = 4000;
 
 /// Parts of the option `FILE:NAME` or `FILE:NAME:SIGNATURE`.
 struct OptionParts {
@@ -74,7 +75,7 @@ SourceLanguage language_of(const fs::path& file, const std::string& named) {
 /// function.
 std::string probe_of(SourceLanguage language, const fs::path& file, const std::string& name) {
     const bool is_rust = language == SourceLanguage::rust;
-    const std::string include = is_rust ? text_of(file) + "\n" : "#include \"" + file.string() + "\"\n";
+    const std::string include = is_rust ? read_file(file) + "\n" : "#include \"" + file.string() + "\"\n";
     if (name.empty()) return include;
     if (is_rust)
         return include + "#[no_mangle] pub fn lostbits_keep() -> usize { " + name + " as *const () as usize }\n";
@@ -87,28 +88,29 @@ std::string probe_of(SourceLanguage language, const fs::path& file, const std::s
 std::string probed_ir(Compiler& compiler, SourceLanguage language, const OptionParts& parts,
                       const std::string& source) {
     try {
-        return compiler.ir(probe_of(language, compiler.file(), parts.function), false);
+        return compiler.compile_to_ir(probe_of(language, compiler.file(), parts.function), false);
     } catch (const InputError&) {
         if (mentions(source, parts.function)) throw;
     }
-    const std::string ir_without_name = compiler.ir(probe_of(language, compiler.file(), ""), false);
-    throw InputError(no_function(ir_without_name, parts.file.string(), parts.function, language));
+    const std::string ir_without_name = compiler.compile_to_ir(probe_of(language, compiler.file(), ""), false);
+    throw InputError(missing_function_message(ir_without_name, parts.file.string(), parts.function, language));
 }
 
-/// The decision that t means a miss. `Decisions` makes it on numbers, or records its operations.
+/// Returns the decision whether t means a miss. `NumberDecisions` decides on numbers; `NodeDecisions` records the
+/// operations of the decision.
 template <class Decisions>
 auto means_miss(const MissValue& miss_value, const Decisions& d) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     switch (miss_value.kind) {
         case MissValue::Kind::negative: return d.compare(TapeOp::less, d.t, d.number(0));
         case MissValue::Kind::infinite:
-            return d.either(d.compare(TapeOp::greater_equal, d.t, d.number(infinity)),
-                            d.compare(TapeOp::less_equal, d.t, d.number(-infinity)));
-        case MissValue::Kind::nan: return d.opposite(d.compare(TapeOp::less_equal, d.t, d.t));
+            return d.logical_or(d.compare(TapeOp::greater_equal, d.t, d.number(infinity)),
+                                d.compare(TapeOp::less_equal, d.t, d.number(-infinity)));
+        case MissValue::Kind::nan: return d.logical_not(d.compare(TapeOp::less_equal, d.t, d.t));
         case MissValue::Kind::zero: return d.compare(TapeOp::less_equal, d.t, d.number(0));
         case MissValue::Kind::above: return d.compare(TapeOp::greater_equal, d.t, d.number(miss_value.bound));
         case MissValue::Kind::crossed:
-            return d.either(d.compare(TapeOp::greater, d.t, d.far), d.compare(TapeOp::less, d.far, d.number(0)));
+            return d.logical_or(d.compare(TapeOp::greater, d.t, d.far), d.compare(TapeOp::less, d.far, d.number(0)));
         default: return d.never();
     }
 }
@@ -124,8 +126,8 @@ struct NumberDecisions {
             default: return a >= b;
         }
     }
-    [[nodiscard]] static bool either(bool a, bool b) { return a || b; }
-    [[nodiscard]] static bool opposite(bool a) { return !a; }
+    [[nodiscard]] static bool logical_or(bool a, bool b) { return a || b; }
+    [[nodiscard]] static bool logical_not(bool a) { return !a; }
     [[nodiscard]] static bool never() { return false; }
 };
 
@@ -134,13 +136,13 @@ struct NodeDecisions {
     NodeId t, far;
     [[nodiscard]] NodeId number(double x) const { return nodes.constant(x, false); }
     [[nodiscard]] Mask compare(TapeOp op, NodeId a, NodeId b) const { return nodes.compare(op, a, b); }
-    [[nodiscard]] Mask either(Mask a, Mask b) const { return nodes.either(a, b); }
-    [[nodiscard]] Mask opposite(Mask a) const { return nodes.opposite(a); }
+    [[nodiscard]] Mask logical_or(Mask a, Mask b) const { return nodes.logical_or(a, b); }
+    [[nodiscard]] Mask logical_not(Mask a) const { return nodes.logical_not(a); }
     [[nodiscard]] static Mask never() { return no; }
 };
 
 /// Guesses the value that the function returns for a miss from the constants that its t may have.
-MissValue guessed_sentinel(const Nodes& nodes, NodeId t, NodeId far) {
+MissValue guess_miss_value(const Nodes& nodes, NodeId t, NodeId far) {
     bool has_others = false;
     const std::vector<double> constants = nodes.constants_of(t, has_others);
     if (constants.empty() && far != no_node) return {MissValue::Kind::crossed, 0};
@@ -153,7 +155,7 @@ MissValue guessed_sentinel(const Nodes& nodes, NodeId t, NodeId far) {
     return {MissValue::Kind::negative, 0};
 }
 
-std::string sentinel_text(const MissValue& s) {
+std::string miss_value_text(const MissValue& s) {
     switch (s.kind) {
         case MissValue::Kind::negative: return "hit where t is not negative";
         case MissValue::Kind::infinite: return "hit where t is not infinite";
@@ -171,7 +173,7 @@ std::string sentinel_text(const MissValue& s) {
 
 /// Answers a batch with the compiled function.
 template <class S>
-void answer_batch(void (*entry)(const S*, S*, int*), const MissValue& sentinel, std::size_t number_count,
+void answer_batch(void (*entry)(const S*, S*, int*), const MissValue& miss_value, std::size_t number_count,
                   const lb_batch& batch) {
     const auto* const rays = static_cast<const S*>(batch.rays);
     const auto* const primitives = static_cast<const S*>(batch.primitives);
@@ -185,12 +187,13 @@ void answer_batch(void (*entry)(const S*, S*, int*), const MissValue& sentinel, 
         std::array<S, 2> out{};
         int hit = 0;
         entry(in.data(), out.data(), &hit);
-        batch.hit[i] = hit != 0 && !means_miss(sentinel, NumberDecisions{out[0], out[1]}) ? 1 : 0;
+        batch.hit[i] = hit != 0 && !means_miss(miss_value, NumberDecisions{out[0], out[1]}) ? 1 : 0;
         near_far[2 * i] = out[0], near_far[2 * i + 1] = out[1];
     }
 }
 
-/// Answer of a function in the fields that the table stores. `external::hit_of` computes the same for compiled answers.
+/// The answer of a recorded function, in the fields that the table stores. `external::hit_of` computes the same fields
+/// for the compiled function.
 struct Outputs {
     Mask hit;
     NodeId t, near, far;
@@ -201,57 +204,62 @@ Outputs outputs_of(Nodes& nodes, const external::Contract& c, const Walk::Answer
     if (c.roots == Roots::none) return {hit, zero, zero, zero};
     const NodeId near = answer.t;
     if (c.roots == Roots::near_only)
-        return {nodes.both(hit, nodes.opposite(nodes.compare(TapeOp::less, near, zero))), near, near, near};
+        return {nodes.logical_and(hit, nodes.logical_not(nodes.compare(TapeOp::less, near, zero))), near, near, near};
     if (c.roots != Roots::both || answer.far == no_node) return {hit, near, near, near};
     const NodeId far = answer.far;
-    const TapeOp near_is_ahead_op = c.at_origin == AtOrigin::hit ? TapeOp::greater_equal : TapeOp::greater;
-    const Mask near_is_ahead = nodes.either(nodes.is_nan(near), nodes.compare(near_is_ahead_op, near, zero));
+    const TapeOp ahead_comparison = c.at_origin == AtOrigin::hit ? TapeOp::greater_equal : TapeOp::greater;
+    const Mask near_is_ahead = nodes.logical_or(nodes.is_nan(near), nodes.compare(ahead_comparison, near, zero));
     const Inside inside = external::inside_of(c);
     const bool inside_gives_zero = inside == Inside::zero || (inside == Inside::usual && inside_returns_zero(c.shape));
-    if (inside == Inside::miss) hit = nodes.both(hit, near_is_ahead);
+    if (inside == Inside::miss) hit = nodes.logical_and(hit, near_is_ahead);
     if (c.at_origin == AtOrigin::miss)
-        hit = nodes.both(hit, nodes.opposite(nodes.compare(TapeOp::less_equal, far, zero)));
-    if ((c.flags & LB_LINE) != 0) hit = nodes.both(hit, nodes.opposite(nodes.compare(TapeOp::less, far, zero)));
+        hit = nodes.logical_and(hit, nodes.logical_not(nodes.compare(TapeOp::less_equal, far, zero)));
+    if ((c.flags & LB_LINE) != 0)
+        hit = nodes.logical_and(hit, nodes.logical_not(nodes.compare(TapeOp::less, far, zero)));
     return {hit, nodes.select(near_is_ahead, near, inside_gives_zero ? zero : far), near, far};
 }
 
-WrittenIn written_in(const fs::path& file, SourceLanguage language) {
-    if (language == SourceLanguage::c) return WrittenIn::c;
-    if (language == SourceLanguage::cpp) return WrittenIn::cpp;
-    if (language == SourceLanguage::rust) return WrittenIn::rust;
-    if (file.extension() == ".hlsl") return WrittenIn::hlsl;
-    return is_shader(file) && file.extension() != ".spv" ? WrittenIn::glsl : WrittenIn::other;
+FileLanguage file_language_of(const fs::path& file, SourceLanguage language) {
+    if (language == SourceLanguage::c) return FileLanguage::c;
+    if (language == SourceLanguage::cpp) return FileLanguage::cpp;
+    if (language == SourceLanguage::rust) return FileLanguage::rust;
+    if (file.extension() == ".hlsl") return FileLanguage::hlsl;
+    return is_shader(file) && file.extension() != ".spv" ? FileLanguage::glsl : FileLanguage::other;
 }
 
-/// Names of the numbers in the arguments, then of the values that the function's variables receive.
-std::vector<NamedNumber> names_of(const UserSignature& s, const Walk& walk, const std::vector<NodeId>& operation_of) {
+/// Returns the names of the numbers in the arguments, then the names of the values that the function's variables
+/// receive.
+std::vector<NamedNumber> names_of(const UserSignature& signature, const Walk& walk,
+                                  const std::vector<NodeId>& operation_of) {
     std::vector<NamedNumber> names;
-    for (const InputSlot& input_slot : s.inputs) {
+    for (const InputSlot& input_slot : signature.inputs) {
         const std::size_t bracket = input_slot.source.find("in[");
         if (bracket == std::string::npos || input_slot.slot.argument < 0) continue;
-        names.push_back({.text = text_of_part(s.arguments[static_cast<std::size_t>(input_slot.slot.argument)],
-                                              input_slot.slot.offset),
+        names.push_back({.text = part_text(signature.arguments[static_cast<std::size_t>(input_slot.slot.argument)],
+                                           input_slot.slot.offset),
                          .operation = no_node,
                          .input = std::atoi(input_slot.source.c_str() + bracket + 3),
                          .is_inverse = bracket > 0});
     }
     for (const Walk::StoredNumber& stored : walk.stored())
         if (const NodeId operation = operation_of[static_cast<std::size_t>(stored.node)]; operation != no_node)
-            names.push_back(
-                {.text = stored.name, .operation = operation, .place = stored.place, .declared = stored.declared});
+            names.push_back({.text = stored.name,
+                             .operation = operation,
+                             .place = stored.place,
+                             .declaration_line = stored.declaration_line});
     return names;
 }
 
 /// Compares the recorded operations with the compiled function on random rays. Throws InputError if they differ.
 template <class S>
-void require_same(const table::Kernel<S>& native, const table::Kernel<S>& recorded, Shape shape, bool has_t,
-                  const std::string& subject) {
+void require_same_answers(const table::Kernel<S>& native, const table::Kernel<S>& recorded, Shape shape, bool has_t,
+                          const std::string& subject) {
     const table::RandomRays<S> rays(shape, 4096, false);
     const table::RowAnswers<S> compiled_answers = rays.answers(native), recorded_answers = rays.answers(recorded);
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (compiled_answers.are_same(recorded_answers, i, has_t)) continue;
         std::ostringstream text;
-        text << subject << ": the operations that were read differ from the compiled function, on the ray ";
+        text << subject << ": the recorded operations and the compiled function give different answers on the ray ";
         text.precision(std::numeric_limits<S>::max_digits10);
         for (std::size_t k = 0; k < 6; ++k) text << (k == 0 ? "" : ",") << rays.input(i, k);
         text << " and the " << name_of(shape) << " ";
@@ -260,20 +268,21 @@ void require_same(const table::Kernel<S>& native, const table::Kernel<S>& record
             if (answers.hit[i] == 0) text << "a miss";
             else text << "t = " << answers.numbers[0][i];
         };
-        text << ": ";
+        text << ": recorded ";
         append_answer(recorded_answers);
-        text << ", and compiled ";
+        text << ", compiled ";
         append_answer(compiled_answers);
-        text << "; it may keep state between calls";
+        text << "; does the function keep state between calls?";
         throw InputError(text.str());
     }
 }
 
-std::string plain_name(const std::string& function) {
+/// Returns `function.NAME`, with the characters that a name of a form must not have replaced by dots.
+std::string default_form_name(const std::string& function) {
     std::string name;
     for (const char c : function) {
-        const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
-        if (is_plain) name += c;
+        const bool is_allowed = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
+        if (is_allowed) name += c;
         else if (!name.empty() && name.back() != '.') name += '.';
     }
     while (!name.empty() && name.back() == '.') name.pop_back();
@@ -288,24 +297,25 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
     auto user_function = std::make_unique<UserFunction>();
     user_function->path = parts.file.string();
     user_function->name = option.substr(user_function->path.size());
-    user_function->language = written_in(parts.file, language);
+    user_function->language = file_language_of(parts.file, language);
     Compiler compiler(parts.file, language, terms);
     const bool is_ir = language == SourceLanguage::llvm;
-    const Compiler::FileText file = is_ir ? compiler.ir_of_file() : Compiler::FileText{{}, text_of(parts.file)};
+    const Compiler::FileText file = is_ir ? compiler.ir_of_file() : Compiler::FileText{{}, read_file(parts.file)};
     user_function->source = file.source;
     const std::string subject = user_function->path + ":" + parts.function;
 
     Module probe(is_ir ? file.ir : probed_ir(compiler, language, parts, user_function->source));
     UserSignature signature = signature_of(probe, user_function->path, parts.function, language);
-    guess(signature,
-          parts.signature.empty() ? signature_in_comments(user_function->source, user_function->path, signature.line)
-                                  : stated_signature(parts.signature, "--function " + option),
-          subject);
+    guess_signature(signature,
+                    parts.signature.empty()
+                        ? signature_in_comments(user_function->source, user_function->path, signature.line)
+                        : stated_signature(parts.signature, "--function " + option),
+                    subject);
     const std::string wrapper =
         is_ir ? ir_wrapper_of(signature, probe, subject)
               : wrapper_of(signature,
                            language == SourceLanguage::rust ? user_function->source : compiler.file().string());
-    Module module(is_ir ? wrapper : compiler.ir(wrapper, true));
+    Module module(is_ir ? wrapper : compiler.compile_to_ir(wrapper, true));
     Nodes nodes(signature.bits);
     Walk walk(module, nodes, signature.folder.empty() ? compiler.file().parent_path().string() : signature.folder,
               is_ir ? compiler.file().string() : "");
@@ -313,54 +323,56 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
     const Walk::Answer answer = walk.run("lostbits_entry", static_cast<int>(6 + number_count + 1));
     if (signature.t && answer.t == no_node)
         throw InputError(subject + ": t is never written, or is undefined (as 3 / 0 is)");
-    if (signature.sentinel.kind == MissValue::Kind::unknown)
-        signature.sentinel = guessed_sentinel(nodes, answer.t, answer.far);
-    if (const std::string miss_text = sentinel_text(signature.sentinel); !miss_text.empty())
-        user_function->shown = subject + ": " + signature.shown + "; " + miss_text;
-    else user_function->shown = subject + ": " + signature.shown;
+    if (signature.miss_value.kind == MissValue::Kind::unknown)
+        signature.miss_value = guess_miss_value(nodes, answer.t, answer.far);
+    if (const std::string miss_text = miss_value_text(signature.miss_value); !miss_text.empty())
+        user_function->signature_text = subject + ": " + signature.text + "; " + miss_text;
+    else user_function->signature_text = subject + ": " + signature.text;
 
     user_function->bits = signature.bits, user_function->line = signature.line;
     external::Contract& contract = signature.contract;
-    if (contract.name.empty()) contract.name = plain_name(parts.function);
+    if (contract.name.empty()) contract.name = default_form_name(parts.function);
     contract.source = parts.file.filename().string();
     if (contract.title.empty()) contract.title = parts.function + " of " + parts.file.filename().string();
-    external::require_sense(contract, subject);
+    external::require_valid(contract, subject);
     Mask hit = answer.hit;
-    if (signature.sentinel.kind == MissValue::Kind::crossed && answer.far == no_node)
-        throw InputError(subject + ": miss is crossed, but it answers no far t");
+    if (signature.miss_value.kind == MissValue::Kind::crossed && answer.far == no_node)
+        throw InputError(
+            subject + ": miss = crossed compares near with far, but the function returns no far t; state another miss");
     if (answer.t != no_node)
-        hit =
-            nodes.both(hit, nodes.opposite(means_miss(signature.sentinel, NodeDecisions{nodes, answer.t, answer.far})));
+        hit = nodes.logical_and(
+            hit, nodes.logical_not(means_miss(signature.miss_value, NodeDecisions{nodes, answer.t, answer.far})));
     const Outputs outputs = outputs_of(nodes, contract, answer, hit);
     // The answer itself may have no variable, so it is named here.
-    if (outputs.t != no_node && contract.roots != Roots::none) nodes.name(outputs.t, "t", 100);
-    Nodes::Written written = nodes.written(outputs.hit, outputs.t, outputs.near, outputs.far);
-    written.formula.name = contract.name;
-    written.formula.shape = contract.shape;
-    table::require_sense(written.formula);
-    user_function->names = names_of(signature, walk, written.operation_of);
+    if (outputs.t != no_node && contract.roots != Roots::none) nodes.name_node(outputs.t, "t", 100);
+    Nodes::FormulaWithPlaces recorded = nodes.to_formula(outputs.hit, outputs.t, outputs.near, outputs.far);
+    recorded.formula.name = contract.name;
+    recorded.formula.shape = contract.shape;
+    table::require_valid(recorded.formula);
+    user_function->names = names_of(signature, walk, recorded.operation_of);
     user_function->places = walk.places();
     for (SourcePlace& p : user_function->places)
         if (const fs::path normal_path = fs::path(p.file).lexically_normal(); normal_path == compiler.file())
             p.file = user_function->path;
-    for (const int place : written.places) {
-        const int own_place_index = walk.own_place(place);
-        user_function->place_of_operation.push_back(own_place_index);
+    for (const int place : recorded.places) {
+        const int user_place = walk.innermost_user_place(place);
+        user_function->place_of_operation.push_back(user_place);
     }
-    const auto formula = std::make_shared<const table::WrittenFormula>(std::move(written.formula));
+    const auto formula = std::make_shared<const table::WrittenFormula>(std::move(recorded.formula));
     user_function->written = std::make_unique<table::WrittenForm>(formula, formula);
 
-    const external::Library library = compiler.compile_library(wrapper, formula->operations.size() > most_optimised);
+    const external::Library library =
+        compiler.compile_library(wrapper, formula->operations.size() > max_optimised_operations);
     external::ForeignForm form{contract, user_function->path, {}};
     const char* const name = external::lasting_text(external::name_in_messages(form));
     const auto bind = [&]<class S>(S) {
-        const auto entry = external::entry_of<void (*)(const S*, S*, int*)>(library, "lostbits_entry");
+        const auto entry = external::find_symbol<void (*)(const S*, S*, int*)>(library, "lostbits_entry");
         if (entry == nullptr) throw InputError(subject + ": the compiled function has no entry");
-        form.answer = [entry, name, number_count, sentinel = signature.sentinel,
+        form.answer = [entry, name, number_count, miss_value = signature.miss_value,
                        fp_state = library.fp_state](const lb_batch& batch) {
-            external::call_of(name, [&] {
+            external::call_foreign(name, [&] {
                 const external::InForeignCode foreign_code(name, fp_state);
-                answer_batch<S>(entry, sentinel, number_count, batch);
+                answer_batch<S>(entry, miss_value, number_count, batch);
                 return 0;
             });
         };
@@ -374,10 +386,10 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
     const table::Intersector recorded_row = user_function->written->row(user_function->answers->info);
     const bool has_t = contract.roots != Roots::none;
     if (signature.bits == 32) {
-        require_same(user_function->row.native32, recorded_row.native32, contract.shape, has_t, subject);
+        require_same_answers(user_function->row.native32, recorded_row.native32, contract.shape, has_t, subject);
         user_function->row.native64 = recorded_row.native64;
     } else {
-        require_same(user_function->row.native64, recorded_row.native64, contract.shape, has_t, subject);
+        require_same_answers(user_function->row.native64, recorded_row.native64, contract.shape, has_t, subject);
         user_function->row.native32 = recorded_row.native32;
     }
     return user_function;

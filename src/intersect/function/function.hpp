@@ -18,20 +18,21 @@ namespace lostbits::intersect::function {
 struct CompileTerms {
     double seconds = 30;  ///< limit for each run of a compiler
     process::StopToken stop = {};
-    std::filesystem::path headers = {};  ///< folder of the headers that the file names; empty: its own folder
+    std::filesystem::path headers = {};  ///< folder of the headers that the file includes; empty: the file's own folder
 };
 
-/// A number under its name in the user's function: a variable, a part of a variable, or a part of an argument.
+/// A number that has a name in the user's function: a variable, a part of a variable, or a part of an argument.
 struct NamedNumber {
-    std::string text;         ///< name as the source writes it: `b`, `v[0]`, `ray->origin[0]`
-    NodeId operation;         ///< index of the operation; `no_node` for an argument
-    int place = -1;           ///< index in `places` of the statement that sets the variable
-    int declared = 0;         ///< line of the declaration
-    int input = -1;           ///< index of the input that an argument receives; -1 for a variable
-    bool is_inverse = false;  ///< true if the argument receives 1 / input
+    std::string text;          ///< name as the source writes it: `b`, `v[0]`, `ray->origin[0]`
+    NodeId operation;          ///< index of the operation; `no_node` for an argument
+    int place = -1;            ///< index in `places` of the statement that sets the variable
+    int declaration_line = 0;  ///< line of the declaration
+    int input = -1;            ///< index of the input that an argument receives; -1 for a variable
+    bool is_inverse = false;   ///< true if the argument receives 1 / input
 };
 
-enum class WrittenIn { c, cpp, rust, glsl, hlsl, other };
+/// The language in which the user's file is written.
+enum class FileLanguage { c, cpp, rust, glsl, hlsl, other };
 
 /// A function under test. It cannot be copied or moved, since its table rows point into it.
 struct UserFunction {
@@ -42,16 +43,16 @@ struct UserFunction {
 
     std::string path;  ///< path of the user's file
     std::string name;  ///< `:NAME` or `:NAME:SIGNATURE`, the rest of the option
-    WrittenIn language = WrittenIn::other;
-    int bits = 32;       ///< bits of its number format: 32 or 64
-    int line = 0;        ///< line of its definition
-    std::string source;  ///< text of the file; for bitcode its LLVM IR, for SPIR-V its assembly
-    std::string shown;   ///< the guessed signature in one line
-    std::unique_ptr<external::ForeignRow> answers;
-    std::unique_ptr<table::WrittenForm> written;
-    std::vector<SourcePlace> places;
-    std::vector<int> place_of_operation;  ///< index of the place of each operation; -1: none
-    std::vector<NamedNumber> names;       ///< arguments, then variables in the order in which they are set
+    FileLanguage language = FileLanguage::other;
+    int bits = 32;               ///< bits of the function's number format: 32 or 64
+    int line = 0;                ///< line of the function's definition
+    std::string source;          ///< text of the file; for bitcode its LLVM IR, for SPIR-V its assembly
+    std::string signature_text;  ///< the guessed signature in one line
+    std::unique_ptr<external::ForeignRow> answers;  ///< the compiled function as a row
+    std::unique_ptr<table::WrittenForm> written;    ///< the recorded operations of the function
+    std::vector<SourcePlace> places;                ///< the places of operations in the source
+    std::vector<int> place_of_operation;            ///< index of the place of each operation; -1: none
+    std::vector<NamedNumber> names;                 ///< arguments, then variables in the order in which they are set
     table::Intersector row = {.info = nullptr, .shape = {}, .native32 = {}, .native64 = {}};
 };
 

@@ -14,7 +14,7 @@ bool is_word_character(char c) {
     return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '_' || c == '-' || c == '$';
 }
 
-std::size_t rounded_up(std::size_t size, std::size_t align) { return (size + align - 1) / align * align; }
+std::size_t round_up(std::size_t size, std::size_t align) { return (size + align - 1) / align * align; }
 
 /// True for words that begin a value and must not be read as attributes of one.
 bool is_value_word(std::string_view word) {
@@ -80,7 +80,7 @@ void Cursor::expect(std::string_view text) {
     if (!take(text)) fail("\"" + std::string(text) + "\" is missing");
 }
 
-std::string_view Cursor::word() {
+std::string_view Cursor::take_word() {
     skip_blanks();
     std::size_t n = 0;
     while (n < rest_.size() && is_word_character(rest_[n])) ++n;
@@ -89,8 +89,8 @@ std::string_view Cursor::word() {
     return text;
 }
 
-std::string Cursor::name() {
-    if (!rest_.starts_with('"')) return std::string(word());
+std::string Cursor::take_name() {
+    if (!rest_.starts_with('"')) return std::string(take_word());
     const std::size_t end = rest_.find('"', 1);
     if (end == std::string_view::npos) fail("a name has no end");
     const std::string_view text = rest_.substr(1, end - 1);
@@ -98,15 +98,15 @@ std::string Cursor::name() {
     return std::string(text);
 }
 
-std::int64_t Cursor::integer() {
-    const std::string_view digits = word();
+std::int64_t Cursor::take_integer() {
+    const std::string_view digits = take_word();
     std::int64_t value = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (error != std::errc() || end != digits.data() + digits.size()) fail("a number is missing");
     return value;
 }
 
-std::string_view Cursor::group() {
+std::string_view Cursor::take_group() {
     skip_blanks();
     int depth = 0;
     bool quoted = false;
@@ -136,64 +136,64 @@ const Type* Module::integer_type(int bits) {
         if (t.kind == Type::Kind::integer && t.bits == bits) return &t;
     std::size_t size = 1;
     while (size * 8 < static_cast<std::size_t>(bits)) size *= 2;
-    return add({.kind = Type::Kind::integer, .size = size, .align = std::min<std::size_t>(size, 8), .bits = bits});
+    return add_type({.kind = Type::Kind::integer, .size = size, .align = std::min<std::size_t>(size, 8), .bits = bits});
 }
 
-const Type* Module::structure(std::vector<const Type*> parts, bool packed) {
+const Type* Module::make_structure(std::vector<const Type*> parts, bool packed) {
     Type structure_type{.kind = Type::Kind::structure};
     for (const Type* part : parts) {
         const std::size_t align = packed ? 1 : part->align;
-        structure_type.offsets.push_back(rounded_up(structure_type.size, align));
+        structure_type.offsets.push_back(round_up(structure_type.size, align));
         structure_type.size = structure_type.offsets.back() + part->size;
         structure_type.align = std::max(structure_type.align, align);
     }
-    structure_type.size = rounded_up(structure_type.size, structure_type.align);
+    structure_type.size = round_up(structure_type.size, structure_type.align);
     structure_type.parts = std::move(parts);
-    return add(std::move(structure_type));
+    return add_type(std::move(structure_type));
 }
 
-const Type* Module::structure_of(Cursor& cursor, char close, bool packed) {
+const Type* Module::read_structure(Cursor& cursor, char close, bool packed) {
     std::vector<const Type*> parts;
     const std::string end(1, close);
     while (!cursor.take(end)) {
-        parts.push_back(type(cursor));
+        parts.push_back(read_type(cursor));
         if (parts.back()->size > max_bytes || parts.size() > max_bytes) cursor.fail("a type is too large");
         if (!cursor.take(",") && cursor.peek() != close) cursor.fail("a type has no end");
     }
-    return structure(std::move(parts), packed);
+    return make_structure(std::move(parts), packed);
 }
 
-const Type* Module::named(const std::string& name) {
+const Type* Module::find_named_type(const std::string& name) {
     if (const auto known_type = named_.find(name); known_type != named_.end()) return known_type->second;
     const auto definition = definitions_.find(name);
-    if (definition == definitions_.end()) return named_[name] = add({});
-    named_[name] = nullptr;  // while it is read; a pointer to itself needs no size
+    if (definition == definitions_.end()) return named_[name] = add_type({});
+    named_[name] = nullptr;  // while its definition is read; a pointer to the type itself does not need its size
     Cursor cursor(definition->second);
-    const Type* const definition_type = type(cursor);
+    const Type* const definition_type = read_type(cursor);
     return named_[name] = definition_type;
 }
 
-const Type* Module::simple_type(Cursor& cursor) {
+const Type* Module::read_simple_type(Cursor& cursor) {
     const char c = cursor.peek();
     if (c == '%') {
         cursor.expect("%");
-        const std::string name = cursor.name();
-        const Type* const named_type = named(name);
-        if (named_type == nullptr) return add({});
+        const std::string name = cursor.take_name();
+        const Type* const named_type = find_named_type(name);
+        if (named_type == nullptr) return add_type({});
         return named_type;
     }
-    if (cursor.take("{")) return structure_of(cursor, '}', false);
+    if (cursor.take("{")) return read_structure(cursor, '}', false);
     if (c == '[' || c == '<') {
         cursor.expect(std::string_view(&c, 1));
         if (c == '<' && cursor.take("{")) {
-            const Type* const packed = structure_of(cursor, '}', true);
+            const Type* const packed = read_structure(cursor, '}', true);
             cursor.expect(">");
             return packed;
         }
         if (cursor.take("vscale")) cursor.fail("a vector without a fixed length is not followed");
-        const std::int64_t count = cursor.integer();
+        const std::int64_t count = cursor.take_integer();
         cursor.expect("x");
-        const Type* const part = type(cursor);
+        const Type* const part = read_type(cursor);
         cursor.expect(c == '[' ? "]" : ">");
         const std::size_t max_count = c == '<' ? max_lanes : max_bytes / std::max<std::size_t>(part->size, 1);
         if (count < 0 || static_cast<std::size_t>(count) > max_count) cursor.fail("a type is too large");
@@ -206,21 +206,21 @@ const Type* Module::simple_type(Cursor& cursor) {
             for (sequence_type.align = 1; sequence_type.align < sequence_type.size;) sequence_type.align *= 2;
             sequence_type.size = sequence_type.align;
         }
-        return add(std::move(sequence_type));
+        return add_type(std::move(sequence_type));
     }
-    const std::string_view word = cursor.word();
+    const std::string_view word = cursor.take_word();
     if (word == "float" || word == "double") {
         const int bits = word == "float" ? 32 : 64;
         const auto size = static_cast<std::size_t>(bits) / 8;
         for (const Type& t : types_)
             if (t.kind == Type::Kind::number && t.bits == bits) return &t;
-        return add({.kind = Type::Kind::number, .size = size, .align = size, .bits = bits});
+        return add_type({.kind = Type::Kind::number, .size = size, .align = size, .bits = bits});
     }
     if (word == "ptr") {
-        if (cursor.take("addrspace")) cursor.group();
+        if (cursor.take("addrspace")) cursor.take_group();
         return pointer_;
     }
-    if (word == "void") return add({.kind = Type::Kind::nothing});
+    if (word == "void") return add_type({.kind = Type::Kind::nothing});
     if (word.size() > 1 && word[0] == 'i' && std::isdigit(static_cast<unsigned char>(word[1])) != 0) {
         int bits = 0;
         const auto [end, error] = std::from_chars(word.data() + 1, word.data() + word.size(), bits);
@@ -231,21 +231,22 @@ const Type* Module::simple_type(Cursor& cursor) {
     constexpr std::array unsupported_types{"half",  "bfloat", "fp128",    "x86_fp80", "ppc_fp128", "label",
                                            "token", "opaque", "metadata", "x86_mmx",  "x86_amx"};
     if (std::ranges::find(unsupported_types, word) == unsupported_types.end()) cursor.fail("a type is unknown");
-    return add({.size = word == "half" || word == "bfloat" ? 2UL : 16UL, .align = 2});
+    return add_type({.size = word == "half" || word == "bfloat" ? 2UL : 16UL, .align = 2});
 }
 
-const Type* Module::type(Cursor& cursor) {
+const Type* Module::read_type(Cursor& cursor) {
     if (depth_ > 60) cursor.fail("types are nested too deeply");
     ++depth_;
-    const Type* found = simple_type(cursor);
+    const Type* result = read_simple_type(cursor);
     for (;;) {
-        if (cursor.take("*")) found = pointer_;
-        else if (cursor.take("addrspace")) cursor.group();
-        else if (cursor.peek() == '(' && found->kind != Type::Kind::structure) cursor.group(), found = add({});
+        if (cursor.take("*")) result = pointer_;
+        else if (cursor.take("addrspace")) cursor.take_group();
+        else if (cursor.peek() == '(' && result->kind != Type::Kind::structure)
+            cursor.take_group(), result = add_type({});
         else break;
     }
     --depth_;
-    return found;
+    return result;
 }
 
 const Type* Module::skip_attributes(Cursor& cursor) {
@@ -253,21 +254,21 @@ const Type* Module::skip_attributes(Cursor& cursor) {
     for (;;) {
         Cursor ahead = cursor;
         if (std::isalpha(static_cast<unsigned char>(ahead.peek())) == 0) return by_value;
-        const std::string_view word = ahead.word();
+        const std::string_view word = ahead.take_word();
         if (is_value_word(word)) return by_value;
         cursor = ahead;
-        if (word == "align" && cursor.peek() != '(') cursor.integer();
+        if (word == "align" && cursor.peek() != '(') cursor.take_integer();
         else if (cursor.peek() == '(') {
-            const std::string_view inside = cursor.group();
+            const std::string_view inside = cursor.take_group();
             if (word == "byval") {
                 Cursor byval_cursor(inside);
-                by_value = type(byval_cursor);
+                by_value = read_type(byval_cursor);
             }
         }
     }
 }
 
-const IrFunction* Module::function(const std::string& name) const {
+const IrFunction* Module::find_function(const std::string& name) const {
     const auto entry = functions.find(name);
     return entry == functions.end() ? nullptr : &entry->second;
 }
@@ -287,20 +288,20 @@ int Module::line_of(std::string_view part) {
 /// Reads `@name = private constant [3 x float] [...], align 4`.
 void Module::read_global(Cursor& cursor) {
     cursor.expect("@");
-    const std::string name = cursor.name();
+    const std::string name = cursor.take_name();
     if (!cursor.take("=")) return;
     for (;;) {
         Cursor ahead = cursor;
-        const std::string_view word = ahead.word();
+        const std::string_view word = ahead.take_word();
         if (word.empty() || word == "alias" || word == "ifunc") return;
         cursor = ahead;
         if (word == "global" || word == "constant") {
-            const Type* const type = this->type(cursor);
+            const Type* const type = read_type(cursor);
             cursor.skip_blanks();
             globals[name] = {type, cursor.peek() == ',' ? std::string_view() : cursor.rest(), word == "constant"};
             return;
         }
-        if (cursor.peek() == '(') cursor.group();
+        if (cursor.peek() == '(') cursor.take_group();
     }
 }
 
@@ -315,26 +316,26 @@ IrFunction* Module::read_header(Cursor& cursor) {
         if (next == '@') break;
         const std::string_view rest_of_line = ahead.rest();
         if (next != '(' && next != '*') returned_text = rest_of_line;  // the last of these is the returned type
-        if (ahead.take("%")) ahead.name();
-        else if (next == '(' || next == '{' || next == '<' || next == '[') ahead.group();
-        else if (const std::string_view word = ahead.word(); word.empty()) ahead.take(rest_of_line.substr(0, 1));
+        if (ahead.take("%")) ahead.take_name();
+        else if (next == '(' || next == '{' || next == '<' || next == '[') ahead.take_group();
+        else if (const std::string_view word = ahead.take_word(); word.empty()) ahead.take(rest_of_line.substr(0, 1));
         else if (word.ends_with("cc")) function_header.convention = word;
         cursor = ahead;
     }
     function_header.returned_text = returned_text.substr(0, returned_text.size() - cursor.rest().size());
     cursor.expect("@");
-    function_header.name = cursor.name();
-    Cursor inside(cursor.group());
+    function_header.name = cursor.take_name();
+    Cursor inside(cursor.take_group());
     int unnamed = 0;
     while (!inside.at_end()) {
         if (inside.take("...")) break;
         inside.skip_blanks();
         const std::string_view all_parameters = inside.rest();
-        IrParameter p{.name = {}, .type = type(inside)};
+        IrParameter p{.name = {}, .type = read_type(inside)};
         p.type_text = all_parameters.substr(0, all_parameters.size() - inside.rest().size());
         p.by_value = skip_attributes(inside);
         p.text = all_parameters.substr(0, all_parameters.size() - inside.rest().size());
-        if (inside.take("%")) p.name = inside.name();
+        if (inside.take("%")) p.name = inside.take_name();
         else p.name = std::to_string(unnamed);
         if (!p.name.empty() && std::ranges::all_of(p.name, [](char c) { return c >= '0' && c <= '9'; })) ++unnamed;
         function_header.parameters.push_back(std::move(p));
@@ -342,14 +343,14 @@ IrFunction* Module::read_header(Cursor& cursor) {
     }
     const std::string_view rest = cursor.rest();
     if (const std::size_t dbg = rest.find("!dbg !"); dbg != std::string_view::npos)
-        function_header.subprogram = reference(rest.substr(dbg + 5));
+        function_header.subprogram = metadata_index(rest.substr(dbg + 5));
     // The first block has the next free number if it has no name.
     function_header.blocks.push_back({std::to_string(unnamed), {}});
     return &(functions[function_header.name] = std::move(function_header));
 }
 
 Module::Module(std::string text) : text_(std::move(text)) {
-    pointer_ = add({.kind = Type::Kind::pointer, .size = 8, .align = 8, .bits = 64});
+    pointer_ = add_type({.kind = Type::Kind::pointer, .size = 8, .align = 8, .bits = 64});
     const std::string_view whole_text = text_;
     if (whole_text.find('\0') != std::string_view::npos)
         throw InputError("the LLVM IR is not a text; write .bc after the name of a file of bitcode");
@@ -367,7 +368,7 @@ Module::Module(std::string text) : text_(std::move(text)) {
         if (!line.starts_with('%')) return;
         Cursor cursor(line);
         cursor.expect("%");
-        const std::string name = cursor.name();
+        const std::string name = cursor.take_name();
         if (cursor.take("=") && cursor.take("type")) definitions_[name] = cursor.rest();
     });
     for_each_line([&](std::size_t begin, std::size_t& end) {
@@ -382,7 +383,7 @@ Module::Module(std::string text) : text_(std::move(text)) {
             } else if (line.starts_with('!')) {
                 cursor.expect("!");
                 Cursor key = cursor;
-                const std::string_view digits = key.word();
+                const std::string_view digits = key.take_word();
                 int n = -1;
                 const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), n);
                 if (error == std::errc() && stop == digits.data() + digits.size() && key.take("="))
@@ -396,7 +397,7 @@ Module::Module(std::string text) : text_(std::move(text)) {
         }
         if (cursor.at_end() || cursor.peek() == ';') return;
         if (line[0] != ' ' && line[0] != '\t') {  // NAME:
-            const std::string name = cursor.name();
+            const std::string name = cursor.take_name();
             if (!cursor.take(":")) cursor.fail("a block has no name");
             if (function_body->blocks.size() == 1 && function_body->blocks[0].lines.empty())
                 function_body->blocks[0].name = name;
@@ -424,7 +425,7 @@ Module::Module(std::string text) : text_(std::move(text)) {
     if (function_body != nullptr) throw InputError("the LLVM IR cannot be read: it ends inside " + function_body->name);
 }
 
-std::string field(std::string_view metadata, std::string_view name) {
+std::string metadata_field(std::string_view metadata, std::string_view name) {
     const std::string key = std::string(name) + ": ";
     for (std::size_t position = metadata.find(key); position != std::string_view::npos;
          position = metadata.find(key, position + 1)) {
@@ -439,7 +440,7 @@ std::string field(std::string_view metadata, std::string_view name) {
     return {};
 }
 
-int reference(std::string_view text) {
+int metadata_index(std::string_view text) {
     while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
     if (!text.starts_with('!')) return -1;
     int n = -1;
@@ -447,13 +448,13 @@ int reference(std::string_view text) {
     return error == std::errc() ? n : -1;
 }
 
-std::vector<int> references(std::string_view metadata) {
+std::vector<int> metadata_indices(std::string_view metadata) {
     std::vector<int> indices;
     const std::size_t open = metadata.find('{');
     if (open == std::string_view::npos) return indices;
     std::string_view rest = metadata.substr(open + 1);
     while (!rest.empty() && rest.front() != '}') {
-        indices.push_back(reference(rest));
+        indices.push_back(metadata_index(rest));
         const std::size_t comma = rest.find(',');
         if (comma == std::string_view::npos) break;
         rest.remove_prefix(comma + 1);

@@ -26,7 +26,7 @@ struct Type {
     [[nodiscard]] const Type* part(std::size_t k, std::size_t& offset) const;
 };
 
-/// A place in the source, and the call that led to it.
+/// A place in the source, and the place of the call that led to it.
 struct SourcePlace {
     std::string file;
     int line = 0, column = 0;
@@ -41,8 +41,8 @@ struct Block {
 struct IrParameter {
     std::string name;
     const Type* type;
-    const Type* by_value = nullptr;              ///< the structure of which the caller passes a pointer to a copy
-    std::string_view type_text = {}, text = {};  ///< the type as written; the type with its attributes
+    const Type* by_value = nullptr;              ///< the structure, if the caller passes a pointer to a copy of it
+    std::string_view type_text = {}, text = {};  ///< the type as written, without and with its attributes
 };
 
 struct IrFunction {
@@ -67,16 +67,17 @@ public:
     void skip_blanks();
     [[nodiscard]] bool at_end() { return skip_blanks(), rest_.empty(); }
     [[nodiscard]] char peek() { return skip_blanks(), rest_.empty() ? '\0' : rest_.front(); }
-    /// Takes the text if the rest begins with it. A text that ends in a word character must end a whole word.
+    /// Takes the text, and returns true, if the rest begins with it. A text that ends in a word character must end a
+    /// whole word.
     bool take(std::string_view text);
     void expect(std::string_view text);
     /// Takes a word of letters, digits and . _ - $; empty if there is none.
-    std::string_view word();
+    std::string_view take_word();
     /// Takes the name after % @ or !, with or without quotation marks.
-    std::string name();
-    std::int64_t integer();
-    /// Skips the group in brackets at the cursor and returns the text inside the brackets.
-    std::string_view group();
+    std::string take_name();
+    std::int64_t take_integer();
+    /// Takes a pair of brackets with all between them, and returns the text inside the brackets.
+    std::string_view take_group();
     [[nodiscard]] std::string_view rest() const { return rest_; }
     [[noreturn]] void fail(const std::string& problem) const;
 
@@ -91,13 +92,13 @@ public:
     Module(const Module&) = delete;
     Module& operator=(const Module&) = delete;
 
-    const Type* type(Cursor& cursor);
+    const Type* read_type(Cursor& cursor);
     /// Skips the attributes of a parameter or an argument. Returns the type of the attribute `byval`; null without it.
     const Type* skip_attributes(Cursor& cursor);
     const Type* integer_type(int bits);
     const Type* pointer_type() const { return pointer_; }
 
-    [[nodiscard]] const IrFunction* function(const std::string& name) const;
+    [[nodiscard]] const IrFunction* find_function(const std::string& name) const;
     /// Text of the metadata with this index; empty if there is none.
     [[nodiscard]] std::string_view metadata(int index) const;
     [[nodiscard]] const std::string& text() const { return text_; }
@@ -108,11 +109,11 @@ public:
     std::map<std::string, Global> globals;
 
 private:
-    const Type* add(Type type) { return &types_.emplace_back(std::move(type)); }
-    const Type* structure(std::vector<const Type*> parts, bool packed);
-    const Type* structure_of(Cursor& cursor, char close, bool packed);
-    const Type* simple_type(Cursor& cursor);
-    const Type* named(const std::string& name);
+    const Type* add_type(Type type) { return &types_.emplace_back(std::move(type)); }
+    const Type* make_structure(std::vector<const Type*> parts, bool packed);
+    const Type* read_structure(Cursor& cursor, char close, bool packed);
+    const Type* read_simple_type(Cursor& cursor);
+    const Type* find_named_type(const std::string& name);
     void read_global(Cursor& cursor);
     IrFunction* read_header(Cursor& cursor);
 
@@ -128,10 +129,10 @@ private:
 
 /// Returns the value of a field of a metadata text, such as `12` of `line: 12` or `x` of `name: "x"`. Empty if the text
 /// has no such field.
-std::string field(std::string_view metadata, std::string_view name);
+std::string metadata_field(std::string_view metadata, std::string_view name);
 /// Returns the index in a reference to metadata, such as 12 of `!12`; -1 for any other text.
-int reference(std::string_view text);
+int metadata_index(std::string_view text);
 /// Returns the indices in a list of references, `!{!1, !2, null}`; -1 for null.
-std::vector<int> references(std::string_view metadata);
+std::vector<int> metadata_indices(std::string_view metadata);
 
 }  // namespace lostbits::intersect::function

@@ -24,42 +24,42 @@ bool comparison(TapeOp op, double a, double b) {
 }  // namespace
 
 NodeId Nodes::add(ProgramNode node) {
-    if (all_.size() >= max_nodes)
+    if (nodes_.size() >= max_nodes)
         throw NotFollowed("the function has more than " + std::to_string(max_nodes) + " operations on one ray");
     if (node.place < 0) node.place = place;
-    all_.push_back(std::move(node));
-    return static_cast<NodeId>(all_.size() - 1);
+    nodes_.push_back(std::move(node));
+    return static_cast<NodeId>(nodes_.size() - 1);
 }
 
 NodeId Nodes::input(int index) {
-    const auto [entry, is_new] = known_.try_emplace({TapeOp::input, index, no_node, 0, false}, 0);
+    const auto [entry, is_new] = known_nodes_.try_emplace({TapeOp::input, index, no_node, 0, false}, 0);
     if (is_new) entry->second = add({.op = TapeOp::input, .operands = {index, no_node, no_node}});
     return entry->second;
 }
 
 NodeId Nodes::constant(double value, bool wide) {
     const auto [entry, is_new] =
-        known_.try_emplace({TapeOp::constant, no_node, no_node, std::bit_cast<std::uint64_t>(value), wide}, 0);
+        known_nodes_.try_emplace({TapeOp::constant, no_node, no_node, std::bit_cast<std::uint64_t>(value), wide}, 0);
     if (is_new) entry->second = add({.wide = wide, .value = value});
     return entry->second;
 }
 
-bool Nodes::fits(double x) const {
+bool Nodes::fits_format(double x) const {
     return bits_ == 64 || std::isnan(x) || static_cast<double>(static_cast<float>(x)) == x;
 }
 
-std::optional<NodeId> Nodes::unconverted(NodeId x) {
+std::optional<NodeId> Nodes::unwidened_node(NodeId x) {
     const ProgramNode& n = (*this)[x];
     if (!n.wide) return {};
     if (n.op == TapeOp::convert) return n.operands[0];
-    if (n.op == TapeOp::constant && fits(n.value)) return constant(n.value, false);
+    if (n.op == TapeOp::constant && fits_format(n.value)) return constant(n.value, false);
     return {};
 }
 
 NodeId Nodes::widen(NodeId x) {
     if (bits_ == 64) return x;
     if ((*this)[x].op == TapeOp::constant) return constant((*this)[x].value, true);
-    const auto [entry, is_new] = known_.try_emplace({TapeOp::convert, x, no_node, 0, true}, 0);
+    const auto [entry, is_new] = known_nodes_.try_emplace({TapeOp::convert, x, no_node, 0, true}, 0);
     if (is_new) entry->second = add({.op = TapeOp::convert, .wide = true, .operands = {x, no_node, no_node}});
     return entry->second;
 }
@@ -68,7 +68,7 @@ NodeId Nodes::widen(NodeId x) {
 /// in that format instead. The result is the same number: binary64 has more than twice the digits of binary32 and two
 /// more (S. A. Figueroa, When is double rounding innocuous?, 1995).
 NodeId Nodes::narrow(NodeId x) {
-    if (const auto exact = unconverted(x)) return *exact;
+    if (const auto exact = unwidened_node(x)) return *exact;
     const ProgramNode n = (*this)[x];
     if (n.op == TapeOp::constant) return constant(static_cast<double>(static_cast<float>(n.value)), false);
     const bool rounds_once = n.op == TapeOp::add || n.op == TapeOp::sub || n.op == TapeOp::mul || n.op == TapeOp::div ||
@@ -77,7 +77,7 @@ NodeId Nodes::narrow(NodeId x) {
         std::array<NodeId, 3> operands{no_node, no_node, no_node};
         bool all_unconverted = true;
         for (std::size_t k = 0; k < row_of(n.op).operands; ++k) {
-            const auto exact = unconverted(n.operands[k]);
+            const auto exact = unwidened_node(n.operands[k]);
             all_unconverted = all_unconverted && exact.has_value();
             operands[k] = exact.value_or(no_node);
         }
@@ -86,7 +86,7 @@ NodeId Nodes::narrow(NodeId x) {
     return add({.op = TapeOp::convert, .operands = {x, no_node, no_node}});
 }
 
-NodeId Nodes::number(TapeOp op, NodeId a, NodeId b, NodeId c) {
+NodeId Nodes::arithmetic(TapeOp op, NodeId a, NodeId b, NodeId c) {
     const std::array<NodeId, 3> operands{a, b, c};
     const std::size_t count = row_of(op).operands;
     const bool wide = (*this)[a].wide;
@@ -96,11 +96,12 @@ NodeId Nodes::number(TapeOp op, NodeId a, NodeId b, NodeId c) {
         std::array<NodeId, 3> narrowed_operands{no_node, no_node, no_node};
         bool all_unconverted = true;
         for (std::size_t k = 0; k < count; ++k) {
-            const auto exact = unconverted(operands[k]);
+            const auto exact = unwidened_node(operands[k]);
             all_unconverted = all_unconverted && exact.has_value();
             narrowed_operands[k] = exact.value_or(no_node);
         }
-        if (all_unconverted) return widen(number(op, narrowed_operands[0], narrowed_operands[1], narrowed_operands[2]));
+        if (all_unconverted)
+            return widen(arithmetic(op, narrowed_operands[0], narrowed_operands[1], narrowed_operands[2]));
     }
     const auto is_constant_or_none = [&](NodeId i) { return i == no_node || (*this)[i].op == TapeOp::constant; };
     if (is_constant_or_none(a) && is_constant_or_none(b) && is_constant_or_none(c)) {
@@ -114,7 +115,7 @@ NodeId Nodes::number(TapeOp op, NodeId a, NodeId b, NodeId c) {
             const double x_part = r - z;
             const bool is_exact_result =
                 op == TapeOp::mul ? std::fma(x, y, -r) == 0 : (x - x_part) + (z - (r - x_part)) == 0;
-            if (is_exact_result && std::isfinite(r) && (wide || fits(r)) && (r == 0 || std::fabs(r) > 1e-30))
+            if (is_exact_result && std::isfinite(r) && (wide || fits_format(r)) && (r == 0 || std::fabs(r) > 1e-30))
                 return constant(r, wide);
         }
     }
@@ -125,7 +126,7 @@ NodeId Nodes::select(Mask when, NodeId a, NodeId b) {
     if (when == yes || a == b) return a;
     if (when == no) return b;
     if ((*this)[when].op == TapeOp::opposite) return select((*this)[when].operands[0], b, a);
-    // The decision of a choice inside a choice by the same decision is known.
+    // A selection inside a selection by the same decision always takes the same side.
     const auto side_value = [&](NodeId side, std::size_t k) {
         const ProgramNode& n = (*this)[side];
         return n.op == TapeOp::select && n.operands[0] == when ? n.operands[k] : side;
@@ -133,37 +134,37 @@ NodeId Nodes::select(Mask when, NodeId a, NodeId b) {
     a = side_value(a, 1), b = side_value(b, 2);
     if (a == b) return a;
     if ((*this)[a].wide) {
-        const auto x = unconverted(a), y = unconverted(b);
+        const auto x = unwidened_node(a), y = unwidened_node(b);
         if (x && y) return widen(select(when, *x, *y));
     }
     return add({.op = TapeOp::select, .wide = (*this)[a].wide, .operands = {when, a, b}});
 }
 
-NodeId Nodes::least(TapeOp op, NodeId a, NodeId b) {
-    const TapeOp first = op == TapeOp::min ? TapeOp::less : TapeOp::greater;
+NodeId Nodes::minimum_or_maximum(TapeOp op, NodeId a, NodeId b) {
+    const TapeOp comparison_op = op == TapeOp::min ? TapeOp::less : TapeOp::greater;
     // x86 evaluates b < a and returns a if the two are equal.
-    return select(either(compare(first, b, a), is_nan(a)), b, a);
+    return select(logical_or(compare(comparison_op, b, a), is_nan(a)), b, a);
 }
 
 /// Subtracts from |x| each power of two that fits, the largest first. Each partial sum consists of leading digits of
 /// |x|. So it is exact in every format, and the decisions are right in exact arithmetic, too. A number of p digits is
-/// whole from 2^(p-1) on.
-NodeId Nodes::whole(WholeNumber rounding, NodeId x) {
+/// a whole number from 2^(p-1) on.
+NodeId Nodes::round_to_whole(WholeNumber rounding, NodeId x) {
     const bool wide = (*this)[x].wide;
     const int digits = bits_ == 64 || wide ? 53 : 24;
     const auto constant_of = [&](double c) { return constant(c, wide); };
-    const NodeId size = number(TapeOp::abs, x);
+    const NodeId size = arithmetic(TapeOp::abs, x);
     NodeId sum = constant_of(0);
     Mask is_odd = no;
     for (int e = digits - 2; e >= 0; --e) {
-        const NodeId larger_sum = number(TapeOp::add, sum, constant_of(std::ldexp(1.0, e)));
+        const NodeId larger_sum = arithmetic(TapeOp::add, sum, constant_of(std::ldexp(1.0, e)));
         is_odd = compare(TapeOp::less_equal, larger_sum, size);
         sum = select(is_odd, larger_sum, sum);
     }
-    const NodeId truncated = number(TapeOp::copysign, sum, x), fraction = number(TapeOp::sub, size, sum);
+    const NodeId truncated = arithmetic(TapeOp::copysign, sum, x), fraction = arithmetic(TapeOp::sub, size, sum);
     const auto compare_with_half = [&](TapeOp op) { return compare(op, fraction, constant_of(0.5)); };
     const auto moved_by_one = [&](Mask when, TapeOp op) {
-        return select(when, number(op, truncated, constant_of(1)), truncated);
+        return select(when, arithmetic(op, truncated, constant_of(1)), truncated);
     };
     NodeId rounded = truncated;
     switch (rounding) {
@@ -173,103 +174,104 @@ NodeId Nodes::whole(WholeNumber rounding, NodeId x) {
         default: {
             const Mask rounds_away = rounding == WholeNumber::nearest_or_away
                                          ? compare_with_half(TapeOp::greater_equal)
-                                         : either(compare_with_half(TapeOp::greater),
-                                                  both(compare_with_half(TapeOp::greater_equal), is_odd));
-            rounded =
-                select(rounds_away, number(TapeOp::copysign, number(TapeOp::add, sum, constant_of(1)), x), truncated);
+                                         : logical_or(compare_with_half(TapeOp::greater),
+                                                      logical_and(compare_with_half(TapeOp::greater_equal), is_odd));
+            rounded = select(rounds_away, arithmetic(TapeOp::copysign, arithmetic(TapeOp::add, sum, constant_of(1)), x),
+                             truncated);
         }
     }
     return select(compare(TapeOp::less, size, constant_of(std::ldexp(1.0, digits - 1))), rounded, x);
 }
 
 Mask Nodes::compare(TapeOp op, NodeId a, NodeId b) {
-    // Compares each constant that a choice may give by itself. So t < 0 becomes the decision of the choice if t is −1
-    // for a miss, for example.
+    // If `x` selects among constants, each of them is compared on its own, and the result is a combination of the
+    // decisions. For example, if t is −1 for a miss, t < 0 becomes the decision that selects −1.
     const auto resolve = [&](NodeId x, NodeId y, bool is_swapped) -> std::optional<Mask> {
         bool has_others = false;
         const ProgramNode chosen = (*this)[x];
         if (chosen.op != TapeOp::select || (*this)[y].op != TapeOp::constant) return {};
         if (constants_of(x, has_others).empty()) return {};
         const auto side = [&](NodeId s) { return is_swapped ? compare(op, y, s) : compare(op, s, y); };
-        const Mask left = side(chosen.operands[1]);
-        return choose(chosen.operands[0], left, side(chosen.operands[2]));
+        const Mask result_if_true = side(chosen.operands[1]);
+        return select_mask(chosen.operands[0], result_if_true, side(chosen.operands[2]));
     };
     const std::tuple key{op, a, b, std::uint64_t{0}, false};
-    if (const auto known_result = known_.find(key); known_result != known_.end()) return known_result->second;
-    if (const auto resolved = resolve(a, b, false)) return known_[key] = *resolved;
-    if (const auto resolved = resolve(b, a, true)) return known_[key] = *resolved;
+    if (const auto known_result = known_nodes_.find(key); known_result != known_nodes_.end())
+        return known_result->second;
+    if (const auto resolved = resolve(a, b, false)) return known_nodes_[key] = *resolved;
+    if (const auto resolved = resolve(b, a, true)) return known_nodes_[key] = *resolved;
     const ProgramNode x = (*this)[a], y = (*this)[b];
     if (x.op == TapeOp::constant && y.op == TapeOp::constant) return comparison(op, x.value, y.value) ? yes : no;
     if ((x.op == TapeOp::constant && std::isnan(x.value)) || (y.op == TapeOp::constant && std::isnan(y.value)))
         return no;
     if (x.wide) {
-        auto left = unconverted(a), right = unconverted(b);
-        // A converted number is compared with a constant that lies between two numbers of its format. The one of them
-        // on the side that `op` needs gives the same decision.
+        auto narrow_a = unwidened_node(a), narrow_b = unwidened_node(b);
+        // A constant between two neighbouring numbers of the narrow format can be replaced by one of the two. The
+        // comparison with the neighbour on the side that `op` needs gives the same decision.
         const auto neighbour = [&](double c, bool up) {
             float f = static_cast<float>(c);
             if (up && f < c) f = std::nextafterf(f, std::numeric_limits<float>::infinity());
             if (!up && f > c) f = std::nextafterf(f, -std::numeric_limits<float>::infinity());
             return constant(f, false);
         };
-        if (left && !right && y.op == TapeOp::constant)
-            right = neighbour(y.value, op == TapeOp::less || op == TapeOp::greater_equal);
-        else if (right && !left && x.op == TapeOp::constant)
-            left = neighbour(x.value, op == TapeOp::greater || op == TapeOp::less_equal);
-        if (left && right) return compare(op, *left, *right);
+        if (narrow_a && !narrow_b && y.op == TapeOp::constant)
+            narrow_b = neighbour(y.value, op == TapeOp::less || op == TapeOp::greater_equal);
+        else if (narrow_b && !narrow_a && x.op == TapeOp::constant)
+            narrow_a = neighbour(x.value, op == TapeOp::greater || op == TapeOp::less_equal);
+        if (narrow_a && narrow_b) return compare(op, *narrow_a, *narrow_b);
     }
-    return known_[key] = add({.op = op, .operands = {a, b, no_node}});
+    return known_nodes_[key] = add({.op = op, .operands = {a, b, no_node}});
 }
 
 Mask Nodes::logic(TapeOp op, Mask a, Mask b) {
-    const auto [entry, is_new] = known_.try_emplace({op, a, b, 0, false}, 0);
+    const auto [entry, is_new] = known_nodes_.try_emplace({op, a, b, 0, false}, 0);
     if (is_new) entry->second = add({.op = op, .operands = {a, b, no_node}});
     return entry->second;
 }
 
-Mask Nodes::opposite(Mask a) {
+Mask Nodes::logical_not(Mask a) {
     if (a == yes) return no;
     if (a == no) return yes;
     return (*this)[a].op == TapeOp::opposite ? (*this)[a].operands[0] : logic(TapeOp::opposite, a);
 }
 
-Mask Nodes::both(Mask a, Mask b) {
+Mask Nodes::logical_and(Mask a, Mask b) {
     if (a == no || b == no) return no;
     if (a == yes || a == b) return b;
     if (b == yes) return a;
-    if (opposite(a) == b) return no;
+    if (logical_not(a) == b) return no;
     return logic(TapeOp::both, a, b);
 }
 
-Mask Nodes::either(Mask a, Mask b) {
+Mask Nodes::logical_or(Mask a, Mask b) {
     if (a == yes || b == yes) return yes;
     if (a == no || a == b) return b;
     if (b == no) return a;
-    if (opposite(a) == b) return yes;
+    if (logical_not(a) == b) return yes;
     // a or (not a and c) is a or c.
     const auto without_known = [&](Mask x, Mask y) {
         const ProgramNode n = (*this)[y];
         if (n.op != TapeOp::both) return y;
-        if (n.operands[0] == opposite(x)) return n.operands[1];
-        if (n.operands[1] == opposite(x)) return n.operands[0];
+        if (n.operands[0] == logical_not(x)) return n.operands[1];
+        if (n.operands[1] == logical_not(x)) return n.operands[0];
         return y;
     };
     b = without_known(a, b), a = without_known(b, a);
     return a == b ? a : logic(TapeOp::either, a, b);
 }
 
-Mask Nodes::choose(Mask when, Mask a, Mask b) {
+Mask Nodes::select_mask(Mask when, Mask a, Mask b) {
     if (when == yes || a == b) return a;
     if (when == no) return b;
-    if (a == yes) return either(when, b);
-    if (a == no) return both(opposite(when), b);
-    if (b == yes) return either(opposite(when), a);
-    if (b == no) return both(when, a);
-    return either(both(when, a), both(opposite(when), b));
+    if (a == yes) return logical_or(when, b);
+    if (a == no) return logical_and(logical_not(when), b);
+    if (b == yes) return logical_or(logical_not(when), a);
+    if (b == no) return logical_and(when, a);
+    return logical_or(logical_and(when, a), logical_and(logical_not(when), b));
 }
 
-void Nodes::name(NodeId i, const std::string& label, int depth) {
-    ProgramNode& n = all_[static_cast<std::size_t>(i)];
+void Nodes::name_node(NodeId i, const std::string& label, int depth) {
+    ProgramNode& n = nodes_[static_cast<std::size_t>(i)];
     if (!is_operation(n.op) || n.op == TapeOp::convert) return;
     if (!n.label.empty() && depth >= n.label_depth) return;
     n.label = label;
@@ -297,27 +299,27 @@ std::vector<double> Nodes::constants_of(NodeId x, bool& has_others) const {
     return constants;
 }
 
-Nodes::Written Nodes::written(Mask hit, NodeId t, NodeId near, NodeId far) const {
-    std::vector<bool> live(all_.size());
+Nodes::FormulaWithPlaces Nodes::to_formula(Mask hit, NodeId t, NodeId near, NodeId far) const {
+    std::vector<bool> is_needed(nodes_.size());
     for (const NodeId i : {hit, t, near, far})
-        if (i >= 0) live[static_cast<std::size_t>(i)] = true;
-    for (std::size_t i = all_.size(); i-- > 0;) {
-        if (!live[i] || is_given(all_[i].op)) continue;
-        for (std::size_t k = 0; k < row_of(all_[i].op).operands; ++k)
-            live[static_cast<std::size_t>(all_[i].operands[k])] = true;
+        if (i >= 0) is_needed[static_cast<std::size_t>(i)] = true;
+    for (std::size_t i = nodes_.size(); i-- > 0;) {
+        if (!is_needed[i] || is_given(nodes_[i].op)) continue;
+        for (std::size_t k = 0; k < row_of(nodes_[i].op).operands; ++k)
+            is_needed[static_cast<std::size_t>(nodes_[i].operands[k])] = true;
     }
-    Written result;
+    FormulaWithPlaces result;
     std::vector<NodeId>& operation_of = result.operation_of;
-    operation_of.assign(all_.size(), no_node);
+    operation_of.assign(nodes_.size(), no_node);
     auto& out = result.formula.operations;
     const auto append = [&](table::WrittenOperation w, int place_index) {
         out.push_back(std::move(w));
         result.places.push_back(place_index);
         return static_cast<NodeId>(out.size() - 1);
     };
-    for (std::size_t i = 0; i < all_.size(); ++i) {
-        if (!live[i]) continue;
-        const ProgramNode& n = all_[i];
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        if (!is_needed[i]) continue;
+        const ProgramNode& n = nodes_[i];
         if (n.op == TapeOp::constant && std::isnan(n.value)) {  // 0/0
             const NodeId zero = append({.op = TapeOp::constant, .wide = n.wide}, n.place);
             operation_of[i] = append({.op = TapeOp::div, .operands = {zero, zero, no_node}, .wide = n.wide}, n.place);

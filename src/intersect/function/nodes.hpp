@@ -1,5 +1,5 @@
-// The operations of a function while they are recorded. Parts on which no rounding depends are simplified: decisions
-// with a known result, choices between equal sides, numbers that are widened and narrowed again.
+// The operations of a function while they are recorded. Operations that do not round are simplified: decisions with a
+// known result, selections between equal values, and numbers that are widened and then narrowed again.
 #pragma once
 
 #include <map>
@@ -13,7 +13,7 @@
 
 namespace lostbits::intersect::function {
 
-/// Thrown for something that cannot be followed. The text is the end of a sentence that begins with the place.
+/// Thrown for code that cannot be recorded. The text completes a message that begins with the place in the source.
 struct NotFollowed : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -28,8 +28,8 @@ struct ProgramNode {
     std::array<NodeId, 3> operands{no_node, no_node, no_node};
     double value = 0;  ///< value of a constant; may be NaN
     std::string label = {};
-    int label_depth = 0;  ///< depth of calls at the variable that gave the label
-    int place = -1;
+    int label_depth = 0;  ///< depth of calls at which the variable that gave the label is declared
+    int place = -1;       ///< index of the source place; -1: none
 };
 
 class Nodes {
@@ -39,59 +39,59 @@ public:
 
     int place = -1;  ///< index of the source place of the operations that are added next
 
-    [[nodiscard]] const ProgramNode& operator[](NodeId i) const { return all_[static_cast<std::size_t>(i)]; }
-    [[nodiscard]] std::size_t size() const { return all_.size(); }
+    [[nodiscard]] const ProgramNode& operator[](NodeId i) const { return nodes_[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] std::size_t size() const { return nodes_.size(); }
     [[nodiscard]] int bits() const { return bits_; }
 
     NodeId input(int index);
     NodeId constant(double value, bool wide);
     /// An arithmetic operation whose operands are all of the same format.
-    NodeId number(TapeOp op, NodeId a, NodeId b = no_node, NodeId c = no_node);
+    NodeId arithmetic(TapeOp op, NodeId a, NodeId b = no_node, NodeId c = no_node);
     NodeId select(Mask when, NodeId a, NodeId b);
     NodeId widen(NodeId x);
     NodeId narrow(NodeId x);
-    /// The smaller or the larger of two numbers; the other operand if one is NaN. C's fmin and fmax, as x86 computes
-    /// them.
-    NodeId least(TapeOp min_or_max, NodeId a, NodeId b);
+    /// The smaller or the larger of two numbers, or the other operand if one is NaN: fmin and fmax of C, as x86
+    /// computes them.
+    NodeId minimum_or_maximum(TapeOp min_or_max, NodeId a, NodeId b);
 
-    /// How to round to a whole number: floor, ceil, trunc, round, roundeven.
+    /// Directions of rounding to a whole number, in the order of floor, ceil, trunc, round, roundeven.
     enum class WholeNumber { below, above, towards_zero, nearest_or_away, nearest_or_even };
-    NodeId whole(WholeNumber rounding, NodeId x);
+    NodeId round_to_whole(WholeNumber rounding, NodeId x);
 
     Mask compare(TapeOp op, NodeId a, NodeId b);
-    Mask both(Mask a, Mask b);
-    Mask either(Mask a, Mask b);
-    Mask opposite(Mask a);
+    Mask logical_and(Mask a, Mask b);
+    Mask logical_or(Mask a, Mask b);
+    Mask logical_not(Mask a);
     /// Selects `a` if `when` holds, and `b` otherwise.
-    Mask choose(Mask when, Mask a, Mask b);
-    Mask is_nan(NodeId x) { return opposite(compare(TapeOp::less_equal, x, x)); }
+    Mask select_mask(Mask when, Mask a, Mask b);
+    Mask is_nan(NodeId x) { return logical_not(compare(TapeOp::less_equal, x, x)); }
 
-    /// Names an operation. A variable of an outer function replaces the name by one of an inner function.
-    void name(NodeId i, const std::string& label, int depth);
-    /// The constants that a number may be, without repetition. Sets `has_others` if the number may be something else,
-    /// too.
+    /// Names an operation. The name of a variable of an outer function takes precedence over one of an inner function.
+    void name_node(NodeId i, const std::string& label, int depth);
+    /// Returns the constants between which decisions select a number. Sets `has_others` if the number may also be a
+    /// value that is not a constant.
     std::vector<double> constants_of(NodeId x, bool& has_others) const;
 
-    struct Written {
+    struct FormulaWithPlaces {
         table::WrittenFormula formula;
         std::vector<int> places;           ///< index of the source place of each operation; -1: none
         std::vector<NodeId> operation_of;  ///< index of the operation of each node; `no_node` if no output depends on
                                            ///< the node
     };
     /// Returns the operations on which the outputs depend.
-    [[nodiscard]] Written written(Mask hit, NodeId t, NodeId near, NodeId far) const;
+    [[nodiscard]] FormulaWithPlaces to_formula(Mask hit, NodeId t, NodeId near, NodeId far) const;
 
 private:
     NodeId add(ProgramNode node);
     Mask logic(TapeOp op, Mask a, Mask b = no_node);
-    /// The number in the function's own format of which the double `x` is a conversion. Empty if there is no such
-    /// number.
-    std::optional<NodeId> unconverted(NodeId x);
-    [[nodiscard]] bool fits(double x) const;
+    /// Returns the number of the function's own format whose conversion is the double `x`; empty if `x` is not such a
+    /// conversion.
+    std::optional<NodeId> unwidened_node(NodeId x);
+    [[nodiscard]] bool fits_format(double x) const;
 
     int bits_;
-    std::vector<ProgramNode> all_;
-    std::map<std::tuple<TapeOp, NodeId, NodeId, std::uint64_t, bool>, NodeId> known_;
+    std::vector<ProgramNode> nodes_;
+    std::map<std::tuple<TapeOp, NodeId, NodeId, std::uint64_t, bool>, NodeId> known_nodes_;
 };
 
 }  // namespace lostbits::intersect::function

@@ -54,9 +54,9 @@ const UserFunction* function_with_place(const Info& form, const Format& format, 
     const UserFunction* const f = function_of(form);
     if (f == nullptr) return nullptr;
     const std::vector<NodeId> nodes = f->written->nodes_on_tape(format);
-    const auto found = std::ranges::find(nodes, node);
-    if (found == nodes.end()) return nullptr;
-    place_index = f->place_of_operation[static_cast<std::size_t>(found - nodes.begin())];
+    const auto node_entry = std::ranges::find(nodes, node);
+    if (node_entry == nodes.end()) return nullptr;
+    place_index = f->place_of_operation[static_cast<std::size_t>(node_entry - nodes.begin())];
     return place_index < 0 ? nullptr : f;
 }
 
@@ -80,7 +80,7 @@ std::string quoted_line(const Info& form, const Format& format, NodeId node) {
     std::string text = text_of_place(p);
     for (int caller = p.caller; caller >= 0; caller = f->places[static_cast<std::size_t>(caller)].caller) {
         const SourcePlace& c = f->places[static_cast<std::size_t>(caller)];
-        // Rust compiles the caller of the whole function below the user's text, in the same file.
+        // In Rust, the wrapper that calls the user's function is compiled in the same file, below the user's text.
         const bool is_below = c.file == f->path && c.line > std::ranges::count(f->source, '\n') + 1;
         if (c.line == 0 || c.file != p.file || is_below) continue;
         text += ", called at " + std::to_string(c.line) + ":" + std::to_string(c.column);

@@ -47,7 +47,7 @@ struct Slot {
     bool is_integer = false;
 };
 
-/// A slot and the number that is written to it: `in[3]`, or `1 / in[3]`.
+/// A slot and the expression of the number that is written to it: `in[3]`, `1 / in[3]` or `0`.
 struct InputSlot {
     Slot slot;
     std::string source;
@@ -56,15 +56,15 @@ struct InputSlot {
 /// The value of t that means a miss.
 struct MissValue {
     enum class Kind {
-        unknown,
-        none,
-        negative,
+        unknown,   ///< not stated; guessed from the constants that t may be
+        none,      ///< no t means a miss
+        negative,  ///< t < 0
         infinite,
         nan,
-        zero,
-        above,
-        crossed
-    };  ///< crossed: near > far, or far < 0
+        zero,    ///< t ≤ 0
+        above,   ///< t ≥ `bound`
+        crossed  ///< near > far, or far < 0
+    };
     Kind kind = Kind::unknown;
     double bound = 0;
 };
@@ -82,9 +82,9 @@ struct UserSignature {
     std::vector<InputSlot> inputs;
     std::optional<Slot> hit, t, far;
     bool hit_is_optional = false;  ///< the returned optional is empty for a miss
-    MissValue sentinel;
+    MissValue miss_value;
     external::Contract contract;
-    std::string shown;  ///< the guessed signature in one line
+    std::string text;  ///< the guessed signature in one line, for the user
 };
 
 /// Signature of a function as the option or a comment states it: `lostbits: sphere(o, d, c, r) -> t, miss = -1, roots =
@@ -94,33 +94,33 @@ struct StatedSignature {
     std::vector<std::string> roles;  ///< roles of the vectors and numbers of all arguments, in order
     bool has_roles = false;
     std::vector<std::pair<std::string, std::string>> properties;  ///< key and value
-    std::string where;
+    std::string where;  ///< the option, or the position of the comment; begins each message
 };
 StatedSignature stated_signature(const std::string& text, const std::string& where);
-/// Reads the text after `lostbits:` in a comment directly above the function that is defined at line `definition`.
-/// Without such a comment, combines the comments that stand above no function.
+/// Reads the text after `lostbits:` in a comment inside the function that is defined at line `definition`, or directly
+/// above it. Without such a comment, combines the comments that do not stand above a function.
 StatedSignature signature_in_comments(const std::string& source, const std::string& path, int definition);
 
 /// True if a source contains the last part of a name, such as `hit` of `Sphere::hit<float>`, as a word.
 bool mentions(const std::string& source, const std::string& name);
-/// Message about a function that a file lacks, with the functions that the file defines. `ir` is the LLVM IR of the
-/// file.
-std::string no_function(const std::string& ir, const std::string& path, const std::string& name,
-                        SourceLanguage language);
-/// The number at an offset of an argument, as the source writes it: `ray->origin[1]`.
-std::string text_of_part(const Argument& argument, std::size_t offset);
+/// Returns the message that a file does not have the function, with a list of the functions that the file defines. `ir`
+/// is the LLVM IR of the file.
+std::string missing_function_message(const std::string& ir, const std::string& path, const std::string& name,
+                                     SourceLanguage language);
+/// Returns the expression of the number at an offset of an argument, as the source writes it: `ray->origin[1]`.
+std::string part_text(const Argument& argument, std::size_t offset);
 /// Reads the signature from the debug information of a module. Without debug information, the types are those of the
 /// LLVM IR. Throws InputError if the function does not exist.
 UserSignature signature_of(Module& module, const std::string& path, const std::string& name, SourceLanguage language);
-/// Guesses the roles of the arguments and the answers. Throws InputError with the text to write if an argument's
-/// meaning cannot be guessed.
-void guess(UserSignature& s, const StatedSignature& stated, const std::string& subject);
+/// Sets the roles of the arguments, the answers and the contract: from `stated` if it has them, else guessed from names
+/// and types. Throws InputError, with a comment to write, if a role cannot be guessed.
+void guess_signature(UserSignature& signature, const StatedSignature& stated, const std::string& subject);
 
 /// Returns the text of a file that includes the file at the path `file` and defines `lostbits_entry(in, out, hit)`,
 /// which calls the user's function. For Rust, `file` is the text of the user's file, which then precedes the new
 /// function.
-std::string wrapper_of(const UserSignature& s, const std::string& file);
+std::string wrapper_of(const UserSignature& signature, const std::string& file);
 /// Returns the text of the LLVM IR module followed by the new function.
-std::string ir_wrapper_of(const UserSignature& s, Module& module, const std::string& subject);
+std::string ir_wrapper_of(const UserSignature& signature, Module& module, const std::string& subject);
 
 }  // namespace lostbits::intersect::function

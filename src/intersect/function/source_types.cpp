@@ -20,7 +20,7 @@ namespace {
 
 using Kind = SourceType::Kind;
 
-std::size_t integer_of(const std::string& digits) {
+std::size_t parse_integer(const std::string& digits) {
     std::size_t n = 0;
     std::from_chars(digits.data(), digits.data() + digits.size(), n);
     return n;
@@ -28,30 +28,30 @@ std::size_t integer_of(const std::string& digits) {
 
 /// Returns the name with the namespaces and classes that enclose it.
 std::string qualified_name(const Module& module, std::string_view text, SourceLanguage language) {
-    std::string name = field(text, "name");
-    int scope = reference(field(text, "scope"));
+    std::string name = metadata_field(text, "name");
+    int scope = metadata_index(metadata_field(text, "scope"));
     for (int guard = 0; language == SourceLanguage::cpp && scope >= 0 && guard < 20; ++guard) {
         const std::string_view enclosing_scope = module.metadata(scope);
         const bool has_name = enclosing_scope.find("DINamespace") != std::string_view::npos ||
                               enclosing_scope.find("DICompositeType") != std::string_view::npos;
-        const std::string outer = field(enclosing_scope, "name");
+        const std::string outer = metadata_field(enclosing_scope, "name");
         if (!has_name) break;
         if (!outer.empty()) name.insert(0, outer + "::");
-        scope = reference(field(enclosing_scope, "scope"));
+        scope = metadata_index(metadata_field(enclosing_scope, "scope"));
     }
     return name;
 }
 
-/// Reads a type by the index of its metadata node. A type inside itself is unknown, and so are all types after the
-/// first 5000: no type of a ray is that large, and the types of a program may refer to each other in more ways than can
-/// be followed.
+/// Reads a type by the index of its metadata node. Two kinds of types stay `other`: a type inside itself, and every
+/// type after the first 5000. No type of a ray has so many parts, but the types of a whole program may refer to each
+/// other in more ways than can be followed.
 class TypeReader {
 public:
     TypeReader(const Module& module, SourceLanguage language) : module_(module), language_(language) {}
-    SourceType type(int node_index);
+    SourceType read_type(int node_index);
 
 private:
-    SourceType known_type(std::string_view text, SourceType source_type);
+    SourceType read_details(std::string_view text, SourceType source_type);
     void add_members(std::string_view text, SourceType& source_type);
 
     const Module& module_;
@@ -60,24 +60,24 @@ private:
     int types_left_ = 5000;
 };
 
-SourceType TypeReader::type(int node_index) {
+SourceType TypeReader::read_type(int node_index) {
     if (node_index < 0) return {.kind = Kind::nothing, .name = "void"};
     const std::string_view text = module_.metadata(node_index);
     SourceType source_type{.name = qualified_name(module_, text, language_),
-                           .size = integer_of(field(text, "size")) / 8};
+                           .size = parse_integer(metadata_field(text, "size")) / 8};
     if (open_types_.size() > 12 || std::ranges::find(open_types_, node_index) != open_types_.end() || --types_left_ < 0)
         return source_type;
     open_types_.push_back(node_index);
-    source_type = known_type(text, std::move(source_type));
+    source_type = read_details(text, std::move(source_type));
     open_types_.pop_back();
     return source_type;
 }
 
-SourceType TypeReader::known_type(std::string_view text, SourceType source_type) {
-    const std::string tag = field(text, "tag");
-    const auto inner = [&] { return type(reference(field(text, "baseType"))); };
+SourceType TypeReader::read_details(std::string_view text, SourceType source_type) {
+    const std::string tag = metadata_field(text, "tag");
+    const auto inner = [&] { return read_type(metadata_index(metadata_field(text, "baseType"))); };
     if (text.find("DIBasicType") != std::string_view::npos) {
-        const std::string encoding = field(text, "encoding");
+        const std::string encoding = metadata_field(text, "encoding");
         const bool is_float = encoding == "DW_ATE_float" && (source_type.size == 4 || source_type.size == 8);
         source_type.kind = is_float ? Kind::number : encoding == "DW_ATE_float" ? Kind::other : Kind::integer;
         if (source_type.name == "()") source_type.kind = Kind::nothing;
@@ -98,8 +98,8 @@ SourceType TypeReader::known_type(std::string_view text, SourceType source_type)
     } else if (tag == "DW_TAG_array_type") {
         source_type.kind = Kind::sequence, source_type.parts = {inner()}, source_type.count = 1;
         std::vector<std::size_t> counts;
-        for (const int range : references(module_.metadata(reference(field(text, "elements")))))
-            counts.push_back(integer_of(field(module_.metadata(range), "count")));
+        for (const int range : metadata_indices(module_.metadata(metadata_index(metadata_field(text, "elements")))))
+            counts.push_back(parse_integer(metadata_field(module_.metadata(range), "count")));
         for (std::size_t k = counts.size(); k-- > 0;) {
             const std::size_t size = source_type.parts[0].size * counts[k];
             if (k + 1 < counts.size()) {
@@ -120,23 +120,23 @@ SourceType TypeReader::known_type(std::string_view text, SourceType source_type)
 void TypeReader::add_members(std::string_view text, SourceType& source_type) {
     const auto offset_and_size = [this](int member) {
         const std::string_view m = module_.metadata(member);
-        return std::pair(integer_of(field(m, "offset")) / 8, integer_of(field(m, "size")) / 8);
+        return std::pair(parse_integer(metadata_field(m, "offset")) / 8, parse_integer(metadata_field(m, "size")) / 8);
     };
     source_type.kind = Kind::structure;
     if (language_ == SourceLanguage::c && !source_type.name.empty()) source_type.name.insert(0, "struct ");
     const bool is_optional = source_type.name.starts_with("Option<") ||
                              source_type.name.starts_with("std::optional<") ||
                              source_type.name.find("::optional<") != std::string::npos;
-    for (const int m : references(module_.metadata(reference(field(text, "elements"))))) {
+    for (const int m : metadata_indices(module_.metadata(metadata_index(metadata_field(text, "elements"))))) {
         const std::string_view member = module_.metadata(m);
-        const std::string kind = field(member, "tag");
+        const std::string kind = metadata_field(member, "tag");
         if (is_optional && language_ == SourceLanguage::rust && kind == "DW_TAG_variant_part") {
             std::tie(source_type.flag_offset, source_type.flag_size) =
-                offset_and_size(reference(field(member, "discriminator")));
-            for (const int v : references(module_.metadata(reference(field(member, "elements"))))) {
+                offset_and_size(metadata_index(metadata_field(member, "discriminator")));
+            for (const int v : metadata_indices(module_.metadata(metadata_index(metadata_field(member, "elements"))))) {
                 const std::string_view variant = module_.metadata(v);
-                if (field(variant, "name") != "Some") continue;
-                const SourceType some_type = type(reference(field(variant, "baseType")));
+                if (metadata_field(variant, "name") != "Some") continue;
+                const SourceType some_type = read_type(metadata_index(metadata_field(variant, "baseType")));
                 source_type.kind = Kind::optional;
                 source_type.parts = some_type.parts;
             }
@@ -145,34 +145,34 @@ void TypeReader::add_members(std::string_view text, SourceType& source_type) {
         if ((kind != "DW_TAG_member" && kind != "DW_TAG_inheritance") ||
             member.find("DIFlagStaticMember") != std::string_view::npos)
             continue;
-        SourceType part = type(reference(field(member, "baseType")));
-        part.member = field(member, "name");
-        part.offset = integer_of(field(member, "offset")) / 8;
+        SourceType part = read_type(metadata_index(metadata_field(member, "baseType")));
+        part.member = metadata_field(member, "name");
+        part.offset = parse_integer(metadata_field(member, "offset")) / 8;
         source_type.parts.push_back(std::move(part));
     }
-    for (const SourceType& p : source_type.parts)  // the flag of std::optional, which may stand in a base
+    for (const SourceType& p : source_type.parts)  // the flag of std::optional, which may be a member of a base class
         if (p.flag_size > 0) source_type.flag_offset = p.offset + p.flag_offset, source_type.flag_size = p.flag_size;
         else if (p.member == "_M_engaged" || p.member == "__engaged_")
             source_type.flag_offset = p.offset, source_type.flag_size = 1;
     if (is_optional && language_ == SourceLanguage::cpp) {
         source_type.kind = Kind::optional;
         SourceType value;
-        for (const int p : references(module_.metadata(reference(field(text, "templateParams")))))
-            value = type(reference(field(module_.metadata(p), "type")));
+        for (const int p : metadata_indices(module_.metadata(metadata_index(metadata_field(text, "templateParams")))))
+            value = read_type(metadata_index(metadata_field(module_.metadata(p), "type")));
         source_type.parts = {value};
     }
 }
 
 /// Reads the arguments and the result of a function without debug information from its LLVM IR.
-void set_ir_types(UserSignature& s, Module& module, const IrFunction& f, const std::string& path) {
+void set_ir_types(UserSignature& signature, Module& module, const IrFunction& f, const std::string& path) {
     const auto number = [](std::size_t size) {
         return SourceType{.kind = Kind::number, .name = size == 4 ? "float" : "double", .size = size};
     };
     const auto type_of_text = [&module](std::string_view text) {
         Cursor cursor(text);
-        return module.type(cursor);
+        return module.read_type(cursor);
     };
-    // An opaque pointer leads to numbers of the size that the function computes with.
+    // An opaque pointer is assumed to point to numbers of the size in which the function computes.
     std::size_t default_size = 8;
     for (const Block& b : f.blocks)
         for (const std::string_view line : b.lines)
@@ -195,7 +195,8 @@ void set_ir_types(UserSignature& s, Module& module, const IrFunction& f, const s
     };
     for (const IrParameter& p : f.parameters) {
         const bool has_name = p.name.find_first_not_of("0123456789") != std::string::npos;
-        Argument a{.name = has_name ? p.name : "p" + std::to_string(s.arguments.size()), .type = source_type(*p.type)};
+        Argument a{.name = has_name ? p.name : "p" + std::to_string(signature.arguments.size()),
+                   .type = source_type(*p.type)};
         if (p.type->kind == Type::Kind::pointer) {
             const bool has_target_type = p.type_text.ends_with('*');
             const bool is_answer =
@@ -206,12 +207,12 @@ void set_ir_types(UserSignature& s, Module& module, const IrFunction& f, const s
         }
         if (a.type.kind == Kind::sequence || a.type.kind == Kind::other ||
             p.text.find("sret") != std::string_view::npos)
-            throw InputError(path + ": the function " + s.call +
-                             " takes parts of structures, whose meaning only debug "
-                             "information says; compile it with -g");
-        s.arguments.push_back(std::move(a));
+            throw InputError(path + ": the function " + signature.call +
+                             " takes parts of structures, whose meaning is only in debug "
+                             "information; compile it with -g");
+        signature.arguments.push_back(std::move(a));
     }
-    s.returned = source_type(*type_of_text(f.returned_text));
+    signature.returned = source_type(*type_of_text(f.returned_text));
 }
 
 }  // namespace
@@ -231,7 +232,7 @@ bool mentions(const std::string& source, const std::string& name) {
     return false;
 }
 
-std::string text_of_part(const Argument& argument, std::size_t offset) {
+std::string part_text(const Argument& argument, std::size_t offset) {
     const bool is_pointer = argument.type.kind == Kind::pointer && argument.type.name == "*";
     std::string text = argument.name;
     const SourceType* type = &argument.target();
@@ -255,15 +256,16 @@ std::string text_of_part(const Argument& argument, std::size_t offset) {
     return text;
 }
 
-std::string no_function(const std::string& ir, const std::string& path, const std::string& name,
-                        SourceLanguage language) {
-    constexpr std::size_t most_listed = 12;
+std::string missing_function_message(const std::string& ir, const std::string& path, const std::string& name,
+                                     SourceLanguage language) {
+    constexpr std::size_t max_listed = 12;
     std::set<std::string> names;
     if (ir.find("define ") != std::string::npos) {
         const Module module(ir);
         for (const auto& [symbol, f] : module.functions) {
             const std::string_view text = module.metadata(f.subprogram);
-            const std::filesystem::path file = field(module.metadata(reference(field(text, "file"))), "filename");
+            const std::filesystem::path file =
+                metadata_field(module.metadata(metadata_index(metadata_field(text, "file"))), "filename");
             if (language != SourceLanguage::llvm && file.filename() != std::filesystem::path(path).filename()) continue;
             names.insert(text.empty() ? symbol : qualified_name(module, text, language));
         }
@@ -271,76 +273,81 @@ std::string no_function(const std::string& ir, const std::string& path, const st
     std::string text = names.empty() ? "; it defines none" : "";
     std::size_t listed = 0;
     for (const std::string& function_name : names) {
-        if (listed++ < most_listed)
-            text += (text.empty() ? "; it defines " : ", ") + external::shown_text(function_name);
+        if (listed++ < max_listed)
+            text += (text.empty() ? "; it defines " : ", ") + external::quote_text(function_name);
     }
-    if (listed > most_listed) text += " and " + std::to_string(listed - most_listed) + " more";
-    return path + ": has no function " + external::shown_text(name) + text;
+    if (listed > max_listed) text += " and " + std::to_string(listed - max_listed) + " more";
+    return path + ": has no function " + external::quote_text(name) + text;
 }
 
 UserSignature signature_of(Module& module, const std::string& path, const std::string& name, SourceLanguage language) {
     // Finds the definition whose debug information has the name. If several match, the one with the whole name wins.
-    const IrFunction* found = nullptr;
+    const IrFunction* best_function = nullptr;
     const std::size_t at_sign = name.find('@');
-    const std::string own_name = name.substr(0, at_sign),
+    const std::string function_name = name.substr(0, at_sign),
                       chosen_line = at_sign == std::string::npos ? "" : name.substr(at_sign + 1);
     const std::string last_part =
-        own_name.substr(own_name.rfind(':') == std::string::npos ? 0 : own_name.rfind(':') + 1);
-    std::string_view text;
-    std::string lines;
+        function_name.substr(function_name.rfind(':') == std::string::npos ? 0 : function_name.rfind(':') + 1);
+    std::string_view best_subprogram;
+    std::string candidate_lines;
     bool is_overloaded = false;
-    // The same name in the namespace that the option names comes before that in another namespace.
-    const auto fit_of = [&](std::string_view subprogram) {
-        const bool is_nested = language == SourceLanguage::llvm;  // LLVM IR that C++ may have become
-        const std::string whole = qualified_name(module, subprogram, is_nested ? SourceLanguage::cpp : language);
-        return whole == own_name ? 2 : whole.ends_with("::" + own_name) ? 1 : 0;
+    // A function in the namespace that the option names takes precedence over one in another namespace.
+    const auto match_quality = [&](std::string_view subprogram) {
+        const bool may_be_cpp = language == SourceLanguage::llvm;  // LLVM IR may come from C++
+        const std::string whole = qualified_name(module, subprogram, may_be_cpp ? SourceLanguage::cpp : language);
+        return whole == function_name ? 2 : whole.ends_with("::" + function_name) ? 1 : 0;
     };
-    int best_fit = 0;
+    int best_quality = 0;
     for (const auto& [symbol, f] : module.functions) {
         const std::string_view subprogram = module.metadata(f.subprogram);
-        const std::string source_name = field(subprogram, "name");
-        if (source_name != last_part && symbol != own_name && !source_name.starts_with(last_part + "<")) continue;
-        const std::string line = field(subprogram, "line");
+        const std::string source_name = metadata_field(subprogram, "name");
+        if (source_name != last_part && symbol != function_name && !source_name.starts_with(last_part + "<")) continue;
+        const std::string line = metadata_field(subprogram, "line");
         if (!chosen_line.empty() && line != chosen_line) continue;
         // Functions of shaders have only these names; functions of C++ also have a name for the linker.
-        is_overloaded = is_overloaded || (found != nullptr && language == SourceLanguage::llvm &&
-                                          field(subprogram, "linkageName").empty() && field(text, "line") != line);
-        lines += (lines.empty() ? "" : ", ") + own_name + "@" + line;
-        const int fit = fit_of(subprogram);
-        if (found != nullptr &&
-            (fit < best_fit || (fit == best_fit && field(text, "linkageName").find(own_name) != std::string::npos)))
+        is_overloaded = is_overloaded || (best_function != nullptr && language == SourceLanguage::llvm &&
+                                          metadata_field(subprogram, "linkageName").empty() &&
+                                          metadata_field(best_subprogram, "line") != line);
+        candidate_lines += (candidate_lines.empty() ? "" : ", ") + function_name + "@" + line;
+        const int quality = match_quality(subprogram);
+        if (best_function != nullptr &&
+            (quality < best_quality ||
+             (quality == best_quality &&
+              metadata_field(best_subprogram, "linkageName").find(function_name) != std::string::npos)))
             continue;
-        found = &f;
-        text = subprogram;
-        best_fit = fit;
+        best_function = &f;
+        best_subprogram = subprogram;
+        best_quality = quality;
     }
-    if (found == nullptr) throw InputError(no_function(module.text(), path, name, language));
+    if (best_function == nullptr) throw InputError(missing_function_message(module.text(), path, name, language));
     if (is_overloaded)
-        throw InputError(path + ": has several functions " + external::shown_text(own_name) +
-                         "; name one by its line: " + lines);
-    UserSignature s;
-    s.language = language;
-    s.call = own_name;
-    s.symbol = found->name;
-    s.line = static_cast<int>(integer_of(field(text, "line")));
+        throw InputError(path + ": has several functions " + external::quote_text(function_name) +
+                         "; name one by its line: " + candidate_lines);
+    UserSignature signature;
+    signature.language = language;
+    signature.call = function_name;
+    signature.symbol = best_function->name;
+    signature.line = static_cast<int>(parse_integer(metadata_field(best_subprogram, "line")));
     if (language == SourceLanguage::llvm) {
-        if (found->subprogram < 0) {
-            set_ir_types(s, module, *found, path);
-            return s;
+        if (best_function->subprogram < 0) {
+            set_ir_types(signature, module, *best_function, path);
+            return signature;
         }
-        const std::string_view unit = module.metadata(reference(field(text, "unit")));
+        const std::string_view unit = module.metadata(metadata_index(metadata_field(best_subprogram, "unit")));
         language = unit.find("DW_LANG_Rust") != std::string_view::npos          ? SourceLanguage::rust
                    : unit.find("DW_LANG_C_plus_plus") != std::string_view::npos ? SourceLanguage::cpp
                                                                                 : SourceLanguage::c;
-        const std::string_view file = module.metadata(reference(field(text, "file")));
-        s.folder = (std::filesystem::path(field(file, "directory")) / field(file, "filename")).parent_path().string();
+        const std::string_view file = module.metadata(metadata_index(metadata_field(best_subprogram, "file")));
+        signature.folder = (std::filesystem::path(metadata_field(file, "directory")) / metadata_field(file, "filename"))
+                               .parent_path()
+                               .string();
     }
-    const std::vector<int> types =
-        references(module.metadata(reference(field(module.metadata(reference(field(text, "type"))), "types"))));
+    const std::vector<int> types = metadata_indices(module.metadata(metadata_index(
+        metadata_field(module.metadata(metadata_index(metadata_field(best_subprogram, "type"))), "types"))));
     if (types.empty())
         throw InputError(path + ": the function " + name + " has no debug information; compile it with -g");
-    s.returned = TypeReader(module, language).type(types[0]);
-    const auto is_of_function = [&](int scope) { return module.metadata(scope) == text; };
+    signature.returned = TypeReader(module, language).read_type(types[0]);
+    const auto is_of_function = [&](int scope) { return module.metadata(scope) == best_subprogram; };
     std::map<std::size_t, std::string> names;
     bool has_this = false;
     for (int n = 0, misses = 0; misses < 4000; ++n) {
@@ -351,20 +358,20 @@ UserSignature signature_of(Module& module, const std::string& path, const std::s
         }
         misses = 0;
         if (variable.find("DILocalVariable") == std::string_view::npos) continue;
-        const std::size_t arg = integer_of(field(variable, "arg"));
-        if (arg == 0 || !is_of_function(reference(field(variable, "scope")))) continue;
-        names[arg] = field(variable, "name");
+        const std::size_t arg = parse_integer(metadata_field(variable, "arg"));
+        if (arg == 0 || !is_of_function(metadata_index(metadata_field(variable, "scope")))) continue;
+        names[arg] = metadata_field(variable, "name");
         has_this = has_this || (names[arg] == "this" && arg == 1) ||
                    (language == SourceLanguage::rust && names[arg] == "self");
     }
-    s.is_method = has_this && language == SourceLanguage::cpp;
+    signature.is_method = has_this && language == SourceLanguage::cpp;
     for (std::size_t k = 1; k < types.size(); ++k) {
         Argument a{.name = names.contains(k) ? names[k] : "p" + std::to_string(k - 1),
-                   .type = TypeReader(module, language).type(types[k])};
+                   .type = TypeReader(module, language).read_type(types[k])};
         a.is_this = k == 1 && has_this;
-        s.arguments.push_back(std::move(a));
+        signature.arguments.push_back(std::move(a));
     }
-    return s;
+    return signature;
 }
 
 StatedSignature stated_signature(const std::string& text, const std::string& where) {
@@ -417,7 +424,7 @@ StatedSignature stated_signature(const std::string& text, const std::string& whe
             result.properties.emplace_back(trimmed(std::string_view(property).substr(0, equals)),
                                            trimmed(std::string_view(property).substr(equals + 1)));
         else if (!property.empty() && !property.starts_with("->"))
-            throw InputError(where + ": " + external::shown_text(property) +
+            throw InputError(where + ": " + external::quote_text(property) +
                              " is not understood; write, for example, sphere(o, d, c, r), miss = -1, roots = near");
     }
     return result;

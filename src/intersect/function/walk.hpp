@@ -1,6 +1,6 @@
-// Runs a function of LLVM IR over recorded numbers. An integer or a pointer is known, or is one of a few values between
-// which decisions choose. Floating-point numbers are operations. Both sides of a branch are run, and choices join their
-// results.
+// Runs a function of LLVM IR over recorded numbers. A floating-point number is the result of a recorded operation. An
+// integer or a pointer has a known value, or one of a few values between which recorded decisions choose. Both sides of
+// a branch are run, and selections join their results.
 #pragma once
 
 #include <array>
@@ -17,20 +17,21 @@
 
 namespace lostbits::intersect::function {
 
-/// An integer or an address that holds under a decision.
+/// One possible value of an integer or an address: the value if the decision `when` is true.
 struct Case {
     Mask when = yes;
-    int object = 0;  ///< the object that an address points into; 0: an integer
-    std::int64_t value = 0;
+    int memory_object = 0;   ///< index of the variable or buffer that an address points into; 0 for an integer
+    std::int64_t value = 0;  ///< the integer, or the offset of an address in bytes
     friend bool operator==(const Case&, const Case&) = default;
 };
 
 struct Scalar {
+    /// `lost`: a value that is not followed; an instruction that uses it fails with `reason`.
     enum class Kind { undefined, lost, number, integer };
     Kind kind = Kind::undefined;
     NodeId node = no_node;         ///< operation of a number
-    std::vector<Case> cases = {};  ///< cases of an integer or an address: exactly one holds
-    std::string reason = {};       ///< reason for which a value is lost
+    std::vector<Case> cases = {};  ///< possible values of an integer or an address; exactly one `when` is true
+    std::string reason = {};       ///< why a value is lost
     friend bool operator==(const Scalar&, const Scalar&) = default;
 };
 
@@ -40,16 +41,16 @@ struct MemoryCell {
     friend bool operator==(const MemoryCell&, const MemoryCell&) = default;
 };
 
-/// A value of any type: its scalars by their offsets in memory. Missing bytes are undefined.
+/// A value of any type: its scalars, by their offsets in bytes. Bytes without a scalar are undefined.
 using Value = std::map<std::size_t, MemoryCell>;
 
 class Walk {
 public:
-    /// `own_folder` is the folder of the user's file; operations in headers elsewhere are shown at the call in the
+    /// `user_folder` is the folder of the user's file; operations in headers elsewhere are shown at the call in the
     /// user's file. `ir_file` is the path of the module if the module is the user's file; functions without debug
     /// information are then shown as lines of the module.
-    Walk(Module& module, Nodes& nodes, std::string own_folder, std::string ir_file = {})
-        : module_(module), nodes_(nodes), own_folder_(std::move(own_folder)), ir_file_(std::move(ir_file)) {}
+    Walk(Module& module, Nodes& nodes, std::string user_folder, std::string ir_file = {})
+        : module_(module), nodes_(nodes), user_folder_(std::move(user_folder)), ir_file_(std::move(ir_file)) {}
 
     struct Answer {
         Mask hit;
@@ -64,25 +65,26 @@ public:
     struct StoredNumber {
         std::string name;
         NodeId node;
-        int place, declared;  ///< index of the place of the statement, and line of the declaration
+        int place, declaration_line;  ///< index of the place of the statement, and line of the declaration
     };
     /// All stored numbers, in the order in which the function stores them.
     [[nodiscard]] const std::vector<StoredNumber>& stored() const { return stored_; }
-    /// Index of the innermost place in the user's own files, or -1.
-    [[nodiscard]] int own_place(int place) const;
+    /// Index of the innermost place in the user's files on the chain of calls that leads to `place`; -1 if there is
+    /// none.
+    [[nodiscard]] int innermost_user_place(int place) const;
 
 private:
     using Registers = std::unordered_map<std::string, Value>;
     struct State {
-        std::vector<Mask> path;  ///< decisions that all hold here
+        std::vector<Mask> path;  ///< the decisions that led to this state; all are true in it
         std::vector<std::shared_ptr<Value>> memory;
         Registers registers;
     };
     /// A call of a function that is running.
     struct Frame {
         const IrFunction* function;
-        int caller;              ///< index of the place of the call
-        std::vector<int> order;  ///< position of each block
+        int caller;                  ///< index of the place of the call
+        std::vector<int> positions;  ///< position of each block in the order in which blocks run
         std::map<std::string, int> blocks;
         std::map<int, State> pending;  ///< states that wait at the start of a block, by the position of the block
         std::vector<int> visits;
@@ -92,83 +94,85 @@ private:
 
     // Values
     [[noreturn]] void fail(const std::string& problem) const { throw NotFollowed(problem); }
-    Value from_cases(std::vector<Case> cases, std::size_t size) const;
-    Value integer(std::int64_t value, const Type& type) const { return from_cases({{yes, 0, value}}, type.size); }
+    Value integer_from_cases(std::vector<Case> cases, std::size_t size) const;
+    Value integer(std::int64_t value, const Type& type) const {
+        return integer_from_cases({{yes, 0, value}}, type.size);
+    }
     Value number(NodeId node) const;
-    Value from_mask(Mask m, std::size_t size = 1);
+    Value integer_from_mask(Mask m, std::size_t size = 1);
     NodeId number_of(const Value& value, const Type& type);
     std::vector<Case> cases_of(const Value& value, const Type& type);
     Mask mask_of(const Value& value);
     std::optional<Scalar> slice(const Scalar& scalar, std::size_t size, std::size_t first_byte, std::size_t count);
-    Value part_of(const Value& value, std::size_t first_byte, std::size_t count);
-    void write_bytes(Value& into, std::size_t offset, std::size_t size, const Value& value);
+    Value extract_bytes(const Value& value, std::size_t first_byte, std::size_t count);
+    void write_bytes(Value& target, std::size_t offset, std::size_t size, const Value& value);
     Scalar join(Mask when, const Scalar& a, const Scalar& b, std::size_t size);
     Value join(Mask when, const Value& a, const Value& b);
-    std::vector<Case> distinct(std::vector<Case> cases);
-    Value zero(const Type& type);
-    std::optional<NodeId> from_bits(const Scalar& scalar, std::size_t size);
+    std::vector<Case> merge_duplicates(std::vector<Case> cases);
+    Value zero_value(const Type& type);
+    std::optional<NodeId> number_from_bits(const Scalar& scalar, std::size_t size);
 
     // States
-    void join(State& into, State&& other);
+    void join(State& state, State&& other);
     int new_object(State& state, bool is_written = true);
     Value load(State& state, const Value& pointer, std::size_t size);
     void store(State& state, const Value& pointer, std::size_t size, const Value& value);
     void enter(Frame& frame, State state, const std::string& target);
     void branch(Frame& frame, State& state, Mask when, const std::string& target);
-    void take_return(Frame& frame, State& state, Value value);
-    std::optional<std::pair<State, Value>> call(const IrFunction& f, std::vector<Value> arguments, State state,
-                                                int caller);
+    void add_return_state(Frame& frame, State& state, Value value);
+    std::optional<std::pair<State, Value>> run_function(const IrFunction& f, std::vector<Value> arguments, State state,
+                                                        int caller);
 
     // Instructions
     Value value(State& state, const Type& type, Cursor& cursor);
     Value constant(State& state, const Type& type, Cursor& cursor);
     Value address_of(State& state, const std::string& global);
     Value element_address(State& state, Cursor& cursor);
-    NodeId literal(const Type& type, Cursor& cursor);
+    NodeId read_literal(const Type& type, Cursor& cursor);
     /// Runs one instruction. Returns false if the block ends.
-    bool step(Frame& frame, State& state, std::string_view line);
+    bool run_instruction(Frame& frame, State& state, std::string_view line);
     bool end_block(Frame& frame, State& state, std::string_view op, Cursor& cursor);
     Value compute(Frame& frame, State& state, std::string_view op, Cursor& cursor);
     Value arithmetic(State& state, std::string_view op, Cursor& cursor);
     Value compare_numbers(State& state, Cursor& cursor);
     Value compare_integers(State& state, Cursor& cursor);
     Value integer_arithmetic(State& state, std::string_view op, Cursor& cursor);
-    Value combine(std::string_view op, const Type& type, const Value& a, const Value& b);
+    Value combine_integers(std::string_view op, const Type& type, const Value& a, const Value& b);
     std::optional<Value> bit_operation(std::string_view op, const Type& type, const Value& a, const Value& b);
     Value convert(State& state, std::string_view op, Cursor& cursor);
     Value rearrange(State& state, std::string_view op, Cursor& cursor);
-    std::optional<Value> call_instruction(Frame& frame, State& state, Cursor& cursor);
-    std::optional<Value> known_call(State& state, const std::string& name, const Type& type,
-                                    const std::vector<Value>& arguments, const std::vector<const Type*>& types);
+    std::optional<Value> run_call_instruction(Frame& frame, State& state, Cursor& cursor);
+    std::optional<Value> run_known_function(State& state, const std::string& name, const Type& type,
+                                            const std::vector<Value>& arguments, const std::vector<const Type*>& types);
     template <class Act>
-    Value each_lane(const Type& type, const Act& act);
+    Value map_lanes(const Type& type, const Act& act);
 
     // Places and names
-    int index_of(std::string_view line, const Frame& frame);
-    int ir_place(std::string_view line, int caller);
-    int place_at(int location, int caller, int depth = 0);
+    int place_of_line(std::string_view line, const Frame& frame);
+    int place_in_ir(std::string_view line, int caller);
+    int place_of_location(int location, int caller, int depth = 0);
     void name_value(int variable, const Value& value, std::size_t first_byte, int depth);
-    std::string path_in(int variable, std::size_t offset) const;
-    void declare(State& state, std::string_view line, Cursor cursor, bool is_record);
+    std::string member_path(int variable, std::size_t offset) const;
+    void handle_debug_record(State& state, std::string_view line, Cursor cursor, bool is_record);
 
     Module& module_;
     Nodes& nodes_;
-    std::string own_folder_, ir_file_;
+    std::string user_folder_, ir_file_;
     std::vector<SourcePlace> places_;
     std::vector<StoredNumber> stored_;
     std::map<std::pair<int, int>, int> known_places_;
-    std::map<std::string, int> global_objects_;
-    std::map<int, std::string> functions_;          // objects that are functions
+    std::map<std::string, int> global_objects_;     // index of the memory object of each global, by its name
+    std::map<int, std::string> function_objects_;   // name of each function whose address is taken, by its object
     std::map<int, std::pair<int, int>> variables_;  // by object: the variable, and the depth of calls
     std::map<int, Value> global_memory_;            // contents of global constants
-    int objects_ = 1;
-    int depth_ = 0, nesting_ = 0;
+    int object_count_ = 1;                          // index 0 stands for an integer
+    int depth_ = 0, nesting_ = 0;                   // depth of calls, and of nested constants
     std::size_t steps_ = 0;
 };
 
 // Parts that the files of `Walk` share: flags of instructions, integers of any width, and lanes of vectors.
 
-inline constexpr std::size_t most_steps = 3'000'000;
+inline constexpr std::size_t max_steps = 3'000'000;
 
 inline void skip_flags(Cursor& cursor) {
     constexpr std::array flags{"nnan",     "ninf", "nsz",      "arcp",     "contract", "afn",
@@ -180,41 +184,41 @@ inline void skip_flags(Cursor& cursor) {
     }
 }
 
-/// The low bits of `x` as an integer of that width, sign-extended; 0 or 1 for i1.
-inline std::int64_t wrapped(std::uint64_t x, int bits) {
+/// The lowest `bits` bits of `x` as an integer of that width, sign-extended; 0 or 1 for i1.
+inline std::int64_t wrap(std::uint64_t x, int bits) {
     if (bits == 1) return static_cast<std::int64_t>(x & 1);
     if (bits >= 64) return static_cast<std::int64_t>(x);
     return static_cast<std::int64_t>(x << (64 - bits)) >> (64 - bits);
 }
 
-inline std::uint64_t without_sign(std::int64_t x, int bits) {
+inline std::uint64_t as_unsigned(std::int64_t x, int bits) {
     return bits >= 64 ? static_cast<std::uint64_t>(x)
                       : static_cast<std::uint64_t>(x) & ((std::uint64_t{1} << bits) - 1);
 }
 
-/// Result of an integer operation; empty for a division by zero or one that overflows.
+/// Result of an integer operation; empty for a division by zero and for a division that overflows.
 inline std::optional<std::int64_t> integer_result(std::string_view op, std::int64_t a, std::int64_t b, int bits) {
-    const std::uint64_t x = without_sign(a, bits), y = without_sign(b, bits);
+    const std::uint64_t x = as_unsigned(a, bits), y = as_unsigned(b, bits);
     const bool shifts = y < static_cast<std::uint64_t>(bits);
-    if (op == "add") return wrapped(x + y, bits);
-    if (op == "sub") return wrapped(x - y, bits);
-    if (op == "mul") return wrapped(x * y, bits);
-    if (op == "and") return wrapped(x & y, bits);
-    if (op == "or") return wrapped(x | y, bits);
-    if (op == "xor") return wrapped(x ^ y, bits);
-    if (op == "shl") return shifts ? wrapped(x << y, bits) : 0;
-    if (op == "lshr") return shifts ? wrapped(x >> y, bits) : 0;
-    if (op == "ashr") return shifts ? wrapped(static_cast<std::uint64_t>(a >> y), bits) : 0;
+    if (op == "add") return wrap(x + y, bits);
+    if (op == "sub") return wrap(x - y, bits);
+    if (op == "mul") return wrap(x * y, bits);
+    if (op == "and") return wrap(x & y, bits);
+    if (op == "or") return wrap(x | y, bits);
+    if (op == "xor") return wrap(x ^ y, bits);
+    if (op == "shl") return shifts ? wrap(x << y, bits) : 0;
+    if (op == "lshr") return shifts ? wrap(x >> y, bits) : 0;
+    if (op == "ashr") return shifts ? wrap(static_cast<std::uint64_t>(a >> y), bits) : 0;
     if (b == 0 || (b == -1 && a == INT64_MIN)) return {};
-    if (op == "udiv") return wrapped(x / y, bits);
-    if (op == "urem") return wrapped(x % y, bits);
-    if (op == "sdiv") return wrapped(static_cast<std::uint64_t>(a / b), bits);
-    if (op == "srem") return wrapped(static_cast<std::uint64_t>(a % b), bits);
+    if (op == "udiv") return wrap(x / y, bits);
+    if (op == "urem") return wrap(x % y, bits);
+    if (op == "sdiv") return wrap(static_cast<std::uint64_t>(a / b), bits);
+    if (op == "srem") return wrap(static_cast<std::uint64_t>(a % b), bits);
     return {};
 }
 
-inline bool holds(std::string_view predicate, std::int64_t a, std::int64_t b, int bits) {
-    const std::uint64_t x = without_sign(a, bits), y = without_sign(b, bits);
+inline bool comparison_holds(std::string_view predicate, std::int64_t a, std::int64_t b, int bits) {
+    const std::uint64_t x = as_unsigned(a, bits), y = as_unsigned(b, bits);
     if (bits == 1) a = -a, b = -b;
     if (predicate == "eq") return a == b;
     if (predicate == "ne") return a != b;
@@ -239,7 +243,7 @@ inline std::string source_name(const std::string& name) {
 
 /// Applies `act(type of a lane, offset)` to each lane of a vector, or to the type itself.
 template <class Act>
-Value Walk::each_lane(const Type& type, const Act& act) {
+Value Walk::map_lanes(const Type& type, const Act& act) {
     if (!type.is_vector) return act(type, 0);
     Value result;
     for (std::size_t k = 0; k < type.count; ++k) {

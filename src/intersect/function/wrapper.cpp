@@ -34,36 +34,36 @@ std::string c_source(std::string source) {
     return source;
 }
 
-std::string c_wrapper(const UserSignature& s, const std::string& path) {
-    const bool is_cpp = s.language == SourceLanguage::cpp;
-    const std::string number = source_number_type(static_cast<std::size_t>(s.bits) / 8, s.language);
+std::string c_wrapper(const UserSignature& signature, const std::string& path) {
+    const bool is_cpp = signature.language == SourceLanguage::cpp;
+    const std::string number = source_number_type(static_cast<std::size_t>(signature.bits) / 8, signature.language);
     std::string text = "#include \"" + path + "\"\n" + (is_cpp ? "extern \"C\" " : "") + "void lostbits_entry(const " +
                        number + "* lb_in, " + number + "* lb_out, int* lb_hit) {\n";
-    for (std::size_t k = 0; k < s.arguments.size(); ++k) {
-        const std::size_t size = std::max<std::size_t>(s.arguments[k].target().size, 64);
+    for (std::size_t k = 0; k < signature.arguments.size(); ++k) {
+        const std::size_t size = std::max<std::size_t>(signature.arguments[k].target().size, 64);
         text += "    " + std::string(is_cpp ? "alignas(64)" : "_Alignas(64)") + " unsigned char " +
                 buffer_name(static_cast<int>(k)) + "[" + std::to_string(size) + "] = {0};\n";
     }
-    for (const InputSlot& in : s.inputs)
-        text += "    { " + source_number_type(in.slot.size, s.language) + " lb_v = " + c_source(in.source) +
+    for (const InputSlot& in : signature.inputs)
+        text += "    { " + source_number_type(in.slot.size, signature.language) + " lb_v = " + c_source(in.source) +
                 "; __builtin_memcpy(" + buffer_name(in.slot.argument) + " + " + std::to_string(in.slot.offset) +
                 ", &lb_v, sizeof lb_v); }\n";
-    std::string call = s.call;
+    std::string call = signature.call;
     std::size_t first = 0;
-    if (s.is_method) {
+    if (signature.is_method) {
         const std::size_t colon = call.rfind("::");
         call = "((" + call.substr(0, colon) + "*)" + buffer_name(0) + ")->" + call.substr(colon + 2);
         first = 1;
     }
     call += "(";
-    for (std::size_t k = first; k < s.arguments.size(); ++k)
-        call += (k == first ? "" : ", ") + c_argument(s.arguments[k], static_cast<int>(k));
+    for (std::size_t k = first; k < signature.arguments.size(); ++k)
+        call += (k == first ? "" : ", ") + c_argument(signature.arguments[k], static_cast<int>(k));
     call += ")";
-    const bool returns_value = s.returned.kind != Kind::nothing;
-    text += "    " + (returns_value ? (is_cpp ? "auto" : s.returned.name) + " lb_r = " : "") + call +
+    const bool returns_value = signature.returned.kind != Kind::nothing;
+    text += "    " + (returns_value ? (is_cpp ? "auto" : signature.returned.name) + " lb_r = " : "") + call +
             ";\n    *lb_hit = 1;\n";
     std::string result = "lb_r";
-    if (s.hit_is_optional) {
+    if (signature.hit_is_optional) {
         text += "    *lb_hit = lb_r ? 1 : 0;\n    if (!lb_r) return;\n    auto lb_value = *lb_r;\n";
         result = "lb_value";
     }
@@ -71,42 +71,42 @@ std::string c_wrapper(const UserSignature& s, const std::string& path) {
         const std::string base = slot.argument < 0 ? "(unsigned char*)&" + result : buffer_name(slot.argument);
         return base + " + " + std::to_string(slot.offset);
     };
-    if (s.hit)
-        text += "    { unsigned long long lb_v = 0; __builtin_memcpy(&lb_v, " + address_of(*s.hit) + ", " +
-                std::to_string(s.hit->size) + "); *lb_hit = lb_v != 0; }\n";
+    if (signature.hit)
+        text += "    { unsigned long long lb_v = 0; __builtin_memcpy(&lb_v, " + address_of(*signature.hit) + ", " +
+                std::to_string(signature.hit->size) + "); *lb_hit = lb_v != 0; }\n";
     int k = 0;
-    for (const std::optional<Slot>& slot : {s.t, s.far}) {
+    for (const std::optional<Slot>& slot : {signature.t, signature.far}) {
         if (slot)
-            text += "    { " + source_number_type(slot->size, s.language) + " lb_v; __builtin_memcpy(&lb_v, " +
+            text += "    { " + source_number_type(slot->size, signature.language) + " lb_v; __builtin_memcpy(&lb_v, " +
                     address_of(*slot) + ", sizeof lb_v); lb_out[" + std::to_string(k) + "] = (" + number + ")lb_v; }\n";
         ++k;
     }
     return text + "}\n";
 }
 
-std::string rust_wrapper(const UserSignature& s, const std::string& text_of_file) {
-    const std::string number = source_number_type(static_cast<std::size_t>(s.bits) / 8, s.language);
+std::string rust_wrapper(const UserSignature& signature, const std::string& text_of_file) {
+    const std::string number = source_number_type(static_cast<std::size_t>(signature.bits) / 8, signature.language);
     std::string text = text_of_file +
                        "\n#[repr(align(64))] struct LostbitsBytes<const N: usize>([u8; N]);\n"
                        "#[no_mangle] #[allow(warnings)] pub unsafe extern \"C\" fn lostbits_entry(lb_input: *const " +
                        number + ", lb_out: *mut " + number +
                        ", lb_hit: *mut i32) { unsafe {\n    let lb_in = &*(lb_input as *const [" + number + "; 64]);\n";
-    for (std::size_t k = 0; k < s.arguments.size(); ++k) {
-        const std::size_t size = std::max<std::size_t>(s.arguments[k].target().size, 1);
+    for (std::size_t k = 0; k < signature.arguments.size(); ++k) {
+        const std::size_t size = std::max<std::size_t>(signature.arguments[k].target().size, 1);
         text += "    let mut " + buffer_name(static_cast<int>(k)) + " = LostbitsBytes::<" + std::to_string(size) +
                 ">([0; " + std::to_string(size) + "]);\n";
     }
-    for (const InputSlot& in : s.inputs) {
+    for (const InputSlot& in : signature.inputs) {
         std::string source = in.source;
-        const std::string type = source_number_type(in.slot.size, s.language);
+        const std::string type = source_number_type(in.slot.size, signature.language);
         if (source.starts_with("1 / ")) source = "1.0 / lb_" + source.substr(4);
         else source = source == "0" ? "0.0" : "lb_" + source;
         text += "    *(" + buffer_name(in.slot.argument) + ".0.as_mut_ptr().add(" + std::to_string(in.slot.offset) +
                 ") as *mut " + type + ") = (" + source + ") as " + type + ";\n";
     }
-    text += "    let lb_r = " + s.call + "(";
-    for (std::size_t k = 0; k < s.arguments.size(); ++k) {
-        const Argument& a = s.arguments[k];
+    text += "    let lb_r = " + signature.call + "(";
+    for (std::size_t k = 0; k < signature.arguments.size(); ++k) {
+        const Argument& a = signature.arguments[k];
         const std::string bytes = buffer_name(static_cast<int>(k)) + ".0";
         if (k > 0) text += ", ";
         if (a.type.kind != Kind::pointer) text += "core::ptr::read(" + bytes + ".as_ptr() as *const _)";
@@ -115,22 +115,22 @@ std::string rust_wrapper(const UserSignature& s, const std::string& text_of_file
         else text += "&mut *(" + bytes + ".as_mut_ptr() as *mut _)";
     }
     text += ");\n    *lb_hit = 1;\n";
-    if (s.hit_is_optional) text += "    match lb_r { None => { *lb_hit = 0; } Some(lb_value) => {\n";
-    const std::string result = s.hit_is_optional ? "lb_value" : "lb_r";
+    if (signature.hit_is_optional) text += "    match lb_r { None => { *lb_hit = 0; } Some(lb_value) => {\n";
+    const std::string result = signature.hit_is_optional ? "lb_value" : "lb_r";
     const auto address_of = [&](const Slot& slot) {
         const std::string base = slot.argument < 0 ? "(&" + result + " as *const _ as *const u8)"
                                                    : buffer_name(slot.argument) + ".0.as_ptr()";
         return base + ".add(" + std::to_string(slot.offset) + ")";
     };
-    if (s.hit) text += "    *lb_hit = (*" + address_of(*s.hit) + " != 0) as i32;\n";
+    if (signature.hit) text += "    *lb_hit = (*" + address_of(*signature.hit) + " != 0) as i32;\n";
     int k = 0;
-    for (const std::optional<Slot>& slot : {s.t, s.far}) {
+    for (const std::optional<Slot>& slot : {signature.t, signature.far}) {
         if (slot)
             text += "    *lb_out.add(" + std::to_string(k) + ") = *(" + address_of(*slot) + " as *const " +
-                    source_number_type(slot->size, s.language) + ") as " + number + ";\n";
+                    source_number_type(slot->size, signature.language) + ") as " + number + ";\n";
         ++k;
     }
-    return text + (s.hit_is_optional ? "    } }\n" : "") + "} }\n";
+    return text + (signature.hit_is_optional ? "    } }\n" : "") + "} }\n";
 }
 
 // LLVM IR: each parameter receives the bytes of an argument of which it is a part, by the debug information.
@@ -193,7 +193,8 @@ private:
 };
 
 /// Returns the parameters of the call. The array after those of the arguments receives the result.
-std::string parameters_of(const UserSignature& s, const IrFunction& f, IrWriter& writer, const std::string& subject) {
+std::string parameters_of(const UserSignature& signature, const IrFunction& f, IrWriter& writer,
+                          const std::string& subject) {
     std::string list;
     std::size_t parameter_index = 0;
     const auto append_parameter = [&](const IrParameter& p, const std::string& value) {
@@ -207,9 +208,9 @@ std::string parameters_of(const UserSignature& s, const IrFunction& f, IrWriter&
     };
     if (!f.parameters.empty() && f.parameters[0].text.find("sret") != std::string_view::npos)
         append_parameter(f.parameters[0],
-                         writer.address(s.arguments.size(), 0, std::string(f.parameters[0].type_text)));
-    for (std::size_t k = 0; k < s.arguments.size(); ++k) {
-        const std::size_t size = s.arguments[k].type.size;
+                         writer.address(signature.arguments.size(), 0, std::string(f.parameters[0].type_text)));
+    for (std::size_t k = 0; k < signature.arguments.size(); ++k) {
+        const std::size_t size = signature.arguments[k].type.size;
         for (std::size_t offset = 0; offset < size;) {
             if (parameter_index >= f.parameters.size()) mismatch();
             const IrParameter& p = f.parameters[parameter_index];
@@ -230,10 +231,10 @@ std::string parameters_of(const UserSignature& s, const IrFunction& f, IrWriter&
     return list;
 }
 
-void write_inputs(const UserSignature& s, IrWriter& writer) {
-    const std::size_t size = static_cast<std::size_t>(s.bits) / 8;
+void write_inputs(const UserSignature& signature, IrWriter& writer) {
+    const std::size_t size = static_cast<std::size_t>(signature.bits) / 8;
     const std::string number = ir_number_type(size);
-    for (const InputSlot& input : s.inputs) {
+    for (const InputSlot& input : signature.inputs) {
         std::string value = "0.000000e+00";
         if (const std::size_t bracket = input.source.find("in["); bracket != std::string::npos) {
             const std::string address =
@@ -249,29 +250,29 @@ void write_inputs(const UserSignature& s, IrWriter& writer) {
 
 }  // namespace
 
-std::string wrapper_of(const UserSignature& s, const std::string& file) {
-    return s.language == SourceLanguage::rust ? rust_wrapper(s, file) : c_wrapper(s, file);
+std::string wrapper_of(const UserSignature& signature, const std::string& file) {
+    return signature.language == SourceLanguage::rust ? rust_wrapper(signature, file) : c_wrapper(signature, file);
 }
 
-std::string ir_wrapper_of(const UserSignature& s, Module& module, const std::string& subject) {
-    const IrFunction& f = *module.function(s.symbol);
+std::string ir_wrapper_of(const UserSignature& signature, Module& module, const std::string& subject) {
+    const IrFunction& f = *module.find_function(signature.symbol);
     IrWriter writer(module);
-    for (const Argument& a : s.arguments) writer.new_bytes(a.target().size);
-    writer.new_bytes(s.returned.size);
-    write_inputs(s, writer);
+    for (const Argument& a : signature.arguments) writer.new_bytes(a.target().size);
+    writer.new_bytes(signature.returned.size);
+    write_inputs(signature, writer);
     const std::string call = "call " + std::string(f.convention) + " " + std::string(f.returned_text) + " @\"" +
-                             f.name + "\"(" + parameters_of(s, f, writer, subject) + ")";
-    const std::size_t result = s.arguments.size();
+                             f.name + "\"(" + parameters_of(signature, f, writer, subject) + ")";
+    const std::size_t result = signature.arguments.size();
     Cursor returned(f.returned_text);
-    const Type* const type = module.type(returned);
+    const Type* const type = module.read_type(returned);
     if (type->kind == Type::Kind::nothing) writer.text += "  " + call + "\n";
     else if (const std::string value = writer.emit(call); type->kind == Type::Kind::integer && type->bits == 1)
         writer.store(writer.emit("zext i1 " + value + " to i8"), result, 0, "i8");
     else writer.store(value, result, 0, std::string(f.returned_text));
 
     // The answers. The value of an optional is before or after its flag.
-    const SourceType* const value = s.hit_is_optional ? &s.returned.parts[0] : nullptr;
-    if (value != nullptr && s.returned.flag_size == 0)
+    const SourceType* const value = signature.hit_is_optional ? &signature.returned.parts[0] : nullptr;
+    if (value != nullptr && signature.returned.flag_size == 0)
         throw InputError(subject + ": the layout of its optional result is unknown");
     const auto array_of = [&](const Slot& slot) {
         return slot.argument < 0 ? result : static_cast<std::size_t>(slot.argument);
@@ -286,14 +287,14 @@ std::string ir_wrapper_of(const UserSignature& s, Module& module, const std::str
             writer.emit("icmp ne " + integer_type + " " + writer.load(array, offset, integer_type) + ", 0");
         hit = hit == "true" ? is_nonzero : writer.emit("select i1 " + hit + ", i1 " + is_nonzero + ", i1 false");
     };
-    if (value != nullptr) require_nonzero(result, s.returned.flag_offset, s.returned.flag_size);
-    if (s.hit) require_nonzero(array_of(*s.hit), offset_of(*s.hit), s.hit->size);
+    if (value != nullptr) require_nonzero(result, signature.returned.flag_offset, signature.returned.flag_size);
+    if (signature.hit) require_nonzero(array_of(*signature.hit), offset_of(*signature.hit), signature.hit->size);
     writer.text +=
         "  store i32 " + writer.emit("zext i1 " + hit + " to i32") + ", " + writer.pointer("i32") + " %hit\n";
-    const std::size_t size = static_cast<std::size_t>(s.bits) / 8;
+    const std::size_t size = static_cast<std::size_t>(signature.bits) / 8;
     const std::string number = ir_number_type(size);
     std::size_t k = 0;
-    for (const std::optional<Slot>& slot : {s.t, s.far}) {
+    for (const std::optional<Slot>& slot : {signature.t, signature.far}) {
         if (slot) {
             const std::string t = writer.load(array_of(*slot), offset_of(*slot), ir_number_type(slot->size));
             const std::string address = writer.item_address("%out", number, k);

@@ -55,7 +55,7 @@ class AdoptedDescendants {
 public:
     /// Children that this process already has, left by the shell that started it, are not ours to end.
     AdoptedDescendants() {
-        for (const int child : children()) own_children_.insert(child);
+        for (const int child : child_processes()) own_children_.insert(child);
         prctl(PR_SET_CHILD_SUBREAPER, 1);
     }
     /// Calls `start`, which returns the process that it started, and remembers that process as our own.
@@ -70,7 +70,7 @@ public:
         const std::scoped_lock lock(mutex_);
         for (bool ended_any = true; ended_any;) {  // again, since ending a process leaves us its children
             ended_any = false;
-            for (const int child : children()) {
+            for (const int child : child_processes()) {
                 // A process that a library in this process started is in our own group and stays.
                 if (own_children_.contains(child) || getpgid(child) == getpgrp()) continue;
                 ended_any = kill(child, SIGKILL) == 0 && waitpid(child, nullptr, 0) == child;
@@ -116,7 +116,7 @@ std::string shell_command(const ProgramArguments& arguments) {
     return command;
 }
 
-std::vector<int> children() {
+std::vector<int> child_processes() {
     std::vector<int> process_ids;
     std::error_code error;
     for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", error)) {
@@ -141,7 +141,8 @@ void Child::start(ProgramArguments program, StandardError errors) {
     posix_spawn_file_actions_adddup2(&files, to_child[0], STDIN_FILENO);
     posix_spawn_file_actions_adddup2(&files, from_child[1], STDOUT_FILENO);
     if (errors == StandardError::output) posix_spawn_file_actions_adddup2(&files, from_child[1], STDERR_FILENO);
-    if (terms_.shared >= 0) posix_spawn_file_actions_adddup2(&files, terms_.shared, SharedMemory::inherited);
+    if (terms_.shared_descriptor >= 0)
+        posix_spawn_file_actions_adddup2(&files, terms_.shared_descriptor, SharedMemory::inherited);
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     sigset_t defaults;
@@ -193,7 +194,7 @@ std::string Child::ending_text() {
 
 void Child::fail(const std::string& problem) {
     const std::string ending = output_ended_ ? ending_text() : "";
-    throw EnvironmentError(terms_.who + ": " + (about_.empty() ? "" : about_ + " ") + problem + ending);
+    throw EnvironmentError(terms_.who + ": " + (subject_.empty() ? "" : subject_ + " ") + problem + ending);
 }
 
 void Child::fail_after_time_limit() {
@@ -243,7 +244,7 @@ void Child::exchange(std::span<const std::byte> request, std::span<std::byte> an
     const auto deadline =
         Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(terms_.seconds));
     if (!request.empty()) write_some(request);  // most requests fit into the pipe at once and need no poll
-    for (int poll_count = 0; poll_count < looks_before_sleep && request.empty() && !answer.empty(); ++poll_count) {
+    for (int poll_count = 0; poll_count < polls_before_sleep && request.empty() && !answer.empty(); ++poll_count) {
         answer = answer.subspan(read_some(answer));
         if (!answer.empty()) sched_yield();
     }
@@ -252,7 +253,7 @@ void Child::exchange(std::span<const std::byte> request, std::span<std::byte> an
         wait_for(request.empty() ? short{0} : short{POLLOUT}, deadline, can_write, can_read);
         if (can_write) write_some(request);
         if (!can_read) continue;
-        if (answer.empty()) return;  // the child answered early, or has ended; the next read finds out
+        if (answer.empty()) return;  // the child answered early, or has ended; the next read shows which
         answer = answer.subspan(read_some(answer));
     }
 }

@@ -18,16 +18,16 @@ namespace lostbits::intersect::process {
 /// Number of times that each end of a pipe polls before it sleeps; between two polls it yields the processor. Waking on
 /// another processor takes up to 40 µs, many times as long as a batch. If both ends share a processor, the other end
 /// runs at once.
-inline constexpr int looks_before_sleep = 30;
+inline constexpr int polls_before_sleep = 30;
 
-/// The processes whose parent is this process, including adopted ones.
-[[nodiscard]] std::vector<int> children();
+/// Returns the ids of the processes whose parent is this process, including adopted ones.
+[[nodiscard]] std::vector<int> child_processes();
 
 struct ChildTerms {
     std::string who;             ///< begin of messages
     std::string timeout_advice;  ///< advice to the program's author for the case that no answer comes; may be empty
     double seconds = 30;         ///< limit for one answer
-    int shared = -1;             ///< the descriptor of a SharedMemory that the process inherits, or -1
+    int shared_descriptor = -1;  ///< the descriptor of a SharedMemory that the process inherits, or -1
     StopToken stop = {};         ///< stop request of the caller; every wait for an answer checks it
 };
 
@@ -65,8 +65,8 @@ public:
     /// started are ended, too.
     EndResult read_to_end();
 
-    /// Names the subject of the following requests, for messages.
-    void about(const std::string& subject) { about_ = subject; }
+    /// Sets the subject that messages about the following requests name, such as a form.
+    void set_subject(const std::string& subject) { subject_ = subject; }
     /// Throws EnvironmentError, which begins with `who` of the terms and says how the process ended if it has ended.
     [[noreturn]] void fail(const std::string& problem);
 
@@ -82,7 +82,7 @@ private:
     [[noreturn]] void fail_after_time_limit();
     [[nodiscard]] std::string ending_text();
 
-    std::string about_;
+    std::string subject_;
     ChildTerms terms_;
     int process_ = -1, input_ = -1, output_ = -1;
     bool output_ended_ = false;

@@ -118,7 +118,7 @@ std::string FloatingPoint::differences() const {
     return names;
 }
 
-bool FloatingPoint::read(const std::string& names, FloatingPoint& into) {
+bool FloatingPoint::read(const std::string& names, FloatingPoint& state) {
     std::string_view rest = names;
     while (!rest.empty()) {
         const std::string_view name = rest.substr(0, rest.find(','));
@@ -128,9 +128,9 @@ bool FloatingPoint::read(const std::string& names, FloatingPoint& into) {
             if (deviation.name != name) continue;
             is_known = true;
             if (deviation.x87)
-                into.x87_ = (into.x87_ & ~static_cast<std::uint32_t>(deviation.mask)) |
-                            static_cast<std::uint32_t>(deviation.value);
-            else into.main_ = (into.main_ & ~deviation.mask) | deviation.value;
+                state.x87_ = (state.x87_ & ~static_cast<std::uint32_t>(deviation.mask)) |
+                             static_cast<std::uint32_t>(deviation.value);
+            else state.main_ = (state.main_ & ~deviation.mask) | deviation.value;
         }
         if (!is_known) return false;
     }

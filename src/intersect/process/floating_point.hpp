@@ -24,7 +24,7 @@ public:
     /// `flush_to_zero,denormals_are_zero`; empty if there are none.
     [[nodiscard]] std::string differences() const;
     /// The inverse of `differences`. Returns false for an unknown name.
-    static bool read(const std::string& names, FloatingPoint& into);
+    static bool read(const std::string& names, FloatingPoint& state);
 
     friend bool operator==(const FloatingPoint&, const FloatingPoint&) = default;
 

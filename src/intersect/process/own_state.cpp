@@ -88,16 +88,16 @@ const char* own_environment(const char* name) {
     return entry == remembered_environment().end() ? nullptr : entry->second.c_str();
 }
 
-bool is_a_copy() noexcept { return is_remembered.load() && getpid() != remembered.process; }
+bool is_forked_copy() noexcept { return is_remembered.load() && getpid() != remembered.process; }
 
 void give_thread_own_folder() noexcept {
     thread_local const int unshare_error = is_remembered.load() ? unshare(CLONE_FS) : 0;
     static_cast<void>(unshare_error);  // a sandbox may refuse the call; then the folder stays shared
 }
 
-bool put_back_own_state(const char* who) noexcept {
+bool restore_own_state(const char* who) noexcept {
     if (!is_remembered.load()) return true;
-    if (is_forked.load() && is_a_copy()) {
+    if (is_forked.load() && is_forked_copy()) {
         for (const char* part : {"lostbits: ", who != nullptr ? who : "a library",
                                  ": made a copy of this program (fork), which returned from the call as if it were the "
                                  "program; the copy was ended; call exec or _exit in it\n"}) {
@@ -113,7 +113,7 @@ bool put_back_own_state(const char* who) noexcept {
            now.st_ino == remembered.folder_status.st_ino;
 }
 
-const char* put_back_limits() noexcept {
+const char* restore_limits() noexcept {
     if (!is_remembered.load()) return nullptr;
     for (std::size_t i = 0; i < limits.size(); ++i) {
         const Resource resource = limits[i].resource;
@@ -131,7 +131,7 @@ const char* put_back_limits() noexcept {
     return nullptr;
 }
 
-void put_back_after_loading() noexcept {
+void restore_after_loading() noexcept {
     if (!is_remembered.load()) return;
     umask(remembered.umask);
     pthread_sigmask(SIG_SETMASK, &remembered.mask, nullptr);

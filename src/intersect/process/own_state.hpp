@@ -1,4 +1,4 @@
-// Process state that foreign code may change and must not change: the identity of the process, and what all threads
+// State of the process that foreign code must not change, although it can: the process itself, and all that its threads
 // share.
 #pragma once
 
@@ -8,7 +8,7 @@ namespace lostbits::intersect::process {
 /// stop signals. Call it before any foreign code is loaded; later calls have no effect.
 void keep_own_state();
 
-/// True if `keep_own_state` was called: from then on a library may be the cause of anything odd.
+/// True if `keep_own_state` was called: from then on a foreign library may be the cause of a fault.
 [[nodiscard]] bool has_foreign_code() noexcept;
 
 /// getenv in the environment that `keep_own_state` remembers, or in the current environment before that call. So a
@@ -16,7 +16,7 @@ void keep_own_state();
 [[nodiscard]] const char* own_environment(const char* name);
 
 /// True if this process is a copy (fork) of the process that `keep_own_state` remembers.
-[[nodiscard]] bool is_a_copy() noexcept;
+[[nodiscard]] bool is_forked_copy() noexcept;
 
 /// Makes the working folder private to this thread, if the system allows that: other threads may be opening files. Call
 /// it before foreign code runs in this thread.
@@ -26,16 +26,16 @@ void give_thread_own_folder() noexcept;
 /// the copy returned too, the copy ends here, with a line that begins with `who`: otherwise the copy would measure and
 /// write as the process itself does. Has no effect before `keep_own_state`. Returns false if the code has closed
 /// descriptors of the process: since then results may have been written to another file.
-[[nodiscard]] bool put_back_own_state(const char* who) noexcept;
+[[nodiscard]] bool restore_own_state(const char* who) noexcept;
 
 /// Restores limits that foreign code has lowered: after a library was loaded, ten times a second, and before a file is
 /// opened or written. Returns the name of a limit if the system refuses to restore it (everybody can lower a hard
 /// limit, but only root can raise it), else null. Async-signal-safe.
-const char* put_back_limits() noexcept;
+const char* restore_limits() noexcept;
 
 /// Restores also the umask, the mask of signals, and the handling of SIGINT, SIGTERM and SIGHUP. Call it after a
 /// library was loaded. (One system call for each of these after every batch of a thousand rays would take a tenth of a
 /// quick form's time.)
-void put_back_after_loading() noexcept;
+void restore_after_loading() noexcept;
 
 }  // namespace lostbits::intersect::process

@@ -13,11 +13,13 @@ class StopToken {
 public:
     StopToken() = default;
     explicit StopToken(const std::atomic<bool>& flag) : flag_(&flag) {}
-    [[nodiscard]] bool is_asked() const noexcept { return flag_ != nullptr && flag_->load(std::memory_order_relaxed); }
+    [[nodiscard]] bool is_requested() const noexcept {
+        return flag_ != nullptr && flag_->load(std::memory_order_relaxed);
+    }
     /// Throws Interrupted if a stop is requested. It costs one load. Work that may take longer than a second calls it
     /// repeatedly.
     void check() const {
-        if (is_asked()) throw Interrupted();
+        if (is_requested()) throw Interrupted();
     }
 
 private:

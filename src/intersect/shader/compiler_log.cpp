@@ -16,17 +16,19 @@ struct LogMessage {
 };
 
 /// Reads a line of a log. Returns false if the line names no position.
-bool read_message(const std::string& text, LogMessage& c) {
+bool read_message(const std::string& text, LogMessage& message) {
     int text_offset = 0;
     // Mesa: `1:12(5): error: TEXT`; glslang and AMD: `ERROR: 1:12: TEXT`; NVIDIA: `1(12) : error C1008: TEXT`.
-    if (std::sscanf(text.c_str(), "%*d:%d(%d): %n", &c.line, &c.column, &text_offset) == 2 && text_offset > 0) {
-    } else if (std::sscanf(text.c_str(), "%*[A-Z]: %*[^:]:%d: %n", &c.line, &text_offset) == 1 && text_offset > 0) {
-    } else if (std::sscanf(text.c_str(), "%*d(%d) : %n", &c.line, &text_offset) == 1 && text_offset > 0) {
+    if (std::sscanf(text.c_str(), "%*d:%d(%d): %n", &message.line, &message.column, &text_offset) == 2 &&
+        text_offset > 0) {
+    } else if (std::sscanf(text.c_str(), "%*[A-Z]: %*[^:]:%d: %n", &message.line, &text_offset) == 1 &&
+               text_offset > 0) {
+    } else if (std::sscanf(text.c_str(), "%*d(%d) : %n", &message.line, &text_offset) == 1 && text_offset > 0) {
     } else {
         return false;
     }
-    c.content = text.substr(static_cast<std::size_t>(text_offset));
-    if (c.content.starts_with("error: ")) c.content.erase(0, 7);
+    message.content = text.substr(static_cast<std::size_t>(text_offset));
+    if (message.content.starts_with("error: ")) message.content.erase(0, 7);
     return true;
 }
 
@@ -43,23 +45,24 @@ std::string line_of(const std::string& text, int line_number) {
     return line;
 }
 
-/// Column in the file, from 1. Mesa counts adjacent blanks as one. If the compiler gives no column, the column of the
-/// text that the compiler quotes, or else of the first text in the line.
-int column_of(const LogMessage& c, const std::string& line) {
+/// Returns the column in the file, from 1. Mesa counts adjacent blanks as one. If the compiler gives no column, returns
+/// the column of the text that the compiler quotes, or else of the first text in the line.
+int column_of(const LogMessage& message, const std::string& line) {
     const auto is_blank = [](char x) { return x == ' ' || x == '\t'; };
     int mesa_column = 0;
-    for (std::size_t i = 0; c.column > 0 && i < line.size(); ++i) {
+    for (std::size_t i = 0; message.column > 0 && i < line.size(); ++i) {
         mesa_column += i == 0 || !is_blank(line[i]) || !is_blank(line[i - 1]);
-        if (mesa_column == c.column) return static_cast<int>(i) + 1;
+        if (mesa_column == message.column) return static_cast<int>(i) + 1;
     }
-    const std::size_t open = c.content.find_first_of("'\""), close = c.content.find_first_of("'\"", open + 1);
+    const std::size_t open = message.content.find_first_of("'\""),
+                      close = message.content.find_first_of("'\"", open + 1);
     std::size_t position = std::string::npos;
-    if (close != std::string::npos) position = line.find(c.content.substr(open + 1, close - open - 1));
+    if (close != std::string::npos) position = line.find(message.content.substr(open + 1, close - open - 1));
     if (position == std::string::npos) position = line.find_first_not_of(" \t");
     return position == std::string::npos ? 1 : static_cast<int>(position) + 1;
 }
 
-/// Advice to add to a message of a compiler; empty if there is none.
+/// Returns advice to add to a compiler's message; empty if there is none.
 std::string advice_for(const std::string& message_text) {
     const auto has = [&message_text](const char* part) { return message_text.find(part) != std::string::npos; };
     if (has("non-opaque uniforms")) return " (write a constant, or try --device opengl)";
@@ -72,26 +75,26 @@ std::string advice_for(const std::string& message_text) {
 }  // namespace
 
 std::string errors_of(const std::string& log, const ShaderSource& shader) {
-    const int max_errors = shader.hlsl ? 1 : 8;  // in HLSL the first error causes the errors that follow
+    const int max_errors = shader.is_hlsl ? 1 : 8;  // in HLSL the first error causes the errors that follow
     std::istringstream lines(log);
     std::string messages, lines_without_position;
     int error_count = 0;
     for (std::string line; std::getline(lines, line);) {
-        LogMessage c;
-        if (!read_message(line, c)) {
-            if (!line.empty()) lines_without_position += "\n  " + external::shown_text(line, 200);
+        LogMessage message;
+        if (!read_message(line, message)) {
+            if (!line.empty()) lines_without_position += "\n  " + external::quote_text(line, 200);
             continue;
         }
         if (is_warning(line) || error_count == max_errors ||
-            c.content.find("compilation terminated") != std::string::npos)
+            message.content.find("compilation terminated") != std::string::npos)
             continue;
         ++error_count;
-        const std::string message_text = external::plain_text(c.content);
+        const std::string message_text = external::escape_text(message.content);
         const Function& f = shader.signature.function;
         if (!messages.empty()) messages += "\n";
-        if (c.line < our_first_line)
-            messages += shader.path + ":" + std::to_string(c.line) + ":" +
-                        std::to_string(column_of(c, line_of(shader.text, c.line))) + ": " + message_text +
+        if (message.line < kernel_first_line)
+            messages += shader.path + ":" + std::to_string(message.line) + ":" +
+                        std::to_string(column_of(message, line_of(shader.text, message.line))) + ": " + message_text +
                         advice_for(message_text);
         else
             messages += shader.path + ":" + std::to_string(f.line) + ":" + std::to_string(f.column) +

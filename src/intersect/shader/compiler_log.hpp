@@ -8,7 +8,8 @@
 namespace lostbits::intersect::shader {
 
 /// Converts the log of a compiler to a line `FILE:LINE:COLUMN: text` for each error. Reads the formats of Mesa,
-/// glslang, NVIDIA and AMD. An error in our part of the program is reported at the function. Never empty.
+/// glslang, NVIDIA and AMD. An error in the code that we add to the file is reported at the user's function. The result
+/// is never empty.
 std::string errors_of(const std::string& log, const ShaderSource& shader);
 
 }  // namespace lostbits::intersect::shader

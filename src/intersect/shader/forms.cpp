@@ -28,7 +28,7 @@ public:
           program_(std::move(program)),
           shape_(shader.signature.shape),
           answers_(shader.signature.answers),
-          sentinel_(shader.sentinel) {}
+          miss_sentinel_(shader.miss_sentinel) {}
 
     template <class S>
     void answer(const lb_batch& batch) {
@@ -75,24 +75,24 @@ private:
         const bool returns_hit = answers_ != Signature::Answers::t && answers_ != Signature::Answers::near_far;
         for (std::size_t i = 0; i < n; ++i)
             batch.hit[begin + i] = returns_hit ? hits_[i] != 0
-                                               : !sentinel_.means_miss(static_cast<double>(near_far[2 * i]),
-                                                                       static_cast<double>(near_far[2 * i + 1]));
+                                               : !miss_sentinel_.means_miss(static_cast<double>(near_far[2 * i]),
+                                                                            static_cast<double>(near_far[2 * i + 1]));
     }
 
     std::shared_ptr<Device> device_;
     std::shared_ptr<Program> program_;
     Shape shape_;
     Signature::Answers answers_;
-    Sentinel sentinel_;
+    MissSentinel miss_sentinel_;
     std::vector<std::uint32_t> hits_;
 };
 
 std::shared_ptr<Program> compile(const ShaderSource& shader, Device& target_device, int bits) {
     try {
         return target_device.compile(program_text(shader, bits, target_device.limits().glsl),
-                                     shader.hlsl ? device::Language::hlsl : device::Language::glsl);
+                                     shader.is_hlsl ? device::Language::hlsl : device::Language::glsl);
     } catch (const CompileError& error) {
-        const bool is_rewritten = shader.signature.doubles != (bits == 64);
+        const bool is_rewritten = shader.signature.is_double != (bits == 64);
         throw InputError(errors_of(error.what(), shader) +
                          (is_rewritten
                               ? "\n(the file was rewritten for " + std::string(bits == 64 ? "doubles" : "floats") +
@@ -111,12 +111,12 @@ std::size_t max_rays_per_run(const DeviceLimits& limits, int bits) {
 std::vector<external::ForeignForm> forms_of(const ShaderSource& shader, const std::shared_ptr<Device>& target_device,
                                             bool name_device, const std::string& arithmetic) {
     const DeviceDescription& description = target_device->description();
-    if (shader.f64 && !target_device->limits().doubles && !shader.f32)
+    if (shader.f64 && !target_device->limits().has_doubles && !shader.f32)
         throw EnvironmentError(shader.path + ": " + description.renderer +
                                " has no doubles in shaders; write format=f32, or try another --device");
     std::vector<external::ForeignForm> forms;
     for (const int bits : {32, 64}) {
-        if (bits == 32 ? !shader.f32 : !shader.f64 || !target_device->limits().doubles) continue;
+        if (bits == 32 ? !shader.f32 : !shader.f64 || !target_device->limits().has_doubles) continue;
         external::ForeignForm form{shader.contract, "--shader " + shader.path, {}};
         form.contract.bits = bits;
         if (name_device) form.contract.name += "." + description.kind;

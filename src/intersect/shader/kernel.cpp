@@ -125,10 +125,10 @@ std::string site_declarations(const std::string& text) {
 std::string march_code(const Signature& s, const ShaderMarch& march, const std::string& call) {
     const auto number = [&s](double x) {
         std::array<char, 40> text{};
-        std::snprintf(text.data(), text.size(), "%.17e%s", x, s.doubles ? "LF" : "");
+        std::snprintf(text.data(), text.size(), "%.17e%s", x, s.is_double ? "LF" : "");
         return std::string(text.data());
     };
-    const std::string real = s.doubles ? "double" : "float", vector = s.doubles ? "dvec3" : "vec3";
+    const std::string real = s.is_double ? "double" : "float", vector = s.is_double ? "dvec3" : "vec3";
     return "    " + real + " lb_t = " + real + "(0), lb_says = " + real + "(-1);\n    for (int lb_k = 0; lb_k < " +
            std::to_string(march.max_steps) + "; ++lb_k) {\n        " + vector +
            " lb_point = lb_origin + lb_direction * lb_t;\n        " + real + " lb_d = " + call +
@@ -173,8 +173,8 @@ static_assert(sizeof(KernelHead) == head_members.size() * sizeof(std::uint32_t))
 struct ColumnBuffer {
     BufferBinding binding;
     std::string_view name;
-    bool is_written = false, holds_integers = false;  ///< true if the program writes the buffer; true if it holds
-                                                      ///< integers, not the function's numbers
+    bool is_written = false, holds_integers = false;  ///< whether the program writes the buffer; whether it
+                                                      ///< holds integers in place of floating-point numbers
 };
 constexpr std::array<ColumnBuffer, BufferBinding::binding_count - 1> column_buffers{
     {{BufferBinding::rays, "lb_rays"},
@@ -215,10 +215,10 @@ std::string hlsl_prologue() {
            device::entry_of(device::Language::hlsl) + "(uint3 gl_GlobalInvocationID : SV_DispatchThreadID) {\n";
 }
 
-std::string main_code(const Signature& s, const ShaderMarch& march, bool hlsl) {
-    const std::string real = s.doubles ? "double" : "float", v = s.doubles ? "dvec" : "vec";
+std::string main_code(const Signature& s, const ShaderMarch& march, bool is_hlsl) {
+    const std::string real = s.is_double ? "double" : "float", v = s.is_double ? "dvec" : "vec";
     const std::string count = std::to_string(row_of(s.shape).numbers);
-    std::string code = hlsl ? hlsl_prologue() : glsl_prologue(real);
+    std::string code = is_hlsl ? hlsl_prologue() : glsl_prologue(real);
     const auto declare_vector = [&](const std::string& name, const char* array, std::size_t first) {
         code += "    " + v + "3 " + name + " = " + v + "3(";
         for (std::size_t k = 0; k < 3; ++k)
@@ -283,7 +283,7 @@ std::string to_precision(const std::string& text, bool to_doubles) {
     return result + text.substr(copied);
 }
 
-std::pair<std::string, std::string> without_kernel(const std::string& text) {
+std::pair<std::string, std::string> embeddable_text(const std::string& text) {
     const std::string code = as_compute_code(text, false);
     return {"#version 450\n" + site_declarations(code), code};
 }
@@ -291,19 +291,20 @@ std::pair<std::string, std::string> without_kernel(const std::string& text) {
 std::string program_text(const ShaderSource& shader, int bits, int version) {
     const auto line = [](int number) { return "\n#line " + std::to_string(number) + "\n"; };
     Signature signature = shader.signature;
-    if (shader.hlsl) return line(1) + shader.text + line(our_first_line) + main_code(signature, shader.march, true);
+    if (shader.is_hlsl)
+        return line(1) + shader.text + line(kernel_first_line) + main_code(signature, shader.march, true);
     std::string text = as_compute_code(shader.text);
     std::string declarations = site_declarations(text);
-    if (signature.doubles != (bits == 64)) {
+    if (signature.is_double != (bits == 64)) {
         const bool to_doubles = bits == 64;
         text = to_precision(text, to_doubles);
         declarations = to_precision(declarations, to_doubles);
         for (std::string& argument : signature.arguments) argument = to_precision(argument, to_doubles);
         for (Parameter& p : signature.function.parameters) p.type = to_precision(p.type, to_doubles);
         signature.function.type = to_precision(signature.function.type, to_doubles);
-        signature.doubles = to_doubles;
+        signature.is_double = to_doubles;
     }
-    return "#version " + std::to_string(version) + "\n" + declarations + line(1) + text + line(our_first_line) +
+    return "#version " + std::to_string(version) + "\n" + declarations + line(1) + text + line(kernel_first_line) +
            main_code(signature, shader.march, false);
 }
 

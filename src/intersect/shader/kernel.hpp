@@ -21,9 +21,9 @@ struct KernelHead {
     std::uint32_t starts = 0;  ///< 1 if rays have a beginning other than 0
 };
 
-/// Line number at which our part of the program begins; the user's part begins with line 1. (`#line` also takes a
-/// number for the source string, but Mesa 22 loses this number in expressions.)
-inline constexpr int our_first_line = 1'000'001;
+/// Line number at which the code begins that we add to the user's file; the user's file begins at line 1. (`#line` also
+/// takes a number for the source string, but Mesa 22 loses this number in expressions.)
+inline constexpr int kernel_first_line = 1'000'001;
 
 /// Returns the program, in GLSL of that version for numbers of 32 or 64 bits, or in HLSL if the file is HLSL. The
 /// user's text keeps its lines. Names that only other stages have (`gl_FragCoord`, `in` and `out` of the file, `main`)
@@ -31,9 +31,10 @@ inline constexpr int our_first_line = 1'000'001;
 /// that is never set.
 std::string program_text(const ShaderSource& shader, int bits, int version);
 
-/// Returns two texts for a program of our own that contains a GLSL file: the lines in front of the file (`#version` and
-/// declarations), and the text of the file. Lines and columns stay, and uniforms become variables without a value.
-std::pair<std::string, std::string> without_kernel(const std::string& text);
+/// Prepares a GLSL file for a program that contains it. Returns two texts: the lines in front of the file (`#version`
+/// and declarations), and the text of the file, with the same lines and columns, in which uniforms are variables
+/// without a value.
+std::pair<std::string, std::string> embeddable_text(const std::string& text);
 
 /// Rewrites a file in float to compute in double, or the other way round, token by token: types (`vec3`, `dvec3`) and
 /// numbers with a point or an exponent (`0.1`, `0.1LF`). Functions that do not exist for doubles (`sin`, `pow`) stay,

@@ -15,7 +15,7 @@ namespace {
 bool begins_name(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// End of the token that begins at `begin`, which is not white space. Sets the kind of the token.
+/// Returns the end of the token that begins at `begin`, which is not white space, and sets the kind of the token.
 std::size_t end_of(std::string_view text, std::size_t begin, Token::Kind& kind) {
     const auto end_while = [&](std::size_t end, auto belongs) {
         while (end < text.size() && belongs(end)) ++end;
@@ -125,7 +125,7 @@ Parameter parameter_of(std::span<const Token> tokens) {
 }
 
 /// For each index of an opening round bracket, the index of its closing bracket; `code.size()` if there is none.
-std::vector<std::size_t> closings(const std::vector<Token>& code) {
+std::vector<std::size_t> closing_brackets(const std::vector<Token>& code) {
     std::vector<std::size_t> closing(code.size(), code.size()), open_brackets;
     for (std::size_t i = 0; i < code.size(); ++i) {
         if (code[i].text == "(") open_brackets.push_back(i);
@@ -163,7 +163,7 @@ std::string Function::declaration() const {
 
 std::vector<Function> functions_of(const std::vector<Token>& code) {
     std::vector<Function> functions;
-    const std::vector<std::size_t> closing = closings(code);
+    const std::vector<std::size_t> closing = closing_brackets(code);
     int depth = 0;
     for (std::size_t i = 0; i < code.size(); ++i) {
         if (code[i].text == "{") ++depth;
@@ -197,11 +197,12 @@ std::map<std::string_view, long long> integer_constants(const std::vector<Token>
     return constants;
 }
 
-/// For each index in the code, where the constructs that begin there end; the size of the code if they do not end. The
-/// indices are computed in one pass, so that even a file that consists of brackets takes linear time.
+/// For each token of the code, the indices at which the constructs that begin with the token end; the size of the code
+/// if they do not end. The indices are computed in one pass, so that even a file of nothing but brackets takes linear
+/// time.
 struct EndIndices {
     std::vector<std::size_t> bracket;    ///< index after the closing bracket; for other tokens the next index
-    std::vector<std::size_t> semicolon;  ///< the next semicolon from here on
+    std::vector<std::size_t> semicolon;  ///< index of the next semicolon, from this token on
     std::vector<std::size_t>
         statement;  ///< index after the statement that begins here: a block, or up to the next semicolon
 

@@ -92,7 +92,7 @@ bool contains_any(const std::string& name, std::initializer_list<std::string_vie
 /// Reads the signature of one function from its parameters.
 class SignatureReader {
 public:
-    SignatureReader(const Function& function, bool user_named) : user_named_(user_named) {
+    SignatureReader(const Function& function, bool is_named_by_user) : is_named_by_user_(is_named_by_user) {
         signature_.function = function;
     }
 
@@ -102,7 +102,7 @@ public:
                 return std::ranges::find(types, p.type) != types.end();
             });
         };
-        signature_.doubles = has_type({"dvec3", "dvec4", "double"});
+        signature_.is_double = has_type({"dvec3", "dvec4", "double"});
         is_hlsl_ = has_type({"float3", "float4"});
         arguments_.resize(signature_.function.parameters.size());
         for (std::size_t k = 0; k < arguments_.size(); ++k) {
@@ -118,9 +118,9 @@ public:
 private:
     /// A type such as `vec3` in the function's spelling: dvec3 in doubles, float3 in HLSL.
     [[nodiscard]] std::string type_name(const std::string& type) const {
-        return is_hlsl_ ? "float" + type.substr(3) : (signature_.doubles ? "d" : "") + type;
+        return is_hlsl_ ? "float" + type.substr(3) : (signature_.is_double ? "d" : "") + type;
     }
-    [[nodiscard]] std::string scalar_type() const { return signature_.doubles ? "double" : "float"; }
+    [[nodiscard]] std::string scalar_type() const { return signature_.is_double ? "double" : "float"; }
 
     /// Assigns a parameter to a role or a list. Returns false if no intersector takes such a parameter.
     bool assign_parameter(const Parameter& p, std::size_t k) {
@@ -128,7 +128,7 @@ private:
         if (p.qualifier != Qualifier::in) {
             arguments_[k] = "lb_out_" + std::to_string(k);
             if (p.type == scalar_type()) signature_.outputs.push_back(arguments_[k]);
-            signature_.knows_end = signature_.knows_end || (p.qualifier == Qualifier::inout && p.type == scalar_type());
+            signature_.takes_end = signature_.takes_end || (p.qualifier == Qualifier::inout && p.type == scalar_type());
             return true;
         }
         if (p.type == type_name("vec3")) vectors_.push_back(k);
@@ -150,10 +150,10 @@ private:
         const auto has = [&name](const char* part) { return name.find(part) != std::string::npos; };
         if (has("min") || has("start")) {
             arguments_[k] = "lb_tmin";
-            signature_.knows_start = true;
+            signature_.takes_start = true;
         } else if (has("max") || has("end")) {
             arguments_[k] = "lb_tmax";
-            signature_.knows_end = true;
+            signature_.takes_end = true;
         } else {
             lengths_.push_back(k);
         }
@@ -190,8 +190,8 @@ private:
         const bool has_primitive = vec4_ || !lengths_.empty() || vectors > 2;
         const bool from_point = vectors > 0 && role_of(signature_.function.parameters[vectors_[0]].name) != origin;
         if (has_primitive && choose_shape(2)) signature_.kind = Kind::intersector;
-        else if (!has_primitive && vectors == 2 && (user_named_ || march_name)) signature_.kind = Kind::march;
-        else if (from_point && (user_named_ || field_name) && (has_primitive ? choose_shape(1) : vectors == 1))
+        else if (!has_primitive && vectors == 2 && (is_named_by_user_ || march_name)) signature_.kind = Kind::march;
+        else if (from_point && (is_named_by_user_ || field_name) && (has_primitive ? choose_shape(1) : vectors == 1))
             signature_.kind = Kind::field;
         else return false;
         return true;
@@ -247,7 +247,7 @@ private:
         return type == scalar_type() || (!is_field && type == type_name("vec2"));
     }
 
-    bool user_named_, is_hlsl_ = false;
+    bool is_named_by_user_, is_hlsl_ = false;
     Signature signature_;
     std::vector<std::string> arguments_;
     std::vector<std::size_t> vectors_, lengths_;  ///< indices of parameters
@@ -262,8 +262,8 @@ const std::string_view known_signatures =
     "`(vec3 ro, vec3 rd, vec3 lo, vec3 hi)`; or `bool` with `out float t`, or `out float near, out float far`; for "
     "marches `float march(vec3 ro, vec3 rd)` or `float map(vec3 p)`";
 
-std::optional<Signature> signature_of(const Function& function, bool user_named) {
-    return SignatureReader(function, user_named).read();
+std::optional<Signature> signature_of(const Function& function, bool is_named_by_user) {
+    return SignatureReader(function, is_named_by_user).read();
 }
 
 }  // namespace lostbits::intersect::shader

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A property of the function, and the position where the file or the command line states it.
+/// A property of the function, and its position in the file, or the option that states it.
 struct Property {
     std::string key, value, where;
 };
@@ -88,16 +88,16 @@ void add_comment_properties(const std::string& path, const std::vector<Token>& t
     }
 }
 
-Sentinel sentinel_of(const Property& property) {
-    using Kind = Sentinel::Kind;
+MissSentinel read_miss_sentinel(const Property& property) {
+    using Kind = MissSentinel::Kind;
     constexpr std::array<std::string_view, 4> kinds{"negative", "crossed", "zero", "infinite"};
     const auto kind = std::ranges::find(kinds, property.value);
     if (kind != kinds.end()) return {static_cast<Kind>(kind - kinds.begin()), 0};
-    Sentinel above{Kind::above, 0};
+    MissSentinel above{Kind::above, 0};
     const auto [end, error] =
         std::from_chars(property.value.data(), property.value.data() + property.value.size(), above.bound);
     if (error == std::errc() && end == property.value.data() + property.value.size() && above.bound > 0) return above;
-    throw InputError(property.where + ": miss is " + external::shown_text(property.value) +
+    throw InputError(property.where + ": miss is " + external::quote_text(property.value) +
                      "; it must be negative (t < 0 means a miss), crossed (near > far), zero (t <= 0), infinite, or a "
                      "number from which on t means a miss, such as 1e20");
 }
@@ -119,7 +119,7 @@ std::string list_text(const std::vector<Function>& functions) {
 
 /// Returns the functions with the signature of the first kind that the file has (intersector, march, field), since a
 /// file with a march also has a field.
-std::vector<Function> candidates(const std::vector<Function>& functions) {
+std::vector<Function> candidate_functions(const std::vector<Function>& functions) {
     std::vector<Function> best;
     auto kind = Signature::Kind::field;
     for (const Function& f : functions) {
@@ -133,17 +133,18 @@ std::vector<Function> candidates(const std::vector<Function>& functions) {
 }
 
 /// Chooses the function that the user names, or else the only function that has the types of an intersector.
-Signature choose(const std::string& path, const std::vector<Function>& functions, const Property* function_property) {
+Signature choose_function(const std::string& path, const std::vector<Function>& functions,
+                          const Property* function_property) {
     if (functions.empty())
         throw InputError(path + ": contains no function; write one, such as float f(vec3 ro, vec3 rd, vec4 sphere)");
-    std::vector<Function> chosen = candidates(functions);
+    std::vector<Function> chosen = candidate_functions(functions);
     if (function_property) {
         chosen.clear();
         std::ranges::copy_if(functions, std::back_inserter(chosen),
                              [&](const Function& f) { return f.name == function_property->value; });
     }
     if (chosen.empty() && function_property)
-        throw InputError(function_property->where + ": no function " + external::shown_text(function_property->value) +
+        throw InputError(function_property->where + ": no function " + external::quote_text(function_property->value) +
                          " in " + path + "; its functions are:" + list_text(functions));
     if (chosen.empty())
         throw InputError(path + ": no function has the types of an intersector, which are " +
@@ -166,7 +167,7 @@ external::Contract default_contract(const std::string& path, const Signature& si
                          .title = signature.function.declaration(),
                          .source = {},
                          .shape = signature.shape,
-                         .bits = signature.doubles ? 64 : 32};
+                         .bits = signature.is_double ? 64 : 32};
     using Answers = Signature::Answers;
     c.direction = row_of(signature.shape).usually_takes_unit_direction ? Direction::unit : Direction::any;
     const bool has_two_roots = signature.answers == Answers::near_far || signature.answers == Answers::hit_and_near_far;
@@ -182,7 +183,7 @@ external::Contract default_contract(const std::string& path, const Signature& si
     return c;
 }
 
-/// Changes the name to `shader.NAME` with only the characters that a name may have, and shortens a long title.
+/// Changes the name to `shader.NAME`, replaces characters that a name may not have, and shortens a long title.
 void normalize_name(external::Contract& contract) {
     for (char& c : contract.name) {
         const bool is_allowed = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-';
@@ -199,14 +200,14 @@ double positive_number(const Property& property) {
     const char* const end = property.value.data() + property.value.size();
     const auto [stop, error] = std::from_chars(property.value.data(), end, number);
     if (error != std::errc() || stop != end || !(number > 0) || !(number < 1e30))
-        throw InputError(property.where + ": " + property.key + " is " + external::shown_text(property.value) +
+        throw InputError(property.where + ": " + property.key + " is " + external::quote_text(property.value) +
                          "; it must be a number above 0 and below 1e30");
     return number;
 }
 
 void set_formats(const Property& property, ShaderSource& shader) {
     if (property.value != "f32" && property.value != "f64" && property.value != "both")
-        throw InputError(property.where + ": format is " + external::shown_text(property.value) +
+        throw InputError(property.where + ": format is " + external::quote_text(property.value) +
                          "; it must be f32, f64 or both");
     shader.f32 = property.value != "f64";
     shader.f64 = property.value != "f32";
@@ -216,7 +217,7 @@ void apply_property(const Property& property, ShaderSource& shader) {
     const bool own_primitives =
         shader.signature.kind == Signature::Kind::march || shader.signature.arguments.size() == 1;
     if (property.key == "function") return;
-    if (property.key == "miss") shader.sentinel = sentinel_of(property);
+    if (property.key == "miss") shader.miss_sentinel = read_miss_sentinel(property);
     else if (property.key == "format") set_formats(property, shader);
     else if (property.key == "hit_eps") shader.march.hit_eps = positive_number(property);
     else if (property.key == "max_dist") shader.march.max_dist = positive_number(property);
@@ -224,7 +225,7 @@ void apply_property(const Property& property, ShaderSource& shader) {
         shader.march.max_steps = static_cast<int>(std::min(positive_number(property), 1e9));
     else if ((property.key == "shape" && !own_primitives) || property.key == "source" ||
              !external::set_property(shader.contract, property.key, property.value, property.where))
-        throw InputError(property.where + ": unknown key " + external::shown_text(property.key) +
+        throw InputError(property.where + ": unknown key " + external::quote_text(property.key) +
                          "; known keys are function, name, title, direction, roots, touching, at_origin, inside, "
                          "facing, flags, miss "
                          "and format; for a field also hit_eps, max_dist and max_steps; for a march or field with its "
@@ -240,7 +241,7 @@ void require_range(const std::string& path, const Signature& s) {
         throw InputError(message_start +
                          "is a field: the loop around it begins at 0; write the march yourself, or leave range out: "
                          "lostbits then accepts only answers in the range");
-    if (!s.knows_start || !s.knows_end)
+    if (!s.takes_start || !s.takes_end)
         throw InputError(
             message_start +
             "has no parameters for where rays begin and end; add `float tmin, float tmax`, or leave range out: "
@@ -249,7 +250,7 @@ void require_range(const std::string& path, const Signature& s) {
 
 }  // namespace
 
-bool Sentinel::means_miss(double near, double far) const {
+bool MissSentinel::means_miss(double near, double far) const {
     switch (kind) {
         case Kind::negative: return far < 0;
         case Kind::crossed: return near > far || far < 0;
@@ -266,9 +267,9 @@ ShaderSource read_shader(const std::string& argument) {
                         .text = read_text(path),
                         .signature = {},
                         .contract = {},
-                        .sentinel = {},
+                        .miss_sentinel = {},
                         .march = {},
-                        .hlsl = fs::path(path).extension() == ".hlsl",
+                        .is_hlsl = fs::path(path).extension() == ".hlsl",
                         .loops = {}};
     const std::vector<Token> tokens = tokens_of(shader.text), code = code_tokens(tokens);
     std::vector<Property> properties;
@@ -276,21 +277,22 @@ ShaderSource read_shader(const std::string& argument) {
     add_properties(options, ',', "--shader " + argument, properties);
     const auto is_function = [](const Property& property) { return property.key == "function"; };
     const auto function = std::find_if(properties.rbegin(), properties.rend(), is_function);
-    shader.signature = choose(path, functions_of(code), function == properties.rend() ? nullptr : &*function);
+    shader.signature = choose_function(path, functions_of(code), function == properties.rend() ? nullptr : &*function);
     shader.contract = default_contract(path, shader.signature);
     if (function != properties.rend() && function->where.starts_with("--shader"))
         shader.contract.name = function->value;
-    if (shader.signature.answers == Signature::Answers::near_far) shader.sentinel.kind = Sentinel::Kind::crossed;
-    shader.f32 = !shader.signature.doubles;
-    shader.f64 = shader.signature.doubles;
+    if (shader.signature.answers == Signature::Answers::near_far)
+        shader.miss_sentinel.kind = MissSentinel::Kind::crossed;
+    shader.f32 = !shader.signature.is_double;
+    shader.f64 = shader.signature.is_double;
     for (const Property& property : properties) apply_property(property, shader);
-    if (shader.hlsl && shader.f64) throw InputError(path + ": HLSL is measured in floats only; leave format= out");
+    if (shader.is_hlsl && shader.f64) throw InputError(path + ": HLSL is measured in floats only; leave format= out");
     if ((shader.contract.flags & LB_RANGE) != 0) require_range(path, shader.signature);
     normalize_name(shader.contract);
     shader.signature.shape = shader.contract.shape;
-    const bool takes_end = takes_tmax(shader.contract.shape) && shader.contract.roots != Roots::none;
-    if (takes_end && !shader.signature.knows_end) shader.contract.flags |= LB_NO_END;
-    external::require_sense(shader.contract, path);
+    const bool form_takes_end = takes_tmax(shader.contract.shape) && shader.contract.roots != Roots::none;
+    if (form_takes_end && !shader.signature.takes_end) shader.contract.flags |= LB_NO_END;
+    external::require_valid(shader.contract, path);
     shader.loops = loops_of(tokens, code);
     if (shader.signature.kind == Signature::Kind::field)
         shader.loops.push_back({shader.signature.function.line, shader.march.max_steps, shader.march.max_steps});

@@ -10,8 +10,8 @@
 
 namespace lostbits::intersect::shader {
 
-/// The value by which a function that returns only numbers reports a miss.
-struct Sentinel {
+/// The answers by which a function that returns only numbers reports a miss.
+struct MissSentinel {
     enum class Kind {
         negative,  ///< t < 0; for near and far, far < 0
         crossed,   ///< near > far, or far < 0
@@ -37,12 +37,12 @@ struct ShaderMarch {
 struct ShaderSource {
     std::string path, text;
     Signature signature;
-    external::Contract contract;  ///< `bits` is the width of the numbers in the file
-    Sentinel sentinel;
+    external::Contract contract;  ///< `bits` is the number of bits of the file's floating-point type
+    MissSentinel miss_sentinel;
     ShaderMarch march;  ///< used only for a field
     /// True for each requested format. If the file is written for the other format, it is rewritten for this one.
     bool f32 = true, f64 = false;
-    bool hlsl = false;  ///< true if the file name ends in .hlsl; such a shader computes only in floats
+    bool is_hlsl = false;  ///< true if the file name ends in .hlsl; such a shader computes only in floats
     std::vector<CountedLoop> loops;
 };
 

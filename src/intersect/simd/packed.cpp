@@ -69,7 +69,7 @@ bool is_available(Isa isa) {
 
 }  // namespace
 
-std::optional<Isa> isa_named(std::string_view name) {
+std::optional<Isa> find_isa(std::string_view name) {
     const auto found = std::ranges::find(isa_names, name);
     if (found == isa_names.end()) return std::nullopt;
     return static_cast<Isa>(found - isa_names.begin());

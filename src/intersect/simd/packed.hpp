@@ -22,7 +22,7 @@ inline constexpr std::array<std::string_view, 4> isa_names{"scalar", "128", "256
 
 inline constexpr std::string_view name_of(Isa isa) { return isa_names[static_cast<std::size_t>(isa)]; }
 /// Returns the width with that name; empty for a name that is not in `isa_names`.
-std::optional<Isa> isa_named(std::string_view name);
+std::optional<Isa> find_isa(std::string_view name);
 
 /// Widths that this build contains and this processor runs, narrowest first: `scalar` and `w128` everywhere; `w256`
 /// needs AVX2 and FMA, `w512` also AVX-512 F, DQ and VL and BMI2.

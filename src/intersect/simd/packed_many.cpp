@@ -76,7 +76,7 @@ std::span<const ManyRow> scalar_many_rows() {
 }
 
 /// The rows for registers of this many bytes. `fill` was compiled for that width.
-std::array<ManyRow, form_count> rows_of(std::size_t bytes, void (*fill)(RawManyRow*)) {
+std::array<ManyRow, form_count> rows_for_width(std::size_t bytes, void (*fill)(RawManyRow*)) {
     std::array<RawManyRow, form_count> raw{};
     fill(raw.data());
     std::array<ManyRow, form_count> rows{};
@@ -117,18 +117,18 @@ std::span<const ManyRow> many_rows(Isa isa) {
     if (isa == Isa::scalar) return scalar_many_rows();
 #ifdef LOSTBITS_HAS_W256
     if (isa == Isa::w256) {
-        static const auto w256 = rows_of(32, fill_many_w256);
+        static const auto w256 = rows_for_width(32, fill_many_w256);
         return w256;
     }
 #endif
 #ifdef LOSTBITS_HAS_W512
     if (isa == Isa::w512) {
-        static const auto w512 = rows_of(64, fill_many_w512);
+        static const auto w512 = rows_for_width(64, fill_many_w512);
         return w512;
     }
 #endif
 #ifdef LOSTBITS_HAS_W128
-    static const auto w128 = rows_of(16, fill_many_w128);
+    static const auto w128 = rows_for_width(16, fill_many_w128);
     return w128;
 #else
     return {};

@@ -65,8 +65,8 @@ struct RegisterColumn {
 
     /// Copies the `count` numbers after the last whole register. The other lanes repeat the last of these numbers, so
     /// that no form loops longer because of a ray that is not in the batch.
-    void fill(const F* from, std::size_t count, std::size_t width) {
-        for (std::size_t k = 0; k < width; ++k) lanes[k] = from[std::min(k, count - 1)];
+    void fill(const F* tail, std::size_t count, std::size_t lane_count) {
+        for (std::size_t k = 0; k < lane_count; ++k) lanes[k] = tail[std::min(k, count - 1)];
     }
 };
 

@@ -1,4 +1,4 @@
-// The plain loops. packed_batch.hpp says what such a file may include and why everything is inlined.
+// Plain loops over boxes. packed_batch.hpp says which headers such a file may include, and why everything is inlined.
 #include "intersect/catalogue.hpp"
 #include "intersect/simd/plain_many.hpp"
 

@@ -20,12 +20,13 @@ class SourceTokens {
 public:
     explicit SourceTokens(std::string_view text);
 
-    /// The expression whose operator stands at this offset. If a name stands there, the call or the operand that begins
-    /// with the name.
+    /// Returns the expression whose operator is at this offset. If a name is at the offset, returns the call or the
+    /// operand that begins with the name.
     [[nodiscard]] TextSpan expression_at(std::size_t offset) const;
-    /// The longest expression that begins at this offset.
+    /// Returns the longest expression that begins at this offset.
     [[nodiscard]] TextSpan expression_from(std::size_t offset) const;
-    /// The value that `name = value` gives to a variable, if exactly one such statement begins between the two offsets.
+    /// Returns the value that `name = value` gives to a variable, if exactly one such statement begins between the two
+    /// offsets.
     [[nodiscard]] std::optional<TextSpan> value_of(std::string_view name, std::size_t begin, std::size_t end) const;
     /// Begin of the statement that contains an offset, and the end of the token before the statement.
     struct Statement {

@@ -62,8 +62,8 @@ const Counterparts conversions{{"OpConvertFToS", "fptosi"},
                                {"OpBitcast", "bitcast"}};
 
 std::string counterpart(const Counterparts& counterparts, std::string_view op) {
-    const auto found = counterparts.find(op);
-    return found == counterparts.end() ? "" : std::string(found->second);
+    const auto entry = counterparts.find(op);
+    return entry == counterparts.end() ? "" : std::string(entry->second);
 }
 
 }  // namespace
@@ -247,14 +247,14 @@ TypedText Translator::extended_instruction(const SpirvInstruction& instruction, 
     const auto smaller = [&](const TypedText& a, const TypedText& b) { return choose("fcmp olt", b, a); };
     const auto larger = [&](const TypedText& a, const TypedText& b) { return select(compare("fcmp olt", a, b), b, a); };
     const auto constant = [&](double c) { return splat(c, type); };
-    const auto clamped = [&](const TypedText& a, const TypedText& lo, const TypedText& hi) {
+    const auto clamp = [&](const TypedText& a, const TypedText& lo, const TypedText& hi) {
         return smaller(larger(a, lo), hi);
     };
     if (name == "InverseSqrt") return binary("fdiv", constant(1), intrinsic("sqrt", x));
     if (name == "Fract") return binary("fsub", x[0], intrinsic("floor", x));
     if (name == "FMin") return smaller(x[0], x[1]);
     if (name == "FMax") return larger(x[0], x[1]);
-    if (name == "FClamp") return clamped(x[0], x[1], x[2]);
+    if (name == "FClamp") return clamp(x[0], x[1], x[2]);
     if (name == "NClamp") return intrinsic("minnum", {intrinsic("maxnum", {x[0], x[1]}), x[2]});
     if (name == "FSign") {
         const TypedText zero_or_negative_sign =
@@ -266,7 +266,7 @@ TypedText Translator::extended_instruction(const SpirvInstruction& instruction, 
     if (name == "Step") return select(compare("fcmp olt", x[1], x[0]), constant(0), constant(1));
     if (name == "SmoothStep") {
         const TypedText t =
-            clamped(binary("fdiv", binary("fsub", x[2], x[0]), binary("fsub", x[1], x[0])), constant(0), constant(1));
+            clamp(binary("fdiv", binary("fsub", x[2], x[0]), binary("fsub", x[1], x[0])), constant(0), constant(1));
         return binary("fmul", binary("fmul", t, t), binary("fsub", constant(3), binary("fmul", constant(2), t)));
     }
     const std::string type_letter(1, static_cast<char>(name[0] | 0x20));  // s or u

@@ -16,7 +16,7 @@ void SpirvInstruction::fail(const std::string& problem) const {
                      ", line " + std::to_string(line) + " of its text");
 }
 
-std::vector<SpirvInstruction> instructions_of(std::string_view text) {
+std::vector<SpirvInstruction> read_instructions(std::string_view text) {
     std::vector<SpirvInstruction> instructions;
     int line = 1;
     std::size_t line_begin = 0;

@@ -19,6 +19,6 @@ struct SpirvInstruction {
 };
 
 /// Reads the instructions of an assembly. Throws InputError for any other text.
-std::vector<SpirvInstruction> instructions_of(std::string_view assembly);
+std::vector<SpirvInstruction> read_instructions(std::string_view assembly);
 
 }  // namespace lostbits::intersect::spirv

@@ -26,7 +26,7 @@ bool Translator::is_debug_info(const SpirvInstruction& instruction) const {
     return set != strings_.end() && set->second.starts_with("NonSemantic.");
 }
 
-/// True if the first access to the memory behind a parameter writes it, so that the function returns an answer there.
+/// True if the first access to the memory to which a parameter points writes it: the parameter then returns an answer.
 bool Translator::is_written_first(std::size_t first, std::size_t end, const std::string& id) const {
     std::set<std::string> parts{id};
     for (std::size_t k = first; k < end; ++k) {
@@ -84,7 +84,7 @@ void Translator::translate_function(std::size_t first, std::size_t end) {
     const std::size_t subprogram_index = metadata_.size() - 1;
     const std::string list = parameters_of(first, end, scope_);
     const std::string types = "!" + std::to_string(metadata_.size() - 1), name = name_of(function_instruction.result);
-    const int line = lines_.file.empty() ? function_instruction.line : places_.last().line;
+    const int line = lines_.file.empty() ? function_instruction.line : places_.last_visited().line;
     metadata_[subprogram_index] =
         "distinct !DISubprogram(name: " + quoted_name(name.empty() ? function_instruction.result : name) +
         ", scope: " + file_ + ", file: " + file_ + ", line: " + std::to_string(std::max(line, 0)) + ", type: " + types +
@@ -114,9 +114,9 @@ void Translator::resolve_phis() {
 }
 
 TypedText Translator::value(const std::string& id, const SpirvInstruction& instruction) const {
-    const auto found = values_.find(id);
-    if (found == values_.end()) instruction.fail("%" + id + " is not a value");
-    return found->second;
+    const auto entry = values_.find(id);
+    if (entry == values_.end()) instruction.fail("%" + id + " is not a value");
+    return entry->second;
 }
 
 void Translator::emit_line(const std::string& text) { body_.push_back("  " + text + place_); }
@@ -130,7 +130,7 @@ TypedText Translator::emit(const SpirvType& type, const std::string& text) {
 /// Emits a call of a function that does not exist. Its name contains the sentence about what cannot be followed, which
 /// becomes the message if the walk reaches the call.
 TypedText Translator::refuse(const SpirvType& type, const std::string& sentence) {
-    const std::string name = "@" + quoted_name(refusal + sentence) + "()";
+    const std::string name = "@" + quoted_name(refusal_prefix + sentence) + "()";
     declarations_.insert("declare extern_weak void " + name);
     emit_line("call void " + name);
     return {&type, "undef", {}};
@@ -157,10 +157,10 @@ void Translator::translate_instruction(const SpirvInstruction& instruction) {
     if (translate_control(instruction)) return;
     for (const std::string& operand : instruction.operands) {
         const auto operand_value = values_.find(operand);
-        const bool uses_refused_address = operand_value != values_.end() &&
-                                          !operand_value->second.refusal_reason.empty() &&
-                                          !is_access_chain(instruction);
-        if (!uses_refused_address) continue;
+        const bool uses_unreadable_address = operand_value != values_.end() &&
+                                             !operand_value->second.refusal_reason.empty() &&
+                                             !is_access_chain(instruction);
+        if (!uses_unreadable_address) continue;
         const std::string reason = operand_value->second.refusal_reason;
         const SpirvType& type =
             instruction.result.empty() ? integer_type(Kind::integer, 32) : type_of(instruction.at(0), instruction);
@@ -225,7 +225,7 @@ void Translator::translate_variable(const SpirvInstruction& instruction) {
         emit_line("store " + value(instruction.at(2), instruction).typed() + ", " + address.typed());
 }
 
-/// The address of a part; a refused address for a part of a refused one.
+/// Returns the address of a part. A part of an address that cannot be read cannot be read either.
 TypedText Translator::element_address(const SpirvInstruction& instruction) {
     const TypedText base = value(instruction.at(1), instruction);
     const SpirvType& type = type_of(instruction.at(0), instruction);
@@ -312,8 +312,8 @@ bool Translator::translate_composite(const SpirvInstruction& instruction) {
     const auto type = [&]() -> const SpirvType& { return type_of(instruction.at(0), instruction); };
     const auto index = [&](const SpirvType& composite, std::size_t k) {
         // An index of more digits is outside of every type.
-        constexpr std::size_t most_digits = 4;
-        const std::size_t n = instruction.at(k).size() > most_digits
+        constexpr std::size_t max_digits = 4;
+        const std::size_t n = instruction.at(k).size() > max_digits
                                   ? ~std::size_t{0}
                                   : static_cast<std::size_t>(std::atoi(instruction.at(k).c_str()));
         if (composite.part(n) == nullptr) instruction.fail("an index is outside of its type");
@@ -343,15 +343,15 @@ bool Translator::translate_composite(const SpirvInstruction& instruction) {
         Values lanes;
         for (std::size_t k = 3; k < instruction.operands.size(); ++k) {
             // Lanes have indices of one or two digits; 4294967295 stands for a lane without a value.
-            constexpr std::size_t most_digits = 2;
-            const std::size_t n = instruction.at(k).size() > most_digits
+            constexpr std::size_t max_digits = 2;
+            const std::size_t n = instruction.at(k).size() > max_digits
                                       ? ~std::size_t{0}
                                       : static_cast<std::size_t>(std::atoi(instruction.at(k).c_str()));
-            const bool first = n < a.type->count;
+            const bool is_in_first = n < a.type->count;
             if (n == ~std::size_t{0}) lanes.push_back({&a.lane(), "undef", {}});
-            else if (!first && b.type->part(n - a.type->count) == nullptr)
+            else if (!is_in_first && b.type->part(n - a.type->count) == nullptr)
                 instruction.fail("an index is outside of its type");
-            else lanes.push_back(extract_part(first ? a : b, first ? n : n - a.type->count));
+            else lanes.push_back(extract_part(is_in_first ? a : b, is_in_first ? n : n - a.type->count));
         }
         values_[instruction.result] = construct(type(), lanes);
     } else if (instruction.op == "OpVectorExtractDynamic") {

@@ -57,9 +57,9 @@ Translator::Translator(const std::vector<SpirvInstruction>& instructions, std::s
       has_opaque_pointers_(has_opaque_pointers) {}
 
 std::string Translator::name_of(const std::string& id) const {
-    const auto found = names_.find(id);
-    if (found == names_.end()) return "";
-    std::string name = found->second.substr(0, found->second.find('('));
+    const auto entry = names_.find(id);
+    if (entry == names_.end()) return "";
+    std::string name = entry->second.substr(0, entry->second.find('('));
     return name.starts_with('@') ? name.substr(1) : name;  // glslang writes "@f(vf3;" in HLSL
 }
 
@@ -96,9 +96,9 @@ void Translator::collect_names() {
 }
 
 const SpirvType& Translator::type_of(const std::string& id, const SpirvInstruction& instruction) const {
-    const auto found = types_.find(id);
-    if (found == types_.end()) instruction.fail("the type %" + id + " is unknown");
-    return found->second;
+    const auto entry = types_.find(id);
+    if (entry == types_.end()) instruction.fail("the type %" + id + " is unknown");
+    return entry->second;
 }
 
 const SpirvType& Translator::integer_type(Kind kind, int bits) {
@@ -357,7 +357,7 @@ std::string Translator::debug_suffix(const SpirvInstruction& instruction) {
     return ", !dbg !" + std::to_string(known->second);
 }
 
-std::string Translator::module() {
+std::string Translator::translate_module() {
     collect_names();
     file_ = add_metadata("!DIFile(filename: " + quoted_name(lines_.file.empty() ? path_ : lines_.file) +
                          ", directory: \"\")");
@@ -393,8 +393,8 @@ std::string Translator::module() {
     return text;
 }
 
-std::string source_name(const std::string& assembly) {
-    const std::vector<SpirvInstruction> instructions = instructions_of(assembly);
+std::string source_file_name(const std::string& assembly) {
+    const std::vector<SpirvInstruction> instructions = read_instructions(assembly);
     const auto line = std::ranges::find(instructions, "OpLine", &SpirvInstruction::op);
     if (line == instructions.end()) return "";
     const auto file = std::ranges::find(instructions, line->at(0), &SpirvInstruction::result);
@@ -403,8 +403,8 @@ std::string source_name(const std::string& assembly) {
 
 std::string llvm_text_of(const std::string& assembly, const std::string& path, const ShaderLines& lines,
                          bool has_opaque_pointers) {
-    const std::vector<SpirvInstruction> instructions = instructions_of(assembly);
-    return Translator(instructions, path, lines, has_opaque_pointers).module();
+    const std::vector<SpirvInstruction> instructions = read_instructions(assembly);
+    return Translator(instructions, path, lines, has_opaque_pointers).translate_module();
 }
 
 }  // namespace lostbits::intersect::spirv

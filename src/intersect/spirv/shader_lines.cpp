@@ -59,13 +59,13 @@ std::string main_function_of(device::Language language) {
 
 std::string whole_program(const std::string& text, device::Language language) {
     if (language == device::Language::hlsl) return text + main_function_of(language);
-    const auto [head, body] = shader::without_kernel(text);
+    const auto [head, body] = shader::embeddable_text(text);
     return head + "#line 1\n" + body + main_function_of(language);
 }
 
 std::string split_program(const std::string& text, device::Language language, ShaderLines& lines) {
     const bool is_hlsl = language == device::Language::hlsl;
-    const auto [head, body] = is_hlsl ? std::pair(std::string(), text) : shader::without_kernel(text);
+    const auto [head, body] = is_hlsl ? std::pair(std::string(), text) : shader::embeddable_text(text);
     std::string program = head;
     lines.tokens.assign(static_cast<std::size_t>(std::ranges::count(head, '\n')), TokenPlace());
     const auto begin_line = [&](const shader::Token& t) {
@@ -123,7 +123,9 @@ std::size_t PlaceFinder::name_of(std::size_t token) const {
     return open == token || open == 0 ? token : open - 1;
 }
 
-TokenPlace PlaceFinder::last() const { return lines_.tokens.empty() ? current_place_ : lines_.tokens[name_of(token_)]; }
+TokenPlace PlaceFinder::last_visited() const {
+    return lines_.tokens.empty() ? current_place_ : lines_.tokens[name_of(token_)];
+}
 
 bool PlaceFinder::take_last(char sign, std::size_t& token) {
     for (std::size_t k = visited_.size(); k-- > 0;) {
@@ -158,7 +160,7 @@ TokenPlace PlaceFinder::place_of(std::string_view op, std::string_view extended)
         if (is_extended(lines_.tokens[k - 1].text, extended) && lines_.tokens[k].text == "(")
             return lines_.tokens[k - 1];
     }
-    return last();
+    return last_visited();
 }
 
 }  // namespace lostbits::intersect::spirv

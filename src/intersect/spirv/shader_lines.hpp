@@ -30,8 +30,9 @@ std::string split_program(const std::string& text, device::Language language, Sh
 /// The same program with the lines of the file, for the messages of the compiler.
 std::string whole_program(const std::string& text, device::Language language);
 
-/// Finds the place of an operation. An operator, such as the `-` of `a - b`, is visited before its operands, and its
-/// instruction follows theirs. So operators and instructions match like brackets.
+/// Finds the place of an operation. glslang names the line of an operator, such as the `-` of `a - b`, before the lines
+/// of its operands, but writes the operator's instruction after theirs. So operators and instructions match like
+/// brackets.
 class PlaceFinder {
 public:
     explicit PlaceFinder(const ShaderLines& lines);
@@ -42,7 +43,7 @@ public:
     TokenPlace place_of(std::string_view op, std::string_view extended);
     /// If the last visited token is a closing bracket, the name before the matching opening bracket; else the last
     /// visited token.
-    [[nodiscard]] TokenPlace last() const;
+    [[nodiscard]] TokenPlace last_visited() const;
 
 private:
     [[nodiscard]] std::size_t name_of(std::size_t token) const;

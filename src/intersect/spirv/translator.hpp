@@ -31,8 +31,10 @@ struct SpirvType {
     std::size_t size = 0, align = 1;  ///< in bytes, as LLVM lays it out
     int bits = 0;
     bool is_signed = false;
-    std::vector<const SpirvType*> parts = {};  ///< members; the item; the target; the result and the parameters
-    std::size_t count = 0;                     ///< number of items of a vector, a matrix or an array
+    std::vector<const SpirvType*> parts =
+        {};                 ///< the members of a structure; the item type of a vector, matrix or array;
+                            ///< the target of a pointer; the result and the parameters of a function
+    std::size_t count = 0;  ///< number of items of a vector, a matrix or an array
     /// The item of a vector, a matrix or an array, or member k of a structure; null if there is no part k.
     [[nodiscard]] const SpirvType* part(std::size_t k) const;
 };
@@ -41,8 +43,8 @@ struct SpirvType {
 struct TypedText {
     const SpirvType* type = nullptr;
     std::string text = {};
-    std::string refusal_reason = {};  ///< sentence about what an instruction that reads this address does; empty if the
-                                      ///< address can be read
+    std::string refusal_reason = {};  ///< message about an instruction that reads this address; empty if the address
+                                      ///< can be read
     [[nodiscard]] std::string typed() const { return type->text + " " + text; }
     /// The type of a lane of a vector; for other types, the type itself.
     [[nodiscard]] const SpirvType& lane() const {
@@ -63,7 +65,7 @@ public:
     Translator(const std::vector<SpirvInstruction>& instructions, std::string path, const ShaderLines& lines,
                bool has_opaque_pointers);
     /// Translates the module and returns its text. Call it only once.
-    std::string module();
+    std::string translate_module();
 
 private:
     using Kind = SpirvType::Kind;

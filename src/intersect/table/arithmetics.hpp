@@ -24,11 +24,11 @@ void rounded_batch(const FloatFormat& format, const RayBatch<double>& rays, cons
     intersect_batch(evaluate, marches<Form>, rays, lifted.get(), hits);
 }
 
-/// The end of a ray without an end, for enclosures, whose arithmetic has no infinity. It lies beyond every t of a ray
+/// The tmax of a ray without an end, for enclosures, whose arithmetic has no infinity. It lies beyond every t of a ray
 /// and a primitive of doubles, which is less than 2^1026/2^-1074 (lengths over the smallest direction). For a `Ball`,
 /// 2^1000 is enough, because a `Ball` proves nothing above 2^1000.
 template <class E>
-E unlimited() {
+E endless_tmax() {
     const E far(0x1p1000);
     if constexpr (std::same_as<E, Interval>) return far * far * far;
     else return far;
@@ -37,7 +37,7 @@ E unlimited() {
 template <class Form, class E>
 Hit<E> enclosed(const Ray<E>& ray, const Target<E>& target) {
     sdf::Unwatched unwatched;
-    return intersect_target<Form>(ray, target, unlimited<E>(), unwatched);
+    return intersect_target<Form>(ray, target, endless_tmax<E>(), unwatched);
 }
 
 /// The inputs of one evaluation in T, in their order on a tape.
@@ -55,7 +55,7 @@ struct LiftedInputs {
 };
 
 template <class Form, class T>
-MarchLog logged(const Ray<double>& ray, const Target<double>& target) {
+MarchLog log_march(const Ray<double>& ray, const Target<double>& target) {
     const LiftedInputs<T> inputs(ray, target, 0.0);
     StepLog<T> log;
     const Hit<T> hit = intersect_target<Form>(inputs.ray, inputs.target.get(), inputs.tmax, log);
@@ -66,7 +66,7 @@ MarchLog logged(const Ray<double>& ray, const Target<double>& target) {
 template <class Form>
 MarchLog log_of(const Format& format, const Ray<double>& ray, const Target<double>& target) {
     const CurrentFormat::Scope scope(format.parameters);
-    return logged<Form, RoundedAny>(ray, target);
+    return log_march<Form, RoundedAny>(ray, target);
 }
 
 /// Marks the end of each sample of a march, and gives its operations the names of the lesson SDF Sphere Marching.
@@ -97,31 +97,31 @@ inline Hit<Recorded> recorded_hit(EvaluateRecorded evaluate, const Ray<double>& 
 
 /// Appends the operations of `evaluate()`, which runs over `Recorded`, to the tape.
 template <class Evaluate>
-void taped_by(const Evaluate& evaluate, const FloatFormat& format, Tape& tape) {
+void record_on_tape(const Evaluate& evaluate, const FloatFormat& format, Tape& tape) {
     number::recorders::TapeRecorder recorder(tape, format);
     const Hit<Recorded> hit = evaluate();
     tape.outputs = {hit.hit.node(), hit.t.node(), hit.near.node(), hit.far.node()};
 }
 
-inline void evaluate_on(EvaluateRecorded evaluate, Tape& tape, const FloatFormat& format, const Ray<double>& ray,
-                        const Target<double>& target, double tmax) {
-    taped_by([&] { return recorded_hit(evaluate, ray, target, tmax); }, format, tape);
+inline void evaluate_on_tape(EvaluateRecorded evaluate, Tape& tape, const FloatFormat& format, const Ray<double>& ray,
+                             const Target<double>& target, double tmax) {
+    record_on_tape([&] { return recorded_hit(evaluate, ray, target, tmax); }, format, tape);
 }
 
-inline void record_by(EvaluateRecorded evaluate, const Format& format, const Ray<double>& ray,
-                      const Target<double>& target, double tmax, Tape& tape) {
+inline void record_evaluation(EvaluateRecorded evaluate, const Format& format, const Ray<double>& ray,
+                              const Target<double>& target, double tmax, Tape& tape) {
     tape.clear();
-    evaluate_on(evaluate, tape, format.parameters, ray, target, tmax);
+    evaluate_on_tape(evaluate, tape, format.parameters, ray, target, tmax);
 }
 
 template <class Form>
 void record_of(const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax, Tape& tape) {
-    record_by(evaluate_recorded<Form>, format, ray, target, tmax, tape);
+    record_evaluation(evaluate_recorded<Form>, format, ray, target, tmax, tape);
 }
 
 /// Records all operations that the form has. A march is cut to 3 samples and 2 steps of each refinement, because
 /// further ones repeat the same operations.
-inline void record_all_by(EvaluateRecorded evaluate, const Target<double>& target, Tape& tape) {
+inline void record_all_operations(EvaluateRecorded evaluate, const Target<double>& target, Tape& tape) {
     const Ray<double> sample_ray{Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)};
     tape.clear();
     tape.runs_every_loop = true;
@@ -130,22 +130,22 @@ inline void record_all_by(EvaluateRecorded evaluate, const Target<double>& targe
         shortened.max_steps = 3;
         shortened.secant_steps = std::min(shortened.secant_steps, 2);
         shortened.bisect_steps = std::min(shortened.bisect_steps, 2);
-        evaluate_on(evaluate, tape, binary32, sample_ray, Target<double>(target.primitives, shortened), HUGE_VAL);
+        evaluate_on_tape(evaluate, tape, binary32, sample_ray, Target<double>(target.primitives, shortened), HUGE_VAL);
     } else {
-        evaluate_on(evaluate, tape, binary32, sample_ray, target, HUGE_VAL);
+        evaluate_on_tape(evaluate, tape, binary32, sample_ray, target, HUGE_VAL);
     }
     tape.runs_every_loop = false;
 }
 
 template <class Form>
 void record_all_of(const Target<double>& target, Tape& tape) {
-    record_all_by(evaluate_recorded<Form>, target, tape);
+    record_all_operations(evaluate_recorded<Form>, target, tape);
 }
 
 /// The answer of `evaluate()`, which runs over `Recorded`, with the bounds that its recorder computes. Returns nothing
 /// for formats other than binary32 and binary64.
 template <class Evaluate>
-std::optional<BoundedAnswer> bounded_by(const Evaluate& evaluate, const Format& format) {
+std::optional<BoundedAnswer> bounded_answer(const Evaluate& evaluate, const Format& format) {
     if (format.engine == Format::Engine::rounded) return std::nullopt;
     number::recorders::BoundsRecorder recorder(format.parameters);
     const Hit<Recorded> hit = evaluate();
@@ -156,7 +156,7 @@ std::optional<BoundedAnswer> bounded_by(const Evaluate& evaluate, const Format& 
 template <class Form>
 std::optional<BoundedAnswer> bounded_of(const Format& format, const Ray<double>& ray, const Target<double>& target,
                                         double tmax) {
-    return bounded_by([&] { return recorded_hit(evaluate_recorded<Form>, ray, target, tmax); }, format);
+    return bounded_answer([&] { return recorded_hit(evaluate_recorded<Form>, ray, target, tmax); }, format);
 }
 
 /// True if the form filters: it takes a watch, which is called with each wider arithmetic.
@@ -201,7 +201,8 @@ FilterArithmetic filter_arithmetic_of(const Format& format, const Ray<double>& r
 
 /// Counts the operations of `evaluate(ray, target, tmax)` in binary32.
 template <class Evaluate>
-OperationCounts counted_by(const Evaluate& evaluate, const Ray<float>& ray, const Target<float>& target, float tmax) {
+OperationCounts count_operations(const Evaluate& evaluate, const Ray<float>& ray, const Target<float>& target,
+                                 float tmax) {
     const LiftedInputs<Counted<float>> inputs(ray, target, tmax);
     operation_counts() = {};
     static_cast<void>(evaluate(inputs.ray, inputs.target.get(), inputs.tmax));
@@ -215,7 +216,7 @@ OperationCounts count_of(const Ray<float>& ray, const Target<float>& target, flo
         sdf::Unwatched watch;
         return evaluate(in..., watch, 0);
     };
-    return counted_by(unwatched, ray, target, tmax);
+    return count_operations(unwatched, ray, target, tmax);
 }
 
 }  // namespace lostbits::intersect::table

@@ -14,14 +14,14 @@ namespace lostbits::intersect::table {
 template <class Parts>
 class ComposedForms {
 public:
-    struct Made {
+    struct ComposedRow {
         Parts parts;
         std::string name, title, source;
         Info info;
         Intersector row;
 
         /// Copies the contract, but keeps this row's own name, title and source.
-        void take_contract(const Info& contract) {
+        void copy_contract(const Info& contract) {
             info = contract;
             info.name = name, info.title = title, info.source = source;
         }
@@ -31,9 +31,9 @@ public:
     template <class Fill>
     const Intersector& row_of(const Parts& parts, const Fill& fill) {
         const std::lock_guard lock(mutex_);
-        const auto found = std::ranges::find(rows_, parts, &Made::parts);
+        const auto found = std::ranges::find(rows_, parts, &ComposedRow::parts);
         if (found != rows_.end()) return found->row;
-        Made& composed = rows_.emplace_back();
+        ComposedRow& composed = rows_.emplace_back();
         composed.parts = parts;
         fill(composed);
         return composed.row;
@@ -42,13 +42,13 @@ public:
     Parts parts_of(const Intersector& catalogue_row) {
         const std::lock_guard lock(mutex_);
         const auto found = std::ranges::find_if(
-            rows_, [&catalogue_row](const Made& composed) { return &composed.row == &catalogue_row; });
+            rows_, [&catalogue_row](const ComposedRow& composed) { return &composed.row == &catalogue_row; });
         return found == rows_.end() ? Parts{} : found->parts;
     }
 
 private:
     std::mutex mutex_;
-    std::deque<Made> rows_;
+    std::deque<ComposedRow> rows_;
 };
 
 }  // namespace lostbits::intersect::table

@@ -10,8 +10,8 @@
 
 namespace lostbits::intersect::table {
 
-/// True if the form counts the whole primitive, including its interior: t = 0 for a ray from inside.
-constexpr bool is_met_inside(const Info& info, Shape shape) {
+/// True if the interior belongs to the primitive as the form sees it: t = 0 for a ray from inside.
+constexpr bool counts_interior(const Info& info, Shape shape) {
     return info.inside == Inside::zero || (info.inside == Inside::usual && inside_returns_zero(shape));
 }
 
@@ -19,7 +19,7 @@ constexpr bool is_met_inside(const Info& info, Shape shape) {
 /// that takes the range itself: if the t of such a form lies outside the range, that is an error of the form and must
 /// be shown. A form that takes the end of the ray has already compared its t with that end, unless the end is open.
 template <class S>
-Range<S> range_to_ask(const Info& info, Shape shape, Range<S> range) {
+Range<S> compared_range(const Info& info, Shape shape, Range<S> range) {
     if (info.roots == Roots::none || info.ranged) return {};
     if (takes_tmax(shape) && !range.open.tmax && range.holds_any()) range.tmax = std::numeric_limits<S>::infinity();
     return range;
@@ -37,14 +37,14 @@ Range<S> range_to_ask(const Info& info, Shape shape, Range<S> range) {
 /// an exception, because it does not say whether its root is an entry.
 /// - A hit at NaN stays a hit, so that the NaN is visible.
 template <class T, class S>
-Hit<T> in_range(const Info& info, Shape shape, const Range<S>& range, const T& tmin, const T& tmax,
-                const Hit<T>& answer) {
+Hit<T> limit_to_range(const Info& info, Shape shape, const Range<S>& range, const T& tmin, const T& tmax,
+                      const Hit<T>& answer) {
     if (!range.holds_any()) {
         const bool both_closed = !range.open.tmin && !range.open.tmax && !std::isinf(range.tmin);
         const auto in_order = both_closed ? tmin <= tmax : tmin < tmax;
         return {answer.hit && tmin >= T(0) && in_order, answer.t, answer.near, answer.far};
     }
-    const bool has_both_roots = info.roots == Roots::both, inside_counts = is_met_inside(info, shape);
+    const bool has_both_roots = info.roots == Roots::both, inside_counts = counts_interior(info, shape);
     const auto precedes_range = [&](const T& t) { return range.open.tmin ? t <= tmin : t < tmin; };
     const auto is_t_before_range = precedes_range(answer.t);
     auto is_in_range = !is_t_before_range;
@@ -70,13 +70,13 @@ Hit<T> in_range(const Info& info, Shape shape, const Range<S>& range, const T& t
 
 /// Limits the answers of a batch to the ranges of its rays, with comparisons in the format.
 template <class S>
-void keep_in_range(const Info& info, Shape shape, const RayBatch<S>& rays, const HitBatch<S>& hits) {
+void limit_batch_to_range(const Info& info, Shape shape, const RayBatch<S>& rays, const HitBatch<S>& hits) {
     if (!rays.have_ranges()) return;
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        const Range<S> range = range_to_ask(info, shape, rays.range(i));
+        const Range<S> range = compared_range(info, shape, rays.range(i));
         if (hits.hit[i] == 0 || range.is_whole()) continue;
         const Hit<S> answer{true, hits.t[i], hits.near[i], hits.far[i]};
-        const Hit<S> limited = in_range(info, shape, range, range.tmin, range.tmax, answer);
+        const Hit<S> limited = limit_to_range(info, shape, range, range.tmin, range.tmax, answer);
         hits.hit[i] = limited.hit;
         hits.t[i] = limited.t;
     }

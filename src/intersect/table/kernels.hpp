@@ -1,4 +1,4 @@
-// The loops around `Form::intersect` that make the functions of a table row from a form, once for all forms.
+// The loops around `Form::intersect`, from which the functions of a table row are made.
 #pragma once
 
 #include <concepts>

@@ -14,16 +14,16 @@ const EvaluateRecorded& evaluator_of(void* context) { return *static_cast<const 
 
 void record_with(void* context, const Format& format, const Ray<double>& ray, const Target<double>& target, double tmax,
                  Tape& tape) {
-    record_by(evaluator_of(context), format, ray, target, tmax, tape);
+    record_evaluation(evaluator_of(context), format, ray, target, tmax, tape);
 }
 
 void record_all_with(void* context, const Target<double>& target, Tape& tape) {
-    record_all_by(evaluator_of(context), target, tape);
+    record_all_operations(evaluator_of(context), target, tape);
 }
 
 std::optional<BoundedAnswer> bounded_with(void* context, const Format& format, const Ray<double>& ray,
                                           const Target<double>& target, double tmax) {
-    return bounded_by([&] { return recorded_hit(evaluator_of(context), ray, target, tmax); }, format);
+    return bounded_answer([&] { return recorded_hit(evaluator_of(context), ray, target, tmax); }, format);
 }
 
 }  // namespace

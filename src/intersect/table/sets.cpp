@@ -69,7 +69,7 @@ void forward_all(FormSet& set) {
 
 /// The value of `member` if all forms of the set agree on it, else `otherwise`.
 template <class T>
-T common(const FormSet& set, T Info::*member, T otherwise) {
+T common_value(const FormSet& set, T Info::*member, T otherwise) {
     const T first = set.parts.front()->info->*member;
     const auto has_common_value = [&](const Intersector* part) { return part->info->*member == first; };
     return std::ranges::all_of(set.parts, has_common_value) ? first : otherwise;
@@ -92,7 +92,7 @@ void fill_conventions(FormSet& set) {
     }
 }
 
-void fill(FormSet& set) {
+void fill_set(FormSet& set) {
     for (const Intersector* const part : set.parts) {
         const auto add = [&set](std::string& text, std::string_view separator, std::string_view addition) {
             text.append(text.empty() ? "" : separator).append(addition);
@@ -101,18 +101,18 @@ void fill(FormSet& set) {
         add(set.title, "; ", part->info->title);
         if (set.source != part->info->source) add(set.source, "; ", part->info->source);
     }
-    set.info = {
-        .name = set.name,
-        .title = set.title,
-        .source = set.source,
-        .direction = common(set, &Info::direction, Direction::unit),
-        .roots = common(set, &Info::roots, any_yields(set, Roots::near_only) ? Roots::near_only : Roots::first_only),
-        .touching = common(set, &Info::touching, Touching::hit),
-        .at_origin = common(set, &Info::at_origin, AtOrigin::hit),
-        .formats = common(set, &Info::formats, Formats::binary32_only),
-        .inside = common(set, &Info::inside, Inside::usual),
-        .facing = common(set, &Info::facing, Facing::both),
-        .endless = common(set, &Info::endless, false)};
+    set.info = {.name = set.name,
+                .title = set.title,
+                .source = set.source,
+                .direction = common_value(set, &Info::direction, Direction::unit),
+                .roots = common_value(set, &Info::roots,
+                                      any_yields(set, Roots::near_only) ? Roots::near_only : Roots::first_only),
+                .touching = common_value(set, &Info::touching, Touching::hit),
+                .at_origin = common_value(set, &Info::at_origin, AtOrigin::hit),
+                .formats = common_value(set, &Info::formats, Formats::binary32_only),
+                .inside = common_value(set, &Info::inside, Inside::usual),
+                .facing = common_value(set, &Info::facing, Facing::both),
+                .endless = common_value(set, &Info::endless, false)};
     fill_conventions(set);
     set.row = {.info = &set.info,
                .shape = set.parts.front()->shape,
@@ -166,11 +166,11 @@ const Intersector& set_of(std::vector<const Intersector*> parts) {
     static std::mutex mutex;
     static std::deque<FormSet> sets;
     const std::lock_guard lock(mutex);
-    const auto known = std::ranges::find(sets, parts, &FormSet::parts);
-    if (known != sets.end()) return known->row;
+    const auto known_set = std::ranges::find(sets, parts, &FormSet::parts);
+    if (known_set != sets.end()) return known_set->row;
     FormSet& set = sets.emplace_back();
     set.parts = std::move(parts);
-    fill(set);
+    fill_set(set);
     return set.row;
 }
 

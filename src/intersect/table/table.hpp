@@ -1,5 +1,5 @@
 // The run-time table: each form in every arithmetic, as plain functions over batches of rays. Code that uses this
-// header does not know whether a row was compiled from our templates.
+// header need not know whether a row is a form template of lostbits or an external form.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,7 @@ template <class S>
 struct RayBatch {
     std::span<const S> ox, oy, oz, dx, dy, dz;
     /// The end of each ray, for shapes whose forms take it (boxes); empty if no ray has an end. Forms do not take the
-    /// beginning of a range: the caller keeps only the hits that lie in the range (`keep_in_range`).
+    /// beginning of a range: the caller keeps only the hits that lie in the range (`limit_batch_to_range`).
     std::span<const S> tmax = {};
     std::span<const S> tmin = {};
     OpenEnds open = {};
@@ -86,9 +86,9 @@ struct MarchLog {
     Stop stop = Stop::max_steps;
 };
 
-/// One form in every arithmetic, or a set with one form for each of several shapes (`sets.hpp`). A function that does
-/// not exist is empty: a form written for one format has no kernel in the others, and a form that is not a template of
-/// ours has only native kernels.
+/// One form in every arithmetic, or a set with one form for each of several shapes (`sets.hpp`). A function is empty if
+/// the form does not have it: a form for one format has no kernel in the others, and an external form has only native
+/// kernels.
 struct Intersector {
     const Info* info;
     Shape shape;  ///< the shape of its primitives; `sdf` if it takes all primitives at once; the first shape of a set
@@ -116,8 +116,9 @@ struct Intersector {
         filter_arithmetic = nullptr;
     /// The forms of a set, in the order of their shapes.
     std::span<const Intersector* const> parts = {};
-    bool is_placed =
-        false;  ///< it has a transform method, so it takes primitives under matrices (`transform/transformed_form.hpp`)
+    /// True if the row has a transform method, so that it takes primitives under matrices
+    /// (`transform/transformed_form.hpp`).
+    bool is_placed = false;
 
     [[nodiscard]] bool exists_in(const Format& format) const {
         switch (format.engine) {

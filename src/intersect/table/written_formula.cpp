@@ -80,7 +80,7 @@ private:
             if (is_decision(w.op)) {
                 masks_.push_back(decision(w));
                 if constexpr (std::same_as<mask_t<T>, Tri>)
-                    if (w.has_sides && masks_.back().is_unknown()) return on_both_sides(i + 1, input);
+                    if (w.has_sides && masks_.back().is_unknown()) return evaluate_both_outcomes(i + 1, input);
             } else if (w.wide) {
                 add(wide_, i, w.op == TapeOp::convert ? Wider<T>::widen(x(numbers_, w, 0)) : number(wide_, w, input));
             } else {
@@ -95,10 +95,10 @@ private:
                 number_at(formula_.near), number_at(formula_.far)};
     }
 
-    /// Evaluates the rest of the formula twice, for both outcomes of the last decision, which is undecided, and joins
-    /// the answers.
+    /// Evaluates the rest of the formula twice, once for each outcome of the last decision, which is undecided, and
+    /// joins the two answers.
     template <class Input>
-    Hit<T> on_both_sides(std::size_t next, const Input& input) {
+    Hit<T> evaluate_both_outcomes(std::size_t next, const Input& input) {
         Evaluation other(*this);
         other.masks_.back() = Tri(Tri::yes), masks_.back() = Tri(Tri::no);
         const Hit<T> yes = other.run_from(next, input), no = run_from(next, input);
@@ -235,7 +235,8 @@ void answer_64(void* context, const RayBatch<double>& rays, const Target<double>
 
 template <class E>
 Hit<E> enclose(void* context, const Ray<E>& ray, const Target<E>& target) {
-    return answer_of(form_of(context).formula_in(*find_format("f32")), ray, target.primitives.front(), unlimited<E>());
+    return answer_of(form_of(context).formula_in(*find_format("f32")), ray, target.primitives.front(),
+                     endless_tmax<E>());
 }
 
 Hit<Recorded> recorded_hit(const WrittenFormula& formula, const Ray<double>& ray, const Target<double>& target,
@@ -247,8 +248,8 @@ Hit<Recorded> recorded_hit(const WrittenFormula& formula, const Ray<double>& ray
 void record(void* context, const Format& format, const Ray<double>& ray, const Target<double>& target, double end,
             Tape& tape) {
     tape.clear();
-    taped_by([&] { return recorded_hit(form_of(context).formula_in(format), ray, target, end); }, format.parameters,
-             tape);
+    record_on_tape([&] { return recorded_hit(form_of(context).formula_in(format), ray, target, end); },
+                   format.parameters, tape);
 }
 
 void record_all(void* context, const Target<double>& target, Tape& tape) {
@@ -260,12 +261,12 @@ OperationCounts count(void* context, const Ray<float>& ray, const Target<float>&
     const auto evaluate = [&formula](const auto& ray_in, const auto& aim, const auto& tmax) {
         return answer_of(formula, ray_in, aim.primitives.front(), tmax);
     };
-    return counted_by(evaluate, ray, target, end);
+    return count_operations(evaluate, ray, target, end);
 }
 
 std::optional<BoundedAnswer> answer_bounded(void* context, const Format& format, const Ray<double>& ray,
                                             const Target<double>& target, double end) {
-    return bounded_by([&] { return recorded_hit(form_of(context).formula_in(format), ray, target, end); }, format);
+    return bounded_answer([&] { return recorded_hit(form_of(context).formula_in(format), ray, target, end); }, format);
 }
 
 /// True if operand k of an operation is a decision.
@@ -275,7 +276,7 @@ bool takes_decision(TapeOp op, std::size_t k) {
 
 }  // namespace
 
-void require_sense(const WrittenFormula& f) {
+void require_valid(const WrittenFormula& f) {
     const auto fail = [&f](std::size_t i, const std::string& why) {
         throw InputError(f.name + ": operation " + std::to_string(i) + ", " + std::string(name_of(f.operations[i].op)) +
                          ", " + why);
@@ -320,7 +321,7 @@ void require_sense(const WrittenFormula& f) {
             throw InputError(f.name + ": an answer is of the wider format; convert it first");
 }
 
-WrittenFormula written(const Tape& tape, Shape shape, std::string name) {
+WrittenFormula formula_from_tape(const Tape& tape, Shape shape, std::string name) {
     WrittenFormula formula{.name = std::move(name), .shape = shape, .operations = {}};
     const std::uint8_t own_format = tape[tape.outputs.t].format;
     for (const TapeNode& n : tape.nodes)
@@ -333,7 +334,7 @@ WrittenFormula written(const Tape& tape, Shape shape, std::string name) {
         formula.operations[static_cast<std::size_t>(decision)].has_sides = true;
     const auto [hit, t, near, far] = tape.outputs;
     formula.hit = hit, formula.t = t, formula.near = near, formula.far = far;
-    require_sense(formula);
+    require_valid(formula);
     return formula;
 }
 
@@ -349,7 +350,7 @@ const WrittenFormula& WrittenForm::formula_in(const Format& format) const {
             Tape tape;
             recorded_row_->record_all(Target<double>(Primitive<double>(recorded_row_->shape)), tape);
             formula32_ = std::make_shared<const WrittenFormula>(
-                written(tape, recorded_row_->shape, std::string(recorded_row_->info->name)));
+                formula_from_tape(tape, recorded_row_->shape, std::string(recorded_row_->info->name)));
         });
     return formula32_ == nullptr || (format.engine == Format::Engine::native64 && formula64_ != nullptr) ? *formula64_
                                                                                                          : *formula32_;
@@ -383,7 +384,7 @@ std::vector<NodeId> WrittenForm::nodes_on_tape(const Format& format) const {
         for (std::size_t i = 0; i < formula.operations.size(); ++i) nodes.push_back(evaluation.node(i));
         return hit;
     };
-    taped_by(evaluate, format.parameters, tape);
+    record_on_tape(evaluate, format.parameters, tape);
     return nodes;
 }
 

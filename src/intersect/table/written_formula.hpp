@@ -40,13 +40,13 @@ struct WrittenFormula {
     NodeId near = no_node, far = no_node;  ///< if absent, t
 };
 
-/// Throws InputError, which names the operation, for an unknown operation, for an operand that does not come earlier,
-/// or for a decision in place of a number or a number in place of a decision.
-void require_sense(const WrittenFormula& formula);
+/// Throws InputError, which names the operation, if an operation is unknown, if an operand does not come earlier, or if
+/// an operand is a decision where a number is needed, or the other way round.
+void require_valid(const WrittenFormula& formula);
 
 /// Converts a tape to a formula, for the primitives of a shape. The form must perform the same operations for every
-/// ray, without calls and loops. Throws as `require_sense` does.
-WrittenFormula written(const Tape& tape, Shape shape, std::string name);
+/// ray, without calls and loops. Throws as `require_valid` does.
+WrittenFormula formula_from_tape(const Tape& tape, Shape shape, std::string name);
 
 /// The formulas of a form in binary32 and in binary64. They may differ, because array libraries add the same numbers in
 /// another order if a register holds more of them. Every other arithmetic uses the formula of binary32.
@@ -62,10 +62,10 @@ public:
     void fill_arithmetics(Intersector& catalogue_row);
     /// Fills all functions of a row except the native kernels. The row then points to this object.
     void fill(Intersector& catalogue_row);
-    /// A row whose kernels in f32 and f64 evaluate the formula too.
+    /// Returns a row all of whose functions evaluate the formula, the kernels in f32 and f64 included.
     [[nodiscard]] Intersector row(const Info& info);
     [[nodiscard]] const WrittenFormula& formula_in(const Format& format) const;
-    /// The node of each operation on a tape of this format.
+    /// Returns the index of each operation's node on a tape of this format.
     [[nodiscard]] std::vector<NodeId> nodes_on_tape(const Format& format) const;
 
 private:

@@ -20,7 +20,7 @@ struct TransformMethodInfo {
 
 /// The steps of a transform method, in this order. `measure::answer` distinguishes the rounding errors of the steps.
 enum class TransformStep {
-    inverse,    ///< computes the other matrix from the stored one
+    inverse,    ///< inverts the stored matrix
     origin,     ///< converts the origin of the ray to the space of the primitive
     direction,  ///< converts its direction
     finish,     ///< normalises the ray or moves it along itself; scales the primitive
@@ -29,7 +29,7 @@ enum class TransformStep {
 };
 inline constexpr std::array<std::string_view, 6> step_names{"inverse", "origin", "direction", "finish", "form", "back"};
 
-/// Both matrices of a placed primitive. One of them is the stored one.
+/// The two matrices of a placed primitive: one is stored, the other is its inverse.
 template <class T>
 struct Maps {
     Affine<T> to_world, to_object;

@@ -22,7 +22,7 @@ Maps<T> maps_of(const Placement<T>& placed) {
 }
 
 template <class Method, class T>
-constexpr StepsIn<T> steps() {
+constexpr StepFunctions<T> steps() {
     return {maps_of<Method, T>, Method::template origin<T>, Method::template direction<T>, Method::template finish<T>,
             Method::template back<T>};
 }
@@ -85,7 +85,7 @@ const PackedMethods* packed_methods(simd::Isa isa) {
 /// Calls `run(functions, steps)` on the rays that fill whole packs of the current width, and returns the number of
 /// these rays. The caller computes the other rays; in an arithmetic without registers, those are all rays.
 template <class Method, class T, class S, class Run>
-std::size_t in_packs(const Maps<T>& maps, const RayBatch<S>& rays, const Run& run) {
+std::size_t run_in_packs(const Maps<T>& maps, const RayBatch<S>& rays, const Run& run) {
     if constexpr (std::same_as<T, S>) {
         const PackedMethods* const packed = packed_methods(simd::current_isa());
         if (packed == nullptr) return 0;
@@ -116,7 +116,7 @@ template <class Method, class T, class S>
 void batch_to_object(const Maps<T>& maps, const RayBatch<S>& rays, ObjectColumns<S>& columns) {
     for (auto& column : columns.ray) column.resize(rays.size());
     columns.length.resize(rays.size());
-    const std::size_t packed_count = in_packs<Method>(maps, rays, [&columns](const auto& functions, auto& steps) {
+    const std::size_t packed_count = run_in_packs<Method>(maps, rays, [&columns](const auto& functions, auto& steps) {
         for (std::size_t k = 0; k < columns.ray.size(); ++k) steps.object[k] = columns.ray[k].data();
         steps.length = columns.length.data();
         steps.scale = &columns.scale;
@@ -138,7 +138,7 @@ void batch_to_object(const Maps<T>& maps, const RayBatch<S>& rays, ObjectColumns
 template <class Method, class T, class S>
 void batch_back(const Maps<T>& maps, const RayBatch<S>& rays, const ObjectColumns<S>& columns,
                 const HitBatch<S>& hits) {
-    const std::size_t packed_count = in_packs<Method>(maps, rays, [&](const auto& functions, auto& steps) {
+    const std::size_t packed_count = run_in_packs<Method>(maps, rays, [&](const auto& functions, auto& steps) {
         // These columns are only read here. Their pointers are not const because `to_object` writes through the same
         // struct.
         for (std::size_t k = 0; k < columns.ray.size(); ++k) steps.object[k] = const_cast<S*>(columns.ray[k].data());
@@ -211,6 +211,6 @@ std::span<const TransformMethod> transform_methods() {
     return methods;
 }
 
-const TransformMethod& usual_transform_method() { return transform_methods().front(); }
+const TransformMethod& default_transform_method() { return transform_methods().front(); }
 
 }  // namespace lostbits::intersect::transform

@@ -22,9 +22,9 @@ struct ObjectColumns {
     S scale;
 };
 
-/// The steps of a method in one arithmetic.
+/// The steps of a method as functions in the arithmetic T.
 template <class T>
-struct StepsIn {
+struct StepFunctions {
     Maps<T> (*maps)(const Placement<T>&);
     Vec<T> (*origin)(const Maps<T>&, const Vec<T>&);
     Vec<T> (*direction)(const Maps<T>&, const Vec<T>&);
@@ -36,16 +36,17 @@ struct StepsIn {
     }
 };
 
-/// The steps of a method for whole batches and one matrix, with the same bits as ray by ray.
+/// The steps of a method as functions over whole batches with one matrix. The results have the same bits as ray by ray.
 template <class T, class S>
-struct BatchIn {
+struct BatchFunctions {
     Maps<T> (*maps)(const Placement<T>&);
     void (*to_object)(const Maps<T>&, const table::RayBatch<S>&, ObjectColumns<S>&);
     /// Converts the answers of the form to the world, in place.
     void (*back)(const Maps<T>&, const table::RayBatch<S>&, const ObjectColumns<S>&, const table::HitBatch<S>&);
 };
 
-/// Nodes on a tape: `WorldNodes` are the inputs of a transform method, `ObjectNodes` those of the form that follows it.
+/// Indices of nodes on a tape: `WorldNodes` are the inputs of a transform method, `ObjectNodes` the inputs of the form
+/// that follows it.
 struct WorldNodes {
     std::array<NodeId, 6> ray;
     std::array<NodeId, Affine<double>::numbers> matrix;
@@ -60,22 +61,22 @@ using RecordForm = std::function<TapeOutputs(const ObjectNodes&)>;
 
 struct TransformMethod {
     const TransformMethodInfo* info;
-    StepsIn<float> f32;
-    StepsIn<double> f64;
-    StepsIn<RoundedAny> rounded;
-    StepsIn<Ball> ball;
-    StepsIn<Interval> interval;
-    StepsIn<Real> real;
-    BatchIn<float, float> batch32;
-    BatchIn<double, double> batch64;
-    BatchIn<RoundedAny, double> batch_rounded;
+    StepFunctions<float> f32;
+    StepFunctions<double> f64;
+    StepFunctions<RoundedAny> rounded;
+    StepFunctions<Ball> ball;
+    StepFunctions<Interval> interval;
+    StepFunctions<Real> real;
+    BatchFunctions<float, float> batch32;
+    BatchFunctions<double, double> batch64;
+    BatchFunctions<RoundedAny, double> batch_rounded;
     /// Appends every operation of the method to the tape, in a format, and calls `RecordForm` for those of the form.
     void (*record)(const Format&, Tape&, const WorldNodes&, const RecordForm&);
 };
 
 /// The steps of a method in the arithmetic of a format.
 template <class T>
-const StepsIn<T>& steps_in(const TransformMethod& method) {
+const StepFunctions<T>& step_functions(const TransformMethod& method) {
     if constexpr (std::same_as<T, float>) return method.f32;
     else if constexpr (std::same_as<T, double>) return method.f64;
     else return method.rounded;
@@ -84,6 +85,6 @@ const StepsIn<T>& steps_in(const TransformMethod& method) {
 /// All methods, in the order of the list.
 std::span<const TransformMethod> transform_methods();
 /// The default method.
-const TransformMethod& usual_transform_method();
+const TransformMethod& default_transform_method();
 
 }  // namespace lostbits::intersect::transform

@@ -24,13 +24,15 @@ Rows& rows() {
     return composed_rows;
 }
 
-TransformedFormParts parts_in(const Parts& parts) {
+TransformedFormParts to_parts(const Parts& parts) {
     return std::apply([](auto... part) { return TransformedFormParts{part...}; }, parts);
 }
-TransformedFormParts parts_of_row(void* context) { return parts_in(static_cast<const Rows::Made*>(context)->parts); }
+TransformedFormParts parts_of_row(void* context) {
+    return to_parts(static_cast<const Rows::ComposedRow*>(context)->parts);
+}
 
 template <class S>
-Primitive<S> object_of(const Primitive<S>& primitive, const S& scale) {
+Primitive<S> object_primitive_of(const Primitive<S>& primitive, const S& scale) {
     Primitive<S> object = primitive;
     object.placed.reset();
     return scale == S(1) ? object : scaled(object, scale);
@@ -39,7 +41,7 @@ Primitive<S> object_of(const Primitive<S>& primitive, const S& scale) {
 /// Runs a batch: converts the rays to the space of the primitive, runs the form there, and converts its answers back.
 /// Either all rays share one primitive, or each ray is a batch of its own.
 template <class T, class S, class Kernel>
-void evaluate(const BatchIn<T, S>& steps, const Kernel& kernel, const RayBatch<S>& rays, const Target<S>& target,
+void evaluate(const BatchFunctions<T, S>& steps, const Kernel& kernel, const RayBatch<S>& rays, const Target<S>& target,
               const HitBatch<S>& hits) {
     const std::size_t primitives = target.primitives.size();
     for (std::size_t i = 0, end = 0; i < rays.size(); i = end) {
@@ -66,7 +68,7 @@ void evaluate(const BatchIn<T, S>& steps, const Kernel& kernel, const RayBatch<S
             object_rays.tmax = ends;
             object_rays.open.tmax = world_rays.open.tmax;
         }
-        kernel(object_rays, Target<S>(object_of(primitive, columns.scale)), batch_hits);
+        kernel(object_rays, Target<S>(object_primitive_of(primitive, columns.scale)), batch_hits);
         steps.back(maps, world_rays, columns, batch_hits);
     }
 }
@@ -87,17 +89,17 @@ void evaluate_rounded(void* context, const FloatFormat& format, const RayBatch<d
     evaluate(parts_of_row(context).method->batch_rounded, kernel, rays, target, hits);
 }
 
-/// Runs a row in an enclosure. If the determinant is not known to differ from 0, the answer is unknown.
-template <auto of_steps, auto kernel, class E>
+/// Runs a row over enclosures. If the determinant is not known to differ from 0, the answer is unknown.
+template <auto steps_member, auto kernel_member, class E>
 Hit<E> enclosed(void* context, const Ray<E>& ray, const Target<E>& target) {
     const TransformedFormParts form_parts = parts_of_row(context);
     const Primitive<E>& primitive = target.primitives.front();
-    if (!primitive.placed) return (form_parts.form->*kernel)(ray, target);
-    const StepsIn<E>& steps = form_parts.method->*of_steps;
+    if (!primitive.placed) return (form_parts.form->*kernel_member)(ray, target);
+    const StepFunctions<E>& steps = form_parts.method->*steps_member;
     const Maps<E> maps = steps.maps(*primitive.placed);
     const ObjectRay<E> object_ray = steps.to_object(maps, ray);
     const Primitive<E> object = scaled(primitive, object_ray.scale);
-    const Hit<E> hit = (form_parts.form->*kernel)(object_ray.ray, Target<E>(object));
+    const Hit<E> hit = (form_parts.form->*kernel_member)(object_ray.ray, Target<E>(object));
     return {hit.hit, steps.back(maps, ray, object_ray, hit.t), steps.back(maps, ray, object_ray, hit.near),
             steps.back(maps, ray, object_ray, hit.far)};
 }
@@ -153,7 +155,7 @@ void record_with(const TransformedFormParts& form_parts, const Format& format, c
         form_tape.runs_every_loop = tape.runs_every_loop;
         record_object(Ray<double>{{value(r[0]), value(r[1]), value(r[2])}, {value(r[3]), value(r[4]), value(r[5])}},
                       Target<double>(object_primitive), object_tmax, form_tape);
-        return table::append(form_tape, inputs, tape);
+        return table::append_tape(form_tape, inputs, tape);
     });
 }
 
@@ -178,7 +180,7 @@ void record_all(void* context, const Target<double>& target, Tape& tape) {
                 });
 }
 
-void fill(Rows::Made& composed) {
+void fill_row(Rows::ComposedRow& composed) {
     const auto& [method, form_row] = composed.parts;
     const Info& form = *form_row->info;
     const TransformMethodInfo& method_info = *method->info;
@@ -190,38 +192,37 @@ void fill(Rows::Made& composed) {
     composed.name = text(form.name, "@", method_info.name);
     composed.title = text(form.title, "; ", method_info.title);
     composed.source = text(form.source, "; ", method_info.source);
-    composed.take_contract(form);
+    composed.copy_contract(form);
     // A transform method that normalises gives the form unit directions, so the requirement of the method alone
     // applies. With any other method, the form's requirement applies too.
     if (method_info.normalises) composed.info.direction = method_info.direction;
     else if (method_info.direction == Direction::unit) composed.info.direction = Direction::unit;
-    const Intersector& form_info_row = *form_row;
-    composed.row = {.info = &composed.info, .shape = form_info_row.shape, .native32 = nullptr, .native64 = nullptr};
-    if (form_info_row.native32) composed.row.native32 = {evaluate_32, &composed};
-    if (form_info_row.native64) composed.row.native64 = {evaluate_64, &composed};
-    if (form_info_row.rounded) composed.row.rounded = {evaluate_rounded, &composed};
-    if (form_info_row.ball) composed.row.ball = {enclosed<&TransformMethod::ball, &Intersector::ball, Ball>, &composed};
-    if (form_info_row.interval)
+    composed.row = {.info = &composed.info, .shape = form_row->shape, .native32 = nullptr, .native64 = nullptr};
+    if (form_row->native32) composed.row.native32 = {evaluate_32, &composed};
+    if (form_row->native64) composed.row.native64 = {evaluate_64, &composed};
+    if (form_row->rounded) composed.row.rounded = {evaluate_rounded, &composed};
+    if (form_row->ball) composed.row.ball = {enclosed<&TransformMethod::ball, &Intersector::ball, Ball>, &composed};
+    if (form_row->interval)
         composed.row.interval = {enclosed<&TransformMethod::interval, &Intersector::interval, Interval>, &composed};
-    if (form_info_row.record) composed.row.record = {record, &composed};
-    if (form_info_row.record_all) composed.row.record_all = {record_all, &composed};
+    if (form_row->record) composed.row.record = {record, &composed};
+    if (form_row->record_all) composed.row.record_all = {record_all, &composed};
     composed.row.is_placed = true;
 }
 
 }  // namespace
 
-const Intersector& through(const TransformMethod& method, const Intersector& form) {
+const Intersector& transformed_form(const TransformMethod& method, const Intersector& form) {
     const std::string name(form.info->name);
     if (!is_primitive(form.shape))
         throw InputError(name + "@" + std::string(method.info->name) +
                          ": a form that marches takes all primitives at once and in the world; leave @TRANSFORM out");
     if (form.is_set() || form.is_placed)
         throw InputError(name + "@" + std::string(method.info->name) + ": write one @TRANSFORM after each form");
-    return rows().row_of({&method, &form}, fill);
+    return rows().row_of({&method, &form}, fill_row);
 }
 
 TransformedFormParts transformed_parts_of(const Intersector& catalogue_row) {
-    return parts_in(rows().parts_of(catalogue_row));
+    return to_parts(rows().parts_of(catalogue_row));
 }
 
 }  // namespace lostbits::intersect::transform

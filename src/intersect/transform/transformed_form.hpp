@@ -9,7 +9,7 @@ namespace lostbits::intersect::transform {
 /// form there, and converts t back, all in the arithmetic of the row. For a primitive without a matrix, it runs the
 /// form only. Each row is created once and kept, as registered rows are. Throws InputError for a form that marches and
 /// for a set.
-const table::Intersector& through(const TransformMethod& method, const table::Intersector& form);
+const table::Intersector& transformed_form(const TransformMethod& method, const table::Intersector& form);
 
 /// The parts of a row that `through` created.
 struct TransformedFormParts {

@@ -201,7 +201,7 @@ OneToMany<S> kernel_per_sphere(const Intersector& form, const Kernel& kernel) {
                 primitive.numbers[k] = spheres.numbers[k][i];
             const HitBatch<S> hits{t.subspan(i, 1), std::span(&near, 1), std::span(&far, 1), hit.subspan(i, 1)};
             kernel(rays, Target<S>(primitive), hits);
-            intersect::table::keep_in_range(*form.info, form.shape, rays, hits);
+            intersect::table::limit_batch_to_range(*form.info, form.shape, rays, hits);
         }
     };
 }
@@ -285,7 +285,7 @@ void march_chunk(const Kernel& kernel, RayChunk<S>& chunk, const RayBlock& rays,
 Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& inputs) {
     const RayBlock& rays = inputs.rays_for(*form.info);
     const std::size_t n = rays.size();
-    const bool marches = !is_primitive(form.shape), takes_many = !intersect::external::behind(form).empty();
+    const bool marches = !is_primitive(form.shape), takes_many = !intersect::external::foreign_forms_of(form).empty();
     Answers answers{std::vector<double>(n), std::vector<std::uint8_t>(n), std::vector<std::int32_t>(n, -1)};
     // Kernels of packs keep no records of the marches in their lanes.
     const intersect::simd::PackedRow native = marches
@@ -300,7 +300,7 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
         const auto kernel = [&](const RayBatch<S>& batch, const Target<S>& target, const HitBatch<S>& hits) {
             whole_ray(batch, target, hits);
             const Intersector& shape_form = marches ? form : form.of(target.primitives.front().shape);
-            intersect::table::keep_in_range(*shape_form.info, shape_form.shape, batch, hits);
+            intersect::table::limit_batch_to_range(*shape_form.info, shape_form.shape, batch, hits);
         };
         if (inputs.candidates && !marches) return test_candidates<S>(kernel, rays, inputs, takes_many, answers);
         RayChunk<S> chunk(rays);

@@ -19,7 +19,7 @@ namespace lostbits::measure::answer {
 using intersect::table::Intersector;
 using intersect::transform::Maps;
 using intersect::transform::ObjectRay;
-using intersect::transform::StepsIn;
+using intersect::transform::StepFunctions;
 using intersect::transform::TransformMethod;
 using truth::Certified;
 
@@ -90,8 +90,8 @@ public:
     }
 
     Steps walk(const Certified& truth) {
-        const StepsIn<T>& rounded_steps = intersect::transform::steps_in<T>(*parts_.method);
-        const StepsIn<Real>& exact_steps = parts_.method->real;
+        const StepFunctions<T>& rounded_steps = intersect::transform::step_functions<T>(*parts_.method);
+        const StepFunctions<Real>& exact_steps = parts_.method->real;
         Steps steps;
         steps.t[0] = truth;
         const Maps<T> maps =
@@ -202,7 +202,7 @@ struct RangedProblem {
 RangedProblem to_object_space(const TransformMethod& method, const Format& format, const RangedProblem& world) {
     return with_number(format, [&]<class T>() {
         const auto lift = [](double x) { return static_cast<T>(x); };
-        const auto& steps = intersect::transform::steps_in<T>(method);
+        const auto& steps = intersect::transform::step_functions<T>(method);
         const auto in = steps.to_object(steps.maps(transformed(*world.primitive.placed, lift)), lift_ray<T>(world.ray));
         Primitive<T> object = lift_primitive<T>(world.primitive);
         object.placed.reset();
@@ -228,7 +228,7 @@ Levels levels_of(const Intersector& catalogue_row, const Format& format, const R
     const Intersector* current = &catalogue_row;
     for (;;) {
         if (const auto boxed_parts = intersect::bounding_box::boxed_parts_of(*current); boxed_parts.form != nullptr) {
-            const BoundingBox<double> box = boxed_parts.method->in(format, problem.primitive);
+            const BoundingBox<double> box = boxed_parts.method->compute_box(format, problem.primitive);
             levels.boxes.push_back({problem.ray, box});
             if (!evaluate_one(*boxed_parts.box, format, problem.ray, box, problem.range.tmax))
                 lose_to(problem.primitive.placed ? Level::world_box : Level::box);

@@ -43,8 +43,8 @@ struct Steps {
     [[nodiscard]] std::optional<std::size_t> worst() const;
 };
 
-/// Steps of a row that `transform::through` made from one of our own templates. The ray is given as the form received
-/// it, and the primitive under a matrix. Uses the convention of the row, within a range.
+/// Steps of a row that `transform::transformed_form` made from one of our own templates. The ray is given as the form
+/// received it, and the primitive under a matrix. Uses the convention of the row, within a range.
 Steps steps_of(const intersect::table::Intersector& catalogue_row, const Format& format, const Ray<double>& ray,
                const Primitive<double>& primitive, const Range<double>& range = {});
 

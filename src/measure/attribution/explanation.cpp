@@ -23,7 +23,7 @@ namespace lostbits::measure::attribution {
 
 using answer::OneRay;
 using answer::Outcome;
-using intersect::bounding_box::innermost;
+using intersect::bounding_box::innermost_form;
 using intersect::bounding_box::with_other_form;
 using intersect::table::Intersector;
 using truth::FormatInputs;
@@ -114,7 +114,7 @@ bool have_different_truths(const Intersector& a, const OneRay& ray_a, const Inte
 /// explained primitive, or another set of the same shapes. Null if `other` is neither.
 const Intersector* substitute_form(const Intersector& explained, Shape shape, const Intersector& other) {
     if (!explained.is_set() && other.shape != explained.shape) return nullptr;
-    if (!explained.is_set()) return &innermost(other) == &other ? &with_other_form(explained, other) : &other;
+    if (!explained.is_set()) return &innermost_form(other) == &other ? &with_other_form(explained, other) : &other;
     if (other.is_set()) return other.shapes() == explained.shapes() ? &other : nullptr;
     if (other.shape != shape) return nullptr;
     std::vector<const Intersector*> parts(explained.parts.begin(), explained.parts.end());
@@ -152,11 +152,11 @@ void compare_with_other_forms(Explanation& x, const OneRay& ray, const Surroundi
     for (const Intersector& other : intersect::table::intersectors()) candidates.push_back(&other);
     if (const auto parts = intersect::transform::transformed_parts_of(*x.form); parts.method != nullptr)
         for (const auto& method : intersect::transform::transform_methods())
-            candidates.push_back(&intersect::transform::through(method, *parts.form));
+            candidates.push_back(&intersect::transform::transformed_form(method, *parts.form));
     if (const auto parts = intersect::bounding_box::boxed_parts_of(*x.form); parts.form != nullptr)
         for (const Intersector& box : intersect::table::intersectors(parts.box->shape))
             if (intersect::external::is_safe_to_run(box))
-                candidates.push_back(&intersect::bounding_box::behind(*parts.method, box, *parts.form));
+                candidates.push_back(&intersect::bounding_box::boxed_form(*parts.method, box, *parts.form));
     std::ranges::copy_if(named_forms, std::back_inserter(candidates), &Intersector::is_set);
     for (const Intersector* const other : candidates) {
         const bool is_named = std::ranges::find(named_forms, other) != named_forms.end();
@@ -166,7 +166,7 @@ void compare_with_other_forms(Explanation& x, const OneRay& ray, const Surroundi
             if (is_named) x.not_comparable.push_back(other);
             continue;
         }
-        if (!intersect::external::is_safe_to_run(innermost(*other)) && !is_named) continue;
+        if (!intersect::external::is_safe_to_run(innermost_form(*other)) && !is_named) continue;
         try {
             const FormResult result = result_of_other_form(x, ray, *candidate, ray, surroundings);
             add_if_better(x, result);

@@ -22,7 +22,7 @@ void append_range_checks(Tape& tape, std::vector<std::string>& names, const inte
     if (ray_range.is_whole()) return;
     const NodeId tmin = tape.add_input(format.parameters, ray_range.tmin);
     names.emplace_back("ray.tmin");
-    const auto range = intersect::table::range_to_ask(*form.info, form.shape, ray_range);
+    const auto range = intersect::table::compared_range(*form.info, form.shape, ray_range);
     if (range.is_whole()) return;
     const auto end = std::ranges::find(names, "ray.tmax");
     const NodeId tmax = input_of(tape, end - names.begin());
@@ -30,9 +30,9 @@ void append_range_checks(Tape& tape, std::vector<std::string>& names, const inte
     const auto recorded = [](NodeId i) { return Recorded::at(i); };
     const TapeOutputs form_outputs = tape.outputs;
     const Hit<Recorded> checked_hit =
-        intersect::table::in_range(*form.info, form.shape, range, recorded(tmin), recorded(tmax),
-                                   Hit<Recorded>{RecordedMask(form_outputs.hit), recorded(form_outputs.t),
-                                                 recorded(form_outputs.near), recorded(form_outputs.far)});
+        intersect::table::limit_to_range(*form.info, form.shape, range, recorded(tmin), recorded(tmax),
+                                         Hit<Recorded>{RecordedMask(form_outputs.hit), recorded(form_outputs.t),
+                                                       recorded(form_outputs.near), recorded(form_outputs.far)});
     tape.outputs = {checked_hit.hit.node(), checked_hit.t.node(), form_outputs.near, form_outputs.far};
 }
 

@@ -47,7 +47,7 @@ std::string unmet_requirement(const Claim& claim) {
             continue;
         }
         const auto isa =
-            requirement.starts_with("isa-") ? intersect::simd::isa_named(requirement.substr(4)) : std::nullopt;
+            requirement.starts_with("isa-") ? intersect::simd::find_isa(requirement.substr(4)) : std::nullopt;
         if (!isa)
             scene::toml::fail(claim.where, "unknown requirement \"" + requirement +
                                                "\"; write isa-128, isa-256, isa-512, processors-2 or driver-WORDS");

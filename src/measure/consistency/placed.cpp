@@ -79,12 +79,12 @@ std::optional<Primitive<double>> image_of(const Primitive<double>& primitive, co
 /// Returns a form that takes primitives with and without matrices: the form itself, or the form with the usual
 /// transform method.
 const Intersector& form_with_matrices(const Intersector& form) {
-    const auto& usual_method = intersect::transform::usual_transform_method();
+    const auto& usual_method = intersect::transform::default_transform_method();
     if (form.shapes().are_placed()) return form;
-    if (!form.is_set()) return intersect::transform::through(usual_method, form);
+    if (!form.is_set()) return intersect::transform::transformed_form(usual_method, form);
     std::vector<const Intersector*> parts;
     for (const Intersector* const part : form.parts)
-        parts.push_back(&intersect::transform::through(usual_method, *part));
+        parts.push_back(&intersect::transform::transformed_form(usual_method, *part));
     return intersect::table::set_of(parts);
 }
 

@@ -339,7 +339,7 @@ Observation observe_state(const intersect::external::ForeignForm& form) {
     const std::string& loaded = form.contract.state;
     const std::string where =
         loaded.empty() ? "" : "loading its library leaves the processor with " + loaded + ", and it runs in that state";
-    const std::string note = intersect::external::change_noted(intersect::external::name_in_messages(form));
+    const std::string note = intersect::external::noted_change_of(intersect::external::name_in_messages(form));
     if (!note.empty()) return {"state", Observation::Verdict::broken, note + (where.empty() ? "" : "; " + where)};
     if (!where.empty()) return {"state", Observation::Verdict::noted, where + ", as for its users; nothing else does"};
     return {"state", Observation::Verdict::kept, "it computes with rounding to nearest and with subnormal numbers"};

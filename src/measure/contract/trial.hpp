@@ -132,7 +132,7 @@ inline HitOrMiss read_reply(const intersect::external::Contract& contract, const
 
 inline bool is_consistent(const intersect::external::Contract& contract) {
     try {
-        intersect::external::require_sense(contract, "");
+        intersect::external::require_valid(contract, "");
         return true;
     } catch (const InputError&) {
         return false;

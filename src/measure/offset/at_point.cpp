@@ -166,7 +166,7 @@ private:
     /// transform method that uses adj(A) in place of A⁻¹ works with a primitive |det A| times as large, so its ray is
     /// divided by that factor here.
     void compute_object_point(StrategyInput<T>& strategy_input) const {
-        const auto& steps = intersect::transform::steps_in<T>(
+        const auto& steps = intersect::transform::step_functions<T>(
             *intersect::transform::transformed_parts_of(
                  intersect::bounding_box::without_world_boxes(work_.form_row_.form->of(strategy_input.primitive.shape)))
                  .method);

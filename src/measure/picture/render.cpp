@@ -140,7 +140,7 @@ private:
     /// with a primitive |det A| times as large, so its ray is divided by that factor here.
     template <class T>
     [[nodiscard]] Vec<T> normal_under_matrix(const Primitive<T>& primitive, const Ray<double>& ray, double t) const {
-        const auto& steps = intersect::transform::steps_in<T>(
+        const auto& steps = intersect::transform::step_functions<T>(
             *intersect::transform::transformed_parts_of(
                  intersect::bounding_box::without_world_boxes(row_.form->of(primitive.shape)))
                  .method);

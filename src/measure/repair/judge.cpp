@@ -61,7 +61,7 @@ void evaluate_candidates(const TapeForm& form, const truth::FormatInputs& in, an
         answer::PairColumns<S> pairs(rays, in, begin, std::min(begin + rays_at_once, rays.size()));
         pairs.evaluate_at_once([&](const auto& batch, const intersect::Target<S>& target, const auto& hits) {
             form.program().run<S>(batch, target, hits);
-            intersect::table::keep_in_range(*form.row().info, form.row().shape, batch, hits);
+            intersect::table::limit_batch_to_range(*form.row().info, form.row().shape, batch, hits);
         });
         pairs.write_to(answers);
     }
@@ -211,11 +211,12 @@ std::vector<evaluate::TestedForm> catalogue_beside(const evaluate::TestedForm& f
     const auto parts = intersect::transform::transformed_parts_of(*form_row.form);
     for (const auto& form : intersect::table::catalogue()) {
         if (form.shape != form_row.form->shape || !form.exists_in(form_row.format)) continue;
-        rows.push_back({parts.form ? &intersect::transform::through(*parts.method, form) : &form, form_row.format});
+        rows.push_back(
+            {parts.form ? &intersect::transform::transformed_form(*parts.method, form) : &form, form_row.format});
     }
     for (const auto& method : intersect::transform::transform_methods())
         if (parts.form && &method != parts.method)
-            rows.push_back({&intersect::transform::through(method, *parts.form), form_row.format});
+            rows.push_back({&intersect::transform::transformed_form(method, *parts.form), form_row.format});
     return rows;
 }
 

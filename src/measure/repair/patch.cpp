@@ -24,10 +24,10 @@
 
 namespace lostbits::measure::repair {
 
+using intersect::function::FileLanguage;
 using intersect::function::NamedNumber;
 using intersect::function::SourcePlace;
 using intersect::function::UserFunction;
-using intersect::function::WrittenIn;
 using intersect::source_text::SourceTokens;
 using intersect::source_text::TextSpan;
 
@@ -172,7 +172,7 @@ public:
     Patch patch_of(const Tape& new_tape) {
         Patch patch{.diff = {}, .why_not = {}, .file = function_.path};
         try {
-            if (function_.language == WrittenIn::other)
+            if (function_.language == FileLanguage::other)
                 throw NotWritten("it is not a file of C, C++, Rust, GLSL or HLSL");
             const bool is_double = request_.row.format.engine == Format::Engine::native64;
             if (is_double != (function_.bits == 64))
@@ -220,7 +220,7 @@ private:
         }
         // rustc names the begin of an expression, so several expressions can have one place: the last one is the whole
         // expression.
-        const bool is_begin = function_.language == WrittenIn::rust;
+        const bool is_begin = function_.language == FileLanguage::rust;
         for (const auto& [position, nodes] : by_place) {
             if (nodes.size() > 1 && !is_begin) continue;
             const std::size_t offset = line_begin(position.first) + static_cast<std::size_t>(position.second - 1);
@@ -234,7 +234,7 @@ private:
             if (place_index < 0 || node >= old_tape_.size()) continue;
             const int line = function_.places[static_cast<std::size_t>(place_index)].line;
             std::optional<TextSpan> value;
-            for (const int first_line : {line, named_number.declared})
+            for (const int first_line : {line, named_number.declaration_line})
                 if (!value && first_line > 0 && is_identifier(named_number.text))
                     value = tokens_.value_of(named_number.text, line_begin(first_line), line_begin(first_line + 1));
             if (value && !is_given(old_tape_[node].op)) computed_[node] = {*value, true};

@@ -74,11 +74,11 @@ template <class F>
 intersect::table::Kernel<F> kernel_of(const external::Library& library, const std::string& name) {
     static std::deque<Kernels<F>> all_kernels;
     using Kernel = PlacedKernel<F>;
-    using external::entry_of;
+    using external::find_symbol;
     const simd::Isa isa = simd::current_isa();
     const std::size_t bytes = isa == simd::Isa::w512 ? 64 : isa == simd::Isa::w256 ? 32 : 16;
-    all_kernels.push_back({entry_of<Kernel>(library, (name + "_alone").c_str()),
-                           entry_of<Kernel>(library, (name + "_packs").c_str()), isa, bytes / sizeof(F)});
+    all_kernels.push_back({find_symbol<Kernel>(library, (name + "_alone").c_str()),
+                           find_symbol<Kernel>(library, (name + "_packs").c_str()), isa, bytes / sizeof(F)});
     Kernels<F>& kernels = all_kernels.back();
     if (!kernels.single) throw std::logic_error(name + ": the compiled library does not export its kernel");
     return {run<F>, &kernels};

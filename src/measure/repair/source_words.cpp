@@ -6,15 +6,16 @@
 
 namespace lostbits::measure::repair {
 
-using intersect::function::WrittenIn;
+using intersect::function::FileLanguage;
 
 namespace {
 
-bool is_shader(WrittenIn language) { return language == WrittenIn::glsl || language == WrittenIn::hlsl; }
+bool is_shader(FileLanguage language) { return language == FileLanguage::glsl || language == FileLanguage::hlsl; }
 
 /// Functions that each language names in its own way.
-SourcePattern function_in(WrittenIn language, TapeOp op, bool is_double) {
-    const bool rust = language == WrittenIn::rust, hlsl = language == WrittenIn::hlsl, shader = is_shader(language);
+SourcePattern function_in(FileLanguage language, TapeOp op, bool is_double) {
+    const bool rust = language == FileLanguage::rust, hlsl = language == FileLanguage::hlsl,
+               shader = is_shader(language);
     switch (op) {
         case TapeOp::sqrt: return {rust ? "$1:5.sqrt()" : shader || is_double ? "sqrt($1)" : "sqrtf($1)", 4};
         case TapeOp::abs: return {rust ? "$1:5.abs()" : shader ? "abs($1)" : is_double ? "fabs($1)" : "fabsf($1)", 4};
@@ -36,8 +37,8 @@ SourcePattern function_in(WrittenIn language, TapeOp op, bool is_double) {
 
 }  // namespace
 
-SourcePattern pattern_in(WrittenIn language, TapeOp op, bool is_double) {
-    const bool rust = language == WrittenIn::rust;
+SourcePattern pattern_in(FileLanguage language, TapeOp op, bool is_double) {
+    const bool rust = language == FileLanguage::rust;
     switch (op) {
         case TapeOp::add: return {"$1:1 + $2:2", 1};
         case TapeOp::sub: return {"$1:1 - $2:2", 1};
@@ -58,26 +59,28 @@ SourcePattern pattern_in(WrittenIn language, TapeOp op, bool is_double) {
     }
 }
 
-SourcePattern conversion_in(WrittenIn language, bool to_double) {
+SourcePattern conversion_in(FileLanguage language, bool to_double) {
     switch (language) {
-        case WrittenIn::rust: return {to_double ? "($1:4 as f64)" : "($1:4 as f32)", 4};
-        case WrittenIn::glsl: return {to_double ? "double($1)" : "float($1)", 4};
+        case FileLanguage::rust: return {to_double ? "($1:4 as f64)" : "($1:4 as f32)", 4};
+        case FileLanguage::glsl: return {to_double ? "double($1)" : "float($1)", 4};
         default: return {to_double ? "(double)$1:4" : "(float)$1:4", 3};
     }
 }
 
-std::string digits_in(WrittenIn language, double x, bool is_double) {
+std::string digits_in(FileLanguage language, double x, bool is_double) {
     if (!std::isfinite(x)) return "";
     std::string digits = is_double ? fmt::format("{}", x) : fmt::format("{}", static_cast<float>(x));
     if (digits.find_first_of(".e") == std::string::npos) digits += ".0";
-    if (language == WrittenIn::c || language == WrittenIn::cpp) return is_double ? digits : digits + "f";
-    if (language == WrittenIn::glsl && is_double) return digits + "lf";
-    return language == WrittenIn::hlsl && is_double ? digits + "L" : digits;
+    if (language == FileLanguage::c || language == FileLanguage::cpp) return is_double ? digits : digits + "f";
+    if (language == FileLanguage::glsl && is_double) return digits + "lf";
+    return language == FileLanguage::hlsl && is_double ? digits + "L" : digits;
 }
 
-std::string declaration_in(WrittenIn language, const std::string& name, bool is_double, bool is_boolean) {
-    if (language == WrittenIn::rust) return "let " + name + " = ";
-    const char* const type = is_boolean ? (language == WrittenIn::c ? "int" : "bool") : is_double ? "double" : "float";
+std::string declaration_in(FileLanguage language, const std::string& name, bool is_double, bool is_boolean) {
+    if (language == FileLanguage::rust) return "let " + name + " = ";
+    const char* const type = is_boolean  ? (language == FileLanguage::c ? "int" : "bool")
+                             : is_double ? "double"
+                                         : "float";
     return std::string(type) + " " + name + " = ";
 }
 

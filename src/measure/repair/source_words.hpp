@@ -18,16 +18,16 @@ struct SourcePattern {
 };
 
 /// Pattern of an operation on floats or doubles.
-SourcePattern pattern_in(intersect::function::WrittenIn language, TapeOp op, bool is_double);
+SourcePattern pattern_in(intersect::function::FileLanguage language, TapeOp op, bool is_double);
 
 /// Pattern of a conversion of the operand to float or double.
-SourcePattern conversion_in(intersect::function::WrittenIn language, bool to_double);
+SourcePattern conversion_in(intersect::function::FileLanguage language, bool to_double);
 
 /// The digits of a number of a format; empty if it is not finite.
-std::string digits_in(intersect::function::WrittenIn language, double x, bool is_double);
+std::string digits_in(intersect::function::FileLanguage language, double x, bool is_double);
 
 /// Begin of a declaration: `float name = ` or `let name = `.
-std::string declaration_in(intersect::function::WrittenIn language, const std::string& name, bool is_double,
+std::string declaration_in(intersect::function::FileLanguage language, const std::string& name, bool is_double,
                            bool is_boolean);
 
 }  // namespace lostbits::measure::repair

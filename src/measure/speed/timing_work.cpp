@@ -168,7 +168,7 @@ std::optional<TimedWork> BoxWork::on(const TimedKernel& k) {
                              loop(ray.data(), boxes->data(), field->t.data(), field->t.size());
                          },
                          f32()->t.size(), warm};
-    const auto isa = intersect::simd::isa_named(k.kernel);
+    const auto isa = intersect::simd::find_isa(k.kernel);
     const intersect::simd::ManyRow* const row = isa ? row_of(intersect::simd::many_rows(*isa), k.form) : nullptr;
     if (row && row->takes_tmax && row->f32 && k.format == "f32") return packed_work(f32(), row->f32, warm);
     if (row && row->takes_tmax && row->f64 && k.format == "f64") return packed_work(f64(), row->f64, warm);
@@ -176,7 +176,7 @@ std::optional<TimedWork> BoxWork::on(const TimedKernel& k) {
 }
 
 std::optional<TimedWork> RayWork::on(const TimedKernel& k) {
-    const auto isa = intersect::simd::isa_named(k.kernel);
+    const auto isa = intersect::simd::find_isa(k.kernel);
     const intersect::simd::PackedRow* const row = isa ? row_of(intersect::simd::packed_rows(*isa), k.form) : nullptr;
     if (!row) return std::nullopt;
     const bool warm = stay_in_cache(bytes_);

@@ -219,7 +219,7 @@ struct Contracted {
             if (!form.exists_in(format)) return;
             const Tape tape = contracted(tape_of(form, format));
             tape_form = std::make_unique<TapeForm>(form, format, tape, name, std::string(form.info->title));
-            list = std::make_shared<const WrittenFormula>(intersect::table::written(tape, form.shape, name));
+            list = std::make_shared<const WrittenFormula>(intersect::table::formula_from_tape(tape, form.shape, name));
         };
         make(*find_format("f32"), tape32, lists[0]);
         make(*find_format("f64"), tape64, lists[1]);
@@ -233,13 +233,13 @@ Rows& rows() {
     return composed_rows;
 }
 
-void fill(Rows::Made& composed) {
+void fill(Rows::ComposedRow& composed) {
     static std::deque<Contracted> contractions;  // rows point to its elements
     const Intersector& form = *std::get<0>(composed.parts);
     composed.name = std::string(form.info->name) + std::string(contracted_suffix);
     composed.title = std::string(form.info->title) + "; each added product is rounded together with its sum";
     composed.source = form.info->source;
-    composed.take_contract(*form.info);
+    composed.copy_contract(*form.info);
     const Contracted& contraction = contractions.emplace_back(form, composed.name);
     composed.row = {.info = &composed.info, .shape = form.shape, .native32 = nullptr, .native64 = nullptr};
     if (contraction.written) contraction.written->fill(composed.row);
@@ -277,7 +277,7 @@ FormOperation operation_before_contraction(const Intersector& row, const Format&
     const Tape tape = tape_of(form, own_format);
     Contraction contraction(tape);
     const auto list = std::make_shared<const WrittenFormula>(
-        intersect::table::written(contraction.contract(), form.shape, std::string(row.info->name)));
+        intersect::table::formula_from_tape(contraction.contract(), form.shape, std::string(row.info->name)));
     const std::vector<NodeId> nodes = WrittenForm(list, nullptr).nodes_on_tape(format);
     const auto found = std::ranges::find(nodes, node);
     const bool is_found = node != no_node && found != nodes.end();

@@ -110,12 +110,12 @@ std::string refusal_of_tape(const Intersector& form) {
     if (!is_primitive(form.shape))
         return "it marches, so its operations differ from ray to ray; name a form of a primitive";
     if (form.is_set()) return "it stands for several forms; name one of them";
-    if (intersect::bounding_box::innermost(form).filter_arithmetic)
+    if (intersect::bounding_box::innermost_form(form).filter_arithmetic)
         return "it filters: it uses more precision where a ray needs it, so its operations differ from ray to ray; "
                "name a form that does the same operations for every ray";
     if (intersect::bounding_box::has_box(form))
         return "name the form without its box, such as " +
-               std::string(intersect::bounding_box::innermost(form).info->name);
+               std::string(intersect::bounding_box::innermost_form(form).info->name);
     if (!form.record)
         return "its operations are not known, since it is compiled elsewhere; write it as a form over any number to "
                "see them (docs/your-own-form.md)";

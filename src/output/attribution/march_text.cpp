@@ -31,8 +31,8 @@ std::string answer_line(const intersect::table::Intersector& form, const Format&
 /// (after `no step: t + d = t; ` if the march stands still: `Stop::stagnated`).
 std::string action_of(const MarchLog& log, std::size_t step, const intersect::MarchConstants<double>& constants) {
     if (step + 1 < log.steps.size())
-        return log.steps[step].stands ? "no step: t + d = t"
-                                      : fmt::format("step by {:.4g}", log.steps[step + 1].t - log.steps[step].t);
+        return log.steps[step].is_stagnant ? "no step: t + d = t"
+                                           : fmt::format("step by {:.4g}", log.steps[step + 1].t - log.steps[step].t);
     switch (log.stop) {
         case intersect::Stop::hit: return "hit";
         case intersect::Stop::max_dist: return fmt::format("miss: t > {}", file::decimal(constants.max_dist));

@@ -132,7 +132,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), final_p
         if (error) refuse(path, "cannot follow the link", error.value());
     }
     require_own_result(path);
-    intersect::process::put_back_limits();
+    intersect::process::restore_limits();
     make_parent(final_path_);
     if (::stat(final_path_.c_str(), &info) == 0) {
         if (S_ISDIR(info.st_mode)) refuse(path, "cannot write", EISDIR);
@@ -187,7 +187,7 @@ void AtomicFile::fail(const char* failure, int error_number) {
 }
 
 void AtomicFile::flush() {
-    if (buffered_bytes_ > 0) intersect::process::put_back_limits();
+    if (buffered_bytes_ > 0) intersect::process::restore_limits();
     std::size_t written_bytes = 0;
     while (written_bytes < buffered_bytes_) {
         const ssize_t n = ::write(fd_, buffer_.get() + written_bytes, buffered_bytes_ - written_bytes);

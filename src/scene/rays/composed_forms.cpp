@@ -33,11 +33,11 @@ const Intersector& with_generator(const RayGenerator& generator, const Intersect
                         "scene, or use --set camera.rays={}",
                         name, form.info->name, std::string(generator_prefix) + std::string(generator.info->name),
                         generator.info->name, generator.info->name));
-    return composed_forms().row_of({&generator, &form}, [&](FormTable::Made& made) {
+    return composed_forms().row_of({&generator, &form}, [&](FormTable::ComposedRow& made) {
         made.name = name;
         made.title = std::string(form.info->title) + "; rays: " + std::string(generator.info->title);
         made.source = std::string(form.info->source) + "; " + std::string(generator.info->source);
-        made.take_contract(*form.info);
+        made.copy_contract(*form.info);
         made.row = form;
         made.row.info = &made.info;
     });
@@ -113,15 +113,15 @@ std::vector<const Intersector*> rows_of(const ComposedName& name, const NamedPar
                 break;
             case ComposedName::Kind::transform:
                 for (const auto* const method : parts.transform_methods(name.last))
-                    rows.push_back(&intersect::transform::through(*method, require_no_generator(*form)));
+                    rows.push_back(&intersect::transform::transformed_form(*method, require_no_generator(*form)));
                 break;
             case ComposedName::Kind::box: {
                 const auto box_methods = name.box_method ? parts.box_methods(*name.box_method)
-                                                         : std::vector{&intersect::bounding_box::usual_box_method()};
+                                                         : std::vector{&intersect::bounding_box::default_box_method()};
                 for (const Intersector* const box : parts.forms(name.last))
                     for (const auto* const box_method : box_methods)
-                        rows.push_back(&intersect::bounding_box::behind(*box_method, require_no_generator(*box),
-                                                                        require_no_generator(*form)));
+                        rows.push_back(&intersect::bounding_box::boxed_form(*box_method, require_no_generator(*box),
+                                                                            require_no_generator(*form)));
                 break;
             }
         }

@@ -155,7 +155,7 @@ RecordedRay GeneratedRays::record(const Format& format, camera::PixelCoordinates
 
 void RecordedRay::put_before(Tape& form) const {
     Tape joined = tape;
-    joined.outputs = intersect::table::append(form, {ray.begin(), ray.end()}, joined);
+    joined.outputs = intersect::table::append_tape(form, {ray.begin(), ray.end()}, joined);
     form = std::move(joined);
 }
 

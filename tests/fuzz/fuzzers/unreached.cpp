@@ -15,14 +15,16 @@ namespace {
 
 namespace lostbits::intersect {
 namespace bounding_box {
-const BoxMethod& usual_box_method() { unreached(); }
-const table::Intersector& behind(const BoxMethod& /*way*/, const table::Intersector& /*box*/,
-                                 const table::Intersector& /*form*/) {
+const BoxMethod& default_box_method() { unreached(); }
+const table::Intersector& boxed_form(const BoxMethod& /*way*/, const table::Intersector& /*box*/,
+                                     const table::Intersector& /*form*/) {
     unreached();
 }
 }  // namespace bounding_box
 namespace transform {
-const table::Intersector& through(const TransformMethod& /*space*/, const table::Intersector& /*form*/) { unreached(); }
+const table::Intersector& transformed_form(const TransformMethod& /*space*/, const table::Intersector& /*form*/) {
+    unreached();
+}
 }  // namespace transform
 }  // namespace lostbits::intersect
 

@@ -20,7 +20,7 @@
 namespace test_behind {
 
 using namespace lostbits;
-using intersect::bounding_box::behind;
+using intersect::bounding_box::boxed_form;
 using intersect::table::Intersector;
 using measure::answer::evaluate_one;
 using measure::answer::Level;
@@ -46,35 +46,36 @@ Point point(const Primitive<double>& s, std::size_t k) {
 
 TEST_CASE("a row behind a box is named after form, box and method, and shapes without a box are refused", "[hull]") {
     const Intersector &sphere = form("sphere.unified"), &box = form("box.signs");
-    const Intersector& row = behind(intersect::bounding_box::usual_box_method(), box, sphere);
+    const Intersector& row = boxed_form(intersect::bounding_box::default_box_method(), box, sphere);
     CHECK(row.info->name == "sphere.unified^box.signs");
-    CHECK(&behind(intersect::bounding_box::usual_box_method(), box, sphere) == &row);
-    CHECK(behind(box_method_named("nearest"), box, sphere).info->name == "sphere.unified^box.signs~nearest");
+    CHECK(&boxed_form(intersect::bounding_box::default_box_method(), box, sphere) == &row);
+    CHECK(boxed_form(box_method_named("nearest"), box, sphere).info->name == "sphere.unified^box.signs~nearest");
     CHECK(intersect::bounding_box::boxed_parts_of(row).form == &sphere);
     CHECK(intersect::bounding_box::boxed_parts_of(row).box == &box);
     CHECK(intersect::bounding_box::boxed_parts_of(sphere).form == nullptr);
     CHECK(intersect::bounding_box::has_box(row));
     CHECK_FALSE(intersect::bounding_box::has_box(sphere));
 
-    const Intersector& two = behind(box_method_named("pbrt"), form("box.pbrt_padded"),
-                                    intersect::transform::through(test::transform_method_named("pbrt"), row));
+    const Intersector& two =
+        boxed_form(box_method_named("pbrt"), form("box.pbrt_padded"),
+                   intersect::transform::transformed_form(test::transform_method_named("pbrt"), row));
     CHECK(two.info->name == "sphere.unified^box.signs@pbrt^box.pbrt_padded~pbrt");
     CHECK(two.shapes() == Shapes(Shape::sphere).placed());
-    CHECK(&intersect::bounding_box::innermost(two) == &sphere);
+    CHECK(&intersect::bounding_box::innermost_form(two) == &sphere);
     CHECK(intersect::bounding_box::with_other_form(two, form("sphere.schoolbook")).info->name ==
           "sphere.schoolbook^box.signs@pbrt^box.pbrt_padded~pbrt");
     CHECK(&intersect::bounding_box::with_other_form(sphere, form("sphere.schoolbook")) == &form("sphere.schoolbook"));
 
-    CHECK_THROWS_AS(behind(intersect::bounding_box::usual_box_method(), sphere, sphere), InputError);
-    CHECK_THROWS_AS(behind(intersect::bounding_box::usual_box_method(),
-                           behind(intersect::bounding_box::usual_box_method(), box, box), sphere),
+    CHECK_THROWS_AS(boxed_form(intersect::bounding_box::default_box_method(), sphere, sphere), InputError);
+    CHECK_THROWS_AS(boxed_form(intersect::bounding_box::default_box_method(),
+                               boxed_form(intersect::bounding_box::default_box_method(), box, box), sphere),
                     InputError);
     for (const char* none : {"plane.two_step", "sdf.sphere_trace"}) {
         const auto all = intersect::table::catalogue();
         const auto of = std::ranges::find_if(
             all, [&](const Intersector& i) { return i.info->name.starts_with(std::string_view(none).substr(0, 4)); });
         REQUIRE(of != all.end());
-        CHECK_THROWS_AS(behind(intersect::bounding_box::usual_box_method(), box, *of), InputError);
+        CHECK_THROWS_AS(boxed_form(intersect::bounding_box::default_box_method(), box, *of), InputError);
     }
 }
 
@@ -143,7 +144,7 @@ Culls culls_in(const std::vector<std::string_view>& distributions, const std::ve
                 ++found.hits;
                 for (const char* box : boxes) {
                     const Intersector& row =
-                        behind(intersect::bounding_box::usual_box_method(), form(box), form("triangle.filtered"));
+                        boxed_form(intersect::bounding_box::default_box_method(), form(box), form("triangle.filtered"));
                     const bool hit = evaluate_one(row, f32, s.ray, triangle, s.tmax).has_value();
                     const bool by_box =
                         evaluate_one(form(box), f32, s.ray, Primitive<double>(s.box), s.tmax).has_value();
@@ -199,7 +200,7 @@ TEST_CASE("the paddings of Ize and of bvh each lose a triangle on one ray", "[hu
           Kept{"box.embree_robust", true, true}, Kept{"box.embree_padded", true, true}}) {
         CAPTURE(kept.box);
         const Intersector& row =
-            behind(intersect::bounding_box::usual_box_method(), form(kept.box), form("triangle.filtered"));
+            boxed_form(intersect::bounding_box::default_box_method(), form(kept.box), form("triangle.filtered"));
         for (const auto& [ray, keeps] : {std::pair(most, kept.most), std::pair(other, kept.other)}) {
             CHECK(evaluate_one(row, f32, ray, triangle, HUGE_VAL).has_value() == keeps);
             CHECK(levels_of(row, f32, ray, triangle, {}).lost_to == (keeps ? Level::nothing : Level::box));
@@ -229,8 +230,10 @@ TEST_CASE("each level that can lose a hit is reported separately", "[hull]") {
     const auto& plain = test::transform_method_named("plain");
     const auto row = [&](std::string_view inner, const char* object_box, const char* world_box,
                          const char* box_method) {
-        const Intersector& in = behind(intersect::bounding_box::usual_box_method(), form(object_box), form(inner));
-        return &behind(box_method_named(box_method), form(world_box), intersect::transform::through(plain, in));
+        const Intersector& in =
+            boxed_form(intersect::bounding_box::default_box_method(), form(object_box), form(inner));
+        return &boxed_form(box_method_named(box_method), form(world_box),
+                           intersect::transform::transformed_form(plain, in));
     };
     const auto moved_by = [](const Primitive<double>& bare, double x) {
         Primitive<double> primitive = bare;
@@ -246,7 +249,7 @@ TEST_CASE("each level that can lose a hit is reported separately", "[hull]") {
         for (int j = 0; j < 16; ++j) {
             const Primitive<double> primitive = moved_by(
                 round_primitive(Box<double>{{0.25 + j / 999.0, 0.25, 0.25}, Vec<double>(0.75)}, binary32), 7401.1);
-            const BoundingBox<double> box = box_method_named(box_method).in(f32, primitive);
+            const BoundingBox<double> box = box_method_named(box_method).compute_box(f32, primitive);
             for (int k = -16; k <= 16; ++k) {
                 const Ray<double> ray{{box.lo.x, 0.5, -4}, {k * 0x1p-17, 0, 1}};
                 if (!measure::truth::find_truth(ray, primitive).is_hit()) continue;
@@ -299,7 +302,7 @@ TEST_CASE("each level that can lose a hit is reported separately", "[hull]") {
 
 TEST_CASE("one primitive for all rays and one for each ray give the same answers in every format", "[hull]") {
     Seeded r(9);
-    const Intersector& row = behind(box_method_named("nearest"), form("box.pbrt_padded"), form("sphere.unified"));
+    const Intersector& row = boxed_form(box_method_named("nearest"), form("box.pbrt_padded"), form("sphere.unified"));
     std::vector<Primitive<float>> each;
     std::array<std::vector<float>, 6> x;
     for (int n = 0; n < 100; ++n) {
@@ -323,7 +326,7 @@ TEST_CASE("one primitive for all rays and one for each ray give the same answers
         if (alone) REQUIRE(static_cast<float>(*alone) == t[i]);
         hits += hit[i];
         for (const Format& format : {f64, p9}) {
-            const BoundingBox<double> box = box_method_named("nearest").in(format, primitive);
+            const BoundingBox<double> box = box_method_named("nearest").compute_box(format, primitive);
             const bool both = evaluate_one(form("sphere.unified"), format, ray, primitive, HUGE_VAL) &&
                               evaluate_one(form("box.pbrt_padded"), format, ray, Primitive<double>(box), HUGE_VAL);
             REQUIRE(evaluate_one(row, format, ray, primitive, HUGE_VAL).has_value() == both);

@@ -103,9 +103,9 @@ TEST_CASE("the box rounded outward is the smallest one, and other boxes differ b
                 const bool placed = n % 2 == 1;
                 if (placed) primitive.placed = Placement<double>{m, false, orientation_of(m)};
                 const ExactBox exact = placed ? exact_box_in_world(own, m) : own;
-                const BoundingBox<double> least = box_method_named("outward").in(format, primitive);
-                const BoundingBox<double> near = box_method_named("nearest").in(format, primitive);
-                const BoundingBox<double> next = box_method_named("next").in(format, primitive);
+                const BoundingBox<double> least = box_method_named("outward").compute_box(format, primitive);
+                const BoundingBox<double> near = box_method_named("nearest").compute_box(format, primitive);
+                const BoundingBox<double> next = box_method_named("next").compute_box(format, primitive);
                 for (int i = 0; i < 3; ++i) {
                     const auto k = static_cast<std::size_t>(i);
                     const auto up = [&](double x) { return Rational(rounding::next_up(x, format.parameters)); };
@@ -135,9 +135,9 @@ TEST_CASE("corners transformed to world space in the format leave part of the pr
         std::array<double, 12> m{};
         for (double& x : m) x = static_cast<float>(r.uniform(-2, 2));
         primitive.placed = Placement<double>{m, false, orientation_of(m)};
-        const BoundingBox<double> least = box_method_named("outward").in(f32, primitive);
+        const BoundingBox<double> least = box_method_named("outward").compute_box(f32, primitive);
         for (const BoxMethod& method : box_methods()) {
-            const BoundingBox<double> box = method.in(f32, primitive);
+            const BoundingBox<double> box = method.compute_box(f32, primitive);
             for (int i = 0; i < 3; ++i) {
                 const double ulp = std::ldexp(1.0, static_cast<int>(ulp_exponent(binary32, std::ilogb(least.lo[i]))));
                 double& most = worst[method.info->name];
@@ -161,7 +161,7 @@ TEST_CASE("rays that truly hit a primitive truly hit its bounding box, at the sa
             const Ray<double> ray{test::stored(from, binary32), test::stored(aim - from, binary32)};
             const auto truth = measure::truth::find_truth(ray, primitive);
             if (!truth.is_hit()) continue;
-            const BoundingBox<double> box = box_method_named("outward").in(f32, primitive);
+            const BoundingBox<double> box = box_method_named("outward").compute_box(f32, primitive);
             const test::Span span = test::ray_in_box(test::exactly(ray, box, HUGE_VAL), true);
             REQUIRE_FALSE(span.is_empty());
             const Rational unit = truth.t.exponent < 0

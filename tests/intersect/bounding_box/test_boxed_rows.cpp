@@ -15,7 +15,7 @@
 namespace test_boxed_rows {
 
 using namespace lostbits;
-using intersect::bounding_box::behind;
+using intersect::bounding_box::boxed_form;
 using intersect::table::Intersector;
 using measure::answer::evaluate_one;
 using scene::rays::round_primitive;
@@ -42,7 +42,7 @@ TEST_CASE("a hit is found from its margin on and not below it, and only padded e
         const Ray<double> ray{test::stored(r.vec(-8, -1), binary32), test::stored(r.vec(0.5, 1), binary32)};
         for (const char* box : {"box.signs", "box.pbrt_padded", "box.embree_robust", "box.tinybvh"}) {
             const Intersector& row =
-                behind(intersect::bounding_box::usual_box_method(), form(box), form("triangle.filtered"));
+                boxed_form(intersect::bounding_box::default_box_method(), form(box), form("triangle.filtered"));
             const auto t = evaluate_one(row, f32, ray, primitive, HUGE_VAL);
             const double margin = measure::answer::end_margin(row, f32, ray, primitive, {});
             CHECK(std::isnan(margin) == !t.has_value());
@@ -70,9 +70,10 @@ TEST_CASE("the tape of a row behind a box answers as its kernel, and its inputs 
             const Vec<double> middle = placed ? primitive.placed->map().point(primitive.point(0)) : primitive.point(0);
             const Vec<double> origin = test::stored(r.vec(-6, 6), binary32);
             const Ray<double> ray{origin, test::stored(Vec<double>(middle + r.vec(-2, 2) - origin), binary32)};
-            const Intersector& inner = behind(box_method_named("nearest"), form("box.signs"), form("sphere.unified"));
-            const Intersector& row = placed ? behind(box_method_named("pbrt"), form("box.pbrt_padded"),
-                                                     intersect::transform::through(plain, inner))
+            const Intersector& inner =
+                boxed_form(box_method_named("nearest"), form("box.signs"), form("sphere.unified"));
+            const Intersector& row = placed ? boxed_form(box_method_named("pbrt"), form("box.pbrt_padded"),
+                                                         intersect::transform::transformed_form(plain, inner))
                                             : inner;
             Tape tape;
             row.record(f32, ray, intersect::Target<double>(primitive), HUGE_VAL, tape);

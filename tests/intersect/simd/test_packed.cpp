@@ -112,12 +112,12 @@ TEST_CASE("register widths have names, and the widest is the default", "[interse
     CHECK(std::is_sorted(isas.begin(), isas.end()));
     CHECK(intersect::simd::best_isa() == isas.back());
     for (const Isa isa : {Isa::scalar, Isa::w128, Isa::w256, Isa::w512}) {
-        CHECK(intersect::simd::isa_named(name_of(isa)) == isa);
+        CHECK(intersect::simd::find_isa(name_of(isa)) == isa);
         CHECK(packed_rows(isa).empty() == (std::find(isas.begin(), isas.end(), isa) == isas.end()));
     }
     CHECK(name_of(Isa::w256) == "256");
-    CHECK_FALSE(intersect::simd::isa_named("1024"));
-    CHECK_FALSE(intersect::simd::isa_named(""));
+    CHECK_FALSE(intersect::simd::find_isa("1024"));
+    CHECK_FALSE(intersect::simd::find_isa(""));
 }
 
 TEST_CASE("the current register width selects the kernels of this table's rows only", "[intersect][packed]") {

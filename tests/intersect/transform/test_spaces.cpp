@@ -16,8 +16,8 @@ namespace test_spaces {
 using namespace lostbits;
 using intersect::Target;
 using intersect::table::Intersector;
-using intersect::transform::through;
 using intersect::transform::transform_methods;
+using intersect::transform::transformed_form;
 using intersect::transform::TransformMethod;
 using test::Seeded;
 
@@ -108,13 +108,13 @@ One ask(const Intersector& row, const Format& format, const Asked& a) {
 TEST_CASE("a row with a transform is named after form and method, and has the requirements of both") {
     const Intersector& form = *plain_forms().front();
     for (const TransformMethod& space : transform_methods()) {
-        const Intersector& row = through(space, form);
+        const Intersector& row = transformed_form(space, form);
         CHECK(row.info->name == std::string(form.info->name) + "@" + std::string(space.info->name));
-        CHECK(&through(space, form) == &row);
+        CHECK(&transformed_form(space, form) == &row);
         CHECK(intersect::transform::transformed_parts_of(row).method == &space);
         CHECK(intersect::transform::transformed_parts_of(row).form == &form);
         CHECK(row.shapes() == Shapes(form.shape).placed());
-        CHECK_THROWS_AS(through(space, row), InputError);
+        CHECK_THROWS_AS(transformed_form(space, row), InputError);
     }
     CHECK(intersect::transform::transformed_parts_of(form).method == nullptr);
 }
@@ -124,7 +124,7 @@ TEST_CASE("every transform method gives the true t when nothing is rounded, rigi
     for (const Intersector* const form : plain_forms()) {
         for (const TransformMethod& space : transform_methods()) {
             CAPTURE(form->info->name, space.info->name);
-            const Intersector& row = through(space, *form);
+            const Intersector& row = transformed_form(space, *form);
             const bool rigid = space.info->name == "rigid";
             Seeded r(3);
             int hits = 0;
@@ -150,7 +150,7 @@ TEST_CASE("batches with a transform answer as single rays, and the tape of a row
     for (const Intersector* const form : plain_forms()) {
         for (const TransformMethod& space : transform_methods()) {
             CAPTURE(form->info->name, space.info->name);
-            const Intersector& row = through(space, *form);
+            const Intersector& row = transformed_form(space, *form);
             for (const Format& format : {*find_format("f32"), *find_format("f64")}) {
                 Seeded r(5);
                 for (int i = 0; i < 20; ++i) {
@@ -196,7 +196,7 @@ TEST_CASE("batches with a transform answer as single rays at every register widt
     for (const Intersector* const form : plain_forms()) {
         for (const TransformMethod& space : transform_methods()) {
             CAPTURE(form->info->name, space.info->name);
-            const Intersector& row = through(space, *form);
+            const Intersector& row = transformed_form(space, *form);
             Seeded r(13);
             std::vector<Asked> all;
             for (int i = 0; i < 37; ++i) {
@@ -226,7 +226,7 @@ TEST_CASE("errors assigned to the steps sum to the total, and a stored inverse h
     for (const Intersector* const form : plain_forms()) {
         for (const TransformMethod& space : transform_methods()) {
             CAPTURE(form->info->name, space.info->name);
-            const Intersector& row = through(space, *form);
+            const Intersector& row = transformed_form(space, *form);
             for (const Format& format : {*find_format("f32"), *find_format("f64"), *find_format("p12")}) {
                 Seeded r(11);
                 for (int i = 0; i < 12; ++i) {

@@ -27,7 +27,7 @@ TEST_CASE("spheres under matrices are rendered like spheres with the moved numbe
         }
         for (const char* space : {"plain", "relative", "adjugate"}) {
             CAPTURE(mirror, space);
-            const auto& row = intersect::transform::through(test::transform_method_named(space), form);
+            const auto& row = intersect::transform::transformed_form(test::transform_method_named(space), form);
             const Collected found(
                 {.scene = placed, .stages = all_stages, .rows = {{.form = &row, .format = *find_format("f64")}}});
             std::size_t normals = 0;
@@ -58,8 +58,8 @@ TEST_CASE("the normal of a stretched sphere is that of its surface for every tra
     primitive.placed = {{half, r / 4, zero, c.x, zero, twice, zero, c.y, r / 8, zero, r, c.z}, false, 1};
     scene.listed.resize(1);
     scene.appearance.materials.resize(1);
-    const auto& form = intersect::transform::through(test::transform_method_named("relative"),
-                                                     *rows_of({"f64"}, "sphere.unified").front().form);
+    const auto& form = intersect::transform::transformed_form(test::transform_method_named("relative"),
+                                                              *rows_of({"f64"}, "sphere.unified").front().form);
     const Collected found(
         {.scene = scene, .stages = all_stages, .rows = {{.form = &form, .format = *find_format("f64")}}});
     const auto rays = scene::rays::make_shared_rays(scene, 0, scene.height);

@@ -191,8 +191,8 @@ TEST_CASE("exchanged axes group the operations of forms under matrices, stored e
     for (const bool inverse : {false, true}) {
         CAPTURE(inverse);
         like.placed = Placement<double>{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, inverse, 1};
-        const auto& form =
-            intersect::transform::through(test::transform_method_named("plain"), test::form_named("sphere.half_b"));
+        const auto& form = intersect::transform::transformed_form(test::transform_method_named("plain"),
+                                                                  test::form_named("sphere.half_b"));
         const Tape tape = tape::tape_of(form, *find_format("f32"), inverse);
         std::vector<NodeId> members;
         std::size_t of_three = 0;
@@ -283,20 +283,21 @@ TEST_CASE("under matrices the operations that lead into the space of the primiti
         }
         RepairRequest request = request_of(scene, "sphere.unified", 18);
         const auto& form = *request.row.form;
-        request.row.form = &intersect::transform::through(test::transform_method_named("plain"), form);
+        request.row.form = &intersect::transform::transformed_form(test::transform_method_named("plain"), form);
         Search search(request);
         const RowQuality own = search.with({});
         CHECK(own.kept_bits < 14);
         CHECK(search.smallest(0).quality.meets(request.requirement));
         CHECK(search.all.size() > tape::rounded_operations(tape::tape_of(form, request.row.format)).size());
-        request.row.form = &intersect::transform::through(test::transform_method_named("relative"), form);
+        request.row.form = &intersect::transform::transformed_form(test::transform_method_named("relative"), form);
         const RowQuality relative = Judge(request, scene).quality_of({recorded(request)}).front();
         CHECK(relative.kept_bits > own.kept_bits + (inverse ? -1 : 6));
     }
     scene.listed.push_back(scene.listed.front());
     scene.listed.back().placed.reset();
     RepairRequest mixed = request_of(scene, "sphere.unified", 18);
-    mixed.row.form = &intersect::transform::through(intersect::transform::usual_transform_method(), *mixed.row.form);
+    mixed.row.form =
+        &intersect::transform::transformed_form(intersect::transform::default_transform_method(), *mixed.row.form);
     CHECK_THROWS_AS(repair_form(mixed, 0), InputError);
 }
 

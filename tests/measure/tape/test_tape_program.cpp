@@ -168,8 +168,9 @@ TEST_CASE("a tape that cannot become a program is refused with the reason", "[ta
     CHECK_THROWS_WITH(tape_of(test::form_named("sdf.sphere_trace"), format), Catch::Contains("it marches"));
     const Intersector &filtered = test::form_named("triangle.filtered"), &box = test::form_named("box.signs");
     for (const Intersector* form :
-         {&filtered, &intersect::transform::through(intersect::transform::usual_transform_method(), filtered),
-          &intersect::bounding_box::behind(intersect::bounding_box::usual_box_method(), box, filtered)})
+         {&filtered,
+          &intersect::transform::transformed_form(intersect::transform::default_transform_method(), filtered),
+          &intersect::bounding_box::boxed_form(intersect::bounding_box::default_box_method(), box, filtered)})
         CHECK_THROWS_WITH(tape_of(*form, format), Catch::Contains("uses more precision where a ray needs it"));
     CHECK_THROWS_WITH(tape_of(test::form_named("sphere.press+box.signs"), format), Catch::Contains("several forms"));
     CHECK_THROWS(arithmetic_of(bfloat16));

@@ -47,7 +47,7 @@ Vec<T> lifted(const Vec<double>& v) {
 
 /// True if the contract of a form covers a ray: a form that returns only the near root has no answer if that lies
 /// behind.
-bool is_asked(const intersect::Info& info, double h) { return info.roots != intersect::Roots::near_only || h <= 0; }
+bool is_requested(const intersect::Info& info, double h) { return info.roots != intersect::Roots::near_only || h <= 0; }
 
 }  // namespace
 
@@ -83,7 +83,7 @@ TEST_CASE("every unrounded sphere form decides eyes on the surface as its contra
             for (const OnSphere& x : on_sphere) {
                 for (const Vec<double>& d : directions) {
                     const double h = dot(x.origin, d), a = dot(d, d);
-                    if (!is_asked(Form::info, h)) continue;
+                    if (!is_requested(Form::info, h)) continue;
                     if (Form::info.direction == intersect::Direction::unit && a != 1) continue;
                     const Hit<Exact> got =
                         Form::intersect(Ray<Exact>{lifted<Exact>(x.origin), lifted<Exact>(d)},

@@ -229,7 +229,7 @@ TEST_CASE("conventions: forms that return the next crossing find it where the ra
     for (const auto& form : intersect::table::catalogue()) {
         if (form.shape != Shape::sphere || !form.exists_in(*find_format("f32"))) continue;
         const auto answers = measure::answer::evaluate(form, band.inputs_for(*find_format("f32"), *form.info));
-        const bool tells = intersect::tells_next_crossing(*form.info, form.shape);
+        const bool tells = intersect::yields_next_crossing(*form.info, form.shape);
         const auto hits = std::ranges::count(answers.hit, 1);
         INFO(form.info->name << " hits " << hits);
         CHECK(hits == (tells ? 48 : 0));

@@ -197,7 +197,8 @@ TEST_CASE("a root beyond the format's largest number is not an entry at the end 
                                                     .dy = alone(zero),
                                                     .dz = alone(zero),
                                                     .tmin = alone(tmin)};
-        intersect::table::keep_in_range<float>(info, Shape::sphere, ray, {{&t, 1}, {&near, 1}, {&far, 1}, {&hit, 1}});
+        intersect::table::limit_batch_to_range<float>(info, Shape::sphere, ray,
+                                                      {{&t, 1}, {&near, 1}, {&far, 1}, {&hit, 1}});
         CHECK(hit == 1);
     }
 }

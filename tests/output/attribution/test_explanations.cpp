@@ -160,8 +160,8 @@ std::optional<bool> exact_decision(const Asked& asked, const Explanation& x) {
     double begin = x.range.tmin, end = x.range.tmax, zero = 0;
     const intersect::table::RayBatch<double> batch{one(zero), one(zero), one(zero),  one(zero),   one(zero),
                                                    one(zero), one(end),  one(begin), x.range.open};
-    intersect::table::keep_in_range<double>(*asked.form->info, asked.form->shape, batch,
-                                            {one(t), one(near), one(far), std::span(&hit, 1)});
+    intersect::table::limit_batch_to_range<double>(*asked.form->info, asked.form->shape, batch,
+                                                   {one(t), one(near), one(far), std::span(&hit, 1)});
     return hit != 0;
 }
 
