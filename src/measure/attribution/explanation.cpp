@@ -299,11 +299,11 @@ NodeId Explanation::amplifier(NodeId from) const {
     int bits = 1;
     for (NodeId i = from + 1; i < tape.size(); ++i) {
         const OperationError& e = attribution[i];
-        if (!e.live) continue;
+        if (!e.is_live) continue;
         for (const NodeId operand : tape.operands_of(i)) {
             if (is_reached[static_cast<std::size_t>(operand)]) is_reached[static_cast<std::size_t>(i)] = true;
         }
-        if (is_reached[static_cast<std::size_t>(i)] && e.carried && e.cancelled > bits) {
+        if (is_reached[static_cast<std::size_t>(i)] && e.has_operand_error && e.cancelled > bits) {
             largest = i;
             bits = e.cancelled;
         }
@@ -316,11 +316,11 @@ bool Explanation::rounding_turned_order() const {
     return !attribution.exact_hit || missed->exact_t < attribution[tape.outputs.t].exact;
 }
 
-std::vector<NodeId> Explanation::turned() const {
+std::vector<NodeId> Explanation::flipped_decisions() const {
     std::vector<NodeId> nodes;
     for (NodeId i = 0; i < tape.size(); ++i) {
         const OperationError& e = attribution[i];
-        if (e.turned && e.live && (is_decision(tape[i].op) || e.rounding != 0)) nodes.push_back(i);
+        if (e.is_flipped && e.is_live && (is_decision(tape[i].op) || e.rounding != 0)) nodes.push_back(i);
     }
     return nodes;
 }

@@ -173,7 +173,8 @@ public:
                 key.insert(key.end(), terms.begin(), terms.end());
             } else {
                 for (const NodeId operand : tape_.operands_of(i)) key.push_back(ids[static_cast<std::size_t>(operand)]);
-                if (n.op == TapeOp::mul || n.op == TapeOp::fma || n.op == TapeOp::both || n.op == TapeOp::either)
+                if (n.op == TapeOp::mul || n.op == TapeOp::fma || n.op == TapeOp::logical_and ||
+                    n.op == TapeOp::logical_or)
                     if (key[2] > key[3]) std::swap(key[2], key[3]);
                 if (n.op == TapeOp::min || n.op == TapeOp::max) flatten(key);
             }

@@ -104,7 +104,7 @@ double statistical_bound(const Tape& tape, const Attribution& attribution) {
     double squares = 0;
     for (NodeId i = 0; i < tape.size(); ++i) {
         const OperationError& e = attribution.errors[static_cast<std::size_t>(i)];
-        if (!e.live || !rounds(tape[i].op)) continue;
+        if (!e.is_live || !rounds(tape[i].op)) continue;
         const double largest_error = e.adjoint * ulp_at(tape[i].value, tape.format_of(i)) / 2;
         squares += largest_error * largest_error;
     }

@@ -125,7 +125,7 @@ std::string own_error(const Explanation& x, const OperationView& view) {
     const NodeId culprit = x.attribution.culprit;
     const measure::attribution::OperationError& e = view.error_of(culprit);
     const std::string ulps = ulps_or_nothing(std::fabs(view.ulps_of_value(culprit, e.rounding)));
-    const char* const error_kind = e.turned                                                  ? "wrong choice"
+    const char* const error_kind = e.is_flipped                                              ? "wrong choice"
                                    : measure::attribution::is_on_purpose(x.tape[culprit].op) ? "step"
                                                                                              : "rounding";
     return ulps.empty() ? error_kind : fmt::format("{} of {}", error_kind, ulps);

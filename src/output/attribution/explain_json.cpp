@@ -28,7 +28,7 @@ Json operation(const Explanation& x, const TapeText& text, NodeId i) {
            {"operands", operands},
            {"expression", text.expression(i)}};
     if (!n.label.empty()) j["label"] = std::string(n.label);
-    j["turned"] = e.turned;
+    j["turned"] = e.is_flipped;
     if (is_decision(n.op)) {
         j["computed"] = n.value != 0;
         j["exact"] = e.exact != 0;
@@ -39,10 +39,10 @@ Json operation(const Explanation& x, const TapeText& text, NodeId i) {
     j["exact"] = json_number(e.exact);
     j["error"] = json_number(e.error);
     j["cancelled_bits"] = e.cancelled;
-    if (e.cancelled > 0) j["cancellation"] = e.carried ? "catastrophic" : "benign";
+    if (e.cancelled > 0) j["cancellation"] = e.has_operand_error ? "catastrophic" : "benign";
     j["local_error_bits"] = json_number(e.local_bits);
     j["rounding"] = json_number(e.rounding);
-    j["live"] = e.live;
+    j["live"] = e.is_live;
     j["on_purpose"] = measure::attribution::is_on_purpose(n.op);
     j["adjoint"] = json_number(e.adjoint);
     j["derivative"] = json_number(e.derivative);

@@ -240,7 +240,7 @@ std::string rounding_part_sentence(const Explanation& x, const OperationView& vi
 
 std::string changed_decisions_text(const Explanation& x, const OperationView& view) {
     std::string text;
-    for (const NodeId i : x.turned()) {
+    for (const NodeId i : x.flipped_decisions()) {
         const TapeNode& n = x.tape[i];
         if (!is_comparison(n.op)) {
             const double distance = std::fabs(view.error_of(i).rounding);

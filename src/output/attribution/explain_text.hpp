@@ -69,7 +69,7 @@ std::string decision_text(const std::string& form, Outcome outcome, double t, do
 /// operation is to blame. The last rounding of any formula may cost up to one bit.
 inline constexpr double worth_saying = 1;
 
-/// The operation to blame: its rounding turned a decision that is wrong, or the order of two primitives, made a value
+/// The operation to blame: its rounding flipped a decision, or the order of two primitives, made a value
 /// that is not a number, or costs a bit or more of an answer that lost one. Returns no_node if the decision is right,
 /// and if no operation caused the loss: a march stopped short, the format rounded the inputs, or a value is not a
 /// number even without rounding.

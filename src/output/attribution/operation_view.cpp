@@ -41,7 +41,7 @@ std::vector<bool> nodes_on_path(const Explanation& explanation) {
     mark(explanation.tape.outputs.hit);
     if (explanation.hit || explanation.tape.outputs.hit == no_node) mark(explanation.tape.outputs.t);
     for (NodeId i = explanation.tape.size() - 1; i >= 0; --i) {
-        if (explanation.attribution[i].live) mark(i);
+        if (explanation.attribution[i].is_live) mark(i);
         if (!on_path[static_cast<std::size_t>(i)]) continue;
         const TapeNode& n = explanation.tape[i];
         if (n.op != TapeOp::select) {
@@ -77,14 +77,14 @@ double OperationView::ulps_of_value(NodeId i, double error) const {
 
 std::string OperationView::cancellation(NodeId i) const {
     const int bits = error_of(i).cancelled;
-    return bits == 0 ? "" : fmt::format("{} {}", bits, error_of(i).carried ? "catastrophic" : "benign");
+    return bits == 0 ? "" : fmt::format("{} {}", bits, error_of(i).has_operand_error ? "catastrophic" : "benign");
 }
 
 bool OperationView::is_shown(NodeId i, bool show_all) const {
     const TapeNode& n = explanation_.tape[i];
     if (text_.is_number(i) && n.label.empty() && error_of(i).rounding == 0) return false;
     if (show_all) return is_operation(n.op);
-    if (!is_operation(n.op) || !error_of(i).live) return false;
+    if (!is_operation(n.op) || !error_of(i).is_live) return false;
     return !n.label.empty() || error_of(i).rounding != 0 || error_of(i).cancelled > 1 ||
            i == explanation_.attribution.culprit;
 }
@@ -133,7 +133,7 @@ OperationRow table_row(const Explanation& explanation, const OperationView& view
                                .digits = is_decision_row ? 0 : digits_of(explanation.tape.format_of(i))};
     if (!shows_errors) return operation_row;
     operation_row.culprit = i == culprit_operation(explanation);
-    operation_row.branch_flipped = e.turned && (is_decision_row || e.rounding != 0);
+    operation_row.branch_flipped = e.is_flipped && (is_decision_row || e.rounding != 0);
     operation_row.off_path = !is_decision_row && !view.is_on_path(i);
     operation_row.on_purpose = measure::attribution::is_on_purpose(n.op) && e.rounding != 0;
     if (is_decision_row) return operation_row;
@@ -142,7 +142,7 @@ OperationRow table_row(const Explanation& explanation, const OperationView& view
     operation_row.cancelled = view.cancellation(i);
     if (e.local_bits != 0) operation_row.local = fmt::format("{:.1f}", e.local_bits);
     if (e.rounding != 0) operation_row.rounding_ulps = text_or_empty(view.ulps_of_value(i, e.rounding));
-    if (e.live && e.rounding != 0) operation_row.contribution_ulps = text_or_empty(view.contribution(i));
+    if (e.is_live && e.rounding != 0) operation_row.contribution_ulps = text_or_empty(view.contribution(i));
     return operation_row;
 }
 
