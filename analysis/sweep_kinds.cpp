@@ -163,7 +163,7 @@ void run_search(const std::filesystem::path& path, const SweepSelection& chosen)
     const auto result_folder = chosen.take_sweep_folder(search.id, path);
     if (result_folder) require_writable(folder / "worst.csv");
     request.share = chosen.division().share();
-    const auto found = chosen.measure_or_join(search.id, request.share.of_units(request.rows.size()).size(), request,
+    const auto found = chosen.measure_or_join(search.id, request.share.unit_range(request.rows.size()).size(), request,
                                               measure::sweep::find_worst);
     if (!found) return;
     if (std::ranges::none_of(*found, [](const auto& w) { return w.has_value(); })) {
@@ -207,7 +207,7 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
     const auto result_folder = chosen.take_sweep_folder(search.id, path);
     if (result_folder) require_writable(folder / "worst.csv");
     request.share = chosen.division().share();
-    const auto units = measure::edges::progress_units_per_row * request.share.of_units(request.rows.size()).size();
+    const auto units = measure::edges::progress_units_per_row * request.share.unit_range(request.rows.size()).size();
     const auto found = chosen.measure_or_join(search.id, units, request, measure::edges::search_edges);
     if (!found) return;
     const output::sweep::NearestFiles files{request, *found, selection::name_of_scene(search.scene, chosen.data())};

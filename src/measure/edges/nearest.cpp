@@ -350,7 +350,7 @@ private:
 
 std::vector<EdgeFinding> search_edges(const EdgeRequest& request) {
     const SearchedMesh mesh(request.search.scene);
-    const auto units = request.share.of_units(request.rows.size());
+    const auto units = request.share.unit_range(request.rows.size());
     std::vector<EdgeFinding> found(units.size());
     intersect::process::in_parallel(std::size_t{0}, found.size() * progress_units_per_row, [&](std::size_t k) {
         const std::size_t form_index = k / progress_units_per_row, unit = k % progress_units_per_row;
