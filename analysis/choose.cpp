@@ -163,7 +163,7 @@ ChoiceRequest request_of(const ChooseOptions& o, intersect::process::StopToken s
     request.requirement = {.bits = std::max(0.0, o.bits), .wrong = o.wrong, .quantile = parse_quantile(o.at)};
     if (!o.tolerance.empty()) request.requirement.tolerance = selection::tolerance_in_units(o.tolerance, o.unit);
     else if (!o.unit.empty()) throw InputError("--unit " + o.unit + " is the unit of --tolerance, which is missing");
-    request.single = o.single;
+    request.times_single_rays = o.single;
     request.limit.stop = request.plan.stop = stop;
     if (o.quick) {
         request.plan.repetitions = 5;
@@ -209,13 +209,13 @@ Exit choose_for_scene(const ChooseOptions& o, const Common& common) {
     const auto emulated = std::stable_partition(
         request.rows.begin(), request.rows.end(),
         [](const measure::evaluate::TestedForm& form_row) { return !selection::is_emulated(form_row.format); });
-    request.untimed.assign(emulated, request.rows.end());
+    request.untimed_rows.assign(emulated, request.rows.end());
     request.rows.erase(emulated, request.rows.end());
     const auto folder = std::filesystem::path(o.out) / scene.id;
     const auto result_folder =
         take_folder(folder, common, selection::name_of_scene(scene, selection::data_folder(common.data)));
     output::choice::ChoiceFiles files(folder);
-    output::file::Progress progress(scene.pixels() * (request.rows.size() + request.untimed.size()),
+    output::file::Progress progress(scene.pixels() * (request.rows.size() + request.untimed_rows.size()),
                                     fmt::format("choose {}", scene.id), common.progress, common.quiet);
     request.progress = advance_callback(progress);
     if (!common.quiet) selection::note_idle_settings(o.set, scene.id, request.rows);

@@ -116,7 +116,7 @@ std::vector<std::unique_ptr<Probe>> probes_of(const RepairRequest& request, int 
         auto moved_rays = mapped_rays(given->ideal, isometry);
         if (!moved_rays) continue;
         if (given->format)
-            probes.push_back(std::make_unique<Probe>(isometry, request, stored(*moved_rays, *given->format)));
+            probes.push_back(std::make_unique<Probe>(isometry, request, store_in_format(*moved_rays, *given->format)));
         else probes.push_back(std::make_unique<Probe>(isometry, request, *std::move(moved_rays)));
     }
     return probes;

@@ -60,11 +60,11 @@ Table<GrowthMargin> margin_table() {
         {"way", "the quantity that grows: distance, radius, offset or view",
          [](const GrowthMargin& r) { return measure::choice::growth_names[static_cast<std::size_t>(r.growth)]; }},
         {"holds", "1", "the largest factor at which the requirement was met; 0: not even by the scene as it is",
-         &GrowthMargin::holds},
+         &GrowthMargin::holding_factor},
         {"value", "the quantity at that factor, in world units or, for view, degrees; missing if holds is 0",
          [](const GrowthMargin& r) { return when(r.holds != 0, r.value); }},
         {"beyond", "1", "the smallest larger factor that was tried; missing: none",
-         [](const GrowthMargin& r) { return when(r.beyond != 0, r.beyond); }},
+         [](const GrowthMargin& r) { return when(r.end_factor != 0, r.end_factor); }},
         {"end",
          "state at that factor: fails (the requirement), nothing_hit, other_scene (rounding stores another scene), "
          "none (as far as was tried)",
@@ -75,7 +75,7 @@ Table<GrowthMargin> margin_table() {
          {"kept_bits", "bits", "bits kept at the failing factor", or_missing(&RowQuality::kept_bits)},
          {"distance_error", "length", "distance error at the failing factor; missing: the requirement has no tolerance",
           or_missing(&RowQuality::distance_error)}},
-        [](const GrowthMargin& r) { return r.end == MarginEnd::fails ? &r.broken : nullptr; });
+        [](const GrowthMargin& r) { return r.end == MarginEnd::fails ? &r.end_quality : nullptr; });
 }
 
 namespace {
@@ -95,7 +95,7 @@ Table<SafeOffsetRow> offset_table() {
 std::vector<SafeOffsetRow> offset_rows(const measure::choice::SafeOffsets& offsets) {
     std::vector<SafeOffsetRow> rows;
     for (const auto& safe : offsets.outside) rows.push_back({"outside", safe});
-    for (const auto& safe : offsets.both) rows.push_back({"both", safe});
+    for (const auto& safe : offsets.both_sides) rows.push_back({"both", safe});
     return rows;
 }
 
@@ -158,7 +158,7 @@ image::Canvas front_plot(const ChoiceResult& chosen) {
                           .time = c.time,
                           .marker = chosen.cheapest_index == k ? 3 : 0,
                           .named = chosen.cheapest_index == k,
-                          .hollow = !c.quality.decides(requirement)});
+                          .hollow = !c.quality.decides_as_required(requirement)});
     }
     speed::add_front(spec, points);
     spec.keys = {{"f32", 0, 0},
@@ -186,7 +186,7 @@ ChoiceFiles::ChoiceFiles(const std::filesystem::path& folder)
 std::vector<CandidateRow> candidate_rows(const ChoiceResult& chosen) {
     const auto& requirement = chosen.request.requirement;
     std::vector<CandidateRow> rows;
-    for (const std::size_t k : by_price(chosen.all)) {
+    for (const std::size_t k : order_by_price(chosen.all)) {
         const Candidate& c = chosen.all[k];
         const std::string_view form = c.row.form->info->name;
         rows.push_back({{form, c.row.format.name, c.isa},

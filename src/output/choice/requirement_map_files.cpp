@@ -49,35 +49,36 @@ constexpr Rgb8 colour_of_none = colour_of(Outcome::not_a_number), colour_of_unkn
 /// The candidates that some pixel requires, most pixels first.
 std::vector<std::size_t> choices_by_pixels(const RequirementMap& r) {
     std::vector<std::size_t> order;
-    for (std::size_t c = 0; c < r.taken.size(); ++c) {
-        if (r.taken[c] > 0) order.push_back(c);
+    for (std::size_t c = 0; c < r.pixels_cheapest.size(); ++c) {
+        if (r.pixels_cheapest[c] > 0) order.push_back(c);
     }
-    std::ranges::stable_sort(order, std::ranges::greater(), [&r](std::size_t c) { return r.taken[c]; });
+    std::ranges::stable_sort(order, std::ranges::greater(), [&r](std::size_t c) { return r.pixels_cheapest[c]; });
     return order;
 }
 
 /// Colours of the picture, and its legend.
 class Colours {
 public:
-    Colours(const ChoiceResult& chosen, const RequirementMap& r) : choices_(r.taken.size(), colour_of_others) {
+    Colours(const ChoiceResult& chosen, const RequirementMap& r)
+        : choices_(r.pixels_cheapest.size(), colour_of_others) {
         const auto order = choices_by_pixels(r);
         const std::size_t coloured_count = order.size() > max_colours ? max_colours - 1 : order.size();
         std::uint64_t other_pixels = 0;
         for (std::size_t k = 0; k < order.size(); ++k) {
             if (k >= coloured_count) {
-                other_pixels += r.taken[order[k]];
+                other_pixels += r.pixels_cheapest[order[k]];
                 continue;
             }
             choices_[order[k]] = image::distinct_colour(k);
-            add("left: " + name_of(chosen.all[order[k]]), choices_[order[k]], r.taken[order[k]], r);
+            add("left: " + name_of(chosen.all[order[k]]), choices_[order[k]], r.pixels_cheapest[order[k]], r);
         }
         add(fmt::format("left: {} other choices", order.size() - coloured_count), colour_of_others, other_pixels, r);
         for (std::size_t f = 0; f < r.formats.size(); ++f) {
             formats_.push_back(image::distinct_colour(max_colours + f));
-            add("right: " + r.formats[f].name, formats_.back(), r.needed[f], r);
+            add("right: " + r.formats[f].name, formats_.back(), r.pixels_narrowest[f], r);
         }
-        add("nothing meets the requirement", colour_of_none, r.none_meets, r);
-        add("unresolved", colour_of_unknown, r.unknown, r);
+        add("nothing meets the requirement", colour_of_none, r.pixels_none_meets, r);
+        add("unresolved", colour_of_unknown, r.pixels_unknown, r);
     }
     [[nodiscard]] Rgb8 choice(int index) const { return colour_at(choices_, index); }
     [[nodiscard]] Rgb8 format(int index) const { return colour_at(formats_, index); }
@@ -105,14 +106,14 @@ std::string percent(std::uint64_t count, const RequirementMap& r) {
 
 std::vector<RequirementRow> requirement_rows(const ChoiceResult& chosen, const RequirementMap& r) {
     std::vector<RequirementRow> rows;
-    for (const std::size_t c : measure::choice::by_price(chosen.all)) {
+    for (const std::size_t c : measure::choice::order_by_price(chosen.all)) {
         const Candidate& candidate = chosen.all[c];
         rows.push_back({candidate.row.form->info->name, candidate.row.format.name, candidate.time.median * 1e9,
-                        r.met[c], r.taken[c], r.pixels()});
+                        r.pixels_met[c], r.pixels_cheapest[c], r.pixels()});
     }
     for (std::size_t f = 0; f < r.formats.size(); ++f)
-        rows.push_back({"any", r.formats[f].name, {}, r.any_meets[f], r.needed[f], r.pixels()});
-    rows.push_back({"none", "", {}, 0, r.none_meets, r.pixels()});
+        rows.push_back({"any", r.formats[f].name, {}, r.pixels_any_form_meets[f], r.pixels_narrowest[f], r.pixels()});
+    rows.push_back({"none", "", {}, 0, r.pixels_none_meets, r.pixels()});
     return rows;
 }
 
@@ -148,11 +149,12 @@ void draw_requirement_map(const std::filesystem::path& path, const ChoiceResult&
 std::string in_words(const ChoiceResult& chosen, const RequirementMap& r) {
     std::string text = "Pixel by pixel, with any of the forms: ";
     for (std::size_t f = 0; f < r.formats.size(); ++f) {
-        text += fmt::format("{}{} {} {}", f == 0 ? "" : ", ", percent(r.needed[f], r),
+        text += fmt::format("{}{} {} {}", f == 0 ? "" : ", ", percent(r.pixels_narrowest[f], r),
                             f == 0 ? "need no more than" : "need", r.formats[f].name);
     }
-    if (r.none_meets > 0) text += fmt::format(", on {} nothing meets the requirement", percent(r.none_meets, r));
-    if (r.unknown > 0) text += fmt::format(", for {} the truth is not proved", percent(r.unknown, r));
+    if (r.pixels_none_meets > 0)
+        text += fmt::format(", on {} nothing meets the requirement", percent(r.pixels_none_meets, r));
+    if (r.pixels_unknown > 0) text += fmt::format(", for {} the truth is not proved", percent(r.pixels_unknown, r));
     text += ".\n";
     const double least_time = r.least_time(chosen.all);
     const auto choice_count = choices_by_pixels(r).size();

@@ -120,9 +120,9 @@ image::Canvas front_plot(const RepairSummary& r) {
     for (const FormRow& row : rows) {
         const bool is_own = row.kind != "catalogue";
         // The operations inside a form of the catalogue that are already wider are not counted.
-        const bool can_be_drawn = is_timed
-                                      ? row.price != nullptr
-                                      : is_own || measure::choice::computes_in(row.row).name == row.row.format.name;
+        const bool can_be_drawn =
+            is_timed ? row.price != nullptr
+                     : is_own || measure::choice::computing_format(row.row).name == row.row.format.name;
         if (!can_be_drawn || (!is_own && row.row.form == r.request.row.form)) continue;
         points.push_back({.row = row.row,
                           .quality = point_of(row),

@@ -48,14 +48,14 @@ std::string as_clause(const RowQuality& quality, const measure::choice::Requirem
 std::string margin_text(const GrowthMargin& margin, const RepairSummary& r) {
     const auto growth_name = measure::choice::growth_names[static_cast<std::size_t>(margin.growth)];
     const auto& requirement = r.request.requirement;
-    if (margin.holds == 0)
+    if (margin.holding_factor == 0)
         return fmt::format("{}: fails already as it is, on a smaller picture: {}", growth_name,
-                           in_words(margin.broken, requirement));
-    return fmt::format("{}: holds up to a factor of {:.4g} ({:.6g} {})", growth_name, margin.holds, margin.value,
-                       margin.growth == measure::choice::Growth::view ? "degrees" : "units of length") +
+                           in_words(margin.end_quality, requirement));
+    return fmt::format("{}: holds up to a factor of {:.4g} ({:.6g} {})", growth_name, margin.holding_factor,
+                       margin.value, margin.growth == measure::choice::Growth::view ? "degrees" : "units of length") +
            choice::margin_end_text(margin, r.request.rays,
-                                   fmt::format("; first broken at a factor of {:.4g}: {}", margin.beyond,
-                                               in_words(margin.broken, requirement)));
+                                   fmt::format("; first broken at a factor of {:.4g}: {}", margin.end_factor,
+                                               in_words(margin.end_quality, requirement)));
 }
 
 std::string unchanged_is_enough_text(const RepairSummary& r) {
