@@ -322,8 +322,8 @@ std::unique_ptr<lostbits_result> hits_of_rays(const lostbits_rays& rays, CallRun
                        const auto primitives = scene::rays::primitive_list_of(group);
                        for (std::size_t i = 0; i < group.rays.size(); ++i)
                            found[first + i] = measure::crossing::crossings_of(
-                               group.rays[i], {primitives, culler ? culler->for_truth() : nullptr}, group.rays.range(i),
-                               {.stop = running.stop()});
+                               group.rays[i], {primitives, culler ? culler->index_for_truth() : nullptr},
+                               group.rays.range(i), {.stop = running.stop()});
                    });
     auto result = std::make_unique<lostbits_result>();
     ResultTable& table = result->tables.emplace_back(
@@ -380,7 +380,8 @@ std::unique_ptr<lostbits_result> places_of_points(const lostbits_scene& scene, c
     std::vector<ArrayColumn> columns;
     append_columns(columns, points, std::array<std::string, 3>{"x", "y", "z"});
     std::vector<measure::crossing::PointInMesh> found(count);
-    const measure::crossing::Triangles triangles{stored->culler().shared(), stored->culler().for_truth()};
+    const measure::crossing::Triangles triangles{stored->culler().shared_primitives(),
+                                                 stored->culler().index_for_truth()};
     const auto advance = running.advance_callback(count);
     constexpr std::size_t piece = 1024;
     intersect::process::in_parallel(std::size_t{0}, (count + piece - 1) / piece, [&](std::size_t p) {

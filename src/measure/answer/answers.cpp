@@ -120,7 +120,7 @@ public:
         : kernel_(kernel), rays_(rays), in_(in), answers_(answers) {}
 
     void test_page(std::size_t page, std::size_t first, std::size_t last) {
-        const std::size_t begin = page * SphereIndex::page;
+        const std::size_t begin = page * SphereIndex::spheres_per_page;
         std::optional<std::array<std::span<const S>, 4>> columns;  // made for the first ray that needs them
         for (std::size_t p = first; p < last; ++p) {
             const Ray<double> ray = rays_[p];
@@ -128,8 +128,8 @@ public:
             if (runs_.empty()) continue;
             in_.stop.check();  // a ray may test all spheres of the page, in software
             if (!columns)
-                columns = in_.primitives.columns<S>(begin, std::min(SphereIndex::page, in_.primitives.size() - begin),
-                                                    buffers_);
+                columns = in_.primitives.columns<S>(
+                    begin, std::min(SphereIndex::spheres_per_page, in_.primitives.size() - begin), buffers_);
             for (const auto& [run_begin, run_end] : runs_) {
                 const auto column_part = [&, run_begin = run_begin, run_end = run_end](std::size_t k) {
                     return (*columns)[k].subspan(run_begin - begin,
@@ -174,7 +174,7 @@ void test_pages(const OneToMany<S>& kernel, const RayBlock& rays, const FormatIn
     const std::size_t parts = (rays.size() + rays_per_part - 1) / rays_per_part;
     intersect::process::in_parallel(std::size_t{0}, parts, [&](std::size_t part) {
         PageTester<S> tester(kernel, rays, in, answers);
-        for (std::size_t page = 0; page < in.index->pages(); ++page)
+        for (std::size_t page = 0; page < in.index->page_count(); ++page)
             tester.test_page(page, part * rays_per_part, std::min((part + 1) * rays_per_part, rays.size()));
     });
 }
@@ -239,10 +239,10 @@ void test_spheres(const intersect::table::Intersector& form, const RayBlock& ray
 template <class S, class Kernel>
 void test_candidates(const Kernel& kernel, const RayBlock& rays, const FormatInputs& in, bool in_one_call,
                      Answers& answers) {
-    answers.claimed.resize(in.candidates->pairs());
+    answers.claimed.resize(in.candidates->pair_count());
     // Pairs of one part stay in a cache. Far from a large mesh a ray has all of its triangles as candidates.
     constexpr std::size_t most_rays = 512, least_rays = 4, most_pairs = 1 << 18;
-    const std::size_t pairs_per_ray = in.candidates->pairs() / std::max(rays.size(), std::size_t{1}) + 1;
+    const std::size_t pairs_per_ray = in.candidates->pair_count() / std::max(rays.size(), std::size_t{1}) + 1;
     const std::size_t rays_per_part = in_one_call ? std::max(rays.size(), std::size_t{1})
                                                   : std::clamp(most_pairs / pairs_per_ray, least_rays, most_rays);
     const std::size_t parts = (rays.size() + rays_per_part - 1) / rays_per_part;

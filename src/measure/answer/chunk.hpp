@@ -171,7 +171,7 @@ public:
         : in_(in), open_(rays.open) {
         const culling::CandidateLists& candidates = *in.candidates;
         for (std::size_t i = begin; i < end; ++i)
-            for (std::size_t k = candidates.first(i); k < candidates.first(i + 1); ++k)
+            for (std::size_t k = candidates.first_pair(i); k < candidates.first_pair(i + 1); ++k)
                 pairs_.push_back({candidates.primitive(k), static_cast<std::uint32_t>(k), i});
         culling::sort_by_index(pairs_, [](const Pair& pair) { return pair.primitive; });
         const std::array sources{&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz, &rays.tmax, &rays.tmin};

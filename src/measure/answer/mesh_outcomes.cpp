@@ -64,7 +64,7 @@ private:
     template <class Wanted>
     [[nodiscard]] bool claims(const Wanted& wanted) const {
         const culling::CandidateLists& candidates = *band_answers_.inputs.candidates;
-        for (std::size_t pair = candidates.first(ray_); pair < candidates.first(ray_ + 1); ++pair)
+        for (std::size_t pair = candidates.first_pair(ray_); pair < candidates.first_pair(ray_ + 1); ++pair)
             if (band_answers_.answers.claimed[pair] != 0 &&
                 wanted(static_cast<std::int32_t>(candidates.primitive(pair))))
                 return true;
@@ -79,7 +79,7 @@ private:
     [[nodiscard]] bool passes_border(std::int32_t true_primitive) const {
         const culling::CandidateLists& candidates = *band_answers_.inputs.candidates;
         const Truth first = truth_at(true_primitive);
-        return std::ranges::any_of(candidates.of(ray_), [&](std::uint32_t k) {
+        return std::ranges::any_of(candidates.candidates_of(ray_), [&](std::uint32_t k) {
             const auto primitive = static_cast<std::int32_t>(k);
             if (!in_mesh(primitive) || !mesh_.has_border(face(primitive))) return false;
             const Truth truth = truth_at(primitive);
@@ -158,7 +158,7 @@ private:
     [[nodiscard]] bool has_other_crossing_parity() const {
         const culling::CandidateLists& candidates = *band_answers_.inputs.candidates;
         std::vector<CrossedTriangle> claimed_crossings, true_crossings;
-        for (std::size_t pair = candidates.first(ray_); pair < candidates.first(ray_ + 1); ++pair) {
+        for (std::size_t pair = candidates.first_pair(ray_); pair < candidates.first_pair(ray_ + 1); ++pair) {
             const auto primitive = static_cast<std::int32_t>(candidates.primitive(pair));
             if (!in_mesh(primitive)) continue;
             const Truth truth = truth_at(primitive);

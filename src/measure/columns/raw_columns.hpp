@@ -11,8 +11,8 @@ namespace lostbits::measure::columns {
 /// Number of doubles in the widest registers.
 inline constexpr std::size_t most_lanes = 8;
 
-/// Rays that a kernel leaves to the scalar functions: `count` indices in ascending order.
-struct RawLeft {
+/// Rays that a kernel cannot handle and leaves to the scalar functions: `count` indices in ascending order.
+struct RawUnhandledRays {
     std::uint32_t* indices;
     std::size_t count;
 };
@@ -29,7 +29,7 @@ struct RawErrors {
     double ulps_of_binade;         ///< 2^(p − 1)
     double most_inverse;           ///< 2^−emin
     double largest;                ///< input and output: the largest |ulp| so far
-    RawLeft left;
+    RawUnhandledRays unhandled;
 };
 
 /// Distances of hit points from primitives of one shape.
@@ -40,7 +40,7 @@ struct RawResiduals {
     const double* in[columns_in];  ///< from `primitive` on, in the order of `Primitive::numbers`
     double* out;
     bool binary32;  ///< true: the hit point is computed in float; false: in double
-    RawLeft left;
+    RawUnhandledRays unhandled;
 };
 
 /// Sums of the sizes |x| of a column, without NaN; a kernel adds to them.

@@ -198,7 +198,7 @@ private:
         const auto distance = [this, &p](std::size_t s) {
             return std::fabs(intersect::table::distance(primitives_[s], p));
         };
-        const auto* const tree = dynamic_cast<const culling::BoxTree*>(culler_ ? culler_->for_truth() : nullptr);
+        const auto* const tree = dynamic_cast<const culling::BoxTree*>(culler_ ? culler_->index_for_truth() : nullptr);
         if (tree) return static_cast<std::int32_t>(tree->nearest(p, distance));
         const auto indices = std::views::iota(std::size_t{0}, primitives_.size());
         return static_cast<std::int32_t>(*std::ranges::min_element(indices, {}, distance));

@@ -108,7 +108,7 @@ private:
     }
 
     void judge(JudgedAnswer& answer) const {
-        const crossing::Triangles triangles{primitives_, culler_.for_truth()};
+        const crossing::Triangles triangles{primitives_, culler_.index_for_truth()};
         if (result_.kind == AnswerKind::inside) return judge_point(answer, triangles);
         const MeshCrossings crossings = crossings_of(answer.ray, triangles, answer.range, request_.limit);
         if (is_list()) {

@@ -255,7 +255,7 @@ private:
             return;
         }
         std::vector<std::uint32_t> nearby;
-        work_.tree_->within(p_, radius, nearby);
+        work_.tree_->find_within(p_, radius, nearby);
         for (const std::uint32_t k : nearby) test_primitive(k);
     }
 

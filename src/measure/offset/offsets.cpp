@@ -75,7 +75,7 @@ private:
     /// Returns the tree over the primitives in the format; null if there are few primitives, or only spheres.
     static std::shared_ptr<const culling::BoxTree> tree_of(const Band& band, const FloatFormat& format,
                                                            const scene::rays::PrimitiveList<double>& primitives) {
-        const auto index = band.culler() ? band.culler()->for_stored_truth(format, primitives) : nullptr;
+        const auto index = band.culler() ? band.culler()->index_for_stored_truth(format, primitives) : nullptr;
         return std::dynamic_pointer_cast<const culling::BoxTree>(index);
     }
     [[nodiscard]] std::optional<Vec<double>> light() const {
