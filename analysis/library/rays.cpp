@@ -148,7 +148,7 @@ std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Sel
     GivenRays given = read_rays(rays, running);
     measure::judge::JudgeRequest request{
         .primitives = given.primitives, .mesh = given.mesh, .limit = {.stop = running.stop()}};
-    if (rays.by.data != nullptr) request.by = 0;
+    if (rays.by.data != nullptr) request.group_column = 0;
     intersect::Info contract = contract_of_arrays(rays, given.shape);
     if (given.dump->layout().decides_only()) contract.roots = intersect::Roots::none;
     const measure::judge::FileForm answers("arrays", given.shape, contract);
@@ -156,8 +156,8 @@ std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Sel
     else if (!given.dump->layout().has_answers())
         throw NothingSelected("rays: there are neither answers (t or hit) nor forms; give one of them");
     if (given.dump->layout().has_answers()) {
-        request.file_form = &answers.form();
-        request.rows.push_back({request.file_form, given.dump->format()});
+        request.file_answers_form = &answers.form();
+        request.rows.push_back({request.file_answers_form, given.dump->format()});
     }
     request.rows.insert(request.rows.end(), chosen.rows.begin(), chosen.rows.end());
     std::vector<const Metric*> metrics{measure::metric::find_metric("lost_bits")};
@@ -185,7 +185,7 @@ std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Sel
             shapes.push_back(shape_row.shape);
     }
     const auto summary =
-        output::map::summary_table(request.metrics, shapes, given.mesh != nullptr, request.by ? "by" : "");
+        output::map::summary_table(request.metrics, shapes, given.mesh != nullptr, request.group_column ? "by" : "");
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> rows;
     for (const TestedForm& form_row : request.rows) {
@@ -211,10 +211,11 @@ std::unique_ptr<lostbits_result> judge_given_rays(const lostbits_rays& rays, Sel
     if (const auto file_row = request.file_row_index())
         result->texts = selection::suspicions_of({request.rows[*file_row]}, [&](const TestedForm&) {
             const auto& summary_of_file = judgement.summaries[*file_row];
-            const std::string suspicion_text = measure::contract::suspicion(
-                judgement.first, measure::contract::AnswerSource::file, judgement.misses_beside_first(summary_of_file));
-            const bool is_whole = judgement.first_are_all(summary_of_file);
-            return measure::contract::on_rays_of(rays_name, is_whole ? judgement.rays : judgement.first.size(),
+            const std::string suspicion_text =
+                measure::contract::suspicion(judgement.first_samples, measure::contract::AnswerSource::file,
+                                             judgement.scaled_right_misses(summary_of_file));
+            const bool is_whole = judgement.has_all_samples(summary_of_file);
+            return measure::contract::on_rays_of(rays_name, is_whole ? judgement.rays : judgement.first_samples.size(),
                                                  judgement.rays, "of its rays that hit or should hit", suspicion_text);
         });
     return result;

@@ -48,7 +48,8 @@ std::string case_name(const TestedForm& form_row, const ReportedRay& ray) {
         ray.outcome == measure::answer::Outcome::agree_hit
             ? fmt::format("{:.6g} ulp", ray.ulps)
             : std::string(measure::answer::outcome_names[static_cast<std::size_t>(ray.outcome)]);
-    return fmt::format("{} in {}: ray {}, {}", form_row.form->info->name, form_row.format.name, ray.place, error_text);
+    return fmt::format("{} in {}: ray {}, {}", form_row.form->info->name, form_row.format.name, ray.ray_index,
+                       error_text);
 }
 
 /// A ray in a chunk of the file.
@@ -123,11 +124,11 @@ public:
     void open_rows(const std::filesystem::path& folder, const Dump& dump, const JudgeRequest& request) {
         rows_.emplace(folder, map::row_name(row_) + ".csv",
                       fmt::format("One row per ray: {} in {}", row_.form->info->name, row_.format.name),
-                      ray_table(dump, request.metrics, request.is_of_file(row_) && dump.layout().decides_only()));
+                      ray_table(dump, request.metrics, request.is_file_row(row_) && dump.layout().decides_only()));
     }
     void send_to(measure::evaluate::Show map) { map_ = std::move(map); }
     void piece(const Chunk& chunk, const measure::evaluate::BandResult& result) {
-        worst_.look_at(chunk.first, result);
+        worst_.add_rays(chunk.first, result);
         for (std::size_t i = 0; rows_ && i < chunk.size(); ++i) rows_->add({&chunk, {&result, i, &row_}});
         map_(result);
     }
@@ -178,15 +179,16 @@ JudgeFiles::JudgeFiles(const JudgeRequest& request, const Dump& dump, JudgeFiles
         p.rows.back()->open_rows(p.options.keep ? "" : p.options.folder, dump, request);
         tables.push_back(p.rows.back()->rows()->about());
     }
-    p.map.emplace(p.map_request, map::MapFilesOptions{.folder = p.options.folder,
-                                                      .drawn_metrics = p.options.drawn_metrics,
-                                                      .single_pictures = p.options.single_pictures,
-                                                      .scene_arguments = "",
-                                                      .other_tables = tables,
-                                                      .ray_arguments = ray_arguments,
-                                                      .is_list = !request.picture,
-                                                      .keep = p.keep_of_map(),
-                                                      .by = request.by ? dump.layout().kept()[*request.by] : ""});
+    p.map.emplace(p.map_request,
+                  map::MapFilesOptions{.folder = p.options.folder,
+                                       .drawn_metrics = p.options.drawn_metrics,
+                                       .single_pictures = p.options.single_pictures,
+                                       .scene_arguments = "",
+                                       .other_tables = tables,
+                                       .ray_arguments = ray_arguments,
+                                       .is_list = !request.picture,
+                                       .keep = p.keep_of_map(),
+                                       .by = request.group_column ? dump.layout().kept()[*request.group_column] : ""});
     if (p.options.worst > 0 && !p.options.keep) p.worst.emplace(p.options.folder / "worst.toml");
     for (std::size_t r = 0; r < p.rows.size(); ++r)
         p.rows[r]->send_to([show = p.map->show(), r](const measure::evaluate::BandResult& band) { show(r, band); });
@@ -219,7 +221,7 @@ bool JudgeFiles::finish(const measure::judge::JudgeResult& result) {
     std::string cases;
     for (std::size_t r = 0; r < p.rows.size(); ++r) {
         for (const ReportedRay& ray : p.rows[r]->worst().all()) {
-            if (ray.given) cases += sweep::case_text(case_name(p.request.rows[r], ray), *ray.given);
+            if (ray.ray_group) cases += sweep::case_text(case_name(p.request.rows[r], ray), *ray.ray_group);
         }
         p.rows[r]->close();
     }
