@@ -84,7 +84,7 @@ std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRay
                 ? intersect::simd::Isa::scalar
                 : intersect::simd::current_isa();
         candidates.push_back({form_row, name_of(isa), {}, quality[r]});
-        work.push_back(scene_work.on(form_row, packed_kernels(*form_row.form, isa)));
+        work.push_back(scene_work.work_for(form_row, packed_kernels(*form_row.form, isa)));
     }
     const auto timings = time_interleaved(work, request.plan);
     for (std::size_t c = 0; c < candidates.size(); ++c) candidates[c].time = timings[c];

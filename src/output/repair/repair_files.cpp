@@ -80,7 +80,7 @@ std::vector<FormRow> rows_of(const RepairSummary& r) {
         timed_rows.push_back(&row);
         points.push_back(point_of(row));
     }
-    const auto is_dominated = dominated(points);
+    const auto is_dominated = find_dominated(points);
     for (std::size_t k = 0; k < timed_rows.size(); ++k) timed_rows[k]->front = !is_dominated[k];
     for (std::size_t k = first_of_catalogue; k < rows.size(); ++k)
         rows[k].is_shown = (rows[k].front || k == first_of_catalogue) && rows[k].row.form != own_row.form;

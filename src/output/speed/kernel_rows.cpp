@@ -26,7 +26,7 @@ std::size_t colour_of(const Format& format) { return format.engine == Format::En
 void add_front(plot::ScatterPlotSpec& spec, const std::vector<FrontPoint>& points) {
     std::vector<ParetoPoint> qualities;
     for (const FrontPoint& p : points) qualities.push_back(p.quality);
-    const auto is_dominated = measure::speed::dominated(qualities);
+    const auto is_dominated = measure::speed::find_dominated(qualities);
     std::vector<std::size_t> front;
     for (std::size_t k = 0; k < points.size(); ++k) {
         const FrontPoint& p = points[k];
