@@ -66,8 +66,8 @@ PixelValue shadow_of(SeenContent seen, Shadow shadow) {
 }
 
 PixelValue certified_pixel(const measure::picture::TrueColour& c) {
-    return c.certain ? PixelValue{.colour = Rgb8{c.byte[0], c.byte[1], c.byte[2]}}
-                     : PixelValue{picture_category::not_proved};
+    return c.is_certain ? PixelValue{.colour = Rgb8{c.byte[0], c.byte[1], c.byte[2]}}
+                        : PixelValue{picture_category::not_proved};
 }
 
 constexpr const char* sheet_note =
@@ -222,13 +222,14 @@ std::vector<study::Note> RenderView::notes(const RenderStudy& study,
 }
 
 std::string thumbnail_note(const RenderSummary& s) {
-    std::string text = s.changed == 0 ? "every pixel right" : share_text(s.changed, s.pixels) + " wrong colour";
-    if (const std::uint64_t wrong = s.seen_wrong())
+    std::string text =
+        s.changed_pixels == 0 ? "every pixel right" : share_text(s.changed_pixels, s.pixels) + " wrong colour";
+    if (const std::uint64_t wrong = s.wrong_pixels())
         text += fmt::format("\n{} wrong sphere", share_text(wrong, s.pixels));
     if (!s.rule.shadows) return text;
     const auto acne = s.count(false, Shadow::own_shadow);
     if (acne > 0) text += fmt::format("\n{} acne", share_text(acne, s.pixels));
-    if (const auto flips = s.flips()) text += fmt::format("{}{} shadow flips", acne > 0 ? ", " : "\n", flips);
+    if (const auto flips = s.flipped_shadows()) text += fmt::format("{}{} shadow flips", acne > 0 ? ", " : "\n", flips);
     return text;
 }
 

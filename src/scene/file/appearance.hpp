@@ -34,9 +34,9 @@ struct ShadowRule {
     /// along the normal by `epsilon` world units, or by `ulps` units in the last place of its largest coordinate.
     enum class Offset : std::uint8_t { none, epsilon, ulp };
 
-    bool half_diffuse = false;       ///< true: half of the diffuse light remains in shadow; false: only ambient light
-    Real background = Real(1) / 2;   ///< factor on the colour of the background in shadow
-    bool tests_left_sphere = false;  ///< true: the sphere that the point lies on is also tested
+    bool half_diffuse = false;      ///< true: half of the diffuse light remains in shadow; false: only ambient light
+    Real background = Real(1) / 2;  ///< factor on the colour of the background in shadow
+    bool tests_departed_sphere = false;  ///< true: the sphere that the point lies on is also tested
     Offset offset = Offset::none;
     Real epsilon = Real(0);
     int ulps = 0;
