@@ -99,7 +99,7 @@ SelectedRay worst_of_scene(std::shared_ptr<const scene::file::Scene> scene, cons
         scene, OneRay(*scene, x, worst.ray->y, {.stop = stop}), form_row.form,
         fmt::format("Pixel {},{}, the worst of {} for this form: {}.\n", x, worst.ray->y, worst.rays, worst.why),
         std::pair{x, worst.ray->y}};
-    found.ray.judge_by(form_row.touching);
+    found.ray.set_touching(form_row.touching);
     return found;
 }
 
@@ -130,7 +130,7 @@ SelectedRay worst_along(const scene::sweep::SweepFile& sweep, const TestedForm& 
                     "form: {}.\n",
                     index_among(sweep.rays(values[worst.summary_index]), *ray), summaries[worst.summary_index].rays,
                     step, worst.rays, summaries.size(), worst.why)};
-    found.ray.judge_by(form_row.touching);
+    found.ray.set_touching(form_row.touching);
     return found;
 }
 
@@ -149,7 +149,7 @@ SelectedRay worst_of_cases(const scene::sweep::CaseFile& file, const TestedForm&
         form_row.form,
         fmt::format("Case \"{}\", ray {} (counted from 0), the worst of {} in {} cases for this form: {}.\n",
                     file.name(worst.summary_index), k, worst.rays, summaries.size(), worst.why)};
-    found.ray.judge_by(form_row.touching);
+    found.ray.set_touching(form_row.touching);
     return found;
 }
 

@@ -1,4 +1,4 @@
-// Rays in pieces of the size that a kernel takes, with buffers for its answers.
+// Rays in pieces of the size that a kernel takes, with buffers for the answers of the kernel.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@
 
 namespace lostbits::measure::answer {
 
-/// Rays `i` to `end` − 1 of the rays stored in eight columns: origin, direction, tmax and tmin. The last two columns
+/// Returns rays `i` to `end` − 1 of the rays in eight columns: origin, direction, tmax and tmin. The last two columns
 /// may be empty.
 template <class S, class Columns>
 intersect::table::RayBatch<S> batch_of(const Columns& columns, std::size_t i, std::size_t end, OpenEnds open) {
@@ -145,21 +145,21 @@ private:
     const scene::rays::RayBlock& rays_;
     std::size_t begin_ = 0, count_ = 0;
     AnswerBuffers<S> buffers_;
-    std::array<std::vector<S>, 8> columns_;  ///< used where the kernels take another type than the block has
+    std::array<std::vector<S>, 8> columns_;  ///< used if the kernels take another type than double
     std::array<std::span<const S>, 8> batch_;
     std::vector<S> nearest_;
     std::vector<std::int32_t> objects_;
 };
 
-/// Keeps a hit of ray p if it comes before the nearest hit so far.
+/// Keeps a hit of a ray if it comes before the nearest hit so far.
 template <class S>
-inline void keep_nearest(S t, std::size_t p, std::int32_t object, Answers& answers) {
-    const bool first = answers.hit[p] == 0 || std::isnan(answers.t[p]);
-    if (!(first || t < answers.t[p]) || (std::isnan(t) && answers.hit[p] != 0)) return;
-    answers.hit[p] = 1;
+inline void keep_nearest(S t, std::size_t ray, std::int32_t primitive, Answers& answers) {
+    const bool is_first = answers.hit[ray] == 0 || std::isnan(answers.t[ray]);
+    if (!(is_first || t < answers.t[ray]) || (std::isnan(t) && answers.hit[ray] != 0)) return;
+    answers.hit[ray] = 1;
     // The sign and payload of a NaN are the compiler's choice; no file may depend on it.
-    answers.t[p] = std::isnan(t) ? truth::missing : t;
-    answers.object[p] = object;
+    answers.t[ray] = std::isnan(t) ? truth::missing : t;
+    answers.object[ray] = primitive;
 }
 
 /// Pairs of rays and their candidates, as columns in the order of the primitives, so that all rays of a primitive are

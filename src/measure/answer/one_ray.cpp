@@ -79,7 +79,7 @@ truth::Certified OneRay::true_t(const intersect::Info& info) const {
 intersect::table::MarchLog march_log(const intersect::table::Intersector& form, const Format& format,
                                      const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
-    return form.log(format, in.ray(*form.info), in.all.target_for(form, 0));
+    return form.log(format, in.ray(*form.info), in.format_inputs.target_for(form, 0));
 }
 
 }  // namespace lostbits::measure::answer
