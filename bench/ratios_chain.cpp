@@ -77,8 +77,8 @@ void print_tapes() {
     const auto inputs = band.inputs(format, {});
     std::printf("\n%-28s %18s\n", "tape of sphere.schoolbook", "million operations/s");
     for (const auto& [name, tape] :
-         {std::pair("in float", plain), std::pair("in double", measure::tape::widened(plain, all, binary64)),
-          std::pair("in two floats", measure::tape::widened(plain, all, measure::tape::two_floats))}) {
+         {std::pair("in float", plain), std::pair("in double", measure::tape::widen_operations(plain, all, binary64)),
+          std::pair("in two floats", measure::tape::widen_operations(plain, all, measure::tape::two_floats))}) {
         const measure::tape::TapeForm row(form, format, tape, "tape", "");
         double best = HUGE_VAL;
         for (int k = 0; k < 9; ++k)

@@ -81,8 +81,8 @@ TEST_CASE("shader bits: a mended form on the driver has the bits of its tape", "
                     if (wider == tape::two_floats && every == 1 && !is_half_b) continue;
                     if (fma && wider == binary64) continue;  // GLSL's own fma of doubles rounds as drivers like
                     const Tape made =
-                        tape::widened(plain, wider == binary32 ? some_of(plain, 0) : some_of(plain, every),
-                                      wider == binary32 ? binary64 : wider);
+                        tape::widen_operations(plain, wider == binary32 ? some_of(plain, 0) : some_of(plain, every),
+                                               wider == binary32 ? binary64 : wider);
                     std::string id = std::string(form_name).substr(std::string(form_name).find('.') + 1);
                     id += std::string("_") + arithmetic + std::to_string(every);
                     const std::string file = folder.write(
@@ -125,7 +125,8 @@ TEST_CASE("shader bits: a function that GLSL lacks is refused with a replacement
     const auto code = [&](const Tape& made) {
         return output::repair::shader_code(made, form, {.name = "f", .title = "f", .source = {}, .head = {}});
     };
-    CHECK_THROWS_WITH(code(tape::widened(plain, some_of(plain, 1), binary64)), Catch::Contains("fma of doubles"));
+    CHECK_THROWS_WITH(code(tape::widen_operations(plain, some_of(plain, 1), binary64)),
+                      Catch::Contains("fma of doubles"));
     CHECK_THROWS_WITH(code(tape::tape_of(form, *find_format("f64"))), Catch::Contains("a shader computes in floats"));
 }
 

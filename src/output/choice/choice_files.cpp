@@ -62,7 +62,7 @@ Table<GrowthMargin> margin_table() {
         {"holds", "1", "the largest factor at which the requirement was met; 0: not even by the scene as it is",
          &GrowthMargin::holding_factor},
         {"value", "the quantity at that factor, in world units or, for view, degrees; missing if holds is 0",
-         [](const GrowthMargin& r) { return when(r.holds != 0, r.value); }},
+         [](const GrowthMargin& r) { return when(r.holding_factor != 0, r.value); }},
         {"beyond", "1", "the smallest larger factor that was tried; missing: none",
          [](const GrowthMargin& r) { return when(r.end_factor != 0, r.end_factor); }},
         {"end",
@@ -103,8 +103,8 @@ Table<InputRow> input_table() {
     using R = InputRow;
     const auto format_of = [](Input input) {
         return [input](const R& r) {
-            if (!r.trial->has(input)) return name_of_inputs(r.obstacle->base);
-            return r.obstacle->wider_than_f64 ? std::string("exact") : name_of_inputs(binary64);
+            if (!r.trial->is_wide(input)) return name_of_inputs(r.obstacle->base_format);
+            return r.obstacle->wide_inputs_are_exact ? std::string("exact") : name_of_inputs(binary64);
         };
     };
     const auto quality_of_exact = [](const R& r) -> const RowQuality& { return r.trial->exact; };

@@ -129,7 +129,7 @@ image::Canvas front_plot(const RepairSummary& r) {
                           .time = row.price ? std::optional(row.price->packed) : std::nullopt,
                           .marker = marker_of(row),
                           .named = is_own,
-                          .hollow = !row.quality->decides(requirement),
+                          .hollow = !row.quality->decides_as_required(requirement),
                           .label = is_own ? row.name : map::short_name(*row.row.form->info)});
     }
     speed::add_front(spec, points);

@@ -312,8 +312,8 @@ TEST_CASE("the safe offsets of a choice are those of the scene in fewer pixels")
         .scene = scene, .rows = {{row}}, .strategies = measure::offset::all_strategies(), .finds_quiet_offset = false};
     const auto all =
         measure::offset::safe_strategies(measure::study::run_study(request).front(), request.strategies, Shape::sphere);
-    REQUIRE(safe->both.size() == all.size());
-    for (std::size_t k = 0; k < all.size(); ++k) CHECK(safe->both[k].strategy == all[k].strategy);
+    REQUIRE(safe->both_sides.size() == all.size());
+    for (std::size_t k = 0; k < all.size(); ++k) CHECK(safe->both_sides[k].strategy == all[k].strategy);
     CHECK_FALSE(safe_offsets(scene_of_choice("sphereflake-near"), row));
 }
 
