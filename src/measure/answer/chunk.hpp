@@ -76,8 +76,8 @@ public:
         : rays_(rays),
           buffers_(std::min(capacity, rays.size())),
           columns_(buffers_for_columns()),
-          nearest_(buffers_.hit.size()),
-          objects_(buffers_.hit.size()) {}
+          nearest_t_(buffers_.hit.size()),
+          nearest_primitives_(buffers_.hit.size()) {}
 
     /// Takes the rays from `begin` up to, but not including, `begin + capacity`, or to the last ray.
     void move_to(std::size_t begin) {
@@ -95,8 +95,8 @@ public:
                 batch_[k] = std::span(columns_[k]).first(count_);
             }
         }
-        std::ranges::fill(nearest_, std::numeric_limits<S>::quiet_NaN());
-        std::ranges::fill(objects_, -1);
+        std::ranges::fill(nearest_t_, std::numeric_limits<S>::quiet_NaN());
+        std::ranges::fill(nearest_primitives_, -1);
     }
 
     [[nodiscard]] std::size_t begin() const { return begin_; }
@@ -113,24 +113,24 @@ public:
         columns::keep_nearest(columns::RawHits<S>{.size = count_,
                                                   .t = buffers_.t.data(),
                                                   .hit = buffers_.hit.data(),
-                                                  .nearest = nearest_.data(),
-                                                  .objects = objects_.data(),
-                                                  .object = static_cast<std::int32_t>(primitive)});
+                                                  .nearest = nearest_t_.data(),
+                                                  .nearest_primitives = nearest_primitives_.data(),
+                                                  .primitive = static_cast<std::int32_t>(primitive)});
     }
     /// Writes the nearest hit of every ray.
     void write_to(Answers& answers) const {
-        const std::int32_t* const objects = objects_.data();
-        const S* const nearest = nearest_.data();
+        const std::int32_t* const primitives = nearest_primitives_.data();
+        const S* const nearest_t = nearest_t_.data();
         double* const t_out = answers.t.data() + begin_;
         std::uint8_t* const hit_out = answers.hit.data() + begin_;
         const std::size_t count = count_;
-        for (std::size_t i = 0; i < count; ++i) hit_out[i] = objects[i] >= 0;
+        for (std::size_t i = 0; i < count; ++i) hit_out[i] = primitives[i] >= 0;
         for (std::size_t i = 0; i < count; ++i) {
-            const auto t = static_cast<double>(nearest[i]);
+            const auto t = static_cast<double>(nearest_t[i]);
             // The sign and payload of a NaN are the compiler's choice; no file may depend on it.
-            t_out[i] = objects[i] < 0 ? 0 : t == t ? t : truth::missing;
+            t_out[i] = primitives[i] < 0 ? 0 : t == t ? t : truth::missing;
         }
-        std::copy_n(objects, count, answers.object.data() + begin_);
+        std::copy_n(primitives, count, answers.object.data() + begin_);
     }
 
 private:
@@ -147,8 +147,8 @@ private:
     AnswerBuffers<S> buffers_;
     std::array<std::vector<S>, 8> columns_;  ///< used if the kernels take another type than double
     std::array<std::span<const S>, 8> batch_;
-    std::vector<S> nearest_;
-    std::vector<std::int32_t> objects_;
+    std::vector<S> nearest_t_;
+    std::vector<std::int32_t> nearest_primitives_;
 };
 
 /// Keeps a hit of a ray if it comes before the nearest hit so far.

@@ -72,8 +72,8 @@ double OneRay::reach(const intersect::Info& info, const Format& format) const {
 }
 
 truth::Certified OneRay::true_t(const intersect::Info& info) const {
-    const truth::Truth found = truth(info);
-    return info.direction == intersect::Direction::unit ? found.distance : found.t;
+    const truth::Truth ray_truth = truth(info);
+    return info.direction == intersect::Direction::unit ? ray_truth.distance : ray_truth.t;
 }
 
 intersect::table::MarchLog march_log(const intersect::table::Intersector& form, const Format& format,

@@ -63,10 +63,10 @@ public:
     /// primitives have no mesh or the ray truly misses.
     [[nodiscard]] Outcome outcome(const Inputs& inputs, const Answers& answers, const intersect::Info& info,
                                   Outcome plain_outcome) const {
-        const truth::Truth found = truth(info);
-        return found.is_hit() ? outcome_in_mesh({answers, inputs.format_inputs, *band_, convention(info)}, index_,
-                                                found.object, plain_outcome)
-                              : plain_outcome;
+        const truth::Truth ray_truth = truth(info);
+        return ray_truth.is_hit() ? outcome_in_mesh({answers, inputs.format_inputs, *band_, convention(info)}, index_,
+                                                    ray_truth.object, plain_outcome)
+                                  : plain_outcome;
     }
     /// True if the ray truly meets this primitive first, alone or together with others.
     [[nodiscard]] bool meets_first(std::int32_t primitive, const intersect::Info& info) const {

@@ -86,9 +86,9 @@ void find_narrowest(RequirementMap& map, const std::vector<TestedForm>& rows,
     for (std::size_t i = 0; i < map.pixels(); ++i) {
         int narrowest = RequirementMap::none;
         for (std::size_t f = 0; f < forms_by_format.size(); ++f) {
-            const int found = first_at(forms_by_format[f], i);
-            if (found >= 0) ++map.pixels_any_form_meets[f];
-            if (narrowest < 0 && found != RequirementMap::none) narrowest = found;
+            const int first = first_at(forms_by_format[f], i);
+            if (first >= 0) ++map.pixels_any_form_meets[f];
+            if (narrowest < 0 && first != RequirementMap::none) narrowest = first;
         }
         map.narrowest.push_back(narrowest);
     }

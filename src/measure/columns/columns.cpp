@@ -185,11 +185,11 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
     for (std::size_t begin = 0; begin < answers.size(); begin += rays_per_block) {
         const std::size_t size = std::min(rays_per_block, answers.size() - begin);
         for (std::size_t i = 0; points.primitives.size() > 1 && i < size; ++i) {
-            const auto object = static_cast<std::size_t>(std::max(0, points.objects[begin + i]));
-            if (object < listed.size()) {
-                for (std::size_t k = 0; k < most_numbers; ++k) numbers[k][i] = listed[object].numbers[k];
+            const auto primitive = static_cast<std::size_t>(std::max(0, points.primitive_indices[begin + i]));
+            if (primitive < listed.size()) {
+                for (std::size_t k = 0; k < most_numbers; ++k) numbers[k][i] = listed[primitive].numbers[k];
             } else {
-                load_primitive(i, object);
+                load_primitive(i, primitive);
             }
         }
         BlockIndices block_indices;

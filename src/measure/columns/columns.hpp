@@ -59,12 +59,12 @@ struct ErrorColumns {
 double find_errors(std::span<const double> answers, const TrueLengths& truth, const FloatFormat& format,
                    const ErrorColumns& out, std::vector<std::uint32_t>& unhandled);
 
-/// Inputs of hit points: the rays as the form received them, and the primitives. `objects` names the primitive of each
-/// measured answer.
+/// Inputs of hit points: the rays as the form received them, and the primitives. `primitive_indices` names the
+/// primitive of each measured answer.
 struct HitPoints {
     const scene::rays::RayBlock& rays;
     const scene::rays::PrimitiveList<double>& primitives;
-    std::span<const std::int32_t> objects;
+    std::span<const std::int32_t> primitive_indices;
     Format::Engine engine;
 };
 

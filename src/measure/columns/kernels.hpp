@@ -177,16 +177,16 @@ template <class F, class Width>
     const F* __restrict const t = batch.t;
     const std::uint8_t* __restrict const hit = batch.hit;
     F* __restrict const nearest = batch.nearest;
-    std::int32_t* __restrict const objects = batch.objects;
-    const std::int32_t object = batch.object;
+    std::int32_t* __restrict const nearest_primitives = batch.nearest_primitives;
+    const std::int32_t primitive = batch.primitive;
     const std::size_t size = batch.size;
     for (std::size_t i = 0; i < size; ++i) {
         const F x = t[i], old_nearest = nearest[i];
-        const bool is_first = objects[i] < 0;
+        const bool is_first = nearest_primitives[i] < 0;
         const bool is_nearer = x < old_nearest || old_nearest != old_nearest;
         const bool is_kept = hit[i] != 0 && (is_first || (is_nearer && x == x));
         nearest[i] = is_kept ? x : old_nearest;
-        objects[i] = is_kept ? object : objects[i];
+        nearest_primitives[i] = is_kept ? primitive : nearest_primitives[i];
     }
 }
 

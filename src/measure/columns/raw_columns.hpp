@@ -53,15 +53,15 @@ struct RawSizes {
 };
 inline constexpr double largest_summed = 0x1p+900;
 
-/// Hits with one more primitive. A kernel keeps each hit that comes before the nearest hit so far.
+/// Hits with one primitive. A kernel keeps each hit that comes before the nearest hit so far.
 template <class F>
 struct RawHits {
     std::size_t size;
     const F* t;
     const std::uint8_t* hit;
-    F* nearest;             ///< NaN if nothing is hit yet, or if the hit is at NaN
-    std::int32_t* objects;  ///< −1 if nothing is hit yet
-    std::int32_t object;
+    F* nearest;                        ///< NaN if nothing is hit yet, or if the hit is at NaN
+    std::int32_t* nearest_primitives;  ///< −1 if nothing is hit yet
+    std::int32_t primitive;            ///< index of this primitive
 };
 
 struct RawKernels {

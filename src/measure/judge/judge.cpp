@@ -264,10 +264,10 @@ private:
             const truth::Truth truth = piece.band->truth(i, form_row.convention());
             const bool hit = piece.answers.hit[i] != 0;
             if (truth.decision == truth::Truth::Decision::unresolved || !(hit || truth.is_hit())) continue;
-            const int object = truth.is_hit() ? truth.object : piece.answers.object[i];
-            result_.first_samples.push_back(contract::answer_sample(inputs.rays_for(*form_row.form->info)[i],
-                                                                    inputs.primitives[static_cast<std::size_t>(object)],
-                                                                    truth, form_row, hit, piece.answers.t[i]));
+            const int primitive = truth.is_hit() ? truth.object : piece.answers.object[i];
+            result_.first_samples.push_back(contract::answer_sample(
+                inputs.rays_for(*form_row.form->info)[i], inputs.primitives[static_cast<std::size_t>(primitive)], truth,
+                form_row, hit, piece.answers.t[i]));
         }
     }
 

@@ -37,12 +37,12 @@ void for_each_pixel_in(const Format& format, std::size_t count, intersect::proce
 
 bool is_finite(const Vec<double>& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-SeenContent content_of(const Truth& truth, bool hit, double t, std::int32_t object) {
+SeenContent content_of(const Truth& truth, bool hit, double t, std::int32_t primitive) {
     if (truth.decision == Truth::Decision::unresolved) return SeenContent::unresolved;
     if (hit && std::isnan(t)) return SeenContent::not_a_number;
     if (!truth.is_hit()) return hit ? SeenContent::extra_sphere : SeenContent::background;
     if (!hit) return SeenContent::lost_sphere;
-    return object == truth.object ? SeenContent::same_sphere : SeenContent::other_sphere;
+    return primitive == truth.object ? SeenContent::same_sphere : SeenContent::other_sphere;
 }
 
 /// Returns the angle between n as computed (of any length) and the true unit normal N: atan2(|n × N|, n·N). The

@@ -156,9 +156,9 @@ public:
 
 private:
     template <class E>
-    bool find_surface_pixel(std::size_t i, std::size_t object, TruePixel& pixel) const {
+    bool find_surface_pixel(std::size_t i, std::size_t primitive_index, TruePixel& pixel) const {
         const Ray<E> ray = lift_ray<E>(rays_[i]);
-        const Primitive<E> primitive = lift_primitive<E>(primitives_[object]);
+        const Primitive<E> primitive = lift_primitive<E>(primitives_[primitive_index]);
         const ObjectQuery<E> query(ray, primitive);
         const truth::Enclosed<E> enclosed = query.enclosed();
         if (!enclosed.hit.is_yes()) return false;
@@ -178,11 +178,11 @@ private:
             const Tri faces_light = dot(n, l) > E(0);
             pixel.faces_light = faces_light.is_yes();
             if (casts_shadows_) {
-                shadowed = in_shadow<E>(p, light, object);
+                shadowed = in_shadow<E>(p, light, primitive_index);
                 is_proved &= find_shadow(faces_light.is_unknown() ? Tri(Tri::unknown) : shadowed, pixel.shadow);
             }
         }
-        const Paint<E> paint = lifted(appearance_.paints[object], lift<E, S>);
+        const Paint<E> paint = lifted(appearance_.paints[primitive_index], lift<E, S>);
         for (const auto& [stage, rule] : rules_)
             is_proved &= find_colour(shade<E>(paint, rule, shadowed, {n, l, v}), pixel.colours[stage]);
         return is_proved;

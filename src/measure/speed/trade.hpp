@@ -73,8 +73,8 @@ struct TradeResult {
     std::vector<std::size_t> row_indices;                  ///< [kernel]: index of the row with its accuracy
     std::vector<std::vector<evaluate::FormSummary>> rows;  ///< [ray set][row]
 
-    [[nodiscard]] const evaluate::FormSummary& accuracy(std::size_t set, std::size_t kernel) const {
-        return rows[set][row_indices[kernel]];
+    [[nodiscard]] const evaluate::FormSummary& accuracy(std::size_t ray_set, std::size_t kernel) const {
+        return rows[ray_set][row_indices[kernel]];
     }
 };
 TradeResult run_trade(const TradeRequest& request);

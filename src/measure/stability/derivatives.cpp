@@ -65,9 +65,9 @@ bool any_crossing(const Ray<double>& ray, const Primitive<double>& primitive, Ra
     intersect::Convention convention;
     convention.inside = intersect::Inside::exit;
     for (int k = 0; k < 3 && range.holds_any(); ++k) {
-        const truth::Truth found = truth::find_truth(ray, primitive, {}, convention, range);
-        if (!found.is_hit()) return false;
-        const double t = truth::round_certified(found.t, binary64).value_or(found.t.hi);
+        const truth::Truth crossing = truth::find_truth(ray, primitive, {}, convention, range);
+        if (!crossing.is_hit()) return false;
+        const double t = truth::round_certified(crossing.t, binary64).value_or(crossing.t.hi);
         if (is_match(t)) return true;
         range = {.tmin = std::nextafter(t, HUGE_VAL)};
     }

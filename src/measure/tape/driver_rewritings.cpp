@@ -76,11 +76,12 @@ std::optional<NodeId> fuse_product(TapeCopy& copy, NodeId i) {
 std::optional<NodeId> reorder_sum(TapeCopy& copy, NodeId i) {
     const TapeNode& node = copy.source_node(i);
     if (node.op != TapeOp::add) return {};
-    const NodeId left = node.operands[0];
-    if (copy.source_node(left).op != TapeOp::add || !copy.is_used_once(left)) return {};
-    const NodeId last = copy.add(
-        TapeOp::add, i, {copy.copy_of(copy.source_node(left).operands[1]), copy.copy_of(node.operands[1]), no_node});
-    return copy.add(TapeOp::add, i, {copy.copy_of(copy.source_node(left).operands[0]), last, no_node});
+    const NodeId first_sum = node.operands[0];
+    if (copy.source_node(first_sum).op != TapeOp::add || !copy.is_used_once(first_sum)) return {};
+    const NodeId last =
+        copy.add(TapeOp::add, i,
+                 {copy.copy_of(copy.source_node(first_sum).operands[1]), copy.copy_of(node.operands[1]), no_node});
+    return copy.add(TapeOp::add, i, {copy.copy_of(copy.source_node(first_sum).operands[0]), last, no_node});
 }
 
 std::optional<NodeId> round_twice(TapeCopy& copy, NodeId i) {
