@@ -44,9 +44,11 @@ struct RowQuality {
     [[nodiscard]] double wrong_fraction() const {
         return rays == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(rays);
     }
-    [[nodiscard]] bool decides(const Requirement& requirement) const { return wrong_fraction() <= requirement.wrong; }
+    [[nodiscard]] bool decides_as_required(const Requirement& requirement) const {
+        return wrong_fraction() <= requirement.wrong;
+    }
     [[nodiscard]] bool meets(const Requirement& requirement) const {
-        return decides(requirement) && kept_bits >= requirement.bits &&
+        return decides_as_required(requirement) && kept_bits >= requirement.bits &&
                (!requirement.has_tolerance() || distance_error <= requirement.tolerance);
     }
 };

@@ -48,7 +48,8 @@ std::string action_of(const MarchLog& log, std::size_t step, const intersect::Ma
 std::optional<MarchEnd> end_of_march(const intersect::table::Intersector& form, const Format& format,
                                      const measure::answer::OneRay& ray) {
     if (!form.log) return {};
-    return MarchEnd{measure::answer::march_log(form, format, ray), ray.inputs(form, format).all.march.value()};
+    return MarchEnd{measure::answer::march_log(form, format, ray),
+                    ray.inputs(form, format).format_inputs.march.value()};
 }
 
 std::string march_samples(const MarchEnd& march, const Format& format) {
