@@ -110,7 +110,7 @@ TEST_CASE("a kernel that does not exist is not timed", "[timing]") {
     CHECK_FALSE(rays.work_for({"sphere.double_inside", "128", "f64"}).has_value());
     REQUIRE(rays.work_for({"sphere.unified", "128", "f64"}).has_value());
     rays.work_for({"sphere.unified", "128", "f64"})->pass();
-    CHECK(std::abs(rays.f64(Shape::sphere)->found() - 0.5) < 0.02);
+    CHECK(std::abs(rays.f64(Shape::sphere)->hit_share() - 0.5) < 0.02);
     CHECK(measure::speed::working_set_bytes("l2", {1000, 2000, 4000}) == 1000);
     CHECK(measure::speed::working_set_bytes("l3", {1000, 2000, 4000}) == 0);
 }
